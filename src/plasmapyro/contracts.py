@@ -1,0 +1,135 @@
+"""What every netCDF file between two stages must contain: names, dims, units, ranges.
+
+`VARIABLES` says once what a name means; `DATASETS` says which names a file holds, on which dims.
+A name in `DATASETS` that ends in '?' is optional.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+
+class ContractError(ValueError):
+    """A dataset does not honour its contract; the message lists every breach."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    units: str  # "" for text
+    long_name: str
+    low: float = -inf
+    high: float = inf
+    nan_allowed: bool = False
+    standard_name: str = ""
+
+
+RADIANCE = "W m-2 sr-1 m-1"
+
+VARIABLES = {
+    # coordinates
+    "condition": Variable("", "power condition"),
+    "species": Variable("", "chemical species"),
+    "component": Variable("", "radiating system"),
+    "band": Variable("", "pyrometer band"),
+    "wavelength": Variable("m", "wavelength in vacuum", 1e-7, 2e-5, standard_name="radiation_wavelength"),
+    "wavelength_slit": Variable("m", "wavelength in vacuum, slit-convolved view", 1e-7, 2e-5),
+    "time": Variable("s", "time since injection", nan_allowed=False),
+    "spectrum_time": Variable("s", "time since injection, middle of each exposure"),
+    # gas
+    "temperature": Variable("K", "temperature", 100, 3e4),
+    "pressure": Variable("Pa", "absolute pressure", 1, 1e7),
+    "mole_fraction": Variable("1", "mole fraction", 0, 1 + 1e-9),
+    "density": Variable("kg m-3", "density", 0, 1e3),
+    "enthalpy": Variable("J kg-1", "specific enthalpy, equilibrium", -1e7, 1e10),
+    "heat_capacity": Variable("J kg-1 K-1", "equilibrium specific heat at constant pressure", 0, 1e7),
+    "viscosity": Variable("Pa s", "dynamic viscosity", 0, 1),
+    "thermal_conductivity": Variable(
+        "W m-1 K-1", "total thermal conductivity, reactive part included", 0, 1e3
+    ),
+    "electrical_conductivity": Variable("S m-1", "electrical conductivity", 0, 1e6),
+    # sight line
+    "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
+    "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
+    "radial_position": Variable("m", "distance from the jet axis", 0, 100),
+    "number_density": Variable("m-3", "number density", 0, 1e28),
+}
+
+DATASETS = {
+    "gas": {
+        "pressure": ("pressure",),
+        "temperature": ("temperature",),
+        "species": ("species",),
+        "mole_fraction": ("pressure", "temperature", "species"),
+        **{
+            name: ("pressure", "temperature")
+            for name in (
+                "density",
+                "enthalpy",
+                "heat_capacity",
+                "viscosity",
+                "thermal_conductivity",
+                "electrical_conductivity",
+            )
+        },
+    },
+    "sightline": {
+        "path_distance": ("path_distance",),
+        "species": ("species",),
+        "temperature": ("path_distance",),
+        "pressure": ("path_distance",),
+        "number_density": ("species", "path_distance"),
+        "axial_position?": ("path_distance",),
+        "radial_position?": ("path_distance",),
+    },
+}
+
+
+def _breaches_of(found, name, dims, rule):
+    if found.dims != dims:
+        yield f"{name}: dims {found.dims}, expected {dims}"
+    if rule.units == "":
+        if found.dtype.kind not in "OUST":
+            yield f"{name}: must be text, is {found.dtype}"
+        return
+    if found.attrs.get("units") != rule.units:
+        yield f"{name}: units {found.attrs.get('units')!r}, expected {rule.units!r}"
+    values = np.asarray(found.values)
+    if values.dtype.kind not in "fiu":
+        yield f"{name}: must be numbers, is {values.dtype}"
+        return
+    if not rule.nan_allowed and np.isnan(values).any():
+        yield f"{name}: NaN not allowed"
+    outside = (values < rule.low) | (values > rule.high)
+    if outside.any():
+        yield f"{name}: {values[outside].flat[0]:g} {rule.units} outside [{rule.low:g}, {rule.high:g}]"
+
+
+def check(dataset, contract):
+    """Raise ContractError naming all breaches of `contract` in `dataset`; return the dataset."""
+    breaches = []
+    for key, dims in DATASETS[contract].items():
+        name = key.rstrip("?")
+        if name in dataset.variables:
+            breaches += _breaches_of(dataset[name], name, dims, VARIABLES[name])
+        elif key == name:
+            breaches.append(f"{name}: missing")
+    if breaches:
+        raise ContractError(f"not a valid '{contract}' dataset:\n  " + "\n  ".join(breaches))
+    return dataset
+
+
+def label(dataset, contract):
+    """Return a copy of `dataset` whose variables carry the registered units, long and standard names."""
+    dataset = dataset.copy()
+    for key in DATASETS[contract]:
+        name = key.rstrip("?")
+        if name in dataset.variables:
+            rule = VARIABLES[name]
+            attributes = {"long_name": rule.long_name}
+            if rule.units:
+                attributes["units"] = rule.units
+            if rule.standard_name:
+                attributes["standard_name"] = rule.standard_name
+            dataset[name].attrs.update(attributes)
+    return dataset

@@ -1,0 +1,90 @@
+"""Reading and writing stage files. The only module that opens or creates netCDF."""
+
+import hashlib
+import json
+import logging
+import os
+from importlib.metadata import version
+from pathlib import Path
+
+import xarray as xr
+
+from plasmapyro import contracts
+from plasmapyro.tables import ORIGINS, weakest
+
+
+def read(path, contract):
+    """Load a stage file and check it against its contract.
+
+    Raises
+    ------
+    ContractError
+        If the file cannot be read as netCDF or breaches the contract; the message names the file.
+    """
+    try:
+        dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False)
+    except FileNotFoundError:
+        raise contracts.ContractError(f"{path}: no such file") from None
+    except (OSError, ValueError, RuntimeError) as fault:
+        raise contracts.ContractError(f"{path}: not a readable netCDF file ({fault})") from fault
+    try:
+        return contracts.check(dataset, contract)
+    except contracts.ContractError as fault:
+        raise contracts.ContractError(f"{path}: {fault}") from None
+
+
+def write(dataset, path, contract, *, sources=(), config=None):
+    """Label, check and store a stage file, whole or not at all.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Its attribute `origin` (default 'modelled') is weakened to the weakest origin of the sources;
+        other attributes are kept.
+    path : path of the netCDF file
+    contract : name in `contracts.DATASETS`
+    sources : paths of the files it was made from; their SHA-256 are stored
+    config : mapping of the configuration values it depends on, stored as JSON
+    """
+    dataset = contracts.check(contracts.label(dataset, contract), contract)
+    origins = [dataset.attrs.get("origin", "modelled"), *(_origin(source) for source in sources)]
+    dataset.attrs = {
+        "Conventions": "CF-1.10",
+        **dataset.attrs,
+        "contract": contract,
+        "origin": weakest(origin for origin in origins if origin),
+        "plasmapyro_version": version("plasmapyro"),
+        "configuration": json.dumps(config or {}, sort_keys=True, default=str),
+        "sources": "\n".join(f"{digest(source)}  {source}" for source in sources),
+    }
+    for variable in dataset.variables.values():
+        variable.encoding = (
+            {"_FillValue": None} if variable.dtype.kind != "f" else {"_FillValue": float("nan")}
+        )
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    try:
+        dataset.to_netcdf(part, engine="netcdf4")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _origin(path):
+    if Path(path).suffix != ".nc":
+        return None
+    with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+        origin = dataset.attrs.get("origin")
+    return origin if origin in ORIGINS else None
+
+
+def digest(path):
+    """SHA-256 of a file, in hexadecimal."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def log_to(path):
+    """Send the log records and warnings of this process to `path`."""
+    logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.captureWarnings(True)

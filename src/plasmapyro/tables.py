@@ -1,0 +1,88 @@
+"""Loader of the data tables in `plasmapyro/data`; a table without a valid certificate is refused."""
+
+import csv
+import hashlib
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+import yaml
+
+ORIGINS = ("measured", "published", "digitised", "modelled", "synthetic")  # strongest first
+CERTIFICATE_KEYS = {"title", "source", "origin", "obtained", "licence", "valid", "uncertainty", "sha256"}
+TO_SI = {
+    "1": 1.0,
+    "%": 1e-2,
+    "K": 1.0,
+    "m": 1.0,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "Angstrom": 1e-10,
+    "Angstrom2": 1e-20,
+    "cm2": 1e-4,
+    "Mb": 1e-22,
+    "cm-1": 1e2,
+    "m-1": 1.0,
+    "s-1": 1.0,
+    "u": 1.0,
+    "J mol-1": 1.0,
+    "cm-3": 1e6,
+    "cm4 dyn-1": 1e-3,  # absorption per neutral density and electron pressure: cm4/dyn = 1e-8 m4 / 1e-5 N
+    "e a0": 1.0,  # transition moment, kept in atomic units
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of a data table in SI (name -> array; text columns as object arrays) and its origin."""
+
+    columns: dict
+    origin: str
+    source: str
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+
+def weakest(origins):
+    """The weakest of several origins (see `ORIGINS`); 'measured' for none."""
+    return max(origins, key=ORIGINS.index, default=ORIGINS[0])
+
+
+def load(name):
+    """Load `data/<name>.csv` (header cells 'column [unit]', unit 'text' for words) with its certificate.
+
+    Raises
+    ------
+    ValueError
+        Missing certificate or key, digest that differs, unknown unit or origin, ragged row.
+    """
+    folder = files("plasmapyro") / "data"
+    content = (folder / f"{name}.csv").read_bytes()
+    try:
+        certificate = yaml.safe_load((folder / f"{name}.yml").read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ValueError(f"table {name} has no certificate {name}.yml") from None
+    missing = CERTIFICATE_KEYS - set(certificate)
+    if missing:
+        raise ValueError(f"certificate of table {name} lacks {', '.join(sorted(missing))}")
+    if certificate["origin"] not in ORIGINS:
+        raise ValueError(f"certificate of table {name}: unknown origin {certificate['origin']!r}")
+    found = hashlib.sha256(content).hexdigest()
+    if found != certificate["sha256"]:
+        raise ValueError(f"table {name} was changed: sha256 is {found}, certificate says otherwise")
+    header, *rows = csv.reader(content.decode("utf-8").splitlines())
+    columns = {}
+    for index, cell in enumerate(header):
+        label, _, unit = cell.rstrip("]").partition(" [")
+        try:
+            words = [row[index] for row in rows]
+        except IndexError:
+            raise ValueError(f"table {name}: a row has fewer than {len(header)} cells") from None
+        if unit == "text":
+            columns[label] = np.array(words, dtype=object)
+        elif unit in TO_SI:
+            columns[label] = np.array([float(w) if w else np.nan for w in words]) * TO_SI[unit]
+        else:
+            raise ValueError(f"table {name}: column {label!r} has unknown unit {unit!r}")
+    return Table(columns, certificate["origin"], certificate["source"])
