@@ -16,5 +16,3 @@ BOHR_RADIUS = physical_constants["Bohr radius"][0]  # [m]
 FIRST_RADIATION = 2 * PLANCK * LIGHT_SPEED**2  # [W m2 sr-1]
 SECOND_RADIATION = PLANCK * LIGHT_SPEED / BOLTZMANN  # [m K]
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], exact by definition
-
-__all__ = [name for name in globals() if name.isupper()]
