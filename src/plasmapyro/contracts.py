@@ -48,6 +48,30 @@ VARIABLES = {
         "W m-1 K-1", "total thermal conductivity, reactive part included", 0, 1e3
     ),
     "electrical_conductivity": Variable("S m-1", "electrical conductivity", 0, 1e6),
+    # flow
+    "mesh": Variable("1", "UGRID topology of the triangles (attributes only)"),
+    "node_z": Variable("m", "axial position of the node, 0 at the torch back wall", -100, 100),
+    "node_r": Variable("m", "distance of the node from the axis", 0, 100),
+    "face_node": Variable("1", "vertices of the triangle, counter-clockwise in (z, r)", 0),
+    "face_midnode": Variable("1", "middle node of the edge from corner k to corner k+1 (mod 3)", 0),
+    "axial_velocity": Variable("m s-1", "axial velocity", -5e3, 5e3),
+    "radial_velocity": Variable("m s-1", "radial velocity, outward", -5e3, 5e3),
+    "joule_heating": Variable("W m-3", "Joule heating, mean over a field period", 0, 1e12),
+    "numerical_power": Variable("W", "Joule power of the simulated plasma", 0, 1e8),
+    "chamber_pressure": Variable("Pa", "static pressure of the chamber", 1, 1e7),
+    "mass_flow_rate": Variable("kg s-1", "gas fed through the inlet slot", 0, 10),
+    "coil_current": Variable("A", "amplitude of the coil current", 0, 1e6),
+    "equivalent_resistance": Variable("ohm", "plasma resistance seen by the coil", 0, 1e3),
+    "boundary": Variable("", "part of the boundary"),
+    "boundary_mass_flow": Variable("kg s-1", "mass leaving through the boundary", -10, 10),
+    "boundary_enthalpy_flow": Variable("W", "enthalpy leaving with the gas, zero at the wall temperature"),
+    "boundary_heat_flow": Variable("W", "conducted heat leaving through the boundary"),
+    "mass_imbalance": Variable("1", "net mass outflow over gross mass outflow", -1, 1),
+    "energy_imbalance": Variable("1", "net energy outflow minus Joule power, over Joule power", -1, 1),
+    "residual_norm": Variable("1", "norm of the discrete residual over that of the first step", 0),
+    "velocity_change": Variable("m s-1", "largest velocity change of the step", 0),
+    "temperature_change": Variable("1", "largest relative temperature change of the step", 0),
+    "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
     # sight line
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
@@ -71,6 +95,38 @@ DATASETS = {
                 "thermal_conductivity",
                 "electrical_conductivity",
             )
+        },
+    },
+    "flow": {
+        "mesh": (),
+        "node_z": ("node",),
+        "node_r": ("node",),
+        "face_node": ("face", "corner"),
+        "face_midnode": ("face", "corner"),
+        **{
+            name: ("node",)
+            for name in ("temperature", "pressure", "axial_velocity", "radial_velocity", "joule_heating")
+        },
+        **{
+            name: ()
+            for name in (
+                "numerical_power",
+                "chamber_pressure",
+                "mass_flow_rate",
+                "coil_current",
+                "equivalent_resistance",
+                "mass_imbalance",
+                "energy_imbalance",
+            )
+        },
+        "boundary": ("boundary",),
+        **{
+            name: ("boundary",)
+            for name in ("boundary_mass_flow", "boundary_enthalpy_flow", "boundary_heat_flow")
+        },
+        **{
+            name: ("iteration",)
+            for name in ("residual_norm", "velocity_change", "temperature_change", "cfl_number")
         },
     },
     "sightline": {
