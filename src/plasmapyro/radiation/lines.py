@@ -1,0 +1,124 @@
+"""What a radiating system is to the engine: a list of lines with their levels and width coefficients."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from plasmapyro.checks import non_negative, positive
+
+WIDTH_REFERENCE_TEMPERATURE = 1e4  # [K], of the Stark and van der Waals coefficients below
+VAN_DER_WAALS_EXPONENT = 0.3  # [1], mean speed to the power 3/5
+ENERGY_CLOSURE = (
+    1e-3  # [1], relative; E_u - E_l may differ from the wavenumber by rounding of level tables only
+)
+
+_NUMBERS = {
+    "wavenumber": "m-1",
+    "upper_energy": "m-1",
+    "lower_energy": "m-1",
+    "upper_degeneracy": "1",
+    "lower_degeneracy": "1",
+    "einstein_a": "s-1",
+    "natural_hwhm": "m-1",
+    "stark_hwhm": "m2",
+    "stark_exponent": "1",
+    "van_der_waals_hwhm": "m2",
+    "resonance_hwhm": "m2",
+}
+_POSITIVE = ("wavenumber", "upper_degeneracy", "lower_degeneracy")
+
+
+@dataclass(frozen=True)
+class LineList:
+    r"""Lines of one radiating system, atomic or molecular; every number is an array over the lines.
+
+    Half widths at half maximum of the Lorentz part add up as
+
+    .. math:: \gamma = \gamma_{nat} + w_S n_e (T/T_0)^{m} + w_W n_0 (T/T_0)^{0.3} + w_R n_s,
+              \qquad T_0 = 10^4\ \mathrm{K},
+
+    with electron density :math:`n_e`, density of all neutral particles :math:`n_0` and of the
+    species itself :math:`n_s`.
+
+    Parameters
+    ----------
+    component : name of the radiating system in the results ('N I', 'O I', 'N2 1P', ...)
+    species : gas species that radiates ('N', 'O', 'N2', ...); its number density and partition function count
+    wavenumber : (L,) [m-1]
+        In vacuum, > 0.
+    upper_energy, lower_energy : (L,) [m-1]
+        Of the levels, above the lowest level of the species (the zero of its partition function).
+    upper_degeneracy, lower_degeneracy : (L,) [1]
+        Statistical weights, > 0. For molecules the rotational level's weight times its nuclear-spin
+        weight divided by the total spin degeneracy (N2: 2/3 or 1/3), as in the partition function.
+    einstein_a : (L,) [s-1]
+        Probability of spontaneous emission of the line, >= 0: from one state of the upper level to all
+        states of the lower.
+    natural_hwhm : (L,) [m-1]
+    stark_hwhm : (L,) [m2] = [m-1 per m-3]
+        :math:`w_S`, per electron density at :math:`T_0`.
+    stark_exponent : (L,) [1]
+        :math:`m`.
+    van_der_waals_hwhm : (L,) [m2]
+        :math:`w_W`, per density of neutral particles at :math:`T_0`.
+    resonance_hwhm : (L,) [m2]
+        :math:`w_R`, per density of the own species.
+    origin : weakest origin of the tables behind the list (see `tables.ORIGINS`)
+
+    A scalar given for a number is spread over the lines.
+
+    Raises
+    ------
+    ValueError
+        Shapes that differ, NaN, a value out of range, or energies that do not differ by the wavenumber.
+    """
+
+    component: str
+    species: str
+    wavenumber: np.ndarray
+    upper_energy: np.ndarray
+    lower_energy: np.ndarray
+    upper_degeneracy: np.ndarray
+    lower_degeneracy: np.ndarray
+    einstein_a: np.ndarray
+    natural_hwhm: np.ndarray = 0.0
+    stark_hwhm: np.ndarray = 0.0
+    stark_exponent: np.ndarray = 0.0
+    van_der_waals_hwhm: np.ndarray = 0.0
+    resonance_hwhm: np.ndarray = 0.0
+    origin: str = "published"
+
+    def __post_init__(self):
+        shape = np.shape(self.wavenumber)
+        if len(shape) != 1:
+            raise ValueError(
+                f"lines of {self.component}: wavenumber must be one-dimensional; got shape {shape}"
+            )
+        for name, unit in _NUMBERS.items():
+            guard = positive if name in _POSITIVE else non_negative
+            if name == "stark_exponent":
+                values = np.asarray(self.stark_exponent, dtype=float)
+                if not np.isfinite(values).all():
+                    raise ValueError(f"lines of {self.component}: stark_exponent must be finite")
+            else:
+                values = guard(f"lines of {self.component}: {name}", getattr(self, name), unit)
+            if values.shape not in ((), shape):
+                raise ValueError(
+                    f"lines of {self.component}: {name} has shape {values.shape}, wavenumber has {shape}"
+                )
+            object.__setattr__(self, name, np.broadcast_to(values, shape))
+        gap = np.abs(self.upper_energy - self.lower_energy - self.wavenumber)
+        if np.any(gap > ENERGY_CLOSURE * self.wavenumber):
+            worst = int(np.argmax(gap / self.wavenumber))
+            raise ValueError(
+                f"lines of {self.component}: upper_energy - lower_energy must equal wavenumber; they differ by"
+                f" {gap[worst]:g} m-1 at index {worst}"
+            )
+
+    def __len__(self):
+        return len(self.wavenumber)
+
+    def select(self, keep):
+        """Return the list of the lines where `keep` (boolean or index array over the lines) says so."""
+        parts = {field.name: getattr(self, field.name) for field in fields(self)}
+        return LineList(**{name: value[keep] if name in _NUMBERS else value for name, value in parts.items()})
