@@ -1,0 +1,31 @@
+# make figures: everything the paper shows.  make test: everything that proves it.  make reproduce: twice the same bytes.
+PYTHON ?= python3
+BIN := .venv/bin
+CORES ?= 2
+SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
+
+.PHONY: figures minimal test reproduce clean
+
+figures: .venv/installed
+	$(SNAKEMAKE)
+
+minimal: .venv/installed
+	$(SNAKEMAKE) --configfile config/minimal.yaml
+
+test: .venv/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/pytest
+
+reproduce: .venv/installed
+	$(BIN)/python workflow/reproduce.py
+
+.venv/installed: environment.lock pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement environment.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+clean:
+	rm -rf results

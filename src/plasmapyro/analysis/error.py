@@ -1,0 +1,73 @@
+"""The error that the gas causes in a ratio temperature, and the map of its 1 % limits."""
+
+import numpy as np
+
+from plasmapyro.checks import positive
+
+
+def relative_error(apparent_temperature, object_temperature):
+    r"""Relative measurement error, a fraction.
+
+    .. math:: e = \frac{T_{app} - T_{obj}}{T_{obj}}
+
+    Parameters
+    ----------
+    apparent_temperature : (...) array [K], NaN where the instrument gives no reading
+    object_temperature : (...) array [K], > 0; broadcasts
+
+    Returns
+    -------
+    (...) ndarray [1], NaN where there is no reading
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 7. Deviation: a fraction, not percent.
+    """
+    object_temperature = positive("object_temperature", object_temperature, "K")
+    return (np.asarray(apparent_temperature, dtype=float) - object_temperature) / object_temperature
+
+
+def error_limit(object_temperature, error, level):
+    """Lowest surface temperature above which the size of the error stays within `level`.
+
+    Walks down from the highest temperature to the last one at which ``|error| <= level``, then
+    interpolates linearly between the two samples that enclose the crossing. No reading counts as
+    an error above every level.
+
+    Parameters
+    ----------
+    object_temperature : (T,) array [K], strictly increasing
+    error : (..., T) array [1]
+        Relative error at each temperature; NaN where there is no reading.
+    level : float [1], > 0
+
+    Returns
+    -------
+    limit : (...) ndarray [K]
+        NaN exactly where `status` is not 0.
+    status : (...) int8 ndarray
+        0 found, -1 within the level at all temperatures (limit lies below the lowest), +1 not within
+        it even at the highest temperature.
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.4 (the curves e = 1 % of their error map). The interpolation error
+    falls with the square of the temperature step.
+    """
+    temperature = np.asarray(object_temperature, dtype=float)
+    size = np.where(np.isnan(error), np.inf, np.abs(error))
+    beyond = size > float(positive("level", level, "1"))
+    count = temperature.size
+    last = count - 1 - np.argmax(beyond[..., ::-1], axis=-1)
+    status = np.where(beyond.any(axis=-1), 0, -1).astype("int8")
+    status[beyond[..., -1]] = 1
+    lower = np.minimum(last, count - 2)
+
+    def pick(values, index):
+        return np.take_along_axis(values, index[..., None], axis=-1)[..., 0]
+
+    above, below = pick(size, lower), pick(size, lower + 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = np.where(np.isfinite(above), (above - level) / (above - below), 0.0)
+    limit = temperature[lower] + part * (temperature[lower + 1] - temperature[lower])
+    return np.where(status == 0, limit, np.nan), status

@@ -1,0 +1,81 @@
+"""How much of what a band detects comes from the surface."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from plasmapyro.checks import fraction, non_negative, positive
+
+
+def visibility_factor(object_signal, gas_signal):
+    r"""Share of the surface in a band signal.
+
+    .. math:: \nu_i = \frac{\int \tilde R_i\,\varepsilon L^{bb}(T_{obj})\,d\lambda}
+                           {\int \tilde R_i\,[\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\,d\lambda}
+
+    Parameters
+    ----------
+    object_signal : (...) array [W m-2 sr-1]
+        Band signal of the surface, emittance included, > 0.
+    gas_signal : (...) array [W m-2 sr-1]
+        Band signal of the gas along the line of sight, >= 0; broadcasts.
+
+    Returns
+    -------
+    (...) ndarray [1], in (0, 1]
+
+    Raises
+    ------
+    ValueError
+        If a signal is outside its range.
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.3 (after Sakuta & Boulos 1988). Deviation: the paper prints the
+    integrals without the wavelength differential.
+    """
+    object_signal = positive("object_signal", object_signal, "W m-2 sr-1")
+    gas_signal = non_negative("gas_signal", gas_signal, "W m-2 sr-1")
+    return object_signal / (object_signal + gas_signal)
+
+
+def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance, bracket=(250.0, 6000.0)):
+    r"""Surface temperature at which the visibility factor reaches `level`.
+
+    Solves :math:`\varepsilon B_i(T) = \frac{\nu}{1-\nu}\,G_i`, where :math:`B_i` is the blackbody band
+    signal and :math:`G_i` that of the gas.
+
+    Parameters
+    ----------
+    level : float [1], in (0, 1)
+    blackbody_signal : callable, temperature [K] -> band signal [W m-2 sr-1], increasing
+    gas_signal : float [W m-2 sr-1], > 0
+    emittance : float [1], in (0, 1]
+    bracket : two floats [K]
+        Where to look.
+
+    Returns
+    -------
+    float [K]; NaN if the level is not reached within the bracket.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.3 (the temperatures of their second visibility figure).
+    """
+    level = float(level)
+    if not 0 < level < 1:
+        raise ValueError(f"level must lie in (0, 1); got {level:g}")
+    target = level / (1 - level) * float(positive("gas_signal", gas_signal, "W m-2 sr-1"))
+    target /= fraction("emittance", emittance)
+
+    def excess(temperature):
+        return np.log(blackbody_signal(temperature) / target)
+
+    low, high = bracket
+    if excess(low) > 0 or excess(high) < 0:
+        return np.nan
+    return brentq(excess, low, high, xtol=1e-6, rtol=1e-12)

@@ -1,0 +1,51 @@
+"""Reading YAML configuration against a closed schema; says all that is wrong, where, and what was meant."""
+
+from difflib import get_close_matches
+from pathlib import Path
+
+import yaml
+from jsonschema import Draft202012Validator
+
+
+class ConfigurationError(ValueError):
+    """A configuration does not fit its schema; the message lists every fault."""
+
+
+def load(path, schema):
+    """Read one YAML file and return its mapping, checked against `schema` (see `check`)."""
+    try:
+        values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as fault:
+        raise ConfigurationError(f"{path}: not readable as YAML: {fault}") from None
+    return check(values, schema, path)
+
+
+def check(values, schema, source):
+    """Return `values` if they fit the JSON schema in the YAML file `schema`.
+
+    Raises
+    ------
+    ConfigurationError
+        Names the source, and for each fault the key, its value, the rule and the nearest valid key.
+    """
+    rules = yaml.safe_load(Path(schema).read_text(encoding="utf-8"))
+    faults = sorted(
+        Draft202012Validator(rules).iter_errors(values), key=lambda fault: list(map(str, fault.path))
+    )
+    if faults:
+        lines = [line for fault in faults for line in _explain(fault)]
+        raise ConfigurationError(f"{source} does not fit {schema}:\n  " + "\n  ".join(lines))
+    return values
+
+
+def _explain(fault):
+    where = ".".join(map(str, fault.absolute_path))
+    if fault.validator == "additionalProperties" and isinstance(fault.instance, dict):
+        valid = list(fault.schema.get("properties", {}))
+        for key in sorted(set(fault.instance) - set(valid), key=str):
+            near = get_close_matches(str(key), valid, n=1, cutoff=0.5)
+            hint = f"did you mean '{near[0]}'?" if near else f"valid keys: {', '.join(valid)}"
+            yield f"unknown key '{f'{where}.' if where else ''}{key}'; {hint}"
+    else:
+        about = fault.schema.get("description", "") if isinstance(fault.schema, dict) else ""
+        yield f"{where or 'top level'}: {fault.message}" + (f" ({about.strip()})" if about else "")

@@ -1,0 +1,63 @@
+"""One look for all figures: size, type, colours by power, the mark of synthetic data, repeatable files."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+COLUMN = (3.5, 2.8)  # one journal column [inch]
+PAGE = (7.2, 3.6)  # both columns [inch]
+POWER_COLOURS = plt.get_cmap("viridis_r")
+WIDE, NARROW = "#1f5fa8", "#c0392b"
+SETTINGS = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "legend.fontsize": 6.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.linewidth": 0.5,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 300,
+    "svg.hashsalt": "plasmapyro",
+    "svg.fonttype": "none",
+    "mathtext.default": "regular",
+}
+
+
+def figure(size=COLUMN, **options):
+    """A new figure and its axes in the common style (options as for `matplotlib.pyplot.subplots`)."""
+    matplotlib.rcParams.update(SETTINGS)
+    return plt.subplots(figsize=size, **options)
+
+
+def power_colours(numerical_power):
+    """One colour per power, dark for high; a lone power gets the middle of the scale."""
+    power = np.asarray(numerical_power, dtype=float)
+    spread = np.ptp(power)
+    place = (power - power.min()) / spread if spread else np.full(power.shape, 0.5)
+    return POWER_COLOURS(0.1 + 0.9 * place)
+
+
+def power_labels(numerical_power):
+    """Legend texts such as '90 kW'."""
+    return [f"{power / 1e3:g} kW" for power in np.asarray(numerical_power)]
+
+
+def mark_origin(axes, *datasets):
+    """Say on the figure if any of the datasets it shows is synthetic."""
+    if any(dataset.attrs.get("origin") == "synthetic" for dataset in datasets):
+        axes.set_title("synthetic data", loc="right", fontsize=7, color="#b03060", style="italic")
+
+
+def save(drawing, paths):
+    """Write the figure to every path (format by suffix) without a date, and close it."""
+    for path in paths:
+        metadata = {"Date": None} if str(path).endswith(".svg") else {"Software": None}
+        drawing.savefig(path, metadata=metadata)
+    plt.close(drawing)

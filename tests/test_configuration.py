@@ -1,0 +1,89 @@
+"""A wrong configuration is refused with the key, its value, the rule and what was meant."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from plasmapyro import configuration
+
+ROOT = Path(__file__).resolve().parents[1]
+CONDITION = ROOT / "config" / "schema_condition.yaml"
+GOOD = {"numerical_power_kw": 90, "chamber_pressure_mbar": 50, "mass_flow_rate_g_s": 16, "emittance": 0.85}
+
+
+def refusal(values):
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.check(values, CONDITION, "90kW.yaml")
+    return str(caught.value)
+
+
+def test_a_misspelt_key_is_named_with_the_nearest_valid_one():
+    message = refusal({**GOOD, "emitance": 0.8})
+    assert "90kW.yaml" in message and "unknown key 'emitance'; did you mean 'emittance'?" in message
+
+
+def test_all_faults_are_listed_with_their_rule():
+    message = refusal({**GOOD, "emittance": 1.2, "numerical_power_kw": "ninety"})
+    assert "emittance: 1.2 is greater than the maximum of 1" in message
+    assert "numerical_power_kw: 'ninety' is not of type 'number'" in message
+
+
+def test_a_missing_key_is_named():
+    message = refusal({key: GOOD[key] for key in GOOD if key != "emittance"})
+    assert "'emittance' is a required property" in message
+
+
+def test_broken_yaml_names_the_file(tmp_path):
+    (tmp_path / "x.yaml").write_text("a: [1\n")
+    with pytest.raises(configuration.ConfigurationError, match=r"x\.yaml: not readable as YAML"):
+        configuration.load(tmp_path / "x.yaml", CONDITION)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config/conditions").glob("*.yaml")), ids=lambda p: p.stem)
+def test_the_shipped_conditions_are_valid(path):
+    configuration.load(path, CONDITION)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config/tests").glob("*.yaml")), ids=lambda p: p.stem)
+def test_the_shipped_tests_are_valid(path):
+    configuration.load(path, ROOT / "config/schema_test.yaml")
+
+
+@pytest.mark.parametrize("name", ["config.yaml", "minimal.yaml"])
+def test_the_shipped_configurations_are_valid(name):
+    configuration.load(ROOT / "config" / name, ROOT / "config/schema.yaml")
+
+
+def leaves(tree, path=()):
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            yield from leaves(value, (*path, key))
+    else:
+        yield path
+
+
+def test_minimal_has_the_same_keys_as_the_full_configuration():
+    full, minimal = (
+        set(leaves(yaml.safe_load((ROOT / "config" / name).read_text())))
+        for name in ("config.yaml", "minimal.yaml")
+    )
+    assert full == minimal
+
+
+def every_level(schema, path=""):
+    if schema.get("type") == "object":
+        yield path, schema
+    for key, rule in schema.get("properties", {}).items():
+        yield from every_level(rule, f"{path}.{key}")
+
+
+@pytest.mark.parametrize("name", ["schema.yaml", "schema_condition.yaml", "schema_test.yaml"])
+def test_schemas_are_closed_and_described(name):
+    schema = yaml.safe_load((ROOT / "config" / name).read_text())
+    for path, level in every_level(schema):
+        assert level.get("additionalProperties") is False, f"{name}{path} is open"
+        for key, rule in level["properties"].items():
+            assert "description" in rule or rule.get("type") == "object", (
+                f"{name}{path}.{key} lacks a description"
+            )
