@@ -8,9 +8,7 @@ from plasmapyro.checks import non_negative, positive
 
 WIDTH_REFERENCE_TEMPERATURE = 1e4  # [K], of the Stark and van der Waals coefficients below
 VAN_DER_WAALS_EXPONENT = 0.3  # [1], mean speed to the power 3/5
-ENERGY_CLOSURE = (
-    1e-3  # [1], relative; E_u - E_l may differ from the wavenumber by rounding of level tables only
-)
+ENERGY_CLOSURE = 1e-3  # [1], relative; energies and wavenumber come from rounded level tables
 
 _NUMBERS = {
     "wavenumber": "m-1",
@@ -91,9 +89,7 @@ class LineList:
     def __post_init__(self):
         shape = np.shape(self.wavenumber)
         if len(shape) != 1:
-            raise ValueError(
-                f"lines of {self.component}: wavenumber must be one-dimensional; got shape {shape}"
-            )
+            raise ValueError(f"lines of {self.component}: wavenumber must be one-dimensional; got {shape}")
         for name, unit in _NUMBERS.items():
             guard = positive if name in _POSITIVE else non_negative
             if name == "stark_exponent":
@@ -111,7 +107,7 @@ class LineList:
         if np.any(gap > ENERGY_CLOSURE * self.wavenumber):
             worst = int(np.argmax(gap / self.wavenumber))
             raise ValueError(
-                f"lines of {self.component}: upper_energy - lower_energy must equal wavenumber; they differ by"
+                f"lines of {self.component}: upper_energy - lower_energy must equal wavenumber; differ by"
                 f" {gap[worst]:g} m-1 at index {worst}"
             )
 
