@@ -20,6 +20,28 @@ def load(path, schema):
     return check(values, schema, path)
 
 
+def load_folder(selection, schema):
+    """Read the YAML files of a folder, each checked against `schema`; the file name is the key.
+
+    Parameters
+    ----------
+    selection : mapping with `folder` (path) and `only` (names to keep; empty for all)
+    schema : path of the schema
+
+    Returns
+    -------
+    dict of name -> mapping, sorted by name
+    """
+    folder, only = Path(selection["folder"]), selection["only"]
+    found = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    missing = sorted(set(only) - set(found))
+    if missing:
+        near = get_close_matches(missing[0], found, n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        raise ConfigurationError(f"no file {folder / missing[0]}.yaml{hint} (listed under 'only')")
+    return {name: load(path, schema) for name, path in found.items() if not only or name in only}
+
+
 def check(values, schema, source):
     """Return `values` if they fit the JSON schema in the YAML file `schema`.
 

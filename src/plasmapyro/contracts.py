@@ -72,6 +72,27 @@ VARIABLES = {
     "velocity_change": Variable("m s-1", "largest velocity change of the step", 0),
     "temperature_change": Variable("1", "largest relative temperature change of the step", 0),
     "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
+    # analysis
+    "gas_signal": Variable("W m-2 sr-1", "band signal of the gas along the line of sight", 0, 1e9),
+    "sample_emittance": Variable("1", "grey emittance of the surface in the condition", 0, 1),
+    "object_temperature": Variable("K", "true surface temperature", 100, 1e4),
+    "visibility_level": Variable("1", "level of the visibility factor", 0, 1),
+    "visibility_factor": Variable("1", "share of the surface in the band signal", 0, 1),
+    "visibility_limit": Variable(
+        "K", "surface temperature at which the visibility level is reached", 100, 1e4, nan_allowed=True
+    ),
+    "apparent_temperature": Variable("K", "temperature read through the gas", 100, 1e4, nan_allowed=True),
+    "relative_error": Variable(
+        "1", "apparent minus true temperature over the true one", -1, 1e3, nan_allowed=True
+    ),
+    "reading_status": Variable("1", "-1 below, 0 within, +1 above the modelled ratio curve", -1, 1),
+    "emittance": Variable("1", "grey emittance of the surface", 0, 1),
+    "error_limit": Variable(
+        "K", "surface temperature above which the error stays within the level", 100, 1e4, nan_allowed=True
+    ),
+    "limit_status": Variable("1", "-1 limit below, 0 within, +1 above the temperatures studied", -1, 1),
+    "object_temperature_history": Variable("K", "true surface temperature while heating", 100, 1e4),
+    "surface_radiance": Variable(RADIANCE, "radiance of the grey surface", 0, 1e17),
     # sight line
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
@@ -128,6 +149,55 @@ DATASETS = {
             name: ("iteration",)
             for name in ("residual_norm", "velocity_change", "temperature_change", "cfl_number")
         },
+    },
+    "gas_signal": {
+        "condition": ("condition",),
+        "band": ("band",),
+        "gas_signal": ("condition", "band"),
+        "numerical_power": ("condition",),
+        "sample_emittance": ("condition",),
+    },
+    "visibility": {
+        "condition": ("condition",),
+        "band": ("band",),
+        "object_temperature": ("object_temperature",),
+        "visibility_level": ("visibility_level",),
+        "visibility_factor": ("condition", "band", "object_temperature"),
+        "visibility_limit": ("visibility_level", "condition", "band"),
+        "numerical_power": ("condition",),
+        "sample_emittance": ("condition",),
+    },
+    "apparent_temperature": {
+        "condition": ("condition",),
+        "object_temperature": ("object_temperature",),
+        "apparent_temperature": ("condition", "object_temperature"),
+        "relative_error": ("condition", "object_temperature"),
+        "reading_status": ("condition", "object_temperature"),
+        "numerical_power": ("condition",),
+        "sample_emittance": ("condition",),
+    },
+    "error_map": {
+        "condition": ("condition",),
+        "emittance": ("emittance",),
+        "object_temperature": ("object_temperature",),
+        "relative_error": ("condition", "emittance", "object_temperature"),
+        "error_limit": ("condition", "emittance"),
+        "limit_status": ("condition", "emittance"),
+        "numerical_power": ("condition",),
+    },
+    "transient": {
+        "condition": ("condition",),
+        "time": ("time",),
+        "object_temperature_history": ("time",),
+        "apparent_temperature": ("condition", "time"),
+        "reading_status": ("condition", "time"),
+        "numerical_power": ("condition",),
+        "sample_emittance": ("condition",),
+    },
+    "surface_radiance": {
+        "object_temperature": ("object_temperature",),
+        "wavelength": ("wavelength",),
+        "surface_radiance": ("object_temperature", "wavelength"),
     },
     "sightline": {
         "path_distance": ("path_distance",),

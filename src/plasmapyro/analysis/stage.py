@@ -1,0 +1,260 @@
+"""Stages of the paper's section 4: what the gas along the line of sight does to the reading.
+
+All of them start from the band signals of the gas, one pair per power condition (`gather`).
+"""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.analysis.error import error_limit, relative_error
+from plasmapyro.analysis.transient import step_response
+from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
+from plasmapyro.checks import fraction, increasing, positive
+from plasmapyro.instrument.pyrometer import band_signal, invert_ratio
+from plasmapyro.radiation.planck import blackbody_radiance
+
+BANDS = ("wide", "narrow")
+
+
+def gather(radiation, *, numerical_power, emittance):
+    """Band signals of the gas of all conditions, side by side.
+
+    Parameters
+    ----------
+    radiation : mapping of condition name -> Dataset, contract 'radiation'
+    numerical_power : sequence of float [W], one per condition
+    emittance : sequence of float [1], of the surface in each condition
+
+    Returns
+    -------
+    Dataset, contract 'gas_signal', sorted by power
+    """
+    if not radiation:
+        raise ValueError("no power condition: at least one radiation file is needed")
+    signal = [[float(case.band_signal.sel(band=band)) for band in BANDS] for case in radiation.values()]
+    gathered = xr.Dataset(
+        {
+            "gas_signal": (("condition", "band"), signal),
+            "numerical_power": ("condition", np.asarray(numerical_power, dtype=float)),
+            "sample_emittance": ("condition", [fraction("emittance", value) for value in emittance]),
+        },
+        {"condition": list(radiation), "band": list(BANDS)},
+    )
+    return gathered.sortby(["numerical_power", "condition"])
+
+
+def visibility(gas, response, *, object_temperature, visibility_level):
+    """Visibility factors of both bands, and the surface temperatures at which they reach given levels.
+
+    Parameters
+    ----------
+    gas : Dataset, contract 'gas_signal'
+    response : Dataset, contract 'response'
+    object_temperature : (T,) array [K], strictly increasing
+    visibility_level : sequence of float [1], in (0, 1)
+
+    Returns
+    -------
+    Dataset, contract 'visibility'
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.3.
+    """
+    temperature = increasing("object_temperature", object_temperature, "K")
+    surface = gas.sample_emittance.values[:, None, None] * _blackbody_signal(response, temperature)[None]
+    factor = visibility_factor(surface, gas.gas_signal.values[:, :, None])
+
+    def limit(level, case, band):
+        return temperature_at_visibility(
+            level,
+            lambda value: _blackbody_signal(response, np.atleast_1d(value))[band, 0],
+            gas.gas_signal.values[case, band],
+            gas.sample_emittance.values[case],
+        )
+
+    cases, bands = range(gas.sizes["condition"]), range(len(BANDS))
+    limits = [[[limit(level, case, band) for band in bands] for case in cases] for level in visibility_level]
+    return xr.Dataset(
+        {
+            "visibility_factor": (("condition", "band", "object_temperature"), factor),
+            "visibility_limit": (("visibility_level", "condition", "band"), limits),
+            "numerical_power": gas.numerical_power,
+            "sample_emittance": gas.sample_emittance,
+        },
+        {"object_temperature": temperature, "visibility_level": list(visibility_level)},
+    )
+
+
+def apparent_temperature(gas, response, calibration, *, object_temperature):
+    """Temperature read on each condition's surface through the gas, and its relative error.
+
+    Parameters
+    ----------
+    gas : Dataset, contract 'gas_signal'
+    response : Dataset, contract 'response'
+    calibration : Dataset, contract 'calibration' (its modelled ratio curve is used)
+    object_temperature : (T,) array [K], strictly increasing
+
+    Returns
+    -------
+    Dataset, contract 'apparent_temperature'; NaN and a status where the curve gives no reading.
+
+    Notes
+    -----
+    Source: Fagnani et al., eqs. 4 to 7. ASSUME: thin atmosphere, uniform window, no reflected gas
+    radiation (their sec. 2).
+    """
+    temperature = increasing("object_temperature", object_temperature, "K")
+    reading, status = _read(
+        gas, response, calibration, gas.sample_emittance.values[:, None], temperature[None]
+    )
+    dims = ("condition", "object_temperature")
+    return xr.Dataset(
+        {
+            "apparent_temperature": (dims, reading),
+            "relative_error": (dims, relative_error(reading, temperature)),
+            "reading_status": (dims, status),
+            "numerical_power": gas.numerical_power,
+            "sample_emittance": gas.sample_emittance,
+            "instrument_range": calibration.instrument_range,
+        },
+        {"object_temperature": temperature},
+    )
+
+
+def error_map(gas, response, calibration, *, object_temperature, emittance, error_level):
+    """Relative error over surface temperature and emittance, and the curve of one error level.
+
+    Parameters
+    ----------
+    gas : Dataset, contract 'gas_signal'
+    response : Dataset, contract 'response'
+    calibration : Dataset, contract 'calibration'
+    object_temperature : (T,) array [K], strictly increasing
+    emittance : (E,) array [1], strictly increasing in (0, 1]
+    error_level : float [1], > 0
+
+    Returns
+    -------
+    Dataset, contract 'error_map'
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.4.
+    """
+    temperature = increasing("object_temperature", object_temperature, "K")
+    emittance = increasing("emittance", emittance, "1")
+    shape = (1, emittance.size, 1), (1, 1, temperature.size)
+    reading, _ = _read(gas, response, calibration, emittance.reshape(shape[0]), temperature.reshape(shape[1]))
+    error = relative_error(reading, temperature)
+    limit, status = error_limit(temperature, error, error_level)
+    dims = ("condition", "emittance")
+    return xr.Dataset(
+        {
+            "relative_error": ((*dims, "object_temperature"), error),
+            "error_limit": (dims, limit),
+            "limit_status": (dims, status),
+            "numerical_power": gas.numerical_power,
+        },
+        {"object_temperature": temperature, "emittance": emittance},
+        {"error_level": float(error_level)},
+    )
+
+
+def transient(gas, response, calibration, *, conditions, time, initial_temperature, gain, natural_frequency):
+    """Apparent temperature while a sample heats as a critically damped second-order system.
+
+    Parameters
+    ----------
+    gas : Dataset, contract 'gas_signal'
+    response : Dataset, contract 'response'
+    calibration : Dataset, contract 'calibration'
+    conditions : names of the conditions to show
+    time : (t,) array [s], strictly increasing
+    initial_temperature, gain : float [K]
+    natural_frequency : float [s-1]
+
+    Returns
+    -------
+    Dataset, contract 'transient'
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.5.
+    """
+    missing = sorted(set(conditions) - set(gas.condition.values))
+    if missing:
+        raise ValueError(
+            f"transient of unknown condition {', '.join(missing)}; known: {list(gas.condition.values)}"
+        )
+    chosen = gas.sel(condition=list(conditions))
+    time = increasing("time", time, "s")
+    truth = step_response(time, initial_temperature, gain, natural_frequency)
+    reading, status = _read(
+        chosen, response, calibration, chosen.sample_emittance.values[:, None], truth[None]
+    )
+    dims = ("condition", "time")
+    return xr.Dataset(
+        {
+            "object_temperature_history": ("time", truth),
+            "apparent_temperature": (dims, reading),
+            "reading_status": (dims, status),
+            "numerical_power": chosen.numerical_power,
+            "sample_emittance": chosen.sample_emittance,
+            "instrument_range": calibration.instrument_range,
+        },
+        {"time": time},
+    )
+
+
+def surface_radiance(*, object_temperature, emittance, wavelength):
+    """Radiance of a grey surface at several temperatures, to be set beside that of the gas.
+
+    Parameters
+    ----------
+    object_temperature : (T,) array [K]
+    emittance : float [1]
+    wavelength : (W,) array [m]
+
+    Returns
+    -------
+    Dataset, contract 'surface_radiance'
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 4.2.
+    """
+    temperature = increasing("object_temperature", object_temperature, "K")
+    wavelength = increasing("wavelength", wavelength, "m")
+    radiance = fraction("emittance", emittance) * blackbody_radiance(wavelength, temperature[:, None])
+    return xr.Dataset(
+        {"surface_radiance": (("object_temperature", "wavelength"), radiance)},
+        {"object_temperature": temperature, "wavelength": wavelength},
+        {"emittance": float(emittance)},
+    )
+
+
+def _blackbody_signal(response, temperature):
+    """Band signals (band, T) [W m-2 sr-1] of a black body, integrated on the response's own wavelengths."""
+    wavelength = response.wavelength.values
+    radiance = blackbody_radiance(wavelength, positive("temperature", temperature, "K")[:, None])
+    return np.stack(
+        [band_signal(wavelength, response[f"responsivity_{band}"].values, radiance) for band in BANDS]
+    )
+
+
+def _read(gas, response, calibration, emittance, temperature):
+    """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
+    flat = np.ravel(temperature)
+    wide, narrow = _blackbody_signal(response, flat).reshape(2, *np.shape(temperature))
+    lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
+    gas_wide, gas_narrow = (gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS)
+    ratio = (
+        float(calibration.sensitivity_ratio)
+        * (emittance * wide + gas_wide)
+        / (emittance * narrow + gas_narrow)
+    )
+    return invert_ratio(
+        ratio, calibration.calibration_temperature.values, calibration.calibration_ratio.values
+    )
