@@ -58,8 +58,8 @@ VARIABLES = {
     "radial_velocity": Variable("m s-1", "radial velocity, outward", -5e3, 5e3),
     "joule_heating": Variable("W m-3", "Joule heating, mean over a field period", 0, 1e12),
     "numerical_power": Variable("W", "Joule power of the simulated plasma", 0, 1e8),
-    "chamber_pressure": Variable("Pa", "static pressure of the chamber", 1, 1e7),
-    "mass_flow_rate": Variable("kg s-1", "gas fed through the inlet slot", 0, 10),
+    "chamber_pressure": Variable("Pa", "static pressure of the chamber", 1, 1e7, nan_allowed=True),
+    "mass_flow_rate": Variable("kg s-1", "gas fed through the inlet slot", 0, 10, nan_allowed=True),
     "coil_current": Variable("A", "amplitude of the coil current", 0, 1e6),
     "equivalent_resistance": Variable("ohm", "plasma resistance seen by the coil", 0, 1e3),
     "boundary": Variable("", "part of the boundary"),
@@ -93,6 +93,82 @@ VARIABLES = {
     "limit_status": Variable("1", "-1 limit below, 0 within, +1 above the temperatures studied", -1, 1),
     "object_temperature_history": Variable("K", "true surface temperature while heating", 100, 1e4),
     "surface_radiance": Variable(RADIANCE, "radiance of the grey surface", 0, 1e17),
+    # instrument
+    "responsivity_wide": Variable("1", "spectral response of the wide band over its peak", 0, 1),
+    "responsivity_narrow": Variable("1", "spectral response of the narrow band over its peak", 0, 1),
+    "source_temperature": Variable("K", "temperature of the blackbody calibration source", 100, 1e4),
+    "signal_wide": Variable("A", "signal of the wide band, S1", nan_allowed=True),
+    "signal_narrow": Variable("A", "signal of the narrow band, S2", nan_allowed=True),
+    "sensitivity_ratio": Variable("1", "sensitivity of the wide over that of the narrow band", 0, 1e6),
+    "sensitivity_ratio_uncertainty": Variable("1", "standard uncertainty of the sensitivity ratio", 0, 1e6),
+    "absolute_sensitivity": Variable("A m2 sr W-1", "signal per band signal, k times throughput", 0, 1),
+    "absolute_sensitivity_uncertainty": Variable("A m2 sr W-1", "its standard uncertainty", 0, 1),
+    "point_ratio": Variable("1", "signal ratio at the calibration point", 0, 1e6),
+    "model_residual": Variable("1", "point ratio over the modelled ratio, minus 1", -1, 1e3),
+    "fit_residual": Variable("1", "point ratio over the quadratic fit, minus 1", -1, 1e3),
+    "calibration_temperature": Variable("K", "temperature of the calibration curve", 100, 1e4),
+    "calibration_ratio": Variable("1", "modelled signal ratio of a black body, H_c", 0, 1e6),
+    "fitted_ratio": Variable("1", "quadratic fit of the ratio; NaN where it does not rise", 0, 1e6, True),
+    "temperature_uncertainty": Variable(
+        "K", "standard uncertainty of a temperature read with the quadratic fit", 0, 1e4, nan_allowed=True
+    ),
+    "fit_coefficient": Variable("1", "coefficients of the quadratic fit, in rising powers of the scaled T"),
+    "fit_covariance": Variable("1", "covariance of the coefficients of the quadratic fit"),
+    "fit_range": Variable("K", "lowest and highest temperature of the calibration points", 100, 1e4),
+    "instrument_range": Variable("K", "lowest and highest temperature the instrument reads", 100, 1e4),
+    "calibration_counts": Variable("count", "raw signal in front of the source", nan_allowed=True),
+    "calibration_background": Variable("count", "raw signal in the dark", nan_allowed=True),
+    "calibration_factor": Variable(
+        "W m-2 sr-1 m-1 s count-1", "radiance per count rate; NaN in unusable pixels", 0, 1e20, True
+    ),
+    "calibration_factor_uncertainty": Variable(
+        "1", "relative standard uncertainty of the factor from counting noise", 0, 1e6, nan_allowed=True
+    ),
+    "pixel_status": Variable("1", "0 usable, 1 no signal, 2 saturated, 3 missing", 0, 3),
+    # test folder
+    "counts": Variable("count", "raw signal of the spectrometer", nan_allowed=True),
+    "background_counts": Variable("count", "raw signal in the dark", nan_allowed=True),
+    "spectral_radiance": Variable(RADIANCE, "measured spectral radiance, L_m", nan_allowed=True),
+    "electric_power": Variable("W", "electric power of the torch", 0, 1e9, nan_allowed=True),
+    # experiment
+    "reference_signal": Variable("A", "mean signal of the reference window, S_ref"),
+    "reference_signal_uncertainty": Variable("A", "its standard uncertainty", 0),
+    "corrected_signal": Variable("A", "signal of the surface alone, S_corr", nan_allowed=True),
+    "corrected_signal_uncertainty": Variable("A", "its standard uncertainty", 0, nan_allowed=True),
+    "surface_share": Variable("1", "corrected over measured signal", nan_allowed=True),
+    "measured_temperature": Variable(
+        "K", "temperature read from the signals as they are, T_meas", 100, 1e4, nan_allowed=True
+    ),
+    "measured_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
+    "measured_status": Variable("1", "status of the measured temperature, see flag_meanings", -1, 9),
+    "corrected_temperature": Variable(
+        "K", "temperature read from the corrected signals, T_corr", 100, 1e4, nan_allowed=True
+    ),
+    "corrected_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
+    "corrected_status": Variable("1", "status of the corrected temperature, see flag_meanings", -1, 9),
+    "reference_radiance": Variable(RADIANCE, "spectral radiance of the gas, L_ref", nan_allowed=True),
+    "corrected_radiance": Variable(RADIANCE, "spectral radiance of the surface, L_corr", nan_allowed=True),
+    "radiance_noise": Variable(
+        RADIANCE, "standard deviation of the noise of the corrected radiance", 0, nan_allowed=True
+    ),
+    "normalised_radiance": Variable("1", "corrected radiance over its value at the pivot", nan_allowed=True),
+    "normalised_fit": Variable("1", "black body at T_sp over its value at the pivot", nan_allowed=True),
+    "spectrometer_temperature": Variable(
+        "K", "temperature of the normalised Planck fit, T_sp", 100, 1e4, nan_allowed=True
+    ),
+    "spectrometer_temperature_uncertainty": Variable(
+        "K", "its standard uncertainty", 0, 1e4, nan_allowed=True
+    ),
+    "scaled_temperature": Variable(
+        "K", "temperature of the Planck fit with a free scale", 100, 1e4, nan_allowed=True
+    ),
+    "scaled_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
+    "apparent_emittance": Variable("1", "scale of the Planck fit", nan_allowed=True),
+    "apparent_emittance_uncertainty": Variable("1", "its standard uncertainty", 0, nan_allowed=True),
+    "signal_to_noise": Variable(
+        "1", "corrected radiance at the pivot over its uncertainty", nan_allowed=True
+    ),
+    "spectrum_status": Variable("1", "status of the temperatures of the spectrum, see flag_meanings", -1, 9),
     # sight line
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
@@ -207,6 +283,118 @@ DATASETS = {
         "number_density": ("species", "path_distance"),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
+    },
+    "response": {
+        "wavelength": ("wavelength",),
+        "responsivity_wide": ("wavelength",),
+        "responsivity_narrow": ("wavelength",),
+    },
+    "calibration_points": {
+        name: ("calibration_point",) for name in ("source_temperature", "signal_wide", "signal_narrow")
+    },
+    "calibration": {
+        **{name: () for name in ("sensitivity_ratio", "sensitivity_ratio_uncertainty")},
+        "band": ("band",),
+        "absolute_sensitivity": ("band",),
+        "absolute_sensitivity_uncertainty": ("band",),
+        **{
+            name: ("calibration_point",)
+            for name in ("source_temperature", "point_ratio", "model_residual", "fit_residual")
+        },
+        **{
+            name: ("calibration_temperature",)
+            for name in (
+                "calibration_temperature",
+                "calibration_ratio",
+                "fitted_ratio",
+                "temperature_uncertainty",
+            )
+        },
+        "fit_coefficient": ("fit_power",),
+        "fit_covariance": ("fit_power", "other_fit_power"),
+        "fit_range": ("bound",),
+        "instrument_range": ("bound",),
+    },
+    "spectrometer_counts": {
+        "wavelength": ("wavelength",),
+        "calibration_counts": ("wavelength",),
+        "calibration_background": ("wavelength",),
+    },
+    "spectrometer_calibration": {
+        name: ("wavelength",)
+        for name in (
+            "wavelength",
+            "calibration_factor",
+            "calibration_factor_uncertainty",
+            "pixel_status",
+        )
+    },
+    "test": {
+        "time?": ("time",),
+        "signal_wide?": ("time",),
+        "signal_narrow?": ("time",),
+        "electric_power?": ("time",),
+        "chamber_pressure?": ("time",),
+        "mass_flow_rate?": ("time",),
+        "spectrum_time?": ("spectrum_time",),
+        "wavelength?": ("wavelength",),
+        "spectral_radiance?": ("spectrum_time", "wavelength"),
+        "counts?": ("spectrum_time", "wavelength"),
+        "background_counts?": ("wavelength",),
+    },
+    "pyrometer_correction": {
+        "time": ("time",),
+        "band": ("band",),
+        "signal_wide": ("time",),
+        "signal_narrow": ("time",),
+        "reference_signal": ("band",),
+        "reference_signal_uncertainty": ("band",),
+        "corrected_signal": ("band", "time"),
+        "corrected_signal_uncertainty": ("band", "time"),
+        "surface_share": ("band", "time"),
+        **{
+            name: ("time",)
+            for name in (
+                "measured_temperature",
+                "measured_temperature_uncertainty",
+                "measured_status",
+                "corrected_temperature",
+                "corrected_temperature_uncertainty",
+                "corrected_status",
+                "relative_error",
+            )
+        },
+        "instrument_range": ("bound",),
+        "fit_range": ("bound",),
+    },
+    "spectrometer_correction": {
+        "spectrum_time": ("spectrum_time",),
+        "wavelength": ("wavelength",),
+        "pixel_status": ("wavelength",),
+        "reference_radiance": ("wavelength",),
+        **{
+            name: ("spectrum_time", "wavelength")
+            for name in (
+                "spectral_radiance",
+                "corrected_radiance",
+                "radiance_noise",
+                "normalised_radiance",
+                "normalised_fit",
+            )
+        },
+        **{
+            name: ("spectrum_time",)
+            for name in (
+                "spectrometer_temperature",
+                "spectrometer_temperature_uncertainty",
+                "scaled_temperature",
+                "scaled_temperature_uncertainty",
+                "apparent_emittance",
+                "apparent_emittance_uncertainty",
+                "signal_to_noise",
+                "spectrum_status",
+            )
+        },
     },
 }
 

@@ -1,0 +1,111 @@
+"""Modelled spectral responses of a two-colour pyrometer with a layered silicon detector."""
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtr
+
+from plasmapyro.checks import increasing, positive, within
+
+
+def silicon_absorption(wavelength, table_wavelength, table_coefficient):
+    r"""Absorption coefficient of silicon between the points of a table.
+
+    Monotone cubic interpolation of :math:`\ln\alpha(\lambda)`: the coefficient falls by four decades
+    over the bands, and its logarithm is smooth.
+
+    Parameters
+    ----------
+    wavelength : (...) array [m], within the table
+    table_wavelength : (N,) array [m], strictly increasing
+    table_coefficient : (N,) array [m-1], > 0
+
+    Returns
+    -------
+    (...) ndarray [m-1]
+
+    Raises
+    ------
+    ValueError
+        If a wavelength lies outside the table (no extrapolation) or the table is not as stated.
+    """
+    nodes = increasing("table_wavelength", table_wavelength, "m")
+    coefficient = positive("table_coefficient", table_coefficient, "m-1")
+    wavelength = within("wavelength", wavelength, nodes[0], nodes[-1], "m")
+    return np.exp(PchipInterpolator(nodes, np.log(coefficient))(wavelength))
+
+
+def layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness):
+    r"""Share of the entering photons that each layer of a sandwich detector absorbs.
+
+    .. math:: \eta_1 = 1 - e^{-\alpha d_1}, \qquad \eta_2 = e^{-\alpha d_1}\,(1 - e^{-\alpha d_2})
+
+    The top layer takes the short wavelengths; the bottom layer sees what the top layer lets through.
+
+    Parameters
+    ----------
+    absorption_coefficient : (...) array [m-1], > 0
+    top_thickness, bottom_thickness : float [m], > 0
+
+    Returns
+    -------
+    top, bottom : (...) ndarrays [1]
+
+    Notes
+    -----
+    Source: Beer-Lambert. ASSUME: every absorbed photon is collected in its layer, one pass, no
+    reflection between the layers, no dependence of the surface reflectance on wavelength.
+    """
+    alpha = positive("absorption_coefficient", absorption_coefficient, "m-1")
+    top = float(positive("top_thickness", top_thickness, "m"))
+    bottom = float(positive("bottom_thickness", bottom_thickness, "m"))
+    return -np.expm1(-alpha * top), -np.exp(-alpha * top) * np.expm1(-alpha * bottom)
+
+
+def long_pass(wavelength, edge, edge_sigma):
+    r"""Transmittance of a long-pass filter with an error-function edge.
+
+    .. math:: \tau = \tfrac12\,[1 + \mathrm{erf}((\lambda - \lambda_e) / \sqrt2\,\sigma_e)]
+
+    Parameters
+    ----------
+    wavelength : (...) array [m]
+    edge : float [m]
+        Where half is transmitted.
+    edge_sigma : float [m], > 0
+        Standard deviation of the edge; 10 % to 90 % takes 2.56 of it.
+
+    Returns
+    -------
+    (...) ndarray [1]
+    """
+    edge = float(positive("edge", edge, "m"))
+    return ndtr((np.asarray(wavelength, dtype=float) - edge) / float(positive("edge_sigma", edge_sigma, "m")))
+
+
+def sandwich_response(
+    wavelength, absorption_coefficient, *, top_thickness, bottom_thickness, edge, edge_sigma
+):
+    r"""Normalised responses to radiant power of the two layers behind a long-pass filter.
+
+    .. math:: \tilde R_i \propto \tau(\lambda)\,\lambda\,\eta_i(\lambda), \qquad \max \tilde R_i = 1
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    absorption_coefficient : (W,) array [m-1]
+    top_thickness, bottom_thickness, edge, edge_sigma : float [m]
+
+    Returns
+    -------
+    wide, narrow : (W,) ndarrays [1]
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's
+    curves, which appear only in a figure; these are modelled. The factor wavelength turns photons
+    into power: the current per watt is :math:`e \lambda \eta / h c`.
+    """
+    filtered = np.asarray(wavelength, dtype=float) * long_pass(wavelength, edge, edge_sigma)
+    layers = layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness)
+    wide, narrow = (filtered * efficiency for efficiency in layers)
+    return wide / wide.max(), narrow / narrow.max()
