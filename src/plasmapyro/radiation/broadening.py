@@ -1,0 +1,191 @@
+"""Widths of atomic and molecular lines: thermal motion, decay, electrons, neutrals, resonance."""
+
+import numpy as np
+
+from plasmapyro.checks import non_negative, positive
+from plasmapyro.constants import (
+    BOHR_RADIUS,
+    BOLTZMANN,
+    ELECTRON_MASS,
+    ELEMENTARY_CHARGE,
+    LIGHT_SPEED,
+    PLANCK,
+    RYDBERG,
+    VACUUM_PERMITTIVITY,
+)
+from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE
+
+COULOMB_SQUARE = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY)  # e^2/(4 pi eps0) [J m]
+CLASSICAL_RADIUS = COULOMB_SQUARE / (ELECTRON_MASS * LIGHT_SPEED**2)  # of the electron [m]
+LINDHOLM = 8.08  # [1], impact theory of a r^-6 frequency shift
+
+
+def doppler_sigma(temperature, mass):
+    r"""Relative standard deviation of the wavenumber by thermal motion.
+
+    .. math:: \sigma = \sqrt{k T / m c^2}
+
+    Parameters
+    ----------
+    temperature : array_like [K]
+    mass : array_like [kg]
+        Of the radiating particle.
+
+    Returns
+    -------
+    ndarray [1]
+        Times the wavenumber it is the standard deviation of the Gaussian profile; the same for every
+        line of a species, hence constant on a logarithmic wavenumber axis.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not > 0.
+
+    Notes
+    -----
+    Source: Griem, Spectral Line Broadening by Plasmas (1974), section I.1.
+    """
+    temperature = positive("temperature", temperature, "K")
+    mass = positive("mass", mass, "kg")
+    return np.sqrt(BOLTZMANN * temperature / mass) / LIGHT_SPEED
+
+
+def natural_hwhm(upper_decay, lower_decay):
+    r"""Half width by the finite life of both levels.
+
+    .. math:: \gamma_{nat} = \frac{A_u + A_l}{4 \pi c}
+
+    Parameters
+    ----------
+    upper_decay, lower_decay : array_like [s-1]
+        Sum of the Einstein coefficients of each level.
+
+    Returns
+    -------
+    ndarray [m-1]
+
+    Notes
+    -----
+    Source: Griem (1974), section I.1; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, table 3.
+    """
+    upper_decay = non_negative("upper_decay", upper_decay, "s-1")
+    lower_decay = non_negative("lower_decay", lower_decay, "s-1")
+    return (upper_decay + lower_decay) / (4 * np.pi * LIGHT_SPEED)
+
+
+def mean_square_radius(binding, angular_momentum):
+    r"""Mean square distance of the outer electron from the core, hydrogen-like.
+
+    .. math:: \langle r^2 \rangle = \frac{n^2}{2} \left(5 n^2 + 1 - 3 l (l+1)\right) a_0^2,
+              \qquad n^2 = R_\infty / \tilde E
+
+    Parameters
+    ----------
+    binding : array_like [m-1]
+        Energy below the ionisation limit the level belongs to, > 0.
+    angular_momentum : array_like [1]
+        :math:`l` of the outer electron.
+
+    Returns
+    -------
+    ndarray [m2]
+        Not below :math:`a_0^2`: the formula turns negative for levels that are not hydrogen-like.
+
+    Notes
+    -----
+    Source: Bates and Damgaard (1949), as used by Laux et al. (2003), section 3.
+    """
+    square = RYDBERG / positive("binding", binding, "m-1")
+    orbital = np.asarray(angular_momentum)
+    radius = square / 2 * (5 * square + 1 - 3 * orbital * (orbital + 1))
+    return np.maximum(radius, 1.0) * BOHR_RADIUS**2
+
+
+def van_der_waals_hwhm(upper_radius, lower_radius, polarisability, reduced_mass, temperature):
+    r"""Half width per neutral perturber, impact theory with Unsold's :math:`C_6`.
+
+    .. math:: \gamma_W = \frac{8.08}{4 \pi c} \left( \frac{e^2 \alpha}{4 \pi \varepsilon_0 \hbar}
+              \left| \langle r_u^2 \rangle - \langle r_l^2 \rangle \right| \right)^{2/5} \bar v^{3/5},
+              \qquad \bar v = \sqrt{8 k T / \pi \mu}
+
+    Parameters
+    ----------
+    upper_radius, lower_radius : array_like [m2]
+        Mean square radii of the levels.
+    polarisability : float [m3]
+        :math:`\alpha` of the perturber (volume).
+    reduced_mass : float [kg]
+        :math:`\mu` of radiator and perturber.
+    temperature : float [K]
+
+    Returns
+    -------
+    ndarray [m2] = [m-1 per m-3]
+
+    Notes
+    -----
+    Source: Unsold (1955), section 82; Griem (1974), chapter II.
+    """
+    shift = COULOMB_SQUARE * polarisability * np.abs(upper_radius - lower_radius) * 2 * np.pi / PLANCK
+    speed = np.sqrt(8 * BOLTZMANN * temperature / (np.pi * reduced_mass))
+    return LINDHOLM / (4 * np.pi * LIGHT_SPEED) * shift**0.4 * speed**0.6
+
+
+def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
+    r"""Half width a level contributes by exchange with unexcited atoms of its kind, per such atom.
+
+    .. math:: w_R = \frac{3 r_e}{8 \pi} \frac{f}{\tilde\nu_R} \sqrt{g_0 / g},
+              \qquad f = \frac{A}{8 \pi^2 r_e c\, \tilde\nu_R^2} \frac{g}{g_0}
+
+    Parameters
+    ----------
+    wavenumber : array_like [m-1]
+        Of the resonance line from the level to the ground term; the level's energy.
+    decay : array_like [s-1]
+        Its Einstein coefficient; 0 where there is no such line.
+    degeneracy, ground_degeneracy : array_like [1]
+
+    Returns
+    -------
+    ndarray [m2] = [m-1 per m-3]
+        To be added for both levels of a line.
+
+    Notes
+    -----
+    Source: Griem (1974), section II.4, in the form of Laux et al. (2003), equation 18.
+    """
+    wavenumber = positive("wavenumber", wavenumber, "m-1")
+    weight = degeneracy / ground_degeneracy
+    unit_decay = 8 * np.pi**2 * CLASSICAL_RADIUS * LIGHT_SPEED * wavenumber**2
+    return 3 * CLASSICAL_RADIUS / (8 * np.pi) * decay * weight / unit_decay / wavenumber / np.sqrt(weight)
+
+
+def lorentz_hwhm(lines, temperature, electron_density, neutral_density, own_density):
+    """Sum of the Lorentz half widths of a line list in one gas state, as `LineList` defines it.
+
+    Parameters
+    ----------
+    lines : LineList
+    temperature : float [K]
+    electron_density, neutral_density, own_density : float [m-3]
+        Of the electrons, of all neutral particles, and of the radiating species.
+
+    Returns
+    -------
+    ndarray [m-1]
+        One per line.
+
+    Notes
+    -----
+    Source: Griem (1974): widths of independent Lorentz mechanisms add.
+    ASSUME: Stark widths are the electron-impact ones (isolated lines, linear in the electron density);
+    ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
+    """
+    ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
+    return (
+        lines.natural_hwhm
+        + lines.stark_hwhm * electron_density * ratio**lines.stark_exponent
+        + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
+        + lines.resonance_hwhm * own_density
+    )
