@@ -1,0 +1,193 @@
+"""Internal partition functions of the eleven species from their levels."""
+
+from functools import cache
+
+import numpy as np
+
+from plasmapyro import tables
+from plasmapyro.checks import positive
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.gas.species import SPECIES
+
+ATOMS = ("N", "O", "N+", "O+")
+HOMONUCLEAR = ("N2", "O2", "N2+", "O2+")
+VIBRATIONAL_TERMS = ("we", "wexe", "weye", "weze", "weae")
+VIBRATIONAL_SIGNS = (1, -1, 1, 1, 1)
+ROTATIONAL_TERMS = ("be", "alphae", "gammae", "deltae", "epsilone")
+ROTATIONAL_SIGNS = (1, -1, 1, 1, 1)
+ODD_ONLY = ("X3Sigma_g-",)  # 16O2 has no nuclear spin: its ground state has odd rotation only
+HIGHEST_VIBRATION = 100
+HIGHEST_ROTATION = 400
+BLOCK = 2_000_000  # elements of one block of exponentials, 16 MB
+
+
+def partition_function(species, temperature):
+    r"""Internal partition function, :math:`Q = \sum_i g_i \exp(-E_i/kT)`.
+
+    Energies count from the lowest level of the species. Weights hold electron spin and rotation; the
+    nuclear-spin weight is divided by the total nuclear degeneracy, so that a homonuclear diatomic
+    approaches :math:`kT/2B` and a heteronuclear one :math:`kT/B` times its electronic weight.
+
+    Parameters
+    ----------
+    species : str
+        A name in `species.SPECIES`.
+    temperature : array_like [K]
+        > 0; the level lists serve to 15000 K.
+
+    Returns
+    -------
+    ndarray [1]
+        Shape of `temperature`.
+
+    Raises
+    ------
+    ValueError
+        Unknown species, or temperature not > 0.
+
+    Notes
+    -----
+    Source: levels as `atomic_levels` and `diatomic_levels`.
+    """
+    if species not in SPECIES:
+        raise ValueError(f"species must be one of {', '.join(SPECIES)}; got {species!r}")
+    temperature = positive("temperature", temperature, "K")
+    if species == "e-":
+        return np.full(temperature.shape, 2.0)
+    energy, weight = atomic_levels(species) if species in ATOMS else diatomic_levels(species)
+    inverse = SECOND_RADIATION / temperature.ravel()
+    total = np.zeros(inverse.shape)
+    step = max(1, BLOCK // max(1, inverse.size))
+    for first in range(0, energy.size, step):
+        part = slice(first, first + step)
+        total += np.exp(-inverse[:, None] * energy[part]) @ weight[part]
+    return total.reshape(temperature.shape)
+
+
+@cache
+def atomic_levels(species):
+    """Levels of an atom or atomic ion.
+
+    Parameters
+    ----------
+    species : str
+        One of `ATOMS`.
+
+    Returns
+    -------
+    tuple of ndarray
+        Energy [m-1] above the ground level, and degeneracy [1].
+
+    Notes
+    -----
+    Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the
+    levels observed (n about 12 for N, 19 for O), those above the ionisation limit included; the
+    Rydberg levels beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to
+    Q of N at 10000 K.
+    """
+    table = tables.load("gas/levels_" + species.replace("+", "_plus"))
+    return _sealed(table["energy"], table["degeneracy"])
+
+
+@cache
+def diatomic_levels(species):
+    r"""Rovibronic levels of a diatomic species.
+
+    .. math:: E = T + G(v) + B_v J(J+1) - D J^2(J+1)^2, \qquad D = 4 B_e^3/\omega_e^2
+
+    Parameters
+    ----------
+    species : str
+        N2, O2, NO, N2+, O2+ or NO+.
+
+    Returns
+    -------
+    tuple of ndarray
+        Energy [m-1] above the lowest level, and statistical weight [1].
+
+    Notes
+    -----
+    Source: Herzberg, Spectra of Diatomic Molecules (1950), eqs. III,76; III,115; III,117; constants of
+    Laher & Gilmore (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`.
+    ASSUME: quasi-bound levels count up to the centrifugal barrier of a Morse potential of the same
+    depth (they live long enough to take part). ASSUME: multiplets
+    split by spin-orbit interaction only (Hund's case a, :math:`T + A\Lambda\Sigma`), Sigma
+    states not at all; nuclear-spin alternation averages out above 100 K, except that the ground
+    state of O2 has odd rotation only.
+    """
+    name = "gas/diatomic_nitrogen" if species in ("N2", "N2+") else "gas/diatomic_oxygen"
+    table = tables.load(name)
+    rows = np.flatnonzero(table["species"] == species)
+    states = [{key: column[row] for key, column in table.columns.items()} for row in rows]
+    # All energies relative to v = 0 of the ground state, without its rotation and spin splitting.
+    energies, weights = zip(*(_state_levels(state, states[0], species) for state in states), strict=True)
+    energy, weight = np.concatenate(energies), np.concatenate(weights)
+    return _sealed(energy - energy.min(), weight)
+
+
+def _vibration(state, v):
+    """G(v) [m-1]."""
+    terms = zip(VIBRATIONAL_TERMS, VIBRATIONAL_SIGNS, strict=True)
+    return sum(s * state.get(t, 0.0) * (v + 0.5) ** (k + 1) for k, (t, s) in enumerate(terms))
+
+
+def _rotation(state, v):
+    """B(v) [m-1]."""
+    terms = zip(ROTATIONAL_TERMS, ROTATIONAL_SIGNS, strict=True)
+    return sum(s * state.get(t, 0.0) * (v + 0.5) ** k for k, (t, s) in enumerate(terms))
+
+
+def _state_levels(state, ground, species):
+    """Energies [m-1] and weights of one electronic state."""
+    v = np.arange(HIGHEST_VIBRATION)
+    vibration, rotation = _vibration(state, v), _rotation(state, v)
+    if "origin" in state:
+        band = state["origin"] + vibration - vibration[0]
+    else:
+        band = state["minimum"] + vibration - _vibration(ground, 0)
+    rising = np.diff(vibration, prepend=-np.inf) > 0
+    bound = np.logical_and.accumulate(rising & (rotation > 0) & (band < state["limit"]))
+    band, rotation = band[bound, None], rotation[bound, None]
+    stretching = 4 * state["be"] ** 3 / state["we"] ** 2
+    depth = state["limit"] - band[0, 0] + vibration[0]
+    spin = (state["multiplicity"] - 1) / 2
+    symmetry = 2 if species in HOMONUCLEAR else 1
+    energies, weights = [], []
+    for projection in np.arange(-spin, spin + 1):
+        if state["lambda"] == 0:
+            j = np.arange(HIGHEST_ROTATION, dtype=float)
+            offset, degeneracy = 0.0, 2 * j + 1
+            if state["state"] in ODD_ONLY:
+                degeneracy = symmetry * degeneracy * (j % 2)
+        else:
+            omega = abs(state["lambda"] + projection)
+            j = omega + np.arange(HIGHEST_ROTATION)
+            offset, degeneracy = omega**2, 2 * (2 * j + 1)
+        turns = j * (j + 1) - offset
+        energy = band + rotation * turns - stretching * turns**2
+        energy = energy + state["spin_orbit"] * state["lambda"] * projection
+        barrier = state["limit"] - depth + _barrier(state["we"], state["be"], depth, np.maximum(turns, 0))
+        kept = (np.diff(energy, axis=1, prepend=-np.inf) > 0) & (energy < barrier) & (degeneracy > 0)
+        energies.append(energy[kept])
+        weights.append(np.broadcast_to(degeneracy / symmetry, energy.shape)[kept])
+    return np.concatenate(energies), np.concatenate(weights)
+
+
+def _barrier(we, be, depth, turns):
+    """Largest energy [m-1], from the bottom, that the rotating Morse oscillator of `depth` still holds."""
+    distance = np.linspace(1.0, 8.0, 400)[:, None]  # in units of the equilibrium distance
+    steepness = we / (2 * np.sqrt(be * depth))
+    morse = depth * (1 - np.exp(-steepness * (distance - 1))) ** 2
+    effective = morse + be * turns / distance**2
+    # The maximum beyond the well; where no well is left the curve only falls and nothing is held.
+    well = np.argmin(np.where(np.diff(effective, axis=0) > 0, 0, 1), axis=0)
+    beyond = np.where(np.arange(distance.size)[:, None] >= well, effective, -np.inf).max(axis=0)
+    held = (np.diff(effective, axis=0) > 0).any(axis=0)
+    return np.where(held, beyond, -np.inf)
+
+
+def _sealed(*arrays):
+    """The arrays, made read-only since they are cached."""
+    for array in arrays:
+        array.flags.writeable = False
+    return arrays
