@@ -88,7 +88,7 @@ VARIABLES = {
     "reading_status": Variable("1", "-1 below, 0 within, +1 above the modelled ratio curve", -1, 1),
     "emittance": Variable("1", "grey emittance of the surface", 0, 1),
     "error_limit": Variable(
-        "K", "surface temperature above which the error stays within the level", 100, 1e4, nan_allowed=True
+        "K", "surface temperature above which the error does not exceed the level", 100, 1e4, nan_allowed=True
     ),
     "limit_status": Variable("1", "-1 limit below, 0 within, +1 above the temperatures studied", -1, 1),
     "object_temperature_history": Variable("K", "true surface temperature while heating", 100, 1e4),
@@ -97,6 +97,7 @@ VARIABLES = {
     "responsivity_wide": Variable("1", "spectral response of the wide band over its peak", 0, 1),
     "responsivity_narrow": Variable("1", "spectral response of the narrow band over its peak", 0, 1),
     "source_temperature": Variable("K", "temperature of the blackbody calibration source", 100, 1e4),
+    "source_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e3),
     "signal_wide": Variable("A", "signal of the wide band, S1", nan_allowed=True),
     "signal_narrow": Variable("A", "signal of the narrow band, S2", nan_allowed=True),
     "sensitivity_ratio": Variable("1", "sensitivity of the wide over that of the narrow band", 0, 1e6),
@@ -321,13 +322,17 @@ DATASETS = {
         "calibration_background": ("wavelength",),
     },
     "spectrometer_calibration": {
-        name: ("wavelength",)
-        for name in (
-            "wavelength",
-            "calibration_factor",
-            "calibration_factor_uncertainty",
-            "pixel_status",
-        )
+        **{
+            name: ("wavelength",)
+            for name in (
+                "wavelength",
+                "calibration_factor",
+                "calibration_factor_uncertainty",
+                "pixel_status",
+            )
+        },
+        "source_temperature": (),
+        "source_temperature_uncertainty": (),
     },
     "test": {
         "time?": ("time",),

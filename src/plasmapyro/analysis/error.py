@@ -28,11 +28,12 @@ def relative_error(apparent_temperature, object_temperature):
 
 
 def error_limit(object_temperature, error, level):
-    """Lowest surface temperature above which the size of the error stays within `level`.
+    """Lowest surface temperature above which the error does not exceed `level`.
 
-    Walks down from the highest temperature to the last one at which ``|error| <= level``, then
+    Walks down from the highest temperature to the last one at which ``error <= level``, then
     interpolates linearly between the two samples that enclose the crossing. No reading counts as
-    an error above every level.
+    an error above every level. The sign counts, as in the paper's curve ``e = 1 %``: in front of a
+    surface hotter than the colour of the gas the reading is too low, which is no crossing.
 
     Parameters
     ----------
@@ -55,8 +56,8 @@ def error_limit(object_temperature, error, level):
     falls with the square of the temperature step.
     """
     temperature = np.asarray(object_temperature, dtype=float)
-    size = np.where(np.isnan(error), np.inf, np.abs(error))
-    beyond = size > float(positive("level", level, "1"))
+    error = np.where(np.isnan(error), np.inf, error)
+    beyond = error > float(positive("level", level, "1"))
     count = temperature.size
     last = count - 1 - np.argmax(beyond[..., ::-1], axis=-1)
     status = np.where(beyond.any(axis=-1), 0, -1).astype("int8")
@@ -66,7 +67,7 @@ def error_limit(object_temperature, error, level):
     def pick(values, index):
         return np.take_along_axis(values, index[..., None], axis=-1)[..., 0]
 
-    above, below = pick(size, lower), pick(size, lower + 1)
+    above, below = pick(error, lower), pick(error, lower + 1)
     with np.errstate(invalid="ignore", divide="ignore"):
         part = np.where(np.isfinite(above), (above - level) / (above - below), 0.0)
     limit = temperature[lower] + part * (temperature[lower + 1] - temperature[lower])

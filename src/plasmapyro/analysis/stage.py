@@ -9,8 +9,8 @@ import xarray as xr
 from plasmapyro.analysis.error import error_limit, relative_error
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
-from plasmapyro.checks import fraction, increasing, positive
-from plasmapyro.instrument.pyrometer import band_signal, invert_ratio
+from plasmapyro.checks import fraction, increasing
+from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio
 from plasmapyro.radiation.planck import blackbody_radiance
 
 BANDS = ("wide", "narrow")
@@ -68,7 +68,7 @@ def visibility(gas, response, *, object_temperature, visibility_level):
     def limit(level, case, band):
         return temperature_at_visibility(
             level,
-            lambda value: _blackbody_signal(response, np.atleast_1d(value))[band, 0],
+            lambda value: _blackbody_signal(response, value)[band],
             gas.gas_signal.values[case, band],
             gas.sample_emittance.values[case],
         )
@@ -236,18 +236,16 @@ def surface_radiance(*, object_temperature, emittance, wavelength):
 
 
 def _blackbody_signal(response, temperature):
-    """Band signals (band, T) [W m-2 sr-1] of a black body, integrated on the response's own wavelengths."""
+    """Band signals (band, ...) [W m-2 sr-1] of a black body."""
     wavelength = response.wavelength.values
-    radiance = blackbody_radiance(wavelength, positive("temperature", temperature, "K")[:, None])
     return np.stack(
-        [band_signal(wavelength, response[f"responsivity_{band}"].values, radiance) for band in BANDS]
+        [blackbody_signal(temperature, wavelength, response[f"responsivity_{band}"].values) for band in BANDS]
     )
 
 
 def _read(gas, response, calibration, emittance, temperature):
     """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
-    flat = np.ravel(temperature)
-    wide, narrow = _blackbody_signal(response, flat).reshape(2, *np.shape(temperature))
+    wide, narrow = _blackbody_signal(response, temperature)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
     gas_wide, gas_narrow = (gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS)
     ratio = (

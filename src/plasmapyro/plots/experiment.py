@@ -1,0 +1,162 @@
+"""Figures of a test: signals, temperatures before and after correction, spectra, two instruments."""
+
+import numpy as np
+
+from plasmapyro.plots import style
+
+
+def signals(corrected, paths):
+    """Figure 9a: signals of both bands with their reference levels."""
+    drawing, axes = style.figure(size=(5.2, 2.8))
+    for number, (band, colour) in enumerate((("wide", style.WIDE), ("narrow", style.NARROW)), start=1):
+        axes.semilogy(
+            corrected.time, corrected[f"signal_{band}"], color=colour, lw=0.8, label=f"$S_{number}$ ({band})"
+        )
+        level = float(corrected.reference_signal.sel(band=band))
+        axes.axhline(level, color=colour, ls="--", lw=0.8, label=rf"$S_{number}^{{ref}}$")
+    start, end = corrected.attrs["reference_window"]
+    axes.axvspan(start, end, color="0.85", zorder=0, label="reference window")
+    for moment, word in (
+        (corrected.attrs["injection_time"], "injection"),
+        (corrected.attrs["plasma_off_time"], "plasma off"),
+    ):
+        axes.axvline(moment, color="0.4", lw=0.7, ls=":")
+        axes.annotate(
+            word, (moment, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=6, ha="right"
+        )
+    axes.legend(ncols=2)
+    axes.set(xlabel="Time after injection $t$ [s]", ylabel="Signal [A]")
+    style.mark_origin(axes, corrected)
+    style.save(drawing, paths)
+
+
+def temperatures(corrected, paths):
+    """Figure 9b: apparent temperature as measured and corrected, with the corrected one's uncertainty."""
+    drawing, axes = style.figure(size=(4.4, 2.8))
+    time = corrected.time
+    best, spread = corrected.corrected_temperature, corrected.corrected_temperature_uncertainty
+    axes.fill_between(
+        time, best - 2 * spread, best + 2 * spread, color=style.NARROW, alpha=0.2, lw=0, label="95 %"
+    )
+    axes.plot(time, corrected.measured_temperature, ".", ms=1.2, color="0.35", label="$T_{app}^{meas}$")
+    axes.plot(time, best, ".", ms=1.2, color=style.NARROW, label="$T_{app}^{corr}$")
+    for bound in corrected.instrument_range.values:
+        axes.axhline(bound, color="0.5", lw=0.7, ls=":")
+    axes.legend(markerscale=5)
+    low, high = corrected.instrument_range.values
+    axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(low - 100, high + 100))
+    style.mark_origin(axes, corrected)
+    style.save(drawing, paths)
+
+
+def error_of_measured(corrected, paths):
+    """Figure 9c: relative error of the measured against the corrected temperature, while heating."""
+    drawing, axes = style.figure(size=(2.9, 2.8))
+    heating = (corrected.time >= 0) & (corrected.time <= corrected.attrs["plasma_off_time"])
+    axes.semilogy(
+        corrected.corrected_temperature[heating],
+        100 * np.abs(corrected.relative_error[heating]),
+        ".",
+        ms=1.5,
+        color=style.WIDE,
+    )
+    for level in (1, 10):
+        axes.axhline(level, color="0.4", lw=0.7, ls=":")
+    axes.set(
+        xlabel="$T_{app}^{corr}$ [K]",
+        ylabel=r"$|T_{app}^{meas}-T_{app}^{corr}|\,/\,T_{app}^{corr}$ [%]",
+        ylim=(0.01, 200),
+    )
+    style.mark_origin(axes, corrected)
+    style.save(drawing, paths)
+
+
+def sample_emittance(sample, paths):
+    """Figure 8b: emittance of the sample against wavelength, with the bands' common range."""
+    drawing, axes = style.figure(size=(2.9, 2.6))
+    axes.plot(sample.wavelength * 1e6, sample.sample_emittance_spectrum, color=style.WIDE)
+    axes.axvspan(0.75, 1.15, color="0.9", zorder=0, label="pyrometer bands")
+    axes.legend()
+    axes.set(xlabel="Wavelength [µm]", ylabel=r"Normal emittance $\varepsilon_\lambda$ [–]", ylim=(0, 1))
+    style.mark_origin(axes, sample)
+    style.save(drawing, paths)
+
+
+def reference_spectrum(spectra, radiances, paths):
+    """Figure 10a: spectrum of the reference window with simulated gas radiances.
+
+    Parameters
+    ----------
+    spectra : Dataset, contract 'spectrometer_correction'
+    radiances : mapping of numerical power [W] -> Dataset, contract 'radiation'
+    paths : paths of the files to write
+    """
+    drawing, axes = style.figure(size=(7.2, 3.0))
+    axes.semilogy(
+        spectra.wavelength * 1e9, spectra.reference_radiance * 1e-6, "k-", lw=0.7, label=r"$L_\lambda^{ref}$"
+    )
+    for colour, (power, spectrum) in zip((style.WIDE, style.NARROW), radiances.items(), strict=False):
+        axes.semilogy(
+            spectrum.wavelength_slit * 1e9,
+            spectrum.gas_radiance_slit * 1e-6,
+            color=colour,
+            lw=0.6,
+            label=rf"$L_\lambda^{{g,e}}$, {power / 1e3:g} kW",
+        )
+    axes.legend(ncols=3)
+    axes.set(
+        xlim=(750, 1030),
+        ylim=(1, 3e4),
+        xlabel="Wavelength (vacuum) [nm]",
+        ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",
+    )
+    style.mark_origin(axes, spectra)
+    style.save(drawing, paths)
+
+
+def normalised_spectra(spectra, times, paths):
+    """Figure 10b: corrected spectra over their value at the pivot, with the fitted Planck curves."""
+    drawing, axes = style.figure(size=(3.6, 2.9))
+    for place, wanted in enumerate(times):
+        one = spectra.sel(spectrum_time=wanted, method="nearest")
+        colour = style.POWER_COLOURS(0.15 + 0.8 * place / max(len(times) - 1, 1))
+        axes.plot(one.wavelength * 1e9, one.normalised_radiance, ".", ms=0.8, color=colour)
+        label = f"{float(one.spectrum_time):.0f} s, {float(one.spectrometer_temperature):.0f} K"
+        axes.plot(one.wavelength * 1e9, one.normalised_fit, "-", lw=1.2, color=colour, label=label)
+    axes.legend(title="time, $T_{sp}$")
+    axes.set(
+        xlabel="Wavelength [nm]",
+        ylabel=r"Normalised radiance $\tilde{L}_\lambda^{corr}$ [–]",
+        ylim=(-0.1, 1.4),
+    )
+    style.mark_origin(axes, spectra)
+    style.save(drawing, paths)
+
+
+def two_instruments(pyrometer, spectra, paths):
+    """Figure 10c: corrected temperature of the pyrometer and temperature of the spectrometer."""
+    drawing, axes = style.figure(size=(3.6, 2.9))
+    axes.plot(
+        pyrometer.time,
+        pyrometer.corrected_temperature,
+        ".",
+        ms=1.2,
+        color=style.NARROW,
+        label="$T_{app}^{corr}$",
+    )
+    usable = spectra.spectrum_status == 0
+    axes.errorbar(
+        spectra.spectrum_time[usable],
+        spectra.spectrometer_temperature[usable],
+        2 * spectra.spectrometer_temperature_uncertainty[usable],
+        fmt="o",
+        ms=1.5,
+        lw=0.5,
+        color=style.WIDE,
+        label="$T_{sp}$ (95 %)",
+    )
+    low, high = pyrometer.instrument_range.values
+    axes.legend()
+    axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(low - 100, high))
+    style.mark_origin(axes, pyrometer, spectra)
+    style.save(drawing, paths)

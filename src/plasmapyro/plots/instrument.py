@@ -1,0 +1,82 @@
+"""Figures of the instruments: responses, calibration of the pyrometer, calibration of the spectrometer."""
+
+from plasmapyro.plots import style
+
+
+def responses(response, paths):
+    """Figure 2a: normalised spectral responses of the two bands."""
+    drawing, axes = style.figure(size=(3.0, 2.6))
+    wavelength = response.wavelength * 1e6
+    axes.plot(
+        wavelength, response.responsivity_wide, color=style.WIDE, label=r"$\tilde{R}_{\lambda,1}$ (wide)"
+    )
+    axes.plot(
+        wavelength,
+        response.responsivity_narrow,
+        color=style.NARROW,
+        label=r"$\tilde{R}_{\lambda,2}$ (narrow)",
+    )
+    axes.legend(loc="upper left")
+    axes.set(xlabel="Wavelength [µm]", ylabel="Normalised response [–]", xlim=(0.70, 1.20), ylim=(0, 1.25))
+    axes.set_title("modelled: layered silicon, long-pass edge", loc="left", fontsize=7)
+    style.save(drawing, paths)
+
+
+def calibration(calibrated, paths):
+    """Figure 2b: signal ratio against source temperature, modelled curve, quadratic fit, residuals."""
+    drawing, (upper, lower) = style.figure(size=(4.2, 3.6), nrows=2, sharex=True, height_ratios=(3, 1))
+    curve = calibrated.calibration_temperature
+    low, high = calibrated.instrument_range.values
+    fitted = (curve >= calibrated.fit_range[0]) & (curve <= calibrated.fit_range[1])
+    beyond = (curve >= calibrated.fit_range[1]) & (curve <= high)
+    phi, spread = float(calibrated.sensitivity_ratio), float(calibrated.sensitivity_ratio_uncertainty)
+    upper.plot(
+        curve, calibrated.calibration_ratio, "k-", label=rf"model, $\varphi$ = {phi:.4f} $\pm$ {spread:.4f}"
+    )
+    upper.plot(
+        curve[fitted], calibrated.fitted_ratio[fitted], "--", color=style.NARROW, label="quadratic fit"
+    )
+    upper.plot(
+        curve[beyond], calibrated.fitted_ratio[beyond], ":", color=style.NARROW, label="fit, extrapolated"
+    )
+    upper.plot(
+        calibrated.source_temperature, calibrated.point_ratio, "o", ms=3.5, color=style.WIDE, label="points"
+    )
+    upper.legend()
+    inside = (curve >= low) & (curve <= high)
+    top = float(calibrated.calibration_ratio[inside].max())
+    upper.set(ylabel=r"Signal ratio $\rho_c$ [–]", xlim=(low - 50, high + 50), ylim=(0, 1.08 * top))
+    lower.axhline(0, color="k", lw=0.7)
+    lower.plot(
+        calibrated.source_temperature, 100 * calibrated.model_residual, "o", ms=3, color="k", label="model"
+    )
+    lower.plot(
+        calibrated.source_temperature,
+        100 * calibrated.fit_residual,
+        "s",
+        ms=3,
+        color=style.NARROW,
+        label="fit",
+    )
+    lower.legend(ncols=2)
+    lower.set(xlabel="Source temperature [K]", ylabel="Residual [%]", ylim=(-3, 3))
+    style.mark_origin(upper, calibrated)
+    style.save(drawing, paths)
+
+
+def spectrometer_factor(calibrated, paths):
+    """Figure 3b: calibration factor of the spectrometer."""
+    drawing, axes = style.figure(size=(2.8, 2.8))
+    good = calibrated.pixel_status == 0
+    axes.semilogy(
+        calibrated.wavelength[good] * 1e9,
+        calibrated.calibration_factor[good] * 1e-6,
+        color=style.WIDE,
+        lw=0.8,
+    )
+    axes.set(
+        xlabel="Wavelength [nm]",
+        ylabel=r"Calibration factor $f_\lambda^c$ [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$ s count$^{-1}$]",
+    )
+    style.mark_origin(axes, calibrated)
+    style.save(drawing, paths)
