@@ -1,0 +1,234 @@
+"""Collision integrals of the eleven species of air plasma.
+
+Every integral here is a reduced cross-section, Q(l,s) = pi sigma^2 Omega(l,s)* [m2], in the convention
+in which it equals pi sigma^2 for rigid spheres. The tables hold Q/pi.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from plasmapyro import tables
+from plasmapyro.constants import BOLTZMANN, ELEMENTARY_CHARGE, VACUUM_PERMITTIVITY
+from plasmapyro.gas.species import CHARGE, ELECTRON, IONS, NEUTRALS, SPECIES
+
+NEUTRAL_BSTAR = 1.15
+ION_NEUTRAL_BSTAR = 1.20
+"""B* of heavy pairs. ASSUME: constants, as recommended by Wright et al. (2005), section VI."""
+
+COULOMB_COLUMNS = ("11", "22", "14", "15", "24")
+
+
+@dataclass(frozen=True)
+class HeavyIntegrals:
+    """Pairs of heavy species: Q11, Q22 [m2], A* and B* [1], each (points, 10, 10)."""
+
+    q11: np.ndarray
+    q22: np.ndarray
+    astar: np.ndarray
+    bstar: np.ndarray
+
+
+@dataclass(frozen=True)
+class ElectronIntegrals:
+    """Electrons with heavy species (points, 10) and with electrons (points,), all [m2]."""
+
+    q11: np.ndarray
+    q12: np.ndarray
+    q13: np.ndarray
+    q14: np.ndarray
+    q15: np.ndarray
+    q22_electrons: np.ndarray
+    q23_electrons: np.ndarray
+    q24_electrons: np.ndarray
+
+
+def _curve(abscissa, ordinate):
+    """Monotone cubic in (ln x, ln y), continued by its end tangents as power laws."""
+    x, y = np.log(abscissa), np.log(ordinate)
+    inside = PchipInterpolator(x, y)
+    slope = inside.derivative()
+    edges = [(x[k], y[k], float(slope(x[k]))) for k in (0, -1)]
+
+    def evaluate(value):
+        at = np.log(value)
+        result = inside(np.clip(at, x[0], x[-1]))
+        for (edge, level, tangent), out in zip(edges, (at < x[0], at > x[-1]), strict=True):
+            result = np.where(out, level + tangent * (at - edge), result)
+        return np.exp(result)
+
+    return evaluate
+
+
+@cache
+def _pair_curves(name):
+    """{(first, second): {column: curve of temperature}} of one table of `data/gas`."""
+    table = tables.load(f"gas/{name}")
+    columns = [c for c in table.columns if c not in ("first", "second", "temperature", "uncertainty")]
+    curves = {}
+    pairs = dict.fromkeys(zip(table["first"], table["second"], strict=True))
+    for first, second in pairs:
+        rows = (table["first"] == first) & (table["second"] == second)
+        temperature = table["temperature"][rows]
+        curves[first, second] = {c: _curve(temperature, table[c][rows]) for c in columns}
+    return curves
+
+
+@cache
+def _coulomb_curves(kind):
+    """Curves of the reduced temperature for attractive or repulsive pairs."""
+    table = tables.load("gas/collisions_coulomb")
+    rows = table["kind"] == kind
+    reduced = np.log(table["reduced_temperature"][rows])
+    names = [c for c in table.columns if c not in ("kind", "reduced_temperature")]
+    return {name: _logarithmic_curve(reduced, table[name][rows]) for name in names}
+
+
+def _logarithmic_curve(x, y):
+    """Monotone cubic in ln T*, continued by a straight line in ln T* (the Coulomb logarithm)."""
+    inside = PchipInterpolator(x, y)
+    tangent = float((y[-1] - y[-2]) / (x[-1] - x[-2]))
+
+    def evaluate(at):
+        return inside(np.clip(at, x[0], x[-1])) + tangent * np.maximum(at - x[-1], 0)
+
+    return evaluate
+
+
+def debye_length(temperature, electron_density):
+    r"""Debye length with electrons and ions screening.
+
+    .. math:: \lambda_D = \sqrt{\frac{\epsilon_0 k T}{2 n_e e^2}}
+
+    Parameters
+    ----------
+    temperature : ndarray [K]
+    electron_density : ndarray [m-3]
+        > 0, shape of `temperature`.
+
+    Returns
+    -------
+    ndarray [m]
+
+    Notes
+    -----
+    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827, eq. 2. ASSUME: ions screen like
+    electrons (singly charged, same temperature), as in Mutation++.
+    """
+    energy = VACUUM_PERMITTIVITY * BOLTZMANN * temperature
+    return np.sqrt(energy / (2 * electron_density * ELEMENTARY_CHARGE**2))
+
+
+def coulomb_integrals(kind, temperature, electron_density):
+    r"""Collision integrals of the screened Coulomb potential.
+
+    With :math:`T^* = \lambda_D/b`, :math:`b = e^2/(4\pi\epsilon_0 kT)`, the table holds
+    :math:`T^{*2} Q^{(l,s)}/\pi\lambda_D^2`, so that :math:`Q = \pi b^2 \times` table. Below the table
+    (T* < 0.1, denser than any state here) its first entry is used, above it the logarithm continues.
+
+    Parameters
+    ----------
+    kind : {"attractive", "repulsive"}
+    temperature : ndarray [K]
+    electron_density : ndarray [m-3]
+        > 0.
+
+    Returns
+    -------
+    dict of ndarray
+        Q11, Q22, Q14, Q15, Q24, Q12, Q13, Q23 [m2] and astar, bstar, cstar [1], keys without "Q".
+
+    Notes
+    -----
+    Source: Mason, Munn & Smith (1967) and Devoto (1973), see `data/gas/collisions_coulomb.yml`.
+    Q12 = C* Q11, Q13 = (5 C* - B*) Q11 / 4 and Q23 = E* Q22 by definition of B*, C*, E*.
+    """
+    distance = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY * BOLTZMANN * temperature)
+    reduced = np.log(debye_length(temperature, electron_density) / distance)
+    curves = _coulomb_curves(kind)
+    values = {name: np.pi * distance**2 * curves[f"reduced_omega{name}"](reduced) for name in COULOMB_COLUMNS}
+    # The starred ratios tend to constants: they stay at the last entry instead of going on.
+    last = np.minimum(reduced, np.log(1e4))
+    bstar, cstar, estar = (curves[name](last) for name in ("bstar", "cstar", "estar"))
+    values["12"] = cstar * values["11"]
+    values["13"] = (5 * cstar - bstar) / 4 * values["11"]
+    values["23"] = estar * values["22"]
+    return {**values, "astar": values["22"] / values["11"], "bstar": bstar, "cstar": cstar}
+
+
+def heavy_integrals(temperature, electron_density):
+    """Collision integrals of all pairs of heavy species.
+
+    Parameters
+    ----------
+    temperature : ndarray [K]
+        Shape (points,).
+    electron_density : ndarray [m-3]
+        Shape (points,), > 0.
+
+    Returns
+    -------
+    HeavyIntegrals
+
+    Notes
+    -----
+    Source: neutral pairs Wright et al. (2005), ion-neutral Levin & Wright (2004), ion-ion
+    `coulomb_integrals`. ASSUME: beyond the ends of a table a power law with the end's slope.
+    """
+    size = ELECTRON
+    shape = (temperature.size, size, size)
+    q11, q22 = np.empty(shape), np.empty(shape)
+    bstar = np.full(shape, NEUTRAL_BSTAR)
+    for table in ("collisions_neutral", "collisions_ion_neutral"):
+        for (first, second), curves in _pair_curves(table).items():
+            i, k = SPECIES.index(first), SPECIES.index(second)
+            q11[:, i, k] = q11[:, k, i] = np.pi * curves["omega11"](temperature)
+            q22[:, i, k] = q22[:, k, i] = np.pi * curves["omega22"](temperature)
+    ions = slice(len(NEUTRALS), len(NEUTRALS) + len(IONS))
+    neutral = slice(0, len(NEUTRALS))
+    bstar[:, ions, neutral] = bstar[:, neutral, ions] = ION_NEUTRAL_BSTAR
+    charged = coulomb_integrals("repulsive", temperature, electron_density)
+    q11[:, ions, ions] = charged["11"][:, None, None]
+    q22[:, ions, ions] = charged["22"][:, None, None]
+    bstar[:, ions, ions] = charged["bstar"][:, None, None]
+    return HeavyIntegrals(q11, q22, q22 / q11, bstar)
+
+
+def electron_integrals(temperature, electron_density):
+    """Collision integrals of electrons with every species.
+
+    Parameters
+    ----------
+    temperature : ndarray [K]
+        Shape (points,).
+    electron_density : ndarray [m-3]
+        Shape (points,), > 0.
+
+    Returns
+    -------
+    ElectronIntegrals
+
+    Notes
+    -----
+    Source: neutrals Wright et al. (2005), charged `coulomb_integrals`. ASSUME: Q14 = Q15 = Q13 for
+    neutrals, for which no B*, C* of higher order are published (Magin & Degrez 2004).
+    """
+    values = {name: np.empty((temperature.size, ELECTRON)) for name in ("11", "12", "13", "14", "15")}
+    for (first, _), curves in _pair_curves("collisions_electron_neutral").items():
+        i = SPECIES.index(first)
+        q11 = np.pi * curves["omega11"](temperature)
+        bstar, cstar = curves["bstar"](temperature), curves["cstar"](temperature)
+        values["11"][:, i] = q11
+        values["12"][:, i] = cstar * q11
+        for name in ("13", "14", "15"):
+            values[name][:, i] = (5 * cstar - bstar) / 4 * q11
+    attractive = coulomb_integrals("attractive", temperature, electron_density)
+    for name, array in values.items():
+        array[:, CHARGE[:ELECTRON] > 0] = attractive[name][:, None]
+    repulsive = coulomb_integrals("repulsive", temperature, electron_density)
+    return ElectronIntegrals(
+        *(values[name] for name in ("11", "12", "13", "14", "15")),
+        *(repulsive[name] for name in ("22", "23", "24")),
+    )
