@@ -4,7 +4,13 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import tables
+from plasmapyro.checks import increasing, positive
+from plasmapyro.instrument import calibration, spectrometer
+from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.response import sandwich_response, silicon_absorption
+
+BANDS = ("wide", "narrow")
+SLOPE_STEP = 1e-4  # relative half step of central differences: error 1e-8 of the slope
 
 
 def band_response(
@@ -71,4 +77,194 @@ def band_response(
             "origin": tables.weakest(["modelled", table.origin]),
             "references": f"Modelled layered silicon detector; absorption: {table.source}",
         },
+    )
+
+
+def pyrometer_calibration(
+    response,
+    calibration_points,
+    *,
+    source_temperature_uncertainty,
+    signal_uncertainty,
+    instrument_range,
+    calibration_temperature,
+    draws,
+    seed,
+):
+    """Sensitivities, modelled ratio curve and quadratic fit of a pyrometer, with their uncertainties.
+
+    Parameters
+    ----------
+    response : Dataset, contract 'response'
+    calibration_points : Dataset, contract 'calibration_points', without missing samples
+    source_temperature_uncertainty : float [K]
+    signal_uncertainty : float [1]
+        Relative standard uncertainty of one signal.
+    instrument_range : (2,) floats [K]
+        Lowest and highest temperature the instrument reads.
+    calibration_temperature : (C,) array [K], strictly increasing
+        Where the curves are tabulated; may reach beyond the instrument range.
+    draws : int
+        Monte Carlo draws behind `temperature_uncertainty`.
+    seed : int
+
+    Returns
+    -------
+    Dataset, contract 'calibration'
+
+    Raises
+    ------
+    ValueError
+        Missing or non-positive signals, fewer than four temperatures, or a quadratic fit that does
+        not rise over the instrument range.
+
+    Notes
+    -----
+    Source: Fagnani et al., eqs. 5 and 6 and sec. 3.2.
+    """
+    curve = increasing("calibration_temperature", calibration_temperature, "K")
+    span = increasing("instrument_range", instrument_range, "K")
+    source = positive("source_temperature", calibration_points.source_temperature.values, "K")
+    signals = [positive(f"signal_{band}", calibration_points[f"signal_{band}"].values, "A") for band in BANDS]
+
+    def modelled(temperature):
+        return [
+            blackbody_signal(temperature, response.wavelength.values, response[f"responsivity_{band}"].values)
+            for band in BANDS
+        ]
+
+    def covariance(logarithm, count):
+        step = SLOPE_STEP * source
+        slope = (logarithm(source + step) - logarithm(source - step)) / (2 * step)
+        return calibration.point_covariance(slope, source_temperature_uncertainty, signal_uncertainty, count)
+
+    def log_ratio(temperature):
+        wide, narrow = modelled(temperature)
+        return np.log(wide / narrow)
+
+    ratio, ratio_covariance = signals[0] / signals[1], covariance(log_ratio, 2)
+    sensitivity_ratio, ratio_uncertainty = calibration.fit_sensitivity(
+        ratio, np.exp(log_ratio(source)), ratio_covariance
+    )
+    absolute = [
+        calibration.fit_sensitivity(
+            signals[band],
+            modelled(source)[band],
+            covariance(lambda temperature, band=band: np.log(modelled(temperature)[band]), 1),
+        )
+        for band in range(len(BANDS))
+    ]
+    coefficient, coefficient_covariance, fit_range = calibration.fit_quadratic(
+        source, ratio, ratio_covariance
+    )
+    calibration.require_rising(coefficient, fit_range, span)
+    readable = (curve >= span[0]) & (curve <= span[1])
+    fitted, uncertainty = np.full((2, curve.size), np.nan)
+    fitted[readable] = calibration.quadratic_ratio(curve[readable], coefficient, fit_range)
+    uncertainty[readable] = calibration.reading_uncertainty(
+        curve[readable],
+        coefficient,
+        coefficient_covariance,
+        fit_range,
+        signal_uncertainty,
+        draws,
+        np.random.default_rng(seed),
+    )
+    point, table, power = "calibration_point", "calibration_temperature", "fit_power"
+    model_ratio = sensitivity_ratio * np.exp(log_ratio(source))
+    return xr.Dataset(
+        {
+            "sensitivity_ratio": sensitivity_ratio,
+            "sensitivity_ratio_uncertainty": ratio_uncertainty,
+            "absolute_sensitivity": ("band", [value for value, _ in absolute]),
+            "absolute_sensitivity_uncertainty": ("band", [value for _, value in absolute]),
+            "source_temperature": (point, source),
+            "point_ratio": (point, ratio),
+            "model_residual": (point, ratio / model_ratio - 1),
+            "fit_residual": (
+                point,
+                ratio / calibration.quadratic_ratio(source, coefficient, fit_range) - 1,
+            ),
+            "calibration_ratio": (table, sensitivity_ratio * np.exp(log_ratio(curve))),
+            "fitted_ratio": (table, fitted),
+            "temperature_uncertainty": (table, uncertainty),
+            "fit_coefficient": (power, coefficient),
+            "fit_covariance": ((power, "other_fit_power"), coefficient_covariance),
+            "fit_range": ("bound", fit_range),
+            "instrument_range": ("bound", span),
+        },
+        {"band": list(BANDS), "calibration_temperature": curve},
+        {"origin": "modelled", "signal_uncertainty": float(signal_uncertainty)},
+    )
+
+
+def spectrometer_calibration(
+    spectrometer_counts, *, source_temperature_uncertainty, saturation_counts, least_net_counts, noise_block
+):
+    """Calibration factor of a spectrometer, its noise, and which pixels can be used.
+
+    Parameters
+    ----------
+    spectrometer_counts : Dataset, contract 'spectrometer_counts'
+        With the attributes `source_temperature` [K] and `integration_time` [s].
+    source_temperature_uncertainty : float [K]
+    saturation_counts : float [count]
+        Raw counts from here on are saturated.
+    least_net_counts : float [count]
+        Net counts up to here are no signal.
+    noise_block : int
+        Pixels per noise estimate.
+
+    Returns
+    -------
+    Dataset, contract 'spectrometer_calibration'
+
+    Raises
+    ------
+    ValueError
+        A missing attribute, or no usable pixel.
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 9.
+    """
+    missing = {"source_temperature", "integration_time"} - set(spectrometer_counts.attrs)
+    if missing:
+        raise ValueError(f"spectrometer_counts lacks the attributes {', '.join(sorted(missing))}")
+    temperature = float(spectrometer_counts.attrs["source_temperature"])
+    wavelength = increasing("wavelength", spectrometer_counts.wavelength.values, "m")
+    counts = spectrometer_counts.calibration_counts.values
+    background = spectrometer_counts.calibration_background.values
+    status = spectrometer.pixel_status(counts, background, saturation_counts, least_net_counts)
+    usable = status == spectrometer.USABLE
+    if not usable.any():
+        raise ValueError(
+            f"no usable pixel in the spectrometer calibration: of {usable.size},"
+            f" {np.sum(status == spectrometer.SATURATED)} are saturated,"
+            f" {np.sum(status == spectrometer.NO_SIGNAL)} without signal,"
+            f" {np.sum(status == spectrometer.MISSING)} missing"
+        )
+    net = np.where(usable, counts - background, np.nan)
+    factor = spectrometer.calibration_factor(
+        wavelength, net, 0.0, temperature, spectrometer_counts.attrs["integration_time"]
+    )
+    return xr.Dataset(
+        {
+            "calibration_factor": ("wavelength", factor),
+            "calibration_factor_uncertainty": (
+                "wavelength",
+                spectrometer.local_noise(net, noise_block) / net,
+            ),
+            "pixel_status": (
+                "wavelength",
+                status,
+                {
+                    "flag_values": np.arange(4, dtype="int8"),
+                    "flag_meanings": "usable no_signal saturated missing",
+                },
+            ),
+            "source_temperature": temperature,
+            "source_temperature_uncertainty": float(source_temperature_uncertainty),
+        },
+        {"wavelength": wavelength},
     )

@@ -1,0 +1,277 @@
+"""The files of a campaign: calibration of both instruments, and one test with its sealed truth.
+
+Every function returns datasets; `write` stores them. A hidden effect is a function that takes a
+`Scene` and returns another one (`dataclasses.replace`): it can change the light, the instruments, the
+sample or the clock without touching the rest.
+"""
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from twin import light, sensors
+from twin.plasma import Plasma, brightness
+from twin.sample import Sample, history
+from twin.sensors import Pyrometer, Spectrometer
+
+TICK = 0.05  # [s] step of the hidden history; the pyrometer samples every second one
+DARK_SCANS = 20
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything that is true about a test. Times [s], 0 at injection."""
+
+    condition: str  # simulation to compare with, as the laboratory believes
+    start: float = -20.0
+    end: float = 400.0
+    plasma_off_time: float = 300.0
+    reference_window: tuple = (0.0, 6.0)
+    pyrometer_period: float = 0.1
+    spectrometer_period: float = 2.0
+    pyrometer_integration_time: float = 0.01
+    spectrometer_integration_time: float = 1.0
+    stated_emittance: float = 0.85
+    stated_emittance_uncertainty: float = 0.05
+    electric_power: float = 160e3  # [W]
+    chamber_pressure: float = 5000.0  # [Pa]
+    mass_flow_rate: float = 16e-3  # [kg s-1]
+    sample: Sample = field(default_factory=Sample)
+    plasma: Plasma = field(default_factory=Plasma)
+    pyrometer: Pyrometer = field(default_factory=Pyrometer)
+    spectrometer: Spectrometer = field(default_factory=Spectrometer)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The blackbody source and how it is used."""
+
+    lowest: float = 973.0  # [K]
+    highest: float = 1773.0
+    step: float = 50.0
+    bias: float = 3.0  # [K] half width: the reference sensor, the same for all points
+    hold: float = 0.5  # [K] half width: the controller, from point to point
+    reading: float = 0.01  # half width: relative error of one reading of one signal
+    readings: int = 25  # per point, averaged
+    spectrometer_temperature: float = 1773.0
+    spectrometer_integration_time: float = 0.4
+    scans: int = 20
+
+
+def _streams(seed, name):
+    """A random generator of its own for each part, so that one part does not move another."""
+    parts = ("source", "points", "pixels", "lamp", "plasma", "signals", "counts", "tunnel")
+    return np.random.default_rng([seed, parts.index(name)])
+
+
+def calibration_points(response, seed, source=None, pyrometer=None):
+    """Signals of both bands before the source: what `plasmapyro` calls 'calibration_points'."""
+    source, pyrometer = source or Source(), pyrometer or Pyrometer()
+    set_point = np.arange(source.lowest, source.highest + source.step / 2, source.step)
+    random = _streams(seed, "points")
+    hold = random.uniform(-source.hold, source.hold, set_point.size)
+    actual = set_point + _source_bias(source, seed) + hold
+    clean = pyrometer.gains[:, None] * band_signals(response, actual)
+    error = random.uniform(-source.reading, source.reading, (2, set_point.size, source.readings))
+    wide, narrow = clean * (1 + error.mean(axis=-1))
+    return xr.Dataset(
+        {
+            "source_temperature": ("calibration_point", set_point, {"units": "K"}),
+            "signal_wide": ("calibration_point", wide, {"units": "A"}),
+            "signal_narrow": ("calibration_point", narrow, {"units": "A"}),
+        },
+        attrs={"origin": "synthetic", "title": "Synthetic calibration of a two-colour pyrometer"},
+    )
+
+
+def _source_bias(source, seed):
+    return _streams(seed, "source").uniform(-source.bias, source.bias)
+
+
+def band_signals(response, temperature):
+    """Black body signals of both bands (2, T) [W m-2 sr-1] at the temperatures (T,) [K]."""
+    rows = []
+    for name in ("responsivity_wide", "responsivity_narrow"):
+        _, centres, weight = light.band(response.wavelength.values, response[name].values)
+        rows.append(light.planck(centres, np.asarray(temperature)[:, None]) @ weight)
+    return np.stack(rows)
+
+
+def spectrometer_counts(seed, source=None, spectrometer=None):
+    """Counts before the source and in the dark: what `plasmapyro` calls 'spectrometer_counts'."""
+    source, spectrometer = source or Source(), spectrometer or Spectrometer()
+    pixels = spectrometer.wavelength
+    actual = source.spectrometer_temperature + _source_bias(source, seed)
+    rate = spectrometer.rate_per_radiance(light.planck) * light.planck(pixels, actual)
+    pattern = sensors.offset_pattern(spectrometer, _streams(seed, "pixels"))
+    random = _streams(seed, "lamp")
+    bright, dark = (
+        sensors.counts(
+            spectrometer,
+            np.broadcast_to(value, (source.scans, pixels.size)),
+            source.spectrometer_integration_time,
+            pattern,
+            random,
+        ).mean(axis=0)
+        for value in (rate, 0.0)
+    )
+    return xr.Dataset(
+        {
+            "calibration_counts": ("wavelength", bright, {"units": "count"}),
+            "calibration_background": ("wavelength", dark, {"units": "count"}),
+        },
+        {"wavelength": ("wavelength", pixels, {"units": "m"})},
+        {
+            "origin": "synthetic",
+            "title": "Synthetic calibration of a spectrometer",
+            "source_temperature": source.spectrometer_temperature,
+            "integration_time": source.spectrometer_integration_time,
+            "scans_averaged": source.scans,
+        },
+    )
+
+
+def record(scene, response, gas, seed):
+    """The test as a laboratory would hand it over, and what is really true.
+
+    Parameters
+    ----------
+    scene : Scene
+    response : Dataset with wavelength [m], responsivity_wide, responsivity_narrow
+    gas : sequence of (weight, Dataset); the true gas is the weighted sum of their `gas_radiance`
+    seed : int
+
+    Returns
+    -------
+    test, truth : Datasets
+    """
+    tick = np.arange(scene.start, scene.end + TICK / 2, TICK)
+    temperature = history(scene.sample, tick, scene.plasma_off_time)
+    scale = brightness(scene.plasma, tick, scene.plasma_off_time, _streams(seed, "plasma"))
+    injected = tick >= 0
+
+    time = np.round(np.arange(scene.start, scene.end + 1e-9, scene.pyrometer_period), 9)
+    moment = np.rint((time - scene.start) / TICK).astype(int)
+    clean = _signals(scene, response, gas, temperature[moment], scale[moment], injected[moment])
+    wide, narrow = sensors.pyrometer_reading(scene.pyrometer, clean, _streams(seed, "signals"))
+
+    middle, frames = _exposures(scene, tick)
+    pixels = scene.spectrometer.wavelength
+    radiance = _spectra(scene, gas, temperature[frames], scale[frames], injected[frames])
+    pattern = sensors.offset_pattern(scene.spectrometer, _streams(seed, "pixels"))
+    random, exposure = _streams(seed, "counts"), scene.spectrometer_integration_time
+    rate = scene.spectrometer.rate_per_radiance(light.planck) * radiance
+    raw = sensors.counts(scene.spectrometer, rate, exposure, pattern, random)
+    no_light = np.zeros((DARK_SCANS, pixels.size))
+    dark = sensors.counts(scene.spectrometer, no_light, exposure, pattern, random).mean(axis=0)
+
+    running = time <= scene.plasma_off_time
+    tunnel = _streams(seed, "tunnel").standard_normal((3, time.size))
+    coordinates = {
+        "time": ("time", time, {"units": "s"}),
+        "spectrum_time": ("spectrum_time", middle, {"units": "s"}),
+        "wavelength": ("wavelength", pixels, {"units": "m"}),
+    }
+    test = xr.Dataset(
+        {
+            "signal_wide": ("time", wide, {"units": "A"}),
+            "signal_narrow": ("time", narrow, {"units": "A"}),
+            "counts": (("spectrum_time", "wavelength"), raw, {"units": "count"}),
+            "background_counts": ("wavelength", dark, {"units": "count"}),
+            "electric_power": (
+                "time",
+                scene.electric_power * np.where(running, 1 + 0.004 * tunnel[0], 0.0),
+                {"units": "W"},
+            ),
+            "chamber_pressure": ("time", scene.chamber_pressure * (1 + 0.002 * tunnel[1]), {"units": "Pa"}),
+            "mass_flow_rate": ("time", scene.mass_flow_rate * (1 + 0.002 * tunnel[2]), {"units": "kg s-1"}),
+        },
+        coordinates,
+        {
+            "title": "Synthetic twin of a plasma-wind-tunnel test of a C/SiC sample",
+            "origin": "synthetic",
+            "condition": scene.condition,
+            "injection_time": 0.0,
+            "plasma_off_time": scene.plasma_off_time,
+            "reference_window": np.array(scene.reference_window),
+            "emittance": scene.stated_emittance,
+            "emittance_uncertainty": scene.stated_emittance_uncertainty,
+            "window_transmittance_pyrometer": 0.87,
+            "window_transmittance_spectrometer": 0.95,
+            "pyrometer_integration_time": scene.pyrometer_integration_time,
+            "spectrometer_integration_time": scene.spectrometer_integration_time,
+            "spectrometer_fwhm": scene.spectrometer.fwhm,
+        },
+    )
+    truth = xr.Dataset(
+        {
+            "surface_temperature": ("time", temperature[moment], {"units": "K"}),
+            "gas_scale": ("time", scale[moment], {"units": "1"}),
+            "exposure_temperature": ("spectrum_time", temperature[frames].mean(axis=1), {"units": "K"}),
+            "exposure_gas_scale": ("spectrum_time", scale[frames].mean(axis=1), {"units": "1"}),
+            "emittance": scene.sample.emittance,
+            "sensitivity_ratio": scene.pyrometer.sensitivity_ratio,
+        },
+        {name: coordinates[name] for name in ("time", "spectrum_time")},
+        {
+            "origin": "synthetic",
+            "title": "Truth of a synthetic test, not for the processing",
+            "seed": seed,
+        },
+    )
+    return test, truth
+
+
+def _signals(scene, response, gas, temperature, scale, injected):
+    """Clean signals (2, t) [A] at the given instants (the 10 ms of a reading change nothing)."""
+    rows = []
+    for gain, name in zip(scene.pyrometer.gains, ("responsivity_wide", "responsivity_narrow"), strict=True):
+        edges, centres, weight = light.band(response.wavelength.values, response[name].values)
+        surface = scene.sample.emittance * (light.planck(centres, temperature[:, None]) @ weight)
+        rows.append(gain * (injected * surface + scale * (_gas_bins(gas, edges) @ weight)))
+    return np.stack(rows)
+
+
+def _spectra(scene, gas, temperature, scale, injected):
+    """Clean radiance (S, W) as the pixels see it; the inputs are (S, n), n instants of each exposure."""
+    device = scene.spectrometer
+    edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
+    plume = light.through_slit(edges, _gas_bins(gas, edges), device.wavelength, device.fwhm)
+    frames = []
+    for heat, glow, present in zip(temperature, scale, injected, strict=True):
+        body = light.planck(device.wavelength, heat[:, None]) * present[:, None]
+        frames.append(scene.sample.emittance * body.mean(axis=0) + glow.mean() * plume)
+    return np.stack(frames)
+
+
+def _gas_bins(gas, edges):
+    """Bin means of the weighted sum of the gas spectra."""
+    return sum(
+        weight * light.bin_mean(plume.wavelength.values, plume.gas_radiance.values, edges)
+        for weight, plume in gas
+    )
+
+
+def _exposures(scene, tick):
+    """Middle of each exposure (S,) [s] and the indices (S, n) of the instants within it."""
+    half = scene.spectrometer_integration_time / 2
+    first = np.ceil((scene.start + half) / scene.spectrometer_period) * scene.spectrometer_period
+    middle = np.arange(first, scene.end - half + 1e-9, scene.spectrometer_period)
+    begin = np.rint((middle - half - scene.start) / TICK).astype(int)
+    count = round(2 * half / TICK)
+    return middle, begin[:, None] + np.arange(count)
+
+
+def write(dataset, path):
+    """Store a dataset as netCDF, whole or not at all, the same bytes for the same content."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    try:
+        dataset.to_netcdf(part, engine="netcdf4")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
