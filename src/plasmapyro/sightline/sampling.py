@@ -1,0 +1,99 @@
+"""Quadratic interpolation of nodal fields on the triangles of a flow file."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+INSIDE = 1e-9  # smallest area coordinate that still counts as inside, for points on an edge
+
+
+@dataclass(frozen=True)
+class Location:
+    """Triangle (points,) and area coordinates (points, 3) of points in the mesh."""
+
+    face: np.ndarray
+    area: np.ndarray
+
+
+def locate(node_z, node_r, face_node, z, r):
+    """Find the triangle that holds each point.
+
+    Parameters
+    ----------
+    node_z, node_r : ndarray [m]
+        Shape (node,).
+    face_node : ndarray of int
+        Shape (face, 3).
+    z, r : ndarray [m]
+        Points on one straight line, shape (points,).
+
+    Returns
+    -------
+    Location
+
+    Raises
+    ------
+    ValueError
+        A point lies outside the mesh (the message names the first).
+    """
+    z, r = np.asarray(z, dtype=float), np.asarray(r, dtype=float)
+    near = _near_line(node_z, node_r, face_node, z, r)
+    corners_z, corners_r = node_z[face_node[near]], node_r[face_node[near]]
+    # Row k of `gradient` and `offset`: area coordinate k as an affine function of (z, r).
+    next_z, next_r = np.roll(corners_z, -1, axis=1), np.roll(corners_r, -1, axis=1)
+    last_z, last_r = np.roll(corners_z, 1, axis=1), np.roll(corners_r, 1, axis=1)
+    twice_area = np.sum(corners_z * (next_r - last_r), axis=1, keepdims=True)
+    by_z, by_r = (next_r - last_r) / twice_area, (last_z - next_z) / twice_area
+    offset = (next_z * last_r - last_z * next_r) / twice_area
+    area = by_z * z[:, None, None] + by_r * r[:, None, None] + offset  # (points, near faces, 3)
+    smallest = area.min(axis=2)
+    best = smallest.argmax(axis=1)
+    index = np.arange(z.size)
+    outside = smallest[index, best] < -INSIDE
+    if outside.any():
+        first = int(np.argmax(outside))
+        raise ValueError(
+            f"point z = {z[first]:.6g} m, r = {r[first]:.6g} m at index {first} lies outside the flow field"
+        )
+    return Location(near[best], area[index, best])
+
+
+def _near_line(node_z, node_r, face_node, z, r):
+    """Triangles that touch the line through the first and the last point."""
+    along_z, along_r = z[-1] - z[0], r[-1] - r[0]
+    side = (node_z - z[0]) * along_r - (node_r - r[0]) * along_z
+    reach = INSIDE * max(np.hypot(along_z, along_r), np.finfo(float).tiny)
+    side = side[face_node]
+    touched = np.flatnonzero((side.min(axis=1) <= reach) & (side.max(axis=1) >= -reach))
+    if touched.size == 0:
+        raise ValueError(f"the line from z = {z[0]:.6g} m, r = {r[0]:.6g} m misses the flow field")
+    return touched
+
+
+def interpolate(values, face_node, face_midnode, location):
+    r"""Value of a quadratic (P2) nodal field at located points.
+
+    .. math:: f = \sum_k f_k \lambda_k(2\lambda_k - 1) + \sum_k 4 f_{k,k+1}\lambda_k\lambda_{k+1}
+
+    Parameters
+    ----------
+    values : ndarray
+        Shape (node,).
+    face_node, face_midnode : ndarray of int
+        Shape (face, 3); middle node k lies on the edge from corner k to corner k + 1 (mod 3).
+    location : Location
+
+    Returns
+    -------
+    ndarray
+        Shape (points,), unit of `values`.
+
+    Notes
+    -----
+    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., eq. 8.27. Exact for quadratic
+    fields.
+    """
+    area = location.area
+    corner = values[face_node[location.face]] * area * (2 * area - 1)
+    middle = 4 * values[face_midnode[location.face]] * area * np.roll(area, -1, axis=1)
+    return (corner + middle).sum(axis=1)

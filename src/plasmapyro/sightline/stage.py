@@ -1,0 +1,164 @@
+"""The state of the gas along the line of sight of the instruments."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.checks import positive
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.species import SPECIES
+from plasmapyro.sightline import ray, sampling
+
+FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
+SURFACE_LENGTH = 2e-4  # [m], about the smallest cell on the probe
+OUTER_POINTS = 4  # nodes of each uniform stretch outside the flow field
+WINDOW_THICKNESS = 1e-6  # [m]
+"""ASSUME: the state jumps at the window; path_distance must increase, so the jump takes 1 um."""
+
+
+def line_of_sight(
+    flow,
+    *,
+    angle,
+    points,
+    window_distance,
+    instrument_distance,
+    laboratory_temperature,
+    laboratory_pressure,
+):
+    """State of the gas from the probe surface to the instrument.
+
+    Inside the flow field: the field. From where the path leaves it to the window: uniform, as at the
+    exit. From the window to the instrument: laboratory air. Composition in LTE everywhere.
+
+    Parameters
+    ----------
+    flow : Dataset
+        Contract 'flow'; its attribute `probe_nose` [m] is where the path starts.
+    angle : float [rad]
+        Between the path and the axis.
+    points : int
+        Nodes inside the flow field.
+    window_distance, instrument_distance : float [m]
+        Ends of the chamber and of the path, along the path.
+    laboratory_temperature, laboratory_pressure : float [K], [Pa]
+        Beyond the window.
+
+    Returns
+    -------
+    Dataset
+        Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m].
+
+    Raises
+    ------
+    ValueError
+        Distances out of order, a path that ends at a wall before the outer radius, or a state outside
+        200 to 20000 K.
+
+    Notes
+    -----
+    Source: Fagnani et al., section 'Numerical assessment', figure 'Optical path' and the text below.
+    """
+    laboratory_temperature = float(positive("laboratory_temperature", laboratory_temperature, "K"))
+    laboratory_pressure = float(positive("laboratory_pressure", laboratory_pressure, "Pa"))
+    inside = _inside(flow, angle, points)
+    leaves = float(inside["path_distance"][-1])
+    outer_radius = float(flow["node_r"].max())
+    if inside["radial_position"][-1] < outer_radius * (1 - 1e-6):
+        raise ValueError(
+            f"angle must let the path leave the field at its outer radius; at {np.degrees(angle):g} deg"
+            f" it ends at z = {inside['axial_position'][-1]:.4g} m, r = {inside['radial_position'][-1]:.4g} m"
+        )
+    if not leaves < window_distance < instrument_distance - WINDOW_THICKNESS:
+        raise ValueError(
+            f"distances must satisfy exit < window < instrument; got {leaves:.4g}, {window_distance:g},"
+            f" {instrument_distance:g} m"
+        )
+    chamber = np.linspace(leaves, window_distance, OUTER_POINTS)[1:]
+    laboratory = np.linspace(window_distance + WINDOW_THICKNESS, instrument_distance, OUTER_POINTS)
+    beyond = np.concatenate([chamber, laboratory])
+    z, r = ray.position(beyond, float(flow.attrs["probe_nose"]), angle)
+    outside = {
+        "path_distance": beyond,
+        "axial_position": z,
+        "radial_position": r,
+        "temperature": _two(inside["temperature"][-1], chamber, laboratory_temperature, laboratory),
+        "pressure": _two(inside["pressure"][-1], chamber, laboratory_pressure, laboratory),
+    }
+    whole = {name: np.concatenate([inside[name], outside[name]]) for name in outside}
+    return _dataset(whole, angle=angle, exit_distance=leaves, window_distance=float(window_distance))
+
+
+def chord(flow, *, angle, points):
+    """State of the gas from the stagnation point to the boundary of the flow field, at any angle.
+
+    Parameters
+    ----------
+    flow : Dataset
+        Contract 'flow', with the attribute `probe_nose` [m].
+    angle : float [rad]
+        Between the path and the axis, 0 to pi/2.
+    points : int
+        Nodes, >= 2.
+
+    Returns
+    -------
+    Dataset
+        Contract 'sightline'; attributes `angle` [deg] and `exit_distance` [m].
+
+    Raises
+    ------
+    ValueError
+        As `line_of_sight`.
+    """
+    inside = _inside(flow, angle, points)
+    return _dataset(inside, angle=angle, exit_distance=float(inside["path_distance"][-1]))
+
+
+def _inside(flow, angle, points):
+    """Named arrays along the part of the path that lies in the flow field."""
+    try:
+        nose = float(flow.attrs["probe_nose"])
+    except KeyError:
+        raise ValueError("flow lacks the attribute probe_nose [m], where the path starts") from None
+    node_z, node_r = flow["node_z"].values, flow["node_r"].values
+    faces, middles = flow["face_node"].values, flow["face_midnode"].values
+    end = ray.exit_distance(node_z, node_r, faces, nose, angle)
+
+    def along(distance, *names):
+        z, r = ray.position(distance, nose, angle)
+        location = sampling.locate(node_z, node_r, faces, z, r)
+        fields = [sampling.interpolate(flow[name].values, faces, middles, location) for name in names]
+        return z, r, *fields
+
+    # Geometric, so that the boundary layer on the probe is resolved as well as the jet.
+    fine = SURFACE_LENGTH * np.expm1(np.linspace(0, np.log1p(end / SURFACE_LENGTH), FINE_SAMPLES))
+    fine[-1] = end
+    *_, fine_temperature = along(fine, "temperature")
+    nodes = ray.spread(fine, fine_temperature, points=points, surface_length=SURFACE_LENGTH)
+    z, r, temperature, pressure = along(nodes, "temperature", "pressure")
+    return {
+        "path_distance": nodes,
+        "axial_position": z,
+        "radial_position": r,
+        "temperature": temperature,
+        "pressure": pressure,
+    }
+
+
+def _two(first, first_nodes, second, second_nodes):
+    """Two uniform stretches, one after the other."""
+    return np.concatenate([np.full(first_nodes.size, first), np.full(second_nodes.size, second)])
+
+
+def _dataset(arrays, *, angle, **attributes):
+    """Dataset of contract 'sightline' with the LTE composition added."""
+    density = number_density(arrays["temperature"], arrays["pressure"])
+    variables = {
+        name: ("path_distance", values) for name, values in arrays.items() if name != "path_distance"
+    }
+    variables["number_density"] = (("species", "path_distance"), density.T)
+    return xr.Dataset(
+        variables,
+        {"path_distance": arrays["path_distance"], "species": list(SPECIES)},
+        attrs={"origin": "modelled", "angle": float(np.degrees(angle)), **attributes},
+    )
