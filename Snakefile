@@ -10,7 +10,7 @@ configfile: "config/config.yaml"
 
 configuration.check(config, "config/schema.yaml", "the configuration")
 CONDITIONS = configuration.load_folder(
-    config["conditions"], "config/schema_condition.yaml"
+    config["conditions"], "config/schema_condition.yaml", order="numerical_power_kw"
 )
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 

@@ -82,8 +82,9 @@ def every_level(schema, path=""):
 def test_schemas_are_closed_and_described(name):
     schema = yaml.safe_load((ROOT / "config" / name).read_text())
     for path, level in every_level(schema):
-        assert level.get("additionalProperties") is False, f"{name}{path} is open"
-        for key, rule in level["properties"].items():
+        assert isinstance(level.get("additionalProperties"), bool | dict), f"{name}{path} is open"
+        assert level["additionalProperties"] is not True, f"{name}{path} is open"
+        for key, rule in level.get("properties", {}).items():
             assert "description" in rule or rule.get("type") == "object", (
                 f"{name}{path}.{key} lacks a description"
             )

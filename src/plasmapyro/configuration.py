@@ -20,17 +20,18 @@ def load(path, schema):
     return check(values, schema, path)
 
 
-def load_folder(selection, schema):
+def load_folder(selection, schema, order=None):
     """Read the YAML files of a folder, each checked against `schema`; the file name is the key.
 
     Parameters
     ----------
     selection : mapping with `folder` (path) and `only` (names to keep; empty for all)
     schema : path of the schema
+    order : key of the files to sort by; by name otherwise
 
     Returns
     -------
-    dict of name -> mapping, sorted by name
+    dict of name -> mapping
     """
     folder, only = Path(selection["folder"]), selection["only"]
     found = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
@@ -39,7 +40,8 @@ def load_folder(selection, schema):
         near = get_close_matches(missing[0], found, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise ConfigurationError(f"no file {folder / missing[0]}.yaml{hint} (listed under 'only')")
-    return {name: load(path, schema) for name, path in found.items() if not only or name in only}
+    cases = {name: load(path, schema) for name, path in found.items() if not only or name in only}
+    return dict(sorted(cases.items(), key=lambda case: case[1][order])) if order else cases
 
 
 def check(values, schema, source):

@@ -93,6 +93,15 @@ VARIABLES = {
     "limit_status": Variable("1", "-1 limit below, 0 within, +1 above the temperatures studied", -1, 1),
     "object_temperature_history": Variable("K", "true surface temperature while heating", 100, 1e4),
     "surface_radiance": Variable(RADIANCE, "radiance of the grey surface", 0, 1e17),
+    # radiation
+    "gas_radiance": Variable(RADIANCE, "spectral radiance of the gas at the end of the sight line"),
+    "gas_radiance_component": Variable(RADIANCE, "the same by radiating system, absorbed by all"),
+    "optical_depth": Variable("1", "optical depth of the whole sight line", -1e-6, 1e6),
+    "gas_radiance_slit": Variable(RADIANCE, "spectral radiance of the gas through a Gaussian slit"),
+    "gas_radiance_component_slit": Variable(RADIANCE, "the same by radiating system"),
+    "band_signal": Variable("W m-2 sr-1", "radiance of the gas weighted with the response", 0, 1e9),
+    "band_signal_thin": Variable("W m-2 sr-1", "the same without absorption", 0, 1e9),
+    "band_signal_gridless": Variable("W m-2 sr-1", "the same without absorption and without a grid", 0, 1e9),
     # instrument
     "responsivity_wide": Variable("1", "spectral response of the wide band over its peak", 0, 1),
     "responsivity_narrow": Variable("1", "spectral response of the narrow band over its peak", 0, 1),
@@ -175,6 +184,18 @@ VARIABLES = {
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
     "radial_position": Variable("m", "distance from the jet axis", 0, 100),
     "number_density": Variable("m-3", "number density", 0, 1e28),
+    # claims
+    "claim": Variable("", "short name of the claim"),
+    "section": Variable("", "section of the paper"),
+    "statement": Variable("", "what the paper says"),
+    "unit": Variable("", "unit of value and printed range"),
+    "printed": Variable("", "range that counts as the printed value"),
+    "verdict": Variable("", "how value and printed range compare"),
+    "remark": Variable("", "how it was measured here, and why it may differ"),
+    "basis": Variable("", "what the value rests on: simulation, synthetic data, nothing"),
+    "value": Variable("1", "value of this chain, in the unit of the claim", nan_allowed=True),
+    "printed_low": Variable("1", "lower end of the printed range, in the unit of the claim"),
+    "printed_high": Variable("1", "upper end of the printed range, in the unit of the claim"),
 }
 
 DATASETS = {
@@ -226,6 +247,22 @@ DATASETS = {
             name: ("iteration",)
             for name in ("residual_norm", "velocity_change", "temperature_change", "cfl_number")
         },
+    },
+    "claims": {
+        name: ("claim",)
+        for name in (
+            "claim",
+            "section",
+            "statement",
+            "unit",
+            "printed",
+            "verdict",
+            "remark",
+            "basis",
+            "value",
+            "printed_low",
+            "printed_high",
+        )
     },
     "gas_signal": {
         "condition": ("condition",),
@@ -284,6 +321,20 @@ DATASETS = {
         "number_density": ("species", "path_distance"),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
+    },
+    "radiation": {
+        "wavelength": ("wavelength",),
+        "component": ("component",),
+        "gas_radiance": ("wavelength",),
+        "gas_radiance_component": ("component", "wavelength"),
+        "optical_depth": ("wavelength",),
+        "wavelength_slit": ("wavelength_slit",),
+        "gas_radiance_slit": ("wavelength_slit",),
+        "gas_radiance_component_slit": ("component", "wavelength_slit"),
+        "band": ("band",),
+        "band_signal": ("band",),
+        "band_signal_thin": ("band",),
+        "band_signal_gridless": ("band",),
     },
     "response": {
         "wavelength": ("wavelength",),

@@ -8,11 +8,11 @@ from plasmapyro.plots import style
 def visibility_factors(visibility, paths):
     """Figure 6a: visibility factor of both bands against surface temperature."""
     drawing, axes = style.figure()
-    colours = style.power_colours(visibility.numerical_power)
+    colours = style.case_colours(visibility.sizes["condition"])
     for case, colour, label in zip(
         range(visibility.sizes["condition"]),
         colours,
-        style.power_labels(visibility.numerical_power),
+        style.case_labels(visibility.condition.values, visibility.numerical_power),
         strict=True,
     ):
         for band, dash in (("wide", "-"), ("narrow", "--")):
@@ -95,9 +95,12 @@ def relative_error(reading, paths):
 
 
 def _one_line_per_power(axes, dataset, values):
-    colours = style.power_colours(dataset.numerical_power)
+    colours = style.case_colours(dataset.sizes["condition"])
     for row, colour, label in zip(
-        values.values, colours, style.power_labels(dataset.numerical_power), strict=True
+        values.values,
+        colours,
+        style.case_labels(dataset.condition.values, dataset.numerical_power),
+        strict=True,
     ):
         axes.plot(dataset.object_temperature, row, color=colour, label=label)
 
@@ -105,9 +108,12 @@ def _one_line_per_power(axes, dataset, values):
 def error_map(errors, paths):
     """Figure 7c: curves of one error level over emittance and surface temperature."""
     drawing, axes = style.figure()
-    colours = style.power_colours(errors.numerical_power)
+    colours = style.case_colours(errors.sizes["condition"])
     for row, colour, label in zip(
-        errors.error_limit.values, colours, style.power_labels(errors.numerical_power), strict=True
+        errors.error_limit.values,
+        colours,
+        style.case_labels(errors.condition.values, errors.numerical_power),
+        strict=True,
     ):
         axes.plot(errors.emittance, row, color=colour, label=label)
     level = 100 * float(errors.attrs["error_level"])
@@ -130,7 +136,7 @@ def transient(history, paths):
     for row, dash, label in zip(
         history.apparent_temperature.values,
         ("-", "--", "-.", ":"),
-        style.power_labels(history.numerical_power),
+        style.case_labels(history.condition.values, history.numerical_power),
         strict=False,
     ):
         axes.plot(history.time, row, dash, color=style.NARROW, label=f"$T_{{app}}$, {label}")

@@ -71,37 +71,44 @@ def error_of_measured(corrected, paths):
     style.save(drawing, paths)
 
 
-def sample_emittance(sample, paths):
-    """Figure 8b: emittance of the sample against wavelength, with the bands' common range."""
+def sample_emittance(test, paths):
+    """Figure 8b: emittance of the sample as the test states it, grey over the bands of the pyrometer."""
     drawing, axes = style.figure(size=(2.9, 2.6))
-    axes.plot(sample.wavelength * 1e6, sample.sample_emittance_spectrum, color=style.WIDE)
-    axes.axvspan(0.75, 1.15, color="0.9", zorder=0, label="pyrometer bands")
+    value, spread = test.attrs["emittance"], test.attrs["emittance_uncertainty"]
+    axes.fill_between([0.75, 1.15], value - spread, value + spread, color=style.WIDE, alpha=0.25, lw=0)
+    axes.plot([0.75, 1.15], [value, value], color=style.WIDE, label=rf"{value:g} $\pm$ {spread:g}, grey")
     axes.legend()
-    axes.set(xlabel="Wavelength [µm]", ylabel=r"Normal emittance $\varepsilon_\lambda$ [–]", ylim=(0, 1))
-    style.mark_origin(axes, sample)
+    axes.set(
+        xlabel="Wavelength [µm]", ylabel=r"Emittance $\varepsilon_\lambda$ [–]", ylim=(0, 1), xlim=(0.7, 1.2)
+    )
+    style.mark_origin(axes, test)
     style.save(drawing, paths)
 
 
-def reference_spectrum(spectra, radiances, paths):
+def reference_spectrum(spectra, radiances, numerical_power, paths):
     """Figure 10a: spectrum of the reference window with simulated gas radiances.
 
     Parameters
     ----------
     spectra : Dataset, contract 'spectrometer_correction'
-    radiances : mapping of numerical power [W] -> Dataset, contract 'radiation'
+    radiances : mapping of condition -> Dataset, contract 'radiation'
+    numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
     drawing, axes = style.figure(size=(7.2, 3.0))
     axes.semilogy(
         spectra.wavelength * 1e9, spectra.reference_radiance * 1e-6, "k-", lw=0.7, label=r"$L_\lambda^{ref}$"
     )
-    for colour, (power, spectrum) in zip((style.WIDE, style.NARROW), radiances.items(), strict=False):
+    labels = style.case_labels(radiances, numerical_power)
+    for spectrum, colour, label in zip(
+        radiances.values(), style.case_colours(len(labels)), labels, strict=True
+    ):
         axes.semilogy(
             spectrum.wavelength_slit * 1e9,
             spectrum.gas_radiance_slit * 1e-6,
             color=colour,
             lw=0.6,
-            label=rf"$L_\lambda^{{g,e}}$, {power / 1e3:g} kW",
+            label=rf"$L_\lambda^{{g,e}}$, {label}",
         )
     axes.legend(ncols=3)
     axes.set(

@@ -23,7 +23,7 @@ def temperature_field(flow, sightline, paths):
     for half in (triangles, lower):
         image = axes.tripcolor(half, temperature, **scale)
     drawing.colorbar(image, ax=axes, label="Temperature [K]", pad=0.01)
-    inside = sightline.radial_position.values * 1e3 <= r.max() + 1e-6
+    inside = sightline.path_distance.values <= sightline.attrs["exit_distance"]
     axes.plot(
         sightline.axial_position.values[inside] * 1e3,
         sightline.radial_position.values[inside] * 1e3,
@@ -50,20 +50,20 @@ def _quarters(corner, middle):
     )
 
 
-def line_of_sight(sightlines, paths):
+def line_of_sight(sightlines, numerical_power, paths):
     """Figure 4b: temperature and pressure along the line of sight, one line per power.
 
     Parameters
     ----------
-    sightlines : mapping of numerical power [W] -> Dataset, contract 'sightline'
+    sightlines : mapping of condition -> Dataset, contract 'sightline', rising power
+    numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
     drawing, (upper, lower) = style.figure(size=(3.5, 3.6), nrows=2, height_ratios=(2, 1))
-    powers = list(sightlines)
-    for power, colour, label in zip(
-        powers, style.power_colours(powers), style.power_labels(powers), strict=True
+    labels = style.case_labels(sightlines, numerical_power)
+    for sightline, colour, label in zip(
+        sightlines.values(), style.case_colours(len(labels)), labels, strict=True
     ):
-        sightline = sightlines[power]
         path = sightline.path_distance * 1e3
         upper.plot(path, sightline.temperature, color=colour, label=label)
         lower.plot(path, sightline.pressure / 1e3, color=colour)

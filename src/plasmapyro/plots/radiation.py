@@ -3,22 +3,22 @@
 from plasmapyro.plots import style
 
 
-def spectral_radiance(radiances, surface, bands, paths):
+def spectral_radiance(radiances, numerical_power, surface, bands, paths):
     """Figure 5: gas radiance for all powers with that of a grey surface, and the pyrometer bands.
 
     Parameters
     ----------
-    radiances : mapping of numerical power [W] -> Dataset, contract 'radiation'
+    radiances : mapping of condition -> Dataset, contract 'radiation', rising power
+    numerical_power : sequence of float [W]
     surface : Dataset, contract 'surface_radiance'
     bands : Dataset, contract 'response'
     paths : paths of the files to write
     """
     drawing, axes = style.figure(size=(7.2, 4.0))
-    powers = list(radiances)
-    for power, colour, label in zip(
-        powers, style.power_colours(powers), style.power_labels(powers), strict=True
+    labels = style.case_labels(radiances, numerical_power)
+    for spectrum, colour, label in zip(
+        radiances.values(), style.case_colours(len(labels)), labels, strict=True
     ):
-        spectrum = radiances[power]
         axes.semilogy(
             spectrum.wavelength_slit * 1e9,
             spectrum.gas_radiance_slit * 1e-6,

@@ -36,17 +36,15 @@ def figure(size=COLUMN, **options):
     return plt.subplots(figsize=size, **options)
 
 
-def power_colours(numerical_power):
-    """One colour per power, dark for high; a lone power gets the middle of the scale."""
-    power = np.asarray(numerical_power, dtype=float)
-    spread = np.ptp(power)
-    place = (power - power.min()) / spread if spread else np.full(power.shape, 0.5)
-    return POWER_COLOURS(0.1 + 0.9 * place)
+def case_colours(count):
+    """One colour per condition, dark for the last; a lone one gets the middle of the scale."""
+    return POWER_COLOURS(np.linspace(0.1, 1.0, count) if count > 1 else [0.5])
 
 
-def power_labels(numerical_power):
-    """Legend texts such as '90 kW'."""
-    return [f"{power / 1e3:g} kW" for power in np.asarray(numerical_power)]
+def case_labels(condition, numerical_power):
+    """Legend texts such as '90 kW'; the names of the conditions if two share a power."""
+    labels = [f"{power / 1e3:g} kW" for power in np.asarray(numerical_power)]
+    return labels if len(set(labels)) == len(labels) else [str(name) for name in condition]
 
 
 def mark_origin(axes, *datasets):

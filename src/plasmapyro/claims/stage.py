@@ -1,0 +1,106 @@
+"""The claims table: each number or statement of the paper beside what this chain gives."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.claims.analysis import error_claims, radiance_claims, threshold_claims, visibility_claims
+from plasmapyro.claims.experiment import (
+    calibration_claims,
+    correction_claims,
+    spectrometer_claims,
+    untestable_claims,
+)
+from plasmapyro.claims.flow import flow_claims
+
+
+def claims_table(
+    *,
+    sightlines,
+    numerical_power,
+    radiances,
+    surface,
+    response,
+    visibility,
+    reading,
+    errors,
+    history,
+    calibration,
+    pyrometer,
+    spectra,
+):
+    """All claims as one table.
+
+    Parameters
+    ----------
+    sightlines, radiances : lists of Dataset, contracts 'sightline' and 'radiation', rising power
+    numerical_power : list of float [W]
+    surface, response, visibility, reading, errors, history, calibration, pyrometer, spectra : Datasets of
+        the contracts 'surface_radiance', 'response', 'visibility', 'apparent_temperature', 'error_map',
+        'transient', 'calibration', 'pyrometer_correction', 'spectrometer_correction'
+
+    Returns
+    -------
+    Dataset, contract 'claims'
+    """
+    claims = [
+        *flow_claims(sightlines, numerical_power),
+        *radiance_claims(radiances[-1], numerical_power[-1], surface, response),
+        *visibility_claims(visibility),
+        *error_claims(reading, errors, history),
+        *calibration_claims(calibration),
+        *correction_claims(pyrometer),
+        *spectrometer_claims(pyrometer, spectra),
+        *threshold_claims(reading),
+        *untestable_claims(),
+    ]
+    words = {
+        name: ("claim", [getattr(claim, name) for claim in claims])
+        for name in ("section", "statement", "unit", "printed", "verdict", "remark", "basis")
+    }
+    return xr.Dataset(
+        {
+            **words,
+            "value": ("claim", [float(claim.value) for claim in claims]),
+            "printed_low": ("claim", [float(claim.low) for claim in claims]),
+            "printed_high": ("claim", [float(claim.high) for claim in claims]),
+        },
+        {"claim": [claim.key for claim in claims]},
+    )
+
+
+def as_markdown(table):
+    """The claims table as Markdown text, with a count of the verdicts on top.
+
+    Parameters
+    ----------
+    table : Dataset, contract 'claims'
+
+    Returns
+    -------
+    str
+    """
+    verdicts = table.verdict.values.astype(str)
+    counts = [
+        f"{np.char.startswith(verdicts, word).sum()} {word}"
+        for word in ("reproduced", "differs", "no value here", "not testable here")
+    ]
+    lines = [
+        "# What the paper says, and what this chain gives",
+        "",
+        f"{len(verdicts)} claims: " + ", ".join(counts) + ".",
+        "",
+        "No constant was tuned to hit a printed number. Words such as 'about' are read as the range shown."
+        " 'Synthetic data' marks claims on the measured test, of which only a synthetic twin is public here.",
+        "",
+        "| sec. | the paper says | printed | here | verdict | how, and why |",
+        "|---|---|---|---|---|---|",
+    ]
+    for place in range(len(verdicts)):
+        row = table.isel(claim=place)
+        value, unit = float(row.value), str(row.unit.values)
+        here = "–" if np.isnan(value) else f"{value:.4g} {unit}".removesuffix(" 1")
+        printed = str(row.printed.values).removesuffix(" 1")
+        cells = [str(row[name].values) for name in ("section", "statement")]
+        cells += [printed, here, str(row.verdict.values), str(row.remark.values)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"

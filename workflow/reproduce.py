@@ -1,0 +1,113 @@
+"""Does the same input give the same bytes, and the numbers of the committed reference?
+
+Runs the minimal configuration in two clean copies of the project, compares every netCDF file byte for
+byte, and the claims with tests/reference/claims_minimal.csv. With --results it compares the claims of a
+run that is already there with tests/reference/claims_full.csv instead.
+"""
+
+import argparse
+import csv
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+ROOT = Path(__file__).resolve().parents[1]
+REFERENCE = ROOT / "tests" / "reference"
+LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__")
+# The flow is iterated until a step changes the temperature by less than 2e-3; another machine's rounding
+# moves the stopping point by far less. Numbers read off a grid (a crossing, a time) move by one step.
+RELATIVE_TOLERANCE = 5e-3
+
+
+def run_minimal(folder):
+    """Copy the project to `folder`, run the minimal configuration there, return the seconds it took."""
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*LEFT_OUT))
+    command = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "config/minimal.yaml"]
+    start = time.monotonic()
+    outcome = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    if outcome.returncode:
+        sys.exit(f"the minimal run failed in {folder}:\n{outcome.stdout}\n{outcome.stderr}")
+    return time.monotonic() - start
+
+
+def differing_files(first, second):
+    """Names of netCDF files that are not in both folders with the same bytes."""
+    names = {path.relative_to(root) for root in (first, second) for path in root.rglob("*.nc")}
+
+    def content(root, name):
+        return (root / name).read_bytes() if (root / name).is_file() else None
+
+    return sorted(str(name) for name in names if content(first, name) != content(second, name)), len(names)
+
+
+def moved_claims(found, reference):
+    """One line for each claim whose value is not that of the reference within the tolerance."""
+    with xr.open_dataset(found) as table:
+        values = dict(zip(table.claim.values.astype(str), table.value.values, strict=True))
+    with reference.open(encoding="utf-8") as lines:
+        expected = {row["claim"]: float(row["value"]) for row in csv.DictReader(lines)}
+    for claim in sorted(values.keys() | expected.keys()):
+        new, old = values.get(claim), expected.get(claim)
+        if new is None or old is None:
+            yield f"{claim}: only in {'the reference' if new is None else 'the results'}"
+        elif not np.isclose(new, old, rtol=RELATIVE_TOLERANCE, atol=1e-9, equal_nan=True):
+            yield f"{claim}: {new:.6g}, reference {old:.6g}"
+
+
+def write_reference(found, reference):
+    """Store the claims of a run as the reference, to be committed with the reason why they moved."""
+    with xr.open_dataset(found) as table, reference.open("w", encoding="utf-8", newline="") as lines:
+        writer = csv.writer(lines, lineterminator="\n")
+        writer.writerow(["claim", "value"])
+        writer.writerows(
+            (claim, f"{value:.9g}")
+            for claim, value in zip(table.claim.values, table.value.values, strict=True)
+        )
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--results",
+        type=Path,
+        metavar="DIR",
+        help="compare the claims of this finished full run, run nothing",
+    )
+    parser.add_argument("--update", action="store_true", help="replace the reference by what was found")
+    arguments = parser.parse_args()
+    if arguments.results:
+        found, reference = arguments.results / "claims.nc", REFERENCE / "claims_full.csv"
+        moved = finish(found, reference, arguments.update)
+        sys.exit(1 if moved else 0)
+    with tempfile.TemporaryDirectory(prefix="plasmapyro-") as scratch:
+        folders = [Path(scratch) / name for name in ("first", "second")]
+        for folder in folders:
+            print(f"minimal run in a clean folder: {run_minimal(folder):.0f} s", flush=True)
+        different, count = differing_files(*(folder / "results" for folder in folders))
+        print(f"{count} netCDF files compared byte for byte, {len(different)} differ", *different, sep="\n  ")
+        found, reference = folders[0] / "results" / "claims.nc", REFERENCE / "claims_minimal.csv"
+        moved = finish(found, reference, arguments.update)
+    sys.exit(1 if different or moved or not count else 0)
+
+
+def finish(found, reference, update):
+    """Compare with the reference or replace it; print the outcome; return the claims that moved."""
+    if update:
+        write_reference(found, reference)
+        print(f"wrote {reference.relative_to(ROOT)}")
+        return []
+    moved = list(moved_claims(found, reference))
+    print(f"claims against {reference.relative_to(ROOT)}: {len(moved)} moved", *moved, sep="\n  ")
+    return moved
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,144 @@
+# Each rule draws one family of figures from the netCDF of the stages that it shows.
+def drawn(name):
+    return expand("results/figures/{name}.{format}", name=name, format=["svg", "png"])
+
+
+def drawn_of_test(name):
+    return drawn(f"{name}_{{test}}")
+
+
+FIGURES = [
+    *drawn(
+        [
+            "fig2a_responses",
+            "fig2b_calibration",
+            "fig3b_spectrometer_factor",
+            "fig4a_temperature_field",
+            "fig4b_line_of_sight",
+            "fig5_spectral_radiance",
+            "fig6a_visibility_factors",
+            "fig6b_visibility_limits",
+            "fig7a_apparent_temperature",
+            "fig7b_relative_error",
+            "fig7c_error_map",
+            "fig7d_transient",
+        ]
+    ),
+    *expand(
+        "results/figures/{name}_{test}.{format}",
+        name=[
+            "fig8b_sample_emittance",
+            "fig9a_signals",
+            "fig9b_temperatures",
+            "fig9c_error",
+            "fig10a_reference_spectrum",
+            "fig10b_normalised_spectra",
+            "fig10c_two_instruments",
+        ],
+        test=TESTS,
+        format=["svg", "png"],
+    ),
+]
+
+
+rule figures_instrument:
+    input:
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer="results/instrument/spectrometer_calibration.nc",
+    output:
+        responses=drawn("fig2a_responses"),
+        calibration=drawn("fig2b_calibration"),
+        spectrometer_factor=drawn("fig3b_spectrometer_factor"),
+    log:
+        "results/logs/figures_instrument.log",
+    script:
+        "../scripts/figures_instrument.py"
+
+
+rule figures_flow:
+    input:
+        flow=f"results/flow/{config['figures']['field_condition']}.nc",
+        field_sightline=f"results/sightline/{config['figures']['field_condition']}.nc",
+        sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),
+    output:
+        temperature_field=drawn("fig4a_temperature_field"),
+        line_of_sight=drawn("fig4b_line_of_sight"),
+    log:
+        "results/logs/figures_flow.log",
+    params:
+        conditions=list(CONDITIONS),
+        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
+    script:
+        "../scripts/figures_flow.py"
+
+
+rule figures_radiation:
+    input:
+        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        surface="results/analysis/surface_radiance.nc",
+        response="results/instrument/response.nc",
+    output:
+        spectral_radiance=drawn("fig5_spectral_radiance"),
+    log:
+        "results/logs/figures_radiation.log",
+    params:
+        conditions=list(CONDITIONS),
+        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
+    script:
+        "../scripts/figures_radiation.py"
+
+
+rule figures_analysis:
+    input:
+        visibility="results/analysis/visibility.nc",
+        apparent_temperature="results/analysis/apparent_temperature.nc",
+        error_map="results/analysis/error_map.nc",
+        transient="results/analysis/transient.nc",
+    output:
+        visibility_factors=drawn("fig6a_visibility_factors"),
+        visibility_limits=drawn("fig6b_visibility_limits"),
+        apparent_temperature=drawn("fig7a_apparent_temperature"),
+        relative_error=drawn("fig7b_relative_error"),
+        error_map=drawn("fig7c_error_map"),
+        transient=drawn("fig7d_transient"),
+    log:
+        "results/logs/figures_analysis.log",
+    script:
+        "../scripts/figures_analysis.py"
+
+
+rule figures_pyrometer:
+    input:
+        test=test_file,
+        correction="results/experiment/{test}/pyrometer_correction.nc",
+    output:
+        sample_emittance=drawn_of_test("fig8b_sample_emittance"),
+        signals=drawn_of_test("fig9a_signals"),
+        temperatures=drawn_of_test("fig9b_temperatures"),
+        error=drawn_of_test("fig9c_error"),
+    log:
+        "results/logs/figures_pyrometer_{test}.log",
+    script:
+        "../scripts/figures_pyrometer.py"
+
+
+rule figures_spectrometer:
+    input:
+        pyrometer="results/experiment/{test}/pyrometer_correction.nc",
+        spectrometer="results/experiment/{test}/spectrometer_correction.nc",
+        radiation=expand("results/radiation/{condition}.nc", condition=config["experiment"]["compare_with"]),
+    output:
+        reference_spectrum=drawn_of_test("fig10a_reference_spectrum"),
+        normalised_spectra=drawn_of_test("fig10b_normalised_spectra"),
+        two_instruments=drawn_of_test("fig10c_two_instruments"),
+    log:
+        "results/logs/figures_spectrometer_{test}.log",
+    params:
+        conditions=config["experiment"]["compare_with"],
+        numerical_power_kw=[
+            CONDITIONS[name]["numerical_power_kw"] for name in config["experiment"]["compare_with"]
+        ],
+        spectrum_times_s=config["figures"]["spectrum_times_s"],
+    script:
+        "../scripts/figures_spectrometer.py"

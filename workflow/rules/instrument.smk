@@ -1,0 +1,36 @@
+rule response:
+    output:
+        "results/instrument/response.nc",
+    log:
+        "results/logs/response.log",
+    params:
+        **config["instrument"]["response"],
+    script:
+        "../scripts/response.py"
+
+
+rule calibration:
+    input:
+        response="results/instrument/response.nc",
+        points=config["instrument"]["calibration_points"],
+    output:
+        "results/instrument/calibration.nc",
+    log:
+        "results/logs/calibration.log",
+    params:
+        **config["instrument"]["calibration"],
+    script:
+        "../scripts/calibration.py"
+
+
+rule spectrometer_calibration:
+    input:
+        config["instrument"]["spectrometer_counts"],
+    output:
+        "results/instrument/spectrometer_calibration.nc",
+    log:
+        "results/logs/spectrometer_calibration.log",
+    params:
+        **config["instrument"]["spectrometer"],
+    script:
+        "../scripts/spectrometer_calibration.py"

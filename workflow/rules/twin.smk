@@ -1,0 +1,33 @@
+# The synthetic twin: files as a laboratory would hand them over, made by code that shares nothing with the package.
+rule twin_calibration:
+    input:
+        response="results/instrument/response.nc",
+    output:
+        points="results/twin/calibration_points.nc",
+        counts="results/twin/spectrometer_counts.nc",
+    log:
+        "results/logs/twin_calibration.log",
+    params:
+        seed=config["twin"]["seed"],
+    script:
+        "../scripts/twin_calibration.py"
+
+
+rule twin_test:
+    input:
+        response="results/instrument/response.nc",
+        gas=lambda wildcards: expand(
+            "results/radiation/{condition}.nc",
+            condition=TESTS[wildcards.test]["twin"]["gas"],
+        ),
+    output:
+        test="results/twin/{test}/test.nc",
+        truth="results/twin/{test}/truth.nc",
+    log:
+        "results/logs/twin_test_{test}.log",
+    params:
+        condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
+        weights=lambda wildcards: list(TESTS[wildcards.test]["twin"]["gas"].values()),
+        seed=config["twin"]["seed"],
+    script:
+        "../scripts/twin_test.py"

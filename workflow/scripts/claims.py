@@ -1,0 +1,25 @@
+"""Rule claims: each number or statement of the paper beside what this chain gives."""
+
+from pathlib import Path
+
+from plasmapyro import io
+from plasmapyro.claims.stage import as_markdown, claims_table
+
+io.log_to(snakemake.log[0])
+given = snakemake.input
+table = claims_table(
+    sightlines=[io.read(path, "sightline") for path in given.sightlines],
+    numerical_power=[power * 1e3 for power in snakemake.params.numerical_power_kw],
+    radiances=[io.read(path, "radiation") for path in given.radiation],
+    surface=io.read(given.surface, "surface_radiance"),
+    response=io.read(given.response, "response"),
+    visibility=io.read(given.visibility, "visibility"),
+    reading=io.read(given.apparent_temperature, "apparent_temperature"),
+    errors=io.read(given.error_map, "error_map"),
+    history=io.read(given.transient, "transient"),
+    calibration=io.read(given.calibration, "calibration"),
+    pyrometer=io.read(given.pyrometer, "pyrometer_correction"),
+    spectra=io.read(given.spectrometer, "spectrometer_correction"),
+)
+io.write(table, snakemake.output.table, "claims", sources=given)
+Path(snakemake.output.text).write_text(as_markdown(table), encoding="utf-8")

@@ -1,0 +1,20 @@
+"""Rule transient: true and apparent temperature while a sample heats."""
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.analysis.stage import transient
+
+io.log_to(snakemake.log[0])
+start, stop, step = snakemake.params.time_s
+result = transient(
+    io.read(snakemake.input.gas, "gas_signal"),
+    io.read(snakemake.input.response, "response"),
+    io.read(snakemake.input.calibration, "calibration"),
+    conditions=snakemake.params.conditions,
+    time=np.arange(start, stop + step / 2, step),
+    initial_temperature=snakemake.params.initial_temperature_k,
+    gain=snakemake.params.gain_k,
+    natural_frequency=snakemake.params.natural_frequency_per_s,
+)
+io.write(result, snakemake.output[0], "transient", sources=snakemake.input, config=dict(snakemake.params))

@@ -1,0 +1,13 @@
+"""Rule twin_calibration: synthetic calibration of both instruments."""
+
+import sys
+from pathlib import Path
+
+import xarray as xr
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from twin import campaign
+
+response = xr.load_dataset(snakemake.input.response)
+campaign.write(campaign.calibration_points(response, snakemake.params.seed), snakemake.output.points)
+campaign.write(campaign.spectrometer_counts(snakemake.params.seed), snakemake.output.counts)
