@@ -1,0 +1,115 @@
+"""Band signals: a spectrum, or lines and a continuum without any grid, weighted with a response."""
+
+import numpy as np
+
+from plasmapyro.checks import increasing
+
+UNSEEN = 1e-3  # [1], of the integrated response that may lie outside the spectrum
+
+
+def respond(wavelength, response_wavelength, responsivity):
+    """Responsivity at a wavelength: linear between table points.
+
+    Parameters
+    ----------
+    wavelength : array_like [m]
+    response_wavelength : (R,) [m]
+        Strictly increasing.
+    responsivity : (R,) [1]
+
+    Returns
+    -------
+    ndarray [1]
+        0 outside the table, where the instrument is blind.
+
+    Raises
+    ------
+    ValueError
+        If `response_wavelength` does not increase.
+    """
+    response_wavelength = increasing("response_wavelength", response_wavelength, "m")
+    return np.interp(wavelength, response_wavelength, responsivity, left=0.0, right=0.0)
+
+
+def require_cover(wavelength_range, response_wavelength, responsivity, what):
+    """Refuse a spectral range that leaves out part of a band.
+
+    Raises
+    ------
+    ValueError
+        If more than `UNSEEN` of the integral of the response lies outside the range; says the range needed.
+    """
+    inside = np.clip(response_wavelength, *wavelength_range)
+    whole = np.trapezoid(responsivity, response_wavelength)
+    seen = np.trapezoid(respond(inside, response_wavelength, responsivity), inside)
+    if seen < (1 - UNSEEN) * whole:
+        support = response_wavelength[np.asarray(responsivity) > 0]
+        raise ValueError(
+            f"wavelength_range must cover the {what} band, [{support[0]:g}, {support[-1]:g}] m;"
+            f" got [{wavelength_range[0]:g}, {wavelength_range[1]:g}] m"
+        )
+
+
+def gridded_signal(wavelength, radiance, response_wavelength, responsivity):
+    r"""Signal of a spectrum in a band, :math:`\int \tilde R\, L\, d\lambda`.
+
+    Parameters
+    ----------
+    wavelength : (G,) [m]
+        Increasing.
+    radiance : (..., G) [W m-2 sr-1 m-1]
+    response_wavelength, responsivity : (R,) [m], [1]
+
+    Returns
+    -------
+    ndarray (...) [W m-2 sr-1]
+        Trapezoidal rule on the grid.
+
+    Notes
+    -----
+    Source: Fagnani et al., equation of the pyrometer signal.
+    """
+    return np.trapezoid(
+        radiance * respond(wavelength, response_wavelength, responsivity), wavelength, axis=-1
+    )
+
+
+def gridless_signal(
+    lines, continuum_wavelength, continuum, wavelength_range, response_wavelength, responsivity
+):
+    r"""Signal of optically thin gas without resolving a line.
+
+    .. math:: S = \sum_l \tilde R(\lambda_l)\, L_l + \int \tilde R\, L_c\, d\lambda
+
+    Parameters
+    ----------
+    lines : iterable of (wavelength (L,) [m], radiance by line (L,) [W m-2 sr-1])
+    continuum_wavelength, continuum : (W,) [m], [W m-2 sr-1 m-1]
+        Increasing; linear between points.
+    wavelength_range : (shortest, longest) [m]
+        Lines outside do not count.
+    response_wavelength, responsivity : (R,) [m], [1]
+
+    Returns
+    -------
+    float [W m-2 sr-1]
+
+    Notes
+    -----
+    Source: thin limit of the transfer equation. Lines are taken as narrow against the response.
+    """
+    total = 0.0
+    for wavelength, radiance in lines:
+        inside = (wavelength >= wavelength_range[0]) & (wavelength <= wavelength_range[1])
+        total += radiance[inside] @ respond(wavelength[inside], response_wavelength, responsivity)
+    nodes = np.union1d(continuum_wavelength, response_wavelength)
+    first = max(wavelength_range[0], response_wavelength[0])
+    last = min(wavelength_range[1], response_wavelength[-1])
+    nodes = nodes[(nodes >= first) & (nodes <= last)]
+    middle = (nodes[1:] + nodes[:-1]) / 2
+    # The product of two straight lines is a parabola between nodes: Simpson's rule is exact.
+    values = [
+        np.interp(x, continuum_wavelength, continuum) * respond(x, response_wavelength, responsivity)
+        for x in (nodes, middle)
+    ]
+    return total + np.sum(np.diff(nodes) * (values[0][1:] + values[0][:-1] + 4 * values[1])) / 6

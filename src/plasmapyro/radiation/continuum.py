@@ -1,0 +1,293 @@
+"""Continuous absorption of air plasma: free electrons at ions and neutrals, and photoionisation.
+
+Every function gives an absorption coefficient with stimulated emission counted as negative absorption;
+the emission coefficient is that times the black body (Kirchhoff), the gas being in equilibrium.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from plasmapyro import tables
+from plasmapyro.constants import (
+    BOLTZMANN,
+    ELECTRON_MASS,
+    LIGHT_SPEED,
+    PLANCK,
+    RYDBERG,
+    SECOND_RADIATION,
+)
+from plasmapyro.radiation.atoms import ATOMS
+from plasmapyro.radiation.broadening import COULOMB_SQUARE
+from plasmapyro.radiation.opacity import boltzmann_population
+
+IONISATION_TEMPERATURE = RYDBERG * SECOND_RADIATION  # [K], Rydberg energy over k
+LARGEST_THRESHOLD_SHIFT = 2.2e5  # [m-1] = 0.02 Ry; calculated and observed term are the same up to here
+TABLES = {"N": "nitrogen", "O": "oxygen"}
+
+
+def _photon_ratio(wavenumber, temperature):
+    return SECOND_RADIATION * wavenumber / temperature
+
+
+@cache
+def _gaunt_table():
+    table = tables.load("radiation/gaunt_free_free")
+    gamma, ratio = np.unique(table["gamma_squared"]), np.unique(table["photon_ratio"])
+    values = table["gaunt_factor"].reshape(len(gamma), len(ratio))
+    return RegularGridInterpolator((np.log(gamma), np.log(ratio)), values), (ratio[0], ratio[-1])
+
+
+def gaunt_factor(wavenumber, temperature):
+    """Maxwell-averaged free-free Gaunt factor of a unit charge.
+
+    Parameters
+    ----------
+    wavenumber : (W,) [m-1]
+    temperature : float [K]
+        160-39000 K; h nu / k T within 0.1-1000.
+
+    Returns
+    -------
+    ndarray (W,) [1]
+        Interpolated in the logarithms of both arguments.
+
+    Raises
+    ------
+    ValueError
+        Outside the table.
+
+    Notes
+    -----
+    Source: de Avillez and Breitschwerdt, Astron. Astrophys. 580 (2015) A124.
+    """
+    interpolate, _ = _gaunt_table()
+    ratio = _photon_ratio(wavenumber, temperature)
+    gamma = np.full_like(ratio, IONISATION_TEMPERATURE / temperature)
+    return interpolate(np.column_stack([np.log(gamma), np.log(ratio)]))
+
+
+def electron_ion_absorption(wavenumber, temperature, electron_density, ion_density):
+    r"""Free-free absorption of electrons at singly charged ions.
+
+    .. math:: \kappa = \frac43 \sqrt{\frac{2\pi}{3 m k T}}\,
+              \left(\frac{e^2}{4\pi\varepsilon_0}\right)^3
+              \frac{n_e n_i\, g_{ff}}{m\, h\, c\, \nu^3} \left(1 - e^{-h\nu/kT}\right)
+
+    Parameters
+    ----------
+    wavenumber : (W,) [m-1]
+    temperature : float [K]
+    electron_density, ion_density : float [m-3]
+        Ions of all kinds together.
+
+    Returns
+    -------
+    ndarray (W,) [m-1]
+
+    Notes
+    -----
+    Source: Rybicki and Lightman, Radiative Processes in Astrophysics, eq. 5.18a, in SI.
+    """
+    ratio = _photon_ratio(wavenumber, temperature)
+    front = 4 / 3 * np.sqrt(2 * np.pi / (3 * ELECTRON_MASS * BOLTZMANN * temperature)) * COULOMB_SQUARE**3
+    frequency = LIGHT_SPEED * wavenumber
+    density = electron_density * ion_density * gaunt_factor(wavenumber, temperature)
+    return front * density / (ELECTRON_MASS * PLANCK * LIGHT_SPEED * frequency**3) * -np.expm1(-ratio)
+
+
+@cache
+def _neutral_table(species):
+    table = tables.load(f"radiation/free_free_{TABLES[species]}")
+    temperature, wavelength = np.unique(table["temperature"]), np.unique(table["wavelength"])
+    values = table["coefficient"].reshape(len(temperature), len(wavelength))
+    return RegularGridInterpolator(
+        (np.log(temperature), np.log(wavelength)), np.log(values), bounds_error=False, fill_value=None
+    )
+
+
+def electron_atom_absorption(species, wavenumber, temperature, electron_density, atom_density):
+    r"""Free-free absorption of electrons at nitrogen or oxygen atoms.
+
+    .. math:: \kappa = k_{ff}(T, \lambda)\; n_{atom}\; n_e k T
+
+    Parameters
+    ----------
+    species : 'N' or 'O'
+    wavenumber : (W,) [m-1]
+    temperature : float [K]
+    electron_density, atom_density : float [m-3]
+
+    Returns
+    -------
+    ndarray (W,) [m-1]
+        Linear in the logarithms of temperature, wavelength and coefficient.
+
+    Notes
+    -----
+    Source: Ramsbottom, Bell and Berrington, J. Phys. B 25 (1992) 1443 (N); John, Mon. Not. R. Astron. Soc.
+    172 (1975) 305 (O). The tables hold stimulated emission already.
+    ASSUME: beyond their temperatures (N 1800-12600 K, O 1000-15000 K) the power law of the last interval
+    goes on: below them there are no free electrons, above them the ions rule.
+    """
+    points = np.column_stack([np.full_like(wavenumber, np.log(temperature)), -np.log(wavenumber)])
+    coefficient = np.exp(_neutral_table(species)(points))
+    return coefficient * atom_density * electron_density * BOLTZMANN * temperature
+
+
+@cache
+def _molecule_cross_section():
+    table = tables.load("gas/collisions_electron_neutral")
+    mine = (table["first"] == "N2") | (table["second"] == "N2")
+    return np.log(table["temperature"][mine]), np.pi * table["omega11"][mine]
+
+
+def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_density, molecule_density):
+    r"""Free-free absorption of electrons at nitrogen molecules, from the momentum-transfer cross-section.
+
+    .. math:: j_\nu = \frac{n_e n}{4\pi}\, 2\pi\, \frac{4 e^2}{3\pi c^3\, 4\pi\varepsilon_0}
+              \left(\frac{2kT}{m}\right)^{3/2} \frac{2}{\sqrt\pi}\,
+              Q_{11}(T)\, (2 + 2x + x^2)\, e^{-x}, \qquad x = \frac{h\nu}{kT}
+
+    and :math:`\kappa = j_\nu/B_\nu`: Larmor radiation of the velocity change, averaged over electrons
+    energetic enough to emit the photon.
+
+    Parameters
+    ----------
+    wavenumber : (W,) [m-1]
+    temperature : float [K]
+        500-20000 K within the table; the cross-section keeps its end values beyond.
+    electron_density, molecule_density : float [m-3]
+
+    Returns
+    -------
+    ndarray (W,) [m-1]
+
+    Notes
+    -----
+    Source: Cabannes and Chapelle in Reactions under Plasma Conditions (1971), chapter 7; cross-section: the
+    collision integral of Wright et al., AIAA J. 43 (2005) 2558, which weights it as this average does.
+    ASSUME: the classical formula serves at h nu of a few kT; for N and O atoms it agrees with the quantal
+    tables within a factor of two.
+    """
+    logarithm, integral = _molecule_cross_section()
+    cross_section = np.interp(np.log(temperature), logarithm, integral)
+    ratio = _photon_ratio(wavenumber, temperature)
+    speed = (2 * BOLTZMANN * temperature / ELECTRON_MASS) ** 1.5 / np.sqrt(np.pi)
+    larmor = 4 * COULOMB_SQUARE / (3 * np.pi * LIGHT_SPEED**3)
+    frequency = LIGHT_SPEED * wavenumber
+    # B_nu = 2 h nu^3/c^2 e^-x/(1 - e^-x): the exponentials of emission and black body cancel.
+    per_blackbody = -np.expm1(-ratio) * LIGHT_SPEED**2 / (2 * PLANCK * frequency**3)
+    emission = electron_density * molecule_density / 2 * larmor * speed * cross_section
+    return emission * (2 + 2 * ratio + ratio**2) * per_blackbody
+
+
+@dataclass(frozen=True)
+class BoundFree:
+    """Photoionisation of one atom on a wavenumber axis: level energies, weights, cross-sections."""
+
+    species: str
+    energy: np.ndarray
+    degeneracy: np.ndarray
+    cross_section: np.ndarray
+
+
+@cache
+def _observed_terms(species):
+    """Mean energy [m-1] of the terms in the line table of an atom: (core, orbital, term) -> energy."""
+    atom = next(a for a in ATOMS.values() if a.species == species)
+    table = tables.load(f"radiation/lines_{atom.table}")
+    levels = {}
+    for side in ("upper", "lower"):
+        names = (f"{side}_configuration", f"{side}_term", f"{side}_energy", f"{side}_degeneracy")
+        for configuration, term, energy, degeneracy in zip(*(table[name] for name in names), strict=True):
+            core = re.search(r"\((\d[SPD])\*?\)\.(\d+[spdfg])$", configuration)
+            if core:
+                levels.setdefault((core[1], core[2], term), {})[energy] = degeneracy
+    return {name: np.average(list(e), weights=list(e.values())) for name, e in levels.items()}
+
+
+def bound_free(species, wavenumber):
+    """Photoionisation cross-sections of the excited levels of an atom on a wavenumber axis.
+
+    Parameters
+    ----------
+    species : 'N' or 'O'
+    wavenumber : (W,) [m-1]
+        Ascending, within the tables (vacuum wavelengths 0.63-1.36 um).
+
+    Returns
+    -------
+    BoundFree
+        Cross-sections (levels, W) [m2], 0 below the first tabulated photon.
+
+    Raises
+    ------
+    ValueError
+        Outside the range the tables were trimmed to.
+
+    Notes
+    -----
+    Source: TOPbase (Cunto et al., Astron. Astrophys. 275 (1993) L5).
+    Deviation: each cross-section is moved in photon energy by the difference of the observed (NIST) and the
+    calculated binding of its term, where the term is in the line table; the population uses the observed one.
+    Below a threshold TOPbase gives the mean of the crowded series members (n > 10): kept, as no line list
+    holds them.
+    """
+    atom = next(a for a in ATOMS.values() if a.species == species)
+    table = tables.load(f"radiation/photoionisation_{TABLES[species]}")
+    lowest, highest = 0.0665 * RYDBERG, 0.1465 * RYDBERG
+    if wavenumber[0] < lowest or wavenumber[-1] > highest:
+        raise ValueError(
+            f"wavelength must lie in [{1 / highest:.4g}, {1 / lowest:.4g}] m, the photoionisation tables;"
+            f" got [{1 / wavenumber[-1]:.4g}, {1 / wavenumber[0]:.4g}] m"
+        )
+    limit = min(atom.limits.values())
+    observed = _observed_terms(species)
+    starts = np.flatnonzero(np.r_[True, np.diff(table["binding"]) != 0])
+    energies, weights, rows = [], [], []
+    for first, last in zip(starts, np.r_[starts[1:], len(table["binding"])], strict=True):
+        calculated = table["binding"][first]
+        key = (table["parent"][first], table["orbital"][first], table["term"][first])
+        shift = limit - observed.get(key, limit - calculated) - calculated
+        if abs(shift) > LARGEST_THRESHOLD_SHIFT:
+            shift = 0.0
+        photon, section = table["photon"][first:last] + shift, table["cross_section"][first:last]
+        rows.append(np.interp(wavenumber, photon, section, left=0.0, right=section[-1]))
+        energies.append(limit - calculated - shift)
+        weights.append(table["degeneracy"][first])
+    return BoundFree(species, np.array(energies), np.array(weights), np.array(rows))
+
+
+def free_bound_absorption(bound_free, wavenumber, temperature, number_density, partition_function):
+    r"""Absorption by photoionisation of the excited levels of an atom.
+
+    .. math:: \kappa = \left(1 - e^{-h\nu/kT}\right) \sum_i n_i \sigma_i(\nu)
+
+    Its emission is the recombination (free-bound) continuum.
+
+    Parameters
+    ----------
+    bound_free : BoundFree
+    wavenumber : (W,) [m-1]
+        The axis of `bound_free`.
+    temperature : float [K]
+    number_density : float [m-3]
+        Of the atom.
+    partition_function : float [1]
+
+    Returns
+    -------
+    ndarray (W,) [m-1]
+
+    Notes
+    -----
+    Source: Laux et al. (2003); TOPbase cross-sections hold no stimulated emission.
+    """
+    population = boltzmann_population(
+        bound_free.energy, bound_free.degeneracy, temperature, number_density, partition_function
+    )
+    return population @ bound_free.cross_section * -np.expm1(-_photon_ratio(wavenumber, temperature))

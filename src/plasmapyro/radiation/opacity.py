@@ -1,0 +1,217 @@
+"""Line emission on the grid: populations, line strengths, and Voigt profiles by Fourier transform."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.sparse import csr_array
+
+from plasmapyro.checks import non_negative, positive
+from plasmapyro.constants import LIGHT_SPEED, PLANCK, SECOND_RADIATION
+from plasmapyro.radiation.grid import points_for
+from plasmapyro.radiation.lines import LineList
+
+SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
+PADDING = 0.15  # [1], of the grid; keeps periodic images of line wings at least so far away
+SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
+NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
+NODES_AT_LEAST, NODES_PER_RANGE = 4, 4.0
+EVEN_WIDTHS = 1e-9  # [1]; widths spread by less are one width
+
+
+def boltzmann_population(energy, degeneracy, temperature, number_density, partition_function):
+    r"""Number density of a level in equilibrium.
+
+    .. math:: n_i = n\, \frac{g_i}{Q(T)}\, e^{-h c \tilde E_i / k T}
+
+    Parameters
+    ----------
+    energy : array_like [m-1]
+    degeneracy : array_like [1]
+    temperature : float [K]
+    number_density : float [m-3]
+        Of the species.
+    partition_function : float [1]
+        Q, with the same zero of energy and the same nuclear-spin normalisation.
+
+    Returns
+    -------
+    ndarray [m-3]
+
+    Raises
+    ------
+    ValueError
+        Temperature not > 0, density negative.
+
+    Notes
+    -----
+    Source: Boltzmann distribution.
+    """
+    temperature = positive("temperature", temperature, "K")
+    number_density = non_negative("number_density", number_density, "m-3")
+    return number_density * degeneracy / partition_function * np.exp(-SECOND_RADIATION * energy / temperature)
+
+
+def line_emission(lines, upper_population):
+    r"""Power emitted in each line, per volume and solid angle, integrated over the line.
+
+    .. math:: \varepsilon = \frac{h c \tilde\nu}{4 \pi} A\, n_u
+
+    Parameters
+    ----------
+    lines : LineList
+    upper_population : (L,) [m-3]
+        Of the upper levels, whatever made them.
+
+    Returns
+    -------
+    ndarray (L,) [W m-3 sr-1]
+
+    Notes
+    -----
+    Source: definition of the Einstein coefficient; Laux et al. (2003), equation 2.
+    """
+    return PLANCK * LIGHT_SPEED / (4 * np.pi) * lines.wavenumber * lines.einstein_a * upper_population
+
+
+@dataclass(frozen=True)
+class Spreader:
+    """A line list on one grid: B-spline weights (padded grid, lines) and the frequencies they need."""
+
+    lines: LineList
+    step: float
+    first: int
+    points: int
+    weights: csr_array
+    frequency: np.ndarray
+    deconvolution: np.ndarray
+
+
+def prepare(lines, grid):
+    """Place a line list on a grid, once for all gas states.
+
+    Lines outside the grid but within the padding (half of `PADDING` on either side) are kept: their
+    wings reach in.
+
+    Parameters
+    ----------
+    lines : LineList
+    grid : Grid
+
+    Returns
+    -------
+    Spreader
+
+    Raises
+    ------
+    ValueError
+        If no line lies on the padded grid.
+
+    Notes
+    -----
+    Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
+    Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
+    """
+    length = next_fast_len(int(np.ceil(len(grid) * (1 + PADDING))), real=True)
+    first = (length - len(grid)) // 2
+    place = np.log(lines.wavenumber / grid.wavenumber[0]) / grid.step + first
+    inside = (place >= SPLINE_DEGREE) & (place <= length - 1 - SPLINE_DEGREE)
+    if not inside.any():
+        raise ValueError(
+            f"no line of {lines.component} within {1 / grid.wavenumber[-1]:g}-{1 / grid.wavenumber[0]:g} m"
+        )
+    lines = lines.select(inside)
+    offset = (SPLINE_DEGREE + 1) / 2 - place[inside]
+    start = np.ceil(-offset)
+    values = _cardinal_spline(start + offset, SPLINE_DEGREE)
+    rows = start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]
+    columns = np.broadcast_to(np.arange(len(lines)), rows.shape)
+    weights = csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(lines)))
+    frequency = rfftfreq(length)
+    deconvolution = np.sinc(frequency) ** -(SPLINE_DEGREE + 1)
+    return Spreader(lines, grid.step, first, len(grid), weights, frequency, deconvolution)
+
+
+def _cardinal_spline(fraction, degree):
+    """Cardinal B-spline of `degree` (support 0..degree+1) at fraction + 0, 1, ..., degree: (degree+1, L)."""
+    values = np.ones((1, len(fraction)))
+    for k in range(1, degree + 1):
+        place = fraction + np.arange(k + 1)[:, None]
+        here = np.vstack([values, np.zeros_like(fraction)])
+        before = np.vstack([np.zeros_like(fraction), values])
+        values = (place * here + (k + 1 - place) * before) / k
+    return values
+
+
+def require_resolution(grid, sigma, what):
+    """Refuse a grid on which a Doppler profile spans less than `SMALLEST_SIGMA_STEPS` steps.
+
+    Raises
+    ------
+    ValueError
+        Says how many points would do.
+    """
+    if sigma < SMALLEST_SIGMA_STEPS * grid.step:
+        span = (grid.wavelength[-1], grid.wavelength[0])
+        needed = points_for(span, float(sigma) / SMALLEST_SIGMA_STEPS)
+        raise ValueError(
+            f"grid points must be >= {needed} for {what} (Doppler sigma {float(sigma):.3g} of the wavenumber,"
+            f" step {grid.step:.3g}); got {len(grid)}"
+        )
+
+
+def _width_nodes(width, sigma):
+    """Chebyshev nodes of the Lorentz widths and each line's interpolation weights: (K,), (K, L)."""
+    low, high = np.arcsinh(np.array([width.min(), width.max()]) / (NODE_SCALE * sigma))
+    if high - low <= EVEN_WIDTHS * max(high, 1.0):
+        return np.array([width.mean()]), np.ones((1, len(width)))
+    count = int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
+    angle = np.pi * (2 * np.arange(count) + 1) / (2 * count)
+    nodes = (low + high) / 2 + (high - low) / 2 * np.cos(angle)
+    distance = np.arcsinh(width / (NODE_SCALE * sigma)) - nodes[:, None]
+    on_node = distance == 0
+    share = ((-1.0) ** np.arange(count) * np.sin(angle))[:, None] / np.where(on_node, 1.0, distance)
+    share = np.where(on_node.any(axis=0), on_node, share)
+    return NODE_SCALE * sigma * np.sinh(nodes), share / share.sum(axis=0)
+
+
+def spread(spreader, strength, hwhm, sigma):
+    r"""Sum of Voigt profiles on the grid, per unit of the logarithm of the wavenumber.
+
+    .. math:: P(x) = \sum_l \varepsilon_l \int_{-\infty}^{\infty} e^{2\pi i q (x - x_l)}
+              e^{-2\pi^2\sigma^2 q^2 - 2\pi \delta_l |q|}\, dq, \qquad x = \ln\tilde\nu,\
+              \delta_l = \gamma_l/\tilde\nu_l
+
+    Lines enter the Fourier transform through B-splines, which are divided out; lines of different
+    Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width. No wing
+    is cut.
+
+    Parameters
+    ----------
+    spreader : Spreader
+    strength : (L,) [any]
+        Of the spreader's lines, integrated over the line.
+    hwhm : (L,) [m-1]
+        Lorentz half widths.
+    sigma : float [1]
+        Relative Doppler standard deviation.
+
+    Returns
+    -------
+    ndarray (G,) [strength]
+        Integrates over the padded grid to the sum of the strengths.
+
+    Notes
+    -----
+    Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`; the two differ by
+    :math:`(x-x_l)^2/12` in the far wing, and by a cubic term within the Doppler core.
+    """
+    relative = hwhm / spreader.lines.wavenumber
+    nodes, share = _width_nodes(relative, sigma)
+    steps = 2 * np.pi / spreader.step * spreader.frequency
+    transform = np.zeros(len(steps), dtype=complex)
+    for node, part in zip(nodes, share, strict=True):
+        transform += rfft(spreader.weights @ (strength * part)) * np.exp(-node * steps)
+    transform *= spreader.deconvolution * np.exp(-((sigma * steps) ** 2) / 2)
+    profile = irfft(transform, n=spreader.weights.shape[0])
+    return profile[spreader.first : spreader.first + spreader.points] / spreader.step

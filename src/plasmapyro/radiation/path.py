@@ -1,0 +1,288 @@
+"""Radiance of a path through equilibrium gas: all systems, layer by layer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.checks import non_negative, within
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.gas.partition import partition_function
+from plasmapyro.gas.species import IONS, MASS, NEUTRALS, SPECIES
+from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm
+from plasmapyro.radiation.continuum import (
+    bound_free,
+    electron_atom_absorption,
+    electron_ion_absorption,
+    electron_nitrogen_molecule_absorption,
+    free_bound_absorption,
+)
+from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.opacity import (
+    boltzmann_population,
+    line_emission,
+    prepare,
+    require_resolution,
+    spread,
+)
+from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.transfer import cross_layer, layer_thickness
+
+CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
+CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
+TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
+NEGLIGIBLE = 1e-6  # [1], of the thin radiance; line systems of layers that together matter less are left out
+UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
+
+
+@dataclass(frozen=True)
+class GasPath:
+    """Layers of a path, in order towards the observer: thickness, temperature (S,), densities by species."""
+
+    thickness: np.ndarray
+    temperature: np.ndarray
+    number_density: dict
+    partition: dict
+
+    def total(self, names):
+        """Number density of several species together (S,) [m-3]."""
+        return np.sum([self.number_density[name] for name in names], axis=0)
+
+    def hwhm(self, lines, layer):
+        """Lorentz half widths of a line list in a layer (L,) [m-1]."""
+        return lorentz_hwhm(
+            lines,
+            self.temperature[layer],
+            self.number_density["e-"][layer],
+            self.total(NEUTRALS)[layer],
+            self.number_density[lines.species][layer],
+        )
+
+    def emission(self, lines, layer):
+        """Emission of each line in a layer (L,) [W m-3 sr-1]."""
+        population = boltzmann_population(
+            lines.upper_energy,
+            lines.upper_degeneracy,
+            self.temperature[layer],
+            self.number_density[lines.species][layer],
+            self.partition[lines.species][layer],
+        )
+        return line_emission(lines, population)
+
+
+def gas_path(path_distance, temperature, number_density):
+    """Layers of uniform gas from a sampled sight line.
+
+    Parameters
+    ----------
+    path_distance : (S,) [m]
+        Strictly increasing towards the observer.
+    temperature : (S,) [K]
+        200-15000 K.
+    number_density : mapping species -> (S,) [m-3]
+        All eleven species of air.
+
+    Returns
+    -------
+    GasPath
+
+    Raises
+    ------
+    ValueError
+        Unknown or missing species, negative or NaN density, temperature out of range, path not increasing.
+
+    Notes
+    -----
+    ASSUME: levels are populated at the gas temperature (local thermal equilibrium) whatever the densities.
+    """
+    thickness = layer_thickness(path_distance)
+    temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
+    unknown, missing = set(number_density) - set(SPECIES), set(SPECIES) - set(number_density)
+    if unknown or missing:
+        raise ValueError(
+            f"species of the path must be {', '.join(SPECIES)};"
+            f" unknown: {', '.join(sorted(unknown)) or 'none'},"
+            f" missing: {', '.join(sorted(missing)) or 'none'}"
+        )
+    density = {
+        name: non_negative(f"number_density of {name}", number_density[name], "m-3") for name in SPECIES
+    }
+    for name, values in (("temperature", temperature), *density.items()):
+        if values.shape != thickness.shape:
+            raise ValueError(
+                f"{name} must have shape {thickness.shape}, that of the path; got {values.shape}"
+            )
+    partition = {name: partition_function(name, temperature) for name in ("N", "O", "N2")}
+    return GasPath(thickness, temperature, density, partition)
+
+
+def thin_lines(path, lines):
+    r"""Radiance of each line if nothing were absorbed, and what leaving a layer out could change.
+
+    .. math:: L_l = \sum_s \Delta s\, \varepsilon_{l,s}, \qquad
+              b_s = \Delta s \sum_l \varepsilon_{l,s}\, B(\tilde\nu_l, T_{max}) / B(\tilde\nu_l, T_s)
+
+    The layer emits at most its share of L and absorbs at most :math:`\kappa\,\Delta s\,B(T_{max})` with
+    :math:`\kappa = j/B(T_s)`, for no radiance on the path exceeds that of a black body at its highest
+    temperature; :math:`b_s` bounds both.
+
+    Parameters
+    ----------
+    path : GasPath
+    lines : LineList
+
+    Returns
+    -------
+    tuple of ndarray : radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2 sr-1]
+
+    Notes
+    -----
+    Source: Kirchhoff's law.
+    """
+    by_line = np.zeros(len(lines))
+    by_layer, bound = np.zeros(len(path.thickness)), np.zeros(len(path.thickness))
+    hot = SECOND_RADIATION * lines.wavenumber / path.temperature.max()
+    for layer, thickness in enumerate(path.thickness):
+        radiance = path.emission(lines, layer) * thickness
+        cold = SECOND_RADIATION * lines.wavenumber / path.temperature[layer]
+        with np.errstate(under="ignore"):
+            # B(hot)/B(cold) = exp(cold - hot) (1 - e^-cold)/(1 - e^-hot); kept in the exponent till the sum.
+            excess = np.exp(np.log(np.maximum(radiance, np.finfo(float).tiny)) + cold - hot) / -np.expm1(-hot)
+        by_line += radiance
+        by_layer[layer], bound[layer] = radiance.sum(), excess.sum()
+    return by_line, by_layer, bound
+
+
+def layers_that_matter(bound, allowance):
+    """Which layers to keep so that the bounds of those left out add up to at most `allowance`."""
+    order = np.argsort(bound, kind="stable")
+    keep = np.empty(len(bound), dtype=bool)
+    keep[order] = np.cumsum(bound[order]) > allowance
+    return keep
+
+
+def coldest_that_counts(temperature, emission):
+    """Temperature [K] below which at most `UNRESOLVED_SHARE` of a system's emission arises."""
+    order = np.argsort(temperature, kind="stable")
+    share = np.cumsum(emission[order])
+    return temperature[order][np.searchsorted(share, UNRESOLVED_SHARE * share[-1])]
+
+
+class Continuum:
+    """The three continua of a path on a coarse axis, by component (3, W)."""
+
+    def __init__(self, grid):
+        self.axis = log_grid((grid.wavelength[-1], grid.wavelength[0]), min(CONTINUUM_POINTS, len(grid)))
+        self.atoms = [bound_free(species, self.axis.wavenumber) for species in ("N", "O")]
+        place = np.linspace(0, len(self.axis) - 1, len(grid))
+        self.below = np.minimum(place.astype(int), len(self.axis) - 2)
+        self.fraction = place - self.below
+
+    def absorption(self, path, layer):
+        """Absorption coefficients in a layer (3, W) [m-1], in the order of `CONTINUA`."""
+        axis, temperature = self.axis.wavenumber, path.temperature[layer]
+        density = {name: values[layer] for name, values in path.number_density.items()}
+        electrons = density["e-"]
+        ions = sum(density[name] for name in IONS)
+        neutral = electron_nitrogen_molecule_absorption(axis, temperature, electrons, density["N2"])
+        for species in ("N", "O"):
+            neutral += electron_atom_absorption(species, axis, temperature, electrons, density[species])
+        recombination = sum(
+            free_bound_absorption(
+                atom, axis, temperature, density[atom.species], path.partition[atom.species][layer]
+            )
+            for atom in self.atoms
+        )
+        return np.array([electron_ion_absorption(axis, temperature, electrons, ions), neutral, recombination])
+
+    def on_grid(self, values):
+        """Coarse values (..., W) interpolated to the grid (..., G)."""
+        low = values[..., self.below]
+        return low + self.fraction * (values[..., self.below + 1] - low)
+
+
+@dataclass(frozen=True)
+class PathRadiance:
+    """Result on a grid: radiance by component (C, G), thin radiance and optical depth (G,)."""
+
+    components: tuple
+    radiance: np.ndarray
+    thin_radiance: np.ndarray
+    optical_depth: np.ndarray
+    thin_lines: list
+    thin_continuum: np.ndarray
+    neglected_bound: float
+
+
+def path_radiance(path, line_lists, grid):
+    r"""Spectral radiance at the end of a path, nothing entering at its start.
+
+    .. math:: j_\lambda = \tilde\nu \sum_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda, \qquad
+              \kappa = j_\lambda / B_\lambda(T)
+
+    per layer, then `transfer.cross_layer` from the first to the last.
+
+    Parameters
+    ----------
+    path : GasPath
+    line_lists : list of LineList
+    grid : Grid
+
+    Returns
+    -------
+    PathRadiance
+        Components in the order of the line lists, then `CONTINUA`.
+
+    Raises
+    ------
+    ValueError
+        If the grid is too coarse for the Doppler widths of a system where it emits.
+
+    Notes
+    -----
+    Source: Fagnani et al., section on the radiation code; Kirchhoff's law for the absorption.
+    """
+    spreaders = [prepare(lines, grid) for lines in line_lists]
+    continuum = Continuum(grid)
+    thin, emission, bounds = zip(*(thin_lines(path, s.lines) for s in spreaders), strict=True)
+    allowance = NEGLIGIBLE * np.sum(emission) / len(spreaders)
+    kept = [layers_that_matter(bound, allowance) for bound in bounds]
+    for spreader, by_layer in zip(spreaders, emission, strict=True):
+        if by_layer.any():
+            temperature = coldest_that_counts(path.temperature, by_layer)
+            mass = MASS[SPECIES.index(spreader.lines.species)]
+            require_resolution(
+                grid,
+                doppler_sigma(temperature, mass),
+                f"{spreader.lines.component} at {temperature:.0f} K",
+            )
+    radiance = np.zeros((len(spreaders) + len(CONTINUA), len(grid)))
+    thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
+    thin_continuum = np.zeros(len(continuum.axis))
+    for layer, thickness in enumerate(path.thickness):
+        temperature = path.temperature[layer]
+        blackbody = blackbody_radiance(grid.wavelength, temperature)
+        smooth = continuum.absorption(path, layer)
+        emitted = np.zeros_like(radiance)
+        emitted[len(spreaders) :] = continuum.on_grid(smooth) * blackbody
+        for index, spreader in enumerate(spreaders):
+            lines = spreader.lines
+            if kept[index][layer]:
+                sigma = doppler_sigma(temperature, MASS[SPECIES.index(lines.species)])
+                profile = spread(spreader, path.emission(lines, layer), path.hwhm(lines, layer), sigma)
+                emitted[index] = grid.wavenumber * profile
+        total = emitted.sum(axis=0)
+        radiance, depth = cross_layer(radiance, emitted, total / blackbody, thickness)
+        thin_radiance += total * thickness
+        optical_depth += depth
+        coarse_blackbody = blackbody_radiance(continuum.axis.wavelength, temperature)
+        thin_continuum += smooth.sum(axis=0) * coarse_blackbody * thickness
+    left_out = sum(bound[~keep].sum() for bound, keep in zip(bounds, kept, strict=True))
+    return PathRadiance(
+        components=(*(lines.component for lines in line_lists), *CONTINUA),
+        radiance=radiance,
+        thin_radiance=thin_radiance,
+        optical_depth=optical_depth,
+        thin_lines=[(s.lines, values) for s, values in zip(spreaders, thin, strict=True)],
+        thin_continuum=thin_continuum,
+        neglected_bound=float(left_out),
+    )

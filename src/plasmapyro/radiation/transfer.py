@@ -1,0 +1,87 @@
+"""Radiative transfer along one path: layers of uniform gas, each solved exactly."""
+
+import numpy as np
+
+from plasmapyro.checks import increasing
+
+
+def layer_thickness(path_distance):
+    """Thickness of the layer each path point stands for: half the way to either neighbour.
+
+    Parameters
+    ----------
+    path_distance : (S,) [m]
+        Strictly increasing, at least two points.
+
+    Returns
+    -------
+    ndarray (S,) [m]
+        Sums to the length of the path; the trapezoidal rule of the emission of thin gas.
+
+    Raises
+    ------
+    ValueError
+        If the path does not increase strictly.
+
+    Notes
+    -----
+    ASSUME: the gas is uniform within a layer; second order in the spacing of the path points.
+    """
+    path_distance = increasing("path_distance", path_distance, "m")
+    if path_distance.size < 2:
+        raise ValueError(f"path_distance must hold at least 2 points; got {path_distance.size}")
+    middle = (path_distance[1:] + path_distance[:-1]) / 2
+    return np.diff(np.concatenate([path_distance[:1], middle, path_distance[-1:]]))
+
+
+def escape_fraction(optical_depth):
+    r"""Part of a uniform layer's emission that leaves the layer.
+
+    .. math:: \eta(\tau) = \frac{1 - e^{-\tau}}{\tau}, \qquad \eta(0) = 1
+
+    Parameters
+    ----------
+    optical_depth : array_like [1]
+        Of the layer; negative where stimulated emission outweighs absorption.
+
+    Returns
+    -------
+    ndarray [1]
+
+    Notes
+    -----
+    Source: formal solution of the transfer equation in a uniform layer.
+    """
+    depth = np.asarray(optical_depth, dtype=float)
+    return np.divide(-np.expm1(-depth), depth, out=np.ones_like(depth), where=depth != 0)
+
+
+def cross_layer(radiance, emission_coefficient, absorption_coefficient, thickness):
+    r"""Radiance behind a uniform layer, given the radiance before it.
+
+    .. math:: L_c \leftarrow L_c e^{-\tau} + j_c\, \Delta s\, \eta(\tau), \qquad
+              \tau = \kappa\, \Delta s
+
+    The emission of each component is attenuated by the absorption of all, so components add up to
+    the total; a thick layer at one temperature emits :math:`j/\kappa`, its source function.
+
+    Parameters
+    ----------
+    radiance : (C, G) [any spectral radiance]
+        By component, before the layer.
+    emission_coefficient : (C, G) [radiance m-1]
+    absorption_coefficient : (G,) [m-1]
+        Of all components together, stimulated emission counted as negative absorption.
+    thickness : float [m]
+
+    Returns
+    -------
+    tuple of ndarray : radiance behind the layer (C, G) and optical depth of the layer (G,)
+
+    Notes
+    -----
+    Source: formal solution of the transfer equation in a uniform layer.
+    """
+    depth = absorption_coefficient * thickness
+    escape = escape_fraction(depth)
+    return radiance * np.exp(-depth) + emission_coefficient * (thickness * escape), depth
