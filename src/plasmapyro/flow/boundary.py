@@ -1,0 +1,64 @@
+"""Boundary values of the flow: walls, axis, inlet profile, open boundaries.
+
+* inlet slot: plug profile u_z = U (1 - s^8), s from -1 to 1 over the slot, u_r = 0, wall temperature; U
+makes the
+  discrete mass flow exact;
+* walls: no slip, wall temperature. ASSUME: one temperature for all walls, as in the CF-ICP cases (350 K);
+* axis: u_r = 0;
+* top of the chamber: no axial velocity, so that entrained gas comes in radially (free tangential inflow lets
+  vortices cross the boundary, and the solution diverges);
+* top and outlet: no traction at chamber pressure, no conduction, gas that enters is at wall temperature.
+"""
+
+import numpy as np
+
+from plasmapyro.flow.geometry import WALLS
+from plasmapyro.flow.physics import AXIAL, LOG_TEMPERATURE, RADIAL, REFERENCE_VELOCITY
+
+OPEN = ("top", "outlet")
+PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the slot
+
+
+def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature):
+    """Dirichlet conditions of the four fields.
+
+    Parameters
+    ----------
+    space : Space
+    torch : Torch
+    properties : GasProperties
+    mass_flow_rate : float [kg s-1]
+    wall_temperature : float [K]
+
+    Returns
+    -------
+    fixed : (space.size,) bool array
+    values : (space.size,) array
+        In the units of the unknowns; zero where not fixed.
+    """
+    fixed, values = np.zeros(space.size, bool), np.zeros(space.size)
+
+    def fix(field, names):
+        fixed[space.offsets[field] + space.boundary_dofs(field, names)] = True
+
+    fix(AXIAL, (*WALLS, "inlet", "top"))
+    fix(RADIAL, (*WALLS, "inlet", "axis"))
+    fix(LOG_TEMPERATURE, (*WALLS, "inlet"))
+    values[space.field(LOG_TEMPERATURE)] = np.where(
+        fixed[space.field(LOG_TEMPERATURE)], np.log(wall_temperature), 0.0
+    )
+    slot = space.boundary_dofs(AXIAL, ("inlet",))
+    across = (
+        2
+        * (space.points(AXIAL)[1, slot] - torch.slot_inner_radius)
+        / (torch.radius - torch.slot_inner_radius)
+    )
+    profile = 1 - np.abs(across - 1) ** PROFILE_EXPONENT
+    # The slot ends on walls: exactly at rest there, whatever the rounding of the profile.
+    profile[np.isin(slot, space.boundary_dofs(AXIAL, WALLS))] = 0.0
+    values[space.offsets[AXIAL] + slot] = profile
+    inlet = space.facets(("inlet",))
+    density, _ = properties.density(wall_temperature)
+    flux = float((inlet.weight * REFERENCE_VELOCITY * space.inputs(inlet, values)[3 * AXIAL]).sum() * density)
+    values[space.offsets[AXIAL] + slot] *= mass_flow_rate / flux
+    return fixed, values

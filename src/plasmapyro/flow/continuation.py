@@ -1,0 +1,186 @@
+"""Pseudo-transient continuation: one full Newton step of the flow per pseudo-time step.
+
+Each step solves the induction equation for the present temperature (Picard), freezes Joule heating and
+Lorentz force, and takes one Newton step of the implicit Euler equations with a local step dt = CFL h / (|u|
++ 200 m/s). The Courant number grows while the changes stay small and falls when they do not; at a large one
+the step is Newton's for the steady equations.
+"""
+
+import logging
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plasmapyro.flow.induction import Coupling
+from plasmapyro.flow.physics import AXIAL, LOG_TEMPERATURE, RADIAL, REFERENCE_VELOCITY
+from plasmapyro.flow.properties import OutsideTable
+
+log = logging.getLogger(__name__)
+
+# Trust region of one step: rms and largest change of ln T and of u/100 m/s.
+RMS_LOG_TEMPERATURE, RMS_VELOCITY = 0.25, 2.0
+LARGEST_LOG_TEMPERATURE, LARGEST_VELOCITY = 0.5, 4.0
+REJECTED_LOG_TEMPERATURE, REJECTED_VELOCITY = 0.5, 4.0
+SMALLEST_COURANT = 0.05
+HALVINGS = 6
+TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
+EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
+
+
+class NotConverged(RuntimeError):
+    """The flow did not reach a steady state; the message says where and how far it came."""
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How to march: Courant number from `first_courant` up to `largest_courant`, at most `steps` steps.
+
+    The number grows by `growth` while the rms change of ln T is below `growth_limit`. `relaxation`: share of
+    the new Joule heating and force in each step; at large Courant number the Picard map has a factor near
+    -1, which 0.5-0.6 removes. Converged when the largest velocity change [m/s] and the largest relative
+    temperature change are below their tolerances at
+    `converged_courant` or more; `converged_courant` = inf means: take exactly `steps` steps.
+    """
+
+    first_courant: float
+    largest_courant: float
+    steps: int
+    growth: float = 1.5
+    growth_limit: float = 0.12
+    relaxation: float = 0.6
+    velocity_tolerance: float = 0.2
+    temperature_tolerance: float = 2e-3
+    converged_courant: float = 1000.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one pseudo-time step did; see the contract 'flow' for the meaning of the numbers."""
+
+    residual: float
+    velocity_change: float
+    temperature_change: float
+    courant: float
+
+
+@dataclass(frozen=True)
+class Result:
+    state: np.ndarray
+    coupling: Coupling
+    current: float
+    steps: tuple
+
+
+def march(problem, state, power, schedule, label):
+    """March `state` towards the steady flow at Joule power `power`.
+
+    Parameters
+    ----------
+    problem : Problem
+    state : (problem.space.size,) array
+    power : float [W]
+    schedule : Schedule
+    label : str
+        Names the run in log records and errors.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    NotConverged
+        Plasma extinguished, Courant number fallen to nothing, or not converged within `schedule.steps`.
+    """
+    space = problem.space
+    courant, coupling, steps = schedule.first_courant, None, []
+    for number in range(1, schedule.steps + 1):
+        target, current = problem.couple(state, power)
+        coupling = target if coupling is None else _blend(coupling, target, schedule.relaxation)
+        points = problem.points(state, coupling, courant)
+        try:
+            update, residual = problem.newton_update(state, points)
+        except (ArithmeticError, OutsideTable) as fault:
+            raise NotConverged(
+                f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"
+            ) from None
+        heat = update[space.field(LOG_TEMPERATURE)]
+        speed = np.concatenate([update[space.field(AXIAL)], update[space.field(RADIAL)]])
+        rms_heat = float(np.sqrt(np.mean(heat**2)))
+        rms_speed = float(np.sqrt(2 * np.mean(speed**2)))
+        step = Step(
+            residual, float(np.abs(speed).max() * REFERENCE_VELOCITY), float(np.abs(heat).max()), courant
+        )
+        steps.append(step)
+        hottest = float(np.exp(state[space.field(LOG_TEMPERATURE)].max()))
+        log.info(
+            "%s: step %d, CFL %.3g, residual %.2e, change %.3g m/s, %.2e in T, Tmax %.0f K, coil %.1f A",
+            label, number, courant, residual, step.velocity_change, step.temperature_change, hottest, current,
+        )  # fmt: skip
+        if not np.isfinite(rms_heat + rms_speed):
+            raise NotConverged(f"{label}: step {number} of the flow is not finite; residual {residual:.2e}")
+        if hottest < EXTINGUISHED:
+            raise NotConverged(
+                f"{label}: plasma extinguished at step {number}; hottest gas {hottest:.0f} K, "
+                f"residual {residual:.2e}"
+            )
+        damping = min(1.0, RMS_LOG_TEMPERATURE / max(rms_heat, 1e-300), RMS_VELOCITY / max(rms_speed, 1e-300))
+        if rms_heat > REJECTED_LOG_TEMPERATURE or rms_speed > REJECTED_VELOCITY:
+            courant *= 0.4
+            if courant < SMALLEST_COURANT:
+                raise NotConverged(
+                    f"{label}: no acceptable step at CFL {courant:.2g} "
+                    f"(step {number}, residual {residual:.2e})"
+                )
+            continue
+        state = _applied(problem, state, damping * update)
+        if (
+            step.velocity_change < schedule.velocity_tolerance
+            and step.temperature_change < schedule.temperature_tolerance
+            and courant >= schedule.converged_courant
+        ):
+            return _result(problem, state, power, steps)
+        if rms_heat < schedule.growth_limit and rms_speed < 2.5 * schedule.growth_limit:
+            calm = rms_heat < 0.2 * schedule.growth_limit
+            courant = min(courant * schedule.growth * (1.5 if calm else 1.0), schedule.largest_courant)
+        elif rms_heat > 0.15:
+            courant *= 0.7
+    if np.isfinite(schedule.converged_courant):
+        raise NotConverged(
+            f"{label}: not converged in {schedule.steps} steps; residual {residual:.2e}, last change "
+            f"{step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T at CFL {step.courant:.3g}"
+        )
+    return _result(problem, state, power, steps)
+
+
+def _applied(problem, state, update):
+    """State after a clipped update, halved until ln T lies inside the property table everywhere."""
+    space, heat = problem.space, problem.space.field(LOG_TEMPERATURE)
+    limits = np.full(space.size, np.inf)
+    limits[space.field(AXIAL)] = limits[space.field(RADIAL)] = LARGEST_VELOCITY
+    limits[heat] = LARGEST_LOG_TEMPERATURE
+    clipped = np.clip(update, -limits, limits)
+    low, high = problem.properties.low * TABLE_MARGIN, problem.properties.high / TABLE_MARGIN
+    for _ in range(HALVINGS):
+        new = state + clipped
+        new[heat] = np.clip(new[heat], np.log(low), np.log(high))
+        # Quadratic elements can leave the range between nodes that are inside it.
+        temperature = problem.temperature_at_points(new)
+        if temperature.min() > problem.properties.low and temperature.max() < problem.properties.high:
+            return new
+        clipped = clipped / 2
+    return state
+
+
+def _blend(old, new, share):
+    """Under-relaxed heating and force of two couplings."""
+    mixed = {
+        name: (1 - share) * getattr(old, name) + share * getattr(new, name)
+        for name in ("joule_heating", "force_axial", "force_radial")
+    }
+    return replace(new, **mixed)
+
+
+def _result(problem, state, power, steps):
+    coupling, current = problem.couple(state, power)
+    return Result(state, coupling, current, tuple(steps))

@@ -1,0 +1,228 @@
+r"""Pointwise equations of the plasma flow: from values and gradients to weak-form densities.
+
+Low-Mach, axisymmetric, without swirl, local thermodynamic equilibrium. With D = d/dt + u . grad and ' = d/dT:
+
+.. math::
+    \rho\,D u = -\nabla p + \nabla\cdot\tau + F, \qquad
+    \tau = \mu\,(\nabla u + \nabla u^T - \tfrac23 I\,\nabla\cdot u)
+
+    \rho c_p\,D T = \nabla\cdot(\kappa\nabla T) + q
+
+    R_c = \nabla\cdot u + \frac{\rho'}{\rho}\,D T = 0
+
+q is the Joule heating and F the Lorentz force per volume. rho, mu, kappa, c_p are functions of T at the
+chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change by 2 K, the Mach number is 0.1 in
+the plasma). kappa holds the reactive part and c_p the heat of reaction, so the energy equation needs no
+source for them. ASSUME: no radiation loss (2 % of the line-of-sight temperature at 90 kW, 5 % at the torch
+exit).
+
+The unknown is theta = ln T, not T: upwind undershoots at the cold sheath then stay positive, and ln rho ~
+-theta is nearly linear. The pseudo-time derivative of rho stays in R_c: without it the step freezes T in the
+mass balance, the saddle point becomes ill-posed and velocities of 1e3 m/s appear that Newton never recovers
+from.
+
+Stabilisation (h: element size, half of it for P2; all terms differentiated):
+
+.. math::
+    \tau_m = [(2\rho|u|/h)^2 + (12\mu/h^2)^2 + (2\rho/\Delta t)^2]^{-1/2}
+
+streamline upwinding  (tau_m rho u . grad v, R_m)  and, with rho c_p and kappa in place of rho and mu,
+(tau_T rho c_p u . grad w, R_T);  (rho |u| h/2 R_c, div v)  on continuity; for equal-order elements also
+(tau_m rho grad q, R_m). The term  (w, h_T rho R_c)  with the enthalpy h_T makes the energy equation
+conservative: without it the global balance is off by 2-7 % on the meshes in use.
+
+Source: Fagnani et al., section on the numerical simulation (LTE CF-ICP model, same equations); SUPG/PSPG
+after Tezduyar, Adv. Appl. Mech. 28 (1991) 1. Deviation: finite elements for VKI's finite
+volumes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+AXIAL, RADIAL, LOG_TEMPERATURE, GAUGE_PRESSURE = range(4)
+FIELDS = 4
+INPUTS = 3 * FIELDS  # value, d/dz, d/dr of each field
+REFERENCE_VELOCITY = 100.0  # [m/s]: unit of the velocity unknowns
+REFERENCE_PRESSURE = 100.0  # [Pa]: unit of the gauge-pressure unknown
+# Row scales bring momentum [N m-3], energy [W m-3] and mass [kg m-3 s-1] to order one for the factorisation.
+ROW_SCALE = np.repeat([1e-1, 1e-1, 1e-6, 1e2], 3)
+SMALL_SPEED = 0.1  # [m/s]: smooths |u| at rest, so that its derivative exists
+IMAGINARY_STEP = 1e-30
+PROPERTY_NAMES = (
+    "density",
+    "density_slope",
+    "enthalpy",
+    "heat_capacity",
+    "viscosity",
+    "thermal_conductivity",
+)
+
+
+@dataclass(frozen=True)
+class Points:
+    """What the equations need at each quadrature point besides the unknowns; arrays (E, Q), SI.
+
+    `inverse_step`: 1/(pseudo-time step), zero for the steady residual; `old_*`: state at the start of the
+    step;
+    `viscosity_limiter`: C blended to zero inside the torch, see `_limited`; `equal_order`: 1 for P1 pressure
+    with P1 velocity, 0 for Taylor-Hood.
+    """
+
+    radius: np.ndarray
+    element_size: np.ndarray
+    inverse_step: np.ndarray
+    old_axial: np.ndarray
+    old_radial: np.ndarray
+    old_temperature: np.ndarray
+    joule_heating: np.ndarray
+    force_axial: np.ndarray
+    force_radial: np.ndarray
+    viscosity_limiter: np.ndarray
+    equal_order: float
+
+    def part(self, elements):
+        """The same for a slice of elements."""
+        arrays = {
+            name: getattr(self, name)[elements] for name in self.__dataclass_fields__ if name != "equal_order"
+        }
+        return Points(**arrays, equal_order=self.equal_order)
+
+
+def property_lines(properties, temperature):
+    """Tangents (value, slope, temperature) of the properties at real `temperature`, by name.
+
+    A complex step sees a function only through its value and slope; one look-up then serves all twelve steps.
+    """
+    return {name: (*getattr(properties, name)(temperature), temperature) for name in PROPERTY_NAMES}
+
+
+def _on_line(line, temperature):
+    value, slope, base = line
+    return value + slope * (temperature - base)
+
+
+def _limited(points, density, speed, viscosity):
+    """Viscosity added where the cell Reynolds number exceeds 1/C (smoothed positive part), C =
+    viscosity_limiter.
+
+    Only for the cold annular sheath that enters the chamber at Re ~ 2e4, the one part that is physically
+    unsteady.
+    """
+    excess = points.viscosity_limiter * density * speed * points.element_size / viscosity - 1
+    switched_on = points.viscosity_limiter > 0
+    return np.where(switched_on, viscosity * 0.5 * (excess + np.sqrt(excess * excess + 0.1)), 0.0)
+
+
+def densities(inputs, lines, points):
+    """Weak-form densities of momentum (z, r), energy and mass.
+
+    Parameters
+    ----------
+    inputs : sequence of 12 arrays (E, Q), real or complex
+        Value, d/dz, d/dr of the unknowns u_z/100 m/s, u_r/100 m/s, ln(T/K), (p - chamber pressure)/100 Pa.
+    lines : result of `property_lines` at the real part of the temperature
+    points : Points
+
+    Returns
+    -------
+    list of 12 arrays (E, Q)
+        Factors of v, dv/dz, dv/dr in the weak forms of the four equations [scaled by ROW_SCALE].
+    """
+    uz, uz_z, uz_r, ur, ur_z, ur_r = (REFERENCE_VELOCITY * field for field in inputs[:6])
+    temperature = np.exp(inputs[6])
+    t_z, t_r = temperature * inputs[7], temperature * inputs[8]
+    p, p_z, p_r = (REFERENCE_PRESSURE * field for field in inputs[9:])
+
+    density, density_slope, enthalpy, heat_capacity, viscosity, conductivity = (
+        _on_line(lines[name], temperature) for name in PROPERTY_NAMES
+    )
+    h, rate, radius = points.element_size, points.inverse_step, points.radius
+    speed = np.sqrt(uz * uz + ur * ur + SMALL_SPEED**2)
+    added = _limited(points, density, speed, viscosity)
+    viscosity = viscosity + added
+    conductivity = conductivity + added * heat_capacity
+
+    divergence = uz_z + ur_r + ur / radius
+    acceleration_z = (uz - points.old_axial) * rate + uz * uz_z + ur * uz_r
+    acceleration_r = (ur - points.old_radial) * rate + uz * ur_z + ur * ur_r
+    heating_rate = (temperature - points.old_temperature) * rate + uz * t_z + ur * t_r
+    continuity = divergence + density_slope / density * heating_rate
+
+    inertia_z = density * acceleration_z - points.force_axial
+    inertia_r = density * acceleration_r - points.force_radial
+    momentum_z, momentum_r = inertia_z + p_z, inertia_r + p_r
+    capacity = density * heat_capacity
+    energy = capacity * heating_rate - points.joule_heating
+
+    tau_momentum = _stabilisation_time(density, speed, viscosity, h, rate)
+    tau_energy = _stabilisation_time(capacity, speed, conductivity, h, rate)
+    compression = density * speed * h / 2 * continuity
+
+    bulk = 2 / 3 * viscosity * divergence
+    stress_zz = 2 * viscosity * uz_z - bulk
+    stress_rr = 2 * viscosity * ur_r - bulk
+    stress_hoop = 2 * viscosity * ur / radius - bulk
+    stress_zr = viscosity * (uz_r + ur_z)
+    upwind_z, upwind_r = tau_momentum * density * uz, tau_momentum * density * ur
+    heat_upwind = tau_energy * capacity * energy
+    pressure_upwind = points.equal_order * tau_momentum * density
+    rows = (
+        inertia_z,
+        stress_zz - p + upwind_z * momentum_z + compression,
+        stress_zr + upwind_r * momentum_z,
+        inertia_r + (stress_hoop - p + compression) / radius,
+        stress_zr + upwind_z * momentum_r,
+        stress_rr - p + upwind_r * momentum_r + compression,
+        energy + enthalpy * density * continuity,
+        conductivity * t_z + heat_upwind * uz,
+        conductivity * t_r + heat_upwind * ur,
+        density * continuity,
+        pressure_upwind * momentum_z,
+        pressure_upwind * momentum_r,
+    )
+    return [scale * row for scale, row in zip(ROW_SCALE, rows, strict=True)]
+
+
+def _stabilisation_time(inertia, speed, diffusivity, h, rate):
+    """tau of the module docstring [s per unit inertia]."""
+    return 1 / np.sqrt(
+        (2 * inertia * speed / h) ** 2 + (12 * diffusivity / h**2) ** 2 + (2 * inertia * rate) ** 2
+    )
+
+
+def backflow_densities(inputs, normal, density, heat_capacity, temperature):
+    """Densities on the open boundaries, which act only where gas enters.
+
+    With m = min(u . n, 0):  -1/2 rho m u . v  removes the kinetic energy that a traction-free boundary would
+    feed in; -rho c_p m (T - T_in) w  sets the temperature of the gas that enters.
+
+    Parameters
+    ----------
+    inputs : as in `densities`
+    normal : (2, E, Q) outward unit normal
+    density, heat_capacity, temperature : floats
+        Of the gas outside [kg m-3, J kg-1 K-1, K].
+    """
+    uz, ur = REFERENCE_VELOCITY * inputs[0], REFERENCE_VELOCITY * inputs[3]
+    outward = uz * normal[0] + ur * normal[1]
+    entering = np.where(np.real(outward) < 0, -outward, 0.0)
+    zero = np.zeros_like(uz)
+    rows = [zero] * INPUTS
+    rows[0] = 0.5 * density * entering * uz
+    rows[3] = 0.5 * density * entering * ur
+    rows[6] = density * heat_capacity * entering * (np.exp(inputs[6]) - temperature)
+    return [scale * row for scale, row in zip(ROW_SCALE, rows, strict=True)]
+
+
+def complex_step_derivatives(function, inputs):
+    """Derivatives (E, Q, outputs, inputs) of a pointwise function at real `inputs`, exact to round-off.
+
+    f(x + i d) = f(x) + i d f'(x) + O(d^2); d = 1e-30 leaves no truncation and no cancellation.
+    """
+    columns = []
+    for index in range(len(inputs)):
+        stepped = list(inputs)
+        stepped[index] = inputs[index] + 1j * IMAGINARY_STEP
+        columns.append(np.stack([np.imag(row) / IMAGINARY_STEP for row in function(stepped)], axis=-1))
+    return np.stack(columns, axis=-1)

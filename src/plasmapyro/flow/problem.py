@@ -1,0 +1,200 @@
+"""The discrete problem: residual, Jacobian and induction coupling of one torch, gas and mass flow on one
+mesh."""
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from plasmapyro.flow.boundary import OPEN, fixed_values
+from plasmapyro.flow.elements import Space
+from plasmapyro.flow.geometry import flow_mesh
+from plasmapyro.flow.induction import Induction
+from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.physics import (
+    AXIAL,
+    GAUGE_PRESSURE,
+    INPUTS,
+    LOG_TEMPERATURE,
+    RADIAL,
+    REFERENCE_PRESSURE,
+    REFERENCE_VELOCITY,
+    Points,
+    backflow_densities,
+    complex_step_derivatives,
+    densities,
+    property_lines,
+)
+
+CHUNK = 1500  # elements per pass: the temporaries of the pointwise physics stay in the cache
+SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
+LIMITER_RAMP = 0.04  # [m] behind the torch exit over which the viscosity limiter sets in
+
+
+class Problem:
+    """Flow unknowns on the triangles of the flow domain, electric field on those and the box.
+
+    Parameters
+    ----------
+    mesh : MeshTri from `geometry.build_mesh`
+    torch : Torch
+    properties : GasProperties
+    frequency : float [Hz]
+    mass_flow_rate : float [kg s-1]
+    wall_temperature : float [K]
+    limiter : float [1]
+        Coefficient C of the viscosity limiter in the chamber (`physics._limited`); 0 for none.
+    order : int
+        1: P1 for all fields with pressure stabilisation; 2: Taylor-Hood, P2 for velocity and ln T, P1 for
+        pressure.
+    """
+
+    def __init__(
+        self, mesh, torch, properties, *, frequency, mass_flow_rate, wall_temperature, order, limiter=0.0
+    ):
+        self.torch, self.order, self.limiter = torch, order, limiter
+        self.wall_temperature = wall_temperature
+        self.mesh = flow_mesh(mesh, torch)
+        self.space = Space(self.mesh, (order, order, order, 1))
+        self.induction = Induction(mesh, frequency, torch.coil_radius, torch.coil_positions)
+        self._set_gas(properties, mass_flow_rate)
+        self.free = np.flatnonzero(~self.fixed)
+        self._open = self.space.facets(OPEN)
+        numbered = self.space.matrix(np.arange(1, len(self.space.indices) + 1))[self.free][:, self.free]
+        self._free_pattern, self._entries = numbered.astype(float), numbered.data - 1
+        self._factorised = Factorised(self.space.nodes()[self.free])
+        cells = self.space.cells
+        area = (cells.weight / (2 * np.pi * cells.r)).sum(axis=1)
+        # Edge of the equilateral triangle of the same area, halved where a quadratic element resolves half
+        # of it.
+        self._size = np.repeat((np.sqrt(4 * area / np.sqrt(3)) / order)[:, None], cells.z.shape[1], axis=1)
+        ramp = np.clip((cells.z - torch.length) / LIMITER_RAMP, 0, 1)
+        self._limiter_blend = ramp * ramp * (3 - 2 * ramp)
+
+    def _set_gas(self, properties, mass_flow_rate):
+        self.properties, self.mass_flow_rate = properties, mass_flow_rate
+        self.fixed, self.values = fixed_values(
+            self.space, self.torch, properties, mass_flow_rate, self.wall_temperature
+        )
+        self._outside = (
+            float(properties.density(self.wall_temperature)[0]),
+            float(properties.heat_capacity(self.wall_temperature)[0]),
+            self.wall_temperature,
+        )
+
+    def with_gas(self, properties, mass_flow_rate):
+        """The same problem for another gas table or mass flow; mesh, bases and orderings are shared."""
+        other = copy(self)
+        other._set_gas(properties, mass_flow_rate)
+        return other
+
+    def with_limiter(self, limiter):
+        """The same problem with another coefficient of the viscosity limiter."""
+        other = copy(self)
+        other.limiter = limiter
+        return other
+
+    def temperature_at_points(self, state):
+        """Temperature (E, Q) at the quadrature points [K]."""
+        return np.exp(self.space.inputs(self.space.cells, state)[3 * LOG_TEMPERATURE])
+
+    def couple(self, state, power):
+        """Induction coupling at Joule power `power` [W]; returns Coupling and coil amplitude [A]."""
+        conductivity, _ = self.properties.electrical_conductivity(self.temperature_at_points(state))
+        unit = self.induction.solve(np.maximum(conductivity, 0.0))
+        square = power / unit.power
+        scaled = replace(
+            unit,
+            power=power,
+            joule_heating=square * unit.joule_heating,
+            force_axial=square * unit.force_axial,
+            force_radial=square * unit.force_radial,
+        )
+        return scaled, float(np.sqrt(square))
+
+    def points(self, state, coupling, courant):
+        """Frozen data of one pseudo-time step from `state`; `courant` = inf gives the steady equations."""
+        inputs = self.space.inputs(self.space.cells, state)
+        axial, radial = REFERENCE_VELOCITY * inputs[3 * AXIAL], REFERENCE_VELOCITY * inputs[3 * RADIAL]
+        return Points(
+            radius=self.space.cells.r,
+            element_size=self._size,
+            inverse_step=(np.hypot(axial, radial) + SIGNAL_SPEED) / (courant * self._size),
+            old_axial=axial,
+            old_radial=radial,
+            old_temperature=np.exp(inputs[3 * LOG_TEMPERATURE]),
+            joule_heating=coupling.joule_heating,
+            force_axial=coupling.force_axial,
+            force_radial=coupling.force_radial,
+            viscosity_limiter=self.limiter * self._limiter_blend,
+            equal_order=1.0 if self.order == 1 else 0.0,
+        )
+
+    def residual(self, state, points):
+        """Residual of all equations (size,); on fixed rows it is the reaction of the wall."""
+        cells = self.space.cells
+        inputs = self.space.inputs(cells, state)
+        lines = property_lines(self.properties, np.exp(inputs[3 * LOG_TEMPERATURE]))
+        inner = self.space.residual(cells, np.stack(densities(inputs, lines, points)))
+        rows = self._backflow(self.space.inputs(self._open, state))
+        return inner + self.space.residual(self._open, np.stack(rows))
+
+    def _backflow(self, inputs):
+        return backflow_densities(inputs, self._open.normal, *self._outside)
+
+    def jacobian(self, state, points):
+        """Sparse Jacobian of `residual` (size, size)."""
+        cells = self.space.cells
+        inputs = self.space.inputs(cells, state)
+        derivatives = np.empty((*cells.z.shape, INPUTS, INPUTS))
+        for first in range(0, len(cells.z), CHUNK):
+            part = slice(first, first + CHUNK)
+            some = inputs[:, part]
+            lines = property_lines(self.properties, np.exp(some[3 * LOG_TEMPERATURE]))
+            local = points.part(part)
+            derivatives[part] = complex_step_derivatives(
+                lambda stepped, lines=lines, local=local: densities(stepped, lines, local), list(some)
+            )
+        data = self.space.jacobian(cells, derivatives)
+        open_inputs = list(self.space.inputs(self._open, state))
+        data += self.space.jacobian(self._open, complex_step_derivatives(self._backflow, open_inputs))
+        return self.space.matrix(data)
+
+    def newton_update(self, state, points):
+        """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual."""
+        residual = self.residual(state, points)[self.free]
+        matrix = self._free_pattern.copy()
+        matrix.data = self.jacobian(state, points).data[self._entries]
+        update = np.zeros(self.space.size)
+        update[self.free] = self._factorised.solve(matrix, -residual)
+        return update, float(np.linalg.norm(residual))
+
+    def physical(self, state):
+        """Fields in SI at their own dofs: u_z, u_r [m/s], T [K], p - chamber pressure [Pa]."""
+        field = self.space.field
+        return (
+            REFERENCE_VELOCITY * state[field(AXIAL)],
+            REFERENCE_VELOCITY * state[field(RADIAL)],
+            np.exp(state[field(LOG_TEMPERATURE)]),
+            REFERENCE_PRESSURE * state[field(GAUGE_PRESSURE)],
+        )
+
+    def joule_heating_at_nodes(self, state, coupling, current):
+        """Joule heating at the nodes of ln T [W m-3], from the coupling at coil amplitude `current` [A]."""
+        temperature = np.exp(state[self.space.field(LOG_TEMPERATURE)])
+        conductivity = self.properties.electrical_conductivity(temperature)[0]
+        field = current * self.induction.field_at(*self.space.points(LOG_TEMPERATURE), coupling.scattered)
+        return 0.5 * np.maximum(conductivity, 0.0) * np.abs(field) ** 2
+
+    def state_of(self, axial, radial, temperature, gauge):
+        """Dof vector of SI fields at their own dofs, boundary values imposed."""
+        state = np.concatenate(
+            [
+                axial / REFERENCE_VELOCITY,
+                radial / REFERENCE_VELOCITY,
+                np.log(temperature),
+                gauge / REFERENCE_PRESSURE,
+            ]
+        )
+        state[self.fixed] = self.values[self.fixed]
+        return state
