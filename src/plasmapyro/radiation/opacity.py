@@ -15,8 +15,8 @@ SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; keeps periodic images of line wings at least so far away
 SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
 NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
-NODES_AT_LEAST, NODES_PER_RANGE = 4, 4.0
-EVEN_WIDTHS = 1e-9  # [1]; widths spread by less are one width
+NARROW_RANGE = 0.01  # of widths on that scale; two nodes then keep the core to 1e-5 and the wing to 1e-4
+NODES_AT_LEAST, NODES_PER_RANGE = 4, 4.0  # keep core and wing to 1e-4 up to a width ratio of 1000
 
 
 def boltzmann_population(energy, degeneracy, temperature, number_density, partition_function):
@@ -163,9 +163,9 @@ def require_resolution(grid, sigma, what):
 def _width_nodes(width, sigma):
     """Chebyshev nodes of the Lorentz widths and each line's interpolation weights: (K,), (K, L)."""
     low, high = np.arcsinh(np.array([width.min(), width.max()]) / (NODE_SCALE * sigma))
-    if high - low <= EVEN_WIDTHS * max(high, 1.0):
-        return np.array([width.mean()]), np.ones((1, len(width)))
-    count = int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
+    if high == low:
+        return width[:1], np.ones((1, len(width)))
+    count = 2 if high - low < NARROW_RANGE else int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
     angle = np.pi * (2 * np.arange(count) + 1) / (2 * count)
     nodes = (low + high) / 2 + (high - low) / 2 * np.cos(angle)
     distance = np.arcsinh(width / (NODE_SCALE * sigma)) - nodes[:, None]

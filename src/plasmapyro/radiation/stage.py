@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from plasmapyro.radiation.atoms import atomic_lines
 from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, require_cover
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
+from plasmapyro.radiation.systems import line_lists
 from plasmapyro.tables import weakest
 
 BANDS = ("wide", "narrow")
@@ -53,8 +53,8 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
     path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)
-    line_lists = [atomic_lines("N I"), atomic_lines("O I")]
-    result = path_radiance(path, line_lists, grid)
+    lists = line_lists(grid)
+    result = path_radiance(path, lists, grid)
 
     wavelength = grid.wavelength[::-1]
     radiance, thin = result.radiance[:, ::-1], result.thin_radiance[::-1]
@@ -94,6 +94,6 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
             "title": "Spectral radiance of the gas along the line of sight",
             "slit_fwhm": float(slit_fwhm),
             "neglected_radiance_bound": result.neglected_bound,
-            "origin": weakest(["modelled", *(lines.origin for lines in line_lists)]),
+            "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
         },
     )

@@ -1,0 +1,41 @@
+"""Which line systems the engine knows, and their line lists for a grid."""
+
+import numpy as np
+
+from plasmapyro.radiation.atoms import ATOMS, atomic_lines
+from plasmapyro.radiation.nitrogen import nitrogen_first_positive
+from plasmapyro.radiation.opacity import PADDING
+
+LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
+REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
+
+
+def _molecular_range(grid):
+    """Wavenumbers of the padded grid [m-1]: lines beside the grid reach into it."""
+    reach = np.exp(PADDING / 2 * grid.step * (len(grid) - 1))
+    return grid.wavenumber[0] / reach, grid.wavenumber[-1] * reach
+
+
+MOLECULES = {"N2 1P": nitrogen_first_positive}
+SYSTEMS = (*ATOMS, *MOLECULES)
+
+
+def line_lists(grid):
+    """Line lists of all systems on a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+
+    Returns
+    -------
+    list of LineList
+        In the order of `SYSTEMS`.
+    """
+    reach = _molecular_range(grid)
+    atoms = [atomic_lines(name) for name in ATOMS]
+    molecules = [
+        make(reach, lost_fraction=LOST_FRACTION, reference_temperature=REFERENCE_TEMPERATURE)
+        for make in MOLECULES.values()
+    ]
+    return [*atoms, *molecules]
