@@ -14,21 +14,22 @@ from plasmapyro import tables
 from plasmapyro.constants import BOLTZMANN, ELEMENTARY_CHARGE, VACUUM_PERMITTIVITY
 from plasmapyro.gas.species import CHARGE, ELECTRON, IONS, NEUTRALS, SPECIES
 
-NEUTRAL_BSTAR = 1.15
-ION_NEUTRAL_BSTAR = 1.20
-"""B* of heavy pairs. ASSUME: constants, as recommended by Wright et al. (2005), section VI."""
+NEUTRAL_BSTAR, NEUTRAL_CSTAR = 1.15, 0.92
+ION_NEUTRAL_BSTAR, ION_NEUTRAL_CSTAR = 1.20, 0.85
+"""B* and C* of heavy pairs. ASSUME: constants, as recommended by Wright et al. (2005)."""
 
 COULOMB_COLUMNS = ("11", "22", "14", "15", "24")
 
 
 @dataclass(frozen=True)
 class HeavyIntegrals:
-    """Pairs of heavy species: Q11, Q22 [m2], A* and B* [1], each (points, 10, 10)."""
+    """Pairs of heavy species: Q11, Q22 [m2], A*, B* and C* [1], each (points, 10, 10)."""
 
     q11: np.ndarray
     q22: np.ndarray
     astar: np.ndarray
     bstar: np.ndarray
+    cstar: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ def heavy_integrals(temperature, electron_density):
     size = ELECTRON
     shape = (temperature.size, size, size)
     q11, q22 = np.empty(shape), np.empty(shape)
-    bstar = np.full(shape, NEUTRAL_BSTAR)
+    bstar, cstar = np.full(shape, NEUTRAL_BSTAR), np.full(shape, NEUTRAL_CSTAR)
     for table in ("collisions_neutral", "collisions_ion_neutral"):
         for (first, second), curves in _pair_curves(table).items():
             i, k = SPECIES.index(first), SPECIES.index(second)
@@ -189,11 +190,13 @@ def heavy_integrals(temperature, electron_density):
     ions = slice(len(NEUTRALS), len(NEUTRALS) + len(IONS))
     neutral = slice(0, len(NEUTRALS))
     bstar[:, ions, neutral] = bstar[:, neutral, ions] = ION_NEUTRAL_BSTAR
+    cstar[:, ions, neutral] = cstar[:, neutral, ions] = ION_NEUTRAL_CSTAR
     charged = coulomb_integrals("repulsive", temperature, electron_density)
     q11[:, ions, ions] = charged["11"][:, None, None]
     q22[:, ions, ions] = charged["22"][:, None, None]
     bstar[:, ions, ions] = charged["bstar"][:, None, None]
-    return HeavyIntegrals(q11, q22, q22 / q11, bstar)
+    cstar[:, ions, ions] = charged["cstar"][:, None, None]
+    return HeavyIntegrals(q11, q22, q22 / q11, bstar, cstar)
 
 
 def electron_integrals(temperature, electron_density):

@@ -72,11 +72,13 @@ def properties(temperature, pressure, enthalpy, heat_capacity):
     heavy = heavy_integrals(temperature, electrons)
     electron = electron_integrals(temperature, electrons)
     diffusion = transport.diffusion(temperature, heavy, electron)
+    polarisation = transport.energy_polarisation(temperature, x, heavy)
+    thermal_ratio = transport.thermal_diffusion_ratio(x, polarisation, diffusion, heavy)
     conductivity = (
-        transport.heavy_conductivity(temperature, x, heavy)
+        transport.heavy_conductivity(x, polarisation)
         + transport.electron_conductivity(temperature, x, electron)
         + transport.internal_conductivity(x, heat_capacity, diffusion)
-        + transport.reactive_conductivity(temperature, x, slope, enthalpy, diffusion)
+        + transport.reactive_conductivity(temperature, x, slope, enthalpy, diffusion, thermal_ratio)
     )
     return {
         "mole_fraction": x,

@@ -74,10 +74,10 @@ def viscosity(temperature, mole_fraction, integrals):
     return np.einsum("pi,pi->p", x, _solve(matrix, np.ones_like(x)))
 
 
-def heavy_conductivity(temperature, mole_fraction, integrals):
-    r"""Translational thermal conductivity of the heavy species, second Chapman-Enskog approximation.
+def energy_polarisation(temperature, mole_fraction, integrals):
+    r"""Response of the heavy species to a temperature gradient, second Chapman-Enskog approximation.
 
-    .. math:: \lambda = 4\sum_i x_i a_i, \qquad \sum_j L_{ij} a_j = x_i
+    .. math:: \sum_j L_{ij} a_j = 4 x_i
 
     .. math:: L_{ii} = \frac{4x_i^2}{\lambda_i} + \sum_{k \ne i} 2 x_i x_k
               \frac{\tfrac{15}{2}m_i^2 + \tfrac{25}{4}m_k^2 - 3 m_k^2 B^*_{ik} + 4 m_i m_k A^*_{ik}}
@@ -98,7 +98,7 @@ def heavy_conductivity(temperature, mole_fraction, integrals):
     Returns
     -------
     ndarray [W m-1 K-1]
-        Shape (points,).
+        Shape (points, 10): a_i, the conductivity of a pure species, screened by the others.
 
     Notes
     -----
@@ -114,7 +114,64 @@ def heavy_conductivity(temperature, mole_fraction, integrals):
     off_diagonal = -base * product * (55 / 4 - 3 * bstar - 4 * astar) * x[:, None, :]
     exchange = base * (7.5 * own + 6.25 * other - 3 * other * bstar + 4 * product * astar) * x[:, None, :]
     matrix = _assemble(off_diagonal, exchange, 4 * x / _diagonal(pair))
-    return 4 * np.einsum("pi,pi->p", x, _solve(matrix, np.ones_like(x)))
+    return _solve(matrix, np.full_like(x, 4.0))
+
+
+def heavy_conductivity(mole_fraction, polarisation):
+    r"""Translational thermal conductivity of the heavy species, :math:`\lambda = \sum_i x_i a_i`.
+
+    Parameters
+    ----------
+    mole_fraction : ndarray [1]
+        Shape (points, 11).
+    polarisation : ndarray [W m-1 K-1]
+        Shape (points, 10), from `energy_polarisation`.
+
+    Returns
+    -------
+    ndarray [W m-1 K-1]
+        Shape (points,).
+
+    Notes
+    -----
+    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-33 with the diffusive part left out, which
+    `reactive_conductivity` holds.
+    """
+    return np.einsum("pi,pi->p", mole_fraction[:, HEAVY], polarisation)
+
+
+def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
+    r"""Thermal diffusion ratios of the heavy species over their mole fractions.
+
+    .. math:: \frac{\chi_i}{x_i} = \frac{1}{10k}\sum_{j \ne i}
+              \frac{x_j (12 C^*_{ij} - 10)}{n D_{ij}}\,\frac{m_i a_j - m_j a_i}{m_i + m_j}
+
+    Parameters
+    ----------
+    mole_fraction : ndarray [1]
+        Shape (points, 11).
+    polarisation : ndarray [W m-1 K-1]
+        Shape (points, 10), from `energy_polarisation`.
+    diffusion : ndarray [m-1 s-1]
+        Shape (points, 11, 11), from `diffusion`.
+    integrals : HeavyIntegrals
+
+    Returns
+    -------
+    ndarray [1]
+        Shape (points, 11); zero for electrons, whose thermal diffusion only changes the field that
+        keeps the current zero (ASSUME).
+
+    Notes
+    -----
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424, eqs. 25 and A.6; for two species the same as
+    Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50. A positive ratio drives a species to the cold side.
+    """
+    strength = (12 * integrals.cstar - 10) * mole_fraction[:, None, HEAVY] / diffusion[:, HEAVY, HEAVY]
+    share = HEAVY_MASS[:, None] * polarisation[:, None, :] - HEAVY_MASS * polarisation[:, :, None]
+    ratio = np.zeros_like(mole_fraction)
+    ratio[:, HEAVY] = np.sum(strength * share / MASS_SUM, axis=2) / (10 * BOLTZMANN)
+    return ratio
 
 
 def _diagonal(matrix):
@@ -153,13 +210,13 @@ def diffusion(temperature, heavy, electron):
     Returns
     -------
     ndarray [m-1 s-1]
-        Shape (points, 11, 11). The electron-electron entry is not used by anyone and holds 1.
+        Shape (points, 11, 11). The electron-electron entry is infinite (no friction).
 
     Notes
     -----
     Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-44.
     """
-    result = np.ones((temperature.size, ELECTRON + 1, ELECTRON + 1))
+    result = np.full((temperature.size, ELECTRON + 1, ELECTRON + 1), np.inf)
     thermal = 2 * np.pi * BOLTZMANN * temperature
     result[:, HEAVY, HEAVY] = 3 / 16 * np.sqrt(thermal[:, None, None] / REDUCED_MASS) / heavy.q11
     reduced = ELECTRON_MASS * HEAVY_MASS / (ELECTRON_MASS + HEAVY_MASS)
@@ -197,16 +254,18 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
     return BOLTZMANN * np.sum(x * (heat_capacity[:, HEAVY] - 2.5) / resistance, axis=1)
 
 
-def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion):
-    r"""Thermal conductivity by diffusion of the reacting species, at ambipolar equilibrium.
+def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion, thermal_ratio):
+    r"""Thermal conductivity by diffusion of the reacting species, without electric current.
 
     The species fluxes :math:`F_i = x_i V_i` per unit temperature gradient solve the Stefan-Maxwell
-    equations with the driving force of the equilibrium composition and an electric field E that keeps
-    the current zero:
+    equations with the driving force of the equilibrium composition, of thermal diffusion and of the
+    electric field E that keeps the current zero:
 
-    .. math:: \sum_j \frac{x_i F_j - x_j F_i}{D_{ij}} = \frac{dx_i}{dT} - \frac{q_i x_i}{kT} E, \quad
-              \sum_i m_i F_i = 0, \quad \sum_i q_i F_i = 0, \quad
-              \lambda_r = -\sum_i n F_i h_i
+    .. math:: \sum_j \frac{x_i F_j - x_j F_i}{D_{ij}} = \frac{dx_i}{dT} + \frac{\chi_i}{T}
+              - \frac{q_i x_i}{kT} E, \quad
+              \sum_i m_i F_i = 0, \quad \sum_i q_i F_i = 0
+
+    .. math:: \lambda_r = -\sum_i n F_i \Big(h_i + kT\frac{\chi_i}{x_i}\Big)
 
     Parameters
     ----------
@@ -220,6 +279,8 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
         Per particle, shape (points, 11).
     diffusion : ndarray [m-1 s-1]
         n D, shape (points, 11, 11).
+    thermal_ratio : ndarray [1]
+        chi/x, shape (points, 11), from `thermal_diffusion_ratio`.
 
     Returns
     -------
@@ -231,7 +292,6 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424, eqs. 34 and 46; the same heat flux as
     Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
     elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
-    ASSUME: thermal diffusion neglected (below 1 % of the heat flux).
     """
     points, size = mole_fraction.shape
     resistance = 1 / diffusion
@@ -248,9 +308,10 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     electrons = np.maximum(mole_fraction[:, ELECTRON], np.finfo(float).tiny)
     matrix[:, :size, size] = scale[:, None] * CHARGE * mole_fraction / electrons[:, None]
     matrix[:, size, :size] = CHARGE * scale[:, None]
-    right = np.concatenate([slope, np.zeros((points, 1))], axis=1)
-    flux = _solve(matrix, right)[:, :size]
-    return -np.einsum("pi,pi->p", flux, enthalpy)
+    force = slope + mole_fraction * thermal_ratio / temperature[:, None]
+    flux = _solve(matrix, np.concatenate([force, np.zeros((points, 1))], axis=1))[:, :size]
+    carried = enthalpy + BOLTZMANN * temperature[:, None] * thermal_ratio
+    return -np.einsum("pi,pi->p", flux, carried)
 
 
 def electron_matrix(mole_fraction, integrals):
