@@ -99,6 +99,11 @@ def sandwich_response(
     -------
     wide, narrow : (W,) ndarrays [1]
 
+    Raises
+    ------
+    ValueError
+        If a layer receives no light at all.
+
     Notes
     -----
     Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's
@@ -108,4 +113,10 @@ def sandwich_response(
     filtered = np.asarray(wavelength, dtype=float) * long_pass(wavelength, edge, edge_sigma)
     layers = layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness)
     wide, narrow = (filtered * efficiency for efficiency in layers)
+    for layer, curve in (("top", wide), ("bottom", narrow)):
+        if not curve.max() > 0:
+            raise ValueError(
+                f"the {layer} layer receives no light: thinner layers or longer wavelengths needed;"
+                f" got {top_thickness:g} and {bottom_thickness:g} m"
+            )
     return wide / wide.max(), narrow / narrow.max()

@@ -1,0 +1,151 @@
+"""What is wrong with a test folder, all of it at once, before any of it is used."""
+
+import numpy as np
+
+from plasmapyro.tables import ORIGINS
+
+UNITS = {
+    "time": "s",
+    "signal_wide": "A",
+    "signal_narrow": "A",
+    "spectrum_time": "s",
+    "wavelength": "m",
+    "spectral_radiance": "W m-2 sr-1 m-1",
+    "counts": "count",
+    "background_counts": "count",
+    "electric_power": "W",
+    "chamber_pressure": "Pa",
+    "mass_flow_rate": "kg s-1",
+}
+AXES = ("time", "spectrum_time", "wavelength")
+NUMBERS = {  # attribute -> (lowest, highest, unit)
+    "injection_time": (-np.inf, np.inf, "s"),
+    "plasma_off_time": (-np.inf, np.inf, "s"),
+    "emittance": (0.0, 1.0, "1"),
+    "emittance_uncertainty": (0.0, 1.0, "1"),
+    "window_transmittance_pyrometer": (0.0, 1.0, "1"),
+    "window_transmittance_spectrometer": (0.0, 1.0, "1"),
+    "pyrometer_integration_time": (0.0, np.inf, "s"),
+    "spectrometer_integration_time": (0.0, np.inf, "s"),
+    "spectrometer_fwhm": (0.0, 1e-6, "m"),
+}
+ALWAYS = ("injection_time", "plasma_off_time", "emittance", "emittance_uncertainty")
+OF_INSTRUMENT = {
+    "pyrometer": ("window_transmittance_pyrometer", "pyrometer_integration_time"),
+    "spectrometer": (
+        "window_transmittance_spectrometer",
+        "spectrometer_integration_time",
+        "spectrometer_fwhm",
+    ),
+}
+LEAST_REFERENCE_SAMPLES = 3  # fewer give no scatter to judge the mean by
+
+
+def instruments(test):
+    """Names of the instruments of which a test holds any data."""
+    held = set(test.variables)
+    found = {
+        "pyrometer": held & {"signal_wide", "signal_narrow"},
+        "spectrometer": held & {"spectral_radiance", "counts"},
+    }
+    return [name for name, variables in found.items() if variables]
+
+
+def faults(test):
+    """Every breach of the rules for a test.
+
+    Parameters
+    ----------
+    test : Dataset, meant to fulfil the contract 'test'
+
+    Returns
+    -------
+    list of str, empty if the test can be processed
+    """
+    present = instruments(test)
+    found = [] if present else ["neither pyrometer signals nor spectra: one of them is needed"]
+    found += _faults_of_variables(test, present)
+    found += _faults_of_attributes(test, present)
+    if not found:
+        found += _faults_of_window(test, present)
+    return found
+
+
+def require(test, instrument):
+    """Return `test` if it is sound and holds `instrument`; else raise ValueError with every fault."""
+    found = faults(test)
+    if instrument not in instruments(test):
+        found.append(f"the test holds no data of the {instrument}")
+    if found:
+        raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
+    return test
+
+
+def _faults_of_variables(test, present):
+    needed = []
+    if "pyrometer" in present:
+        needed += ["time", "signal_wide", "signal_narrow"]
+    if "spectrometer" in present:
+        needed += ["spectrum_time", "wavelength"]
+        if "spectral_radiance" not in test.variables:
+            needed += ["counts", "background_counts"]
+    for name in needed:
+        if name not in test.variables:
+            yield f"{name}: missing"
+    for name, unit in UNITS.items():
+        if name not in test.variables:
+            continue
+        values, given = np.asarray(test[name].values), test[name].attrs.get("units")
+        if given != unit:
+            yield f"{name}: units {given!r}, expected {unit!r}"
+        if values.dtype.kind not in "fiu":
+            yield f"{name}: must be numbers, is {values.dtype}"
+        elif np.isinf(values).any():
+            yield f"{name}: infinite samples; a missing sample is NaN"
+        elif name in AXES and (np.isnan(values).any() or not (np.diff(values) > 0).all()):
+            yield f"{name}: must increase strictly, without NaN"
+        elif np.isnan(values).all():
+            yield f"{name}: holds no sample"
+
+
+def _faults_of_attributes(test, present):
+    needed = [*ALWAYS, *(name for instrument in present for name in OF_INSTRUMENT[instrument])]
+    for name in needed:
+        low, high, unit = NUMBERS[name]
+        value = test.attrs.get(name)
+        if value is None:
+            yield f"attribute {name}: missing"
+        elif not _is_number(value):
+            yield f"attribute {name}: must be one number; got {value!r}"
+        elif not low <= value <= high or (low == 0 and value == 0 and "uncertainty" not in name):
+            yield f"attribute {name}: {value:g} {unit} is not in ({low:g}, {high:g}]"
+    if test.attrs.get("origin") not in ORIGINS:
+        yield f"attribute origin: {test.attrs.get('origin')!r}, must be one of {', '.join(ORIGINS)}"
+    window = np.asarray(test.attrs.get("reference_window", []))
+    if window.shape != (2,) or window.dtype.kind not in "fiu" or not window[0] < window[1]:
+        yield "attribute reference_window: must be two rising times [s, s]"
+
+
+def _is_number(value):
+    return np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu" and np.isfinite(value)
+
+
+def _faults_of_window(test, present):
+    begin, end = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    window = test.attrs["reference_window"]
+    if not begin < end:
+        yield f"plasma_off_time {end:g} s must come after injection_time {begin:g} s"
+    elif not begin <= window[0] < window[1] <= end:
+        yield (
+            f"reference_window {window[0]:g} to {window[1]:g} s must lie between injection ({begin:g} s)"
+            f" and the end of the plasma ({end:g} s)"
+        )
+    if "pyrometer" in present:
+        inside = (test.time.values >= window[0]) & (test.time.values <= window[1])
+        for name in ("signal_wide", "signal_narrow"):
+            count = int(np.isfinite(test[name].values[inside]).sum())
+            if count < LEAST_REFERENCE_SAMPLES:
+                yield (
+                    f"{name}: {count} samples in the reference window {window[0]:g} to {window[1]:g} s,"
+                    f" {LEAST_REFERENCE_SAMPLES} needed"
+                )

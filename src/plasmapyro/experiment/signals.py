@@ -1,0 +1,119 @@
+"""Signals of the surface alone: what the gas gave in the reference window, taken away."""
+
+import numpy as np
+
+from plasmapyro.checks import increasing
+
+
+def phases(time, injection_time, plasma_off_time):
+    """Where a sample is in view, and where the plasma shines on it.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    injection_time, plasma_off_time : float [s]
+
+    Returns
+    -------
+    injected, shining : (t,) bool ndarrays
+        From injection on; from injection to the end of the plasma, both included.
+    """
+    time = np.asarray(time, dtype=float)
+    injected = time >= injection_time
+    return injected, injected & (time <= plasma_off_time)
+
+
+def reference_signal(time, signal, window):
+    r"""Mean signal of the reference window and its standard uncertainty.
+
+    .. math:: u^2 = \frac{s^2}{n_e}, \qquad n_e = \max\left(1, n\,\frac{1 - r_1}{1 + r_1}\right)
+
+    with the scatter s of the n samples and their lag-one correlation r_1 (>= 0): flicker of the
+    plasma lasts longer than a sample.
+
+    Parameters
+    ----------
+    time : (t,) array [s], strictly increasing
+    signal : (t,) array [A], NaN where missing
+    window : (2,) floats [s], ends included
+
+    Returns
+    -------
+    mean, standard_uncertainty : float [A]
+
+    Raises
+    ------
+    ValueError
+        If fewer than three samples lie in the window.
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 11. Deviation: the uncertainty of the mean is carried along.
+    """
+    time = increasing("time", time, "s")
+    inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signal)
+    if inside.sum() < 3:
+        raise ValueError(
+            f"the reference window {window[0]:g} to {window[1]:g} s holds {inside.sum()} samples, 3 needed"
+        )
+    samples = np.asarray(signal, dtype=float)[inside]
+    rest = samples - samples.mean()
+    power = np.sum(rest**2)
+    memory = np.clip(np.sum(rest[1:] * rest[:-1]) / power, 0.0, 1.0) if power > 0 else 0.0
+    effective = max(1.0, samples.size * (1 - memory) / (1 + memory))
+    return float(samples.mean()), float(np.sqrt(power / (samples.size - 1) / effective))
+
+
+def corrected_signal(signal, reference, injected, shining):
+    r"""Signal of the surface.
+
+    .. math:: S^{corr} = S - S^{ref} \;\text{(plasma on)}, \qquad S \;\text{(plasma off)}
+
+    Parameters
+    ----------
+    signal : (..., t) array, NaN where missing
+    reference : (...) array, same unit; broadcasts over time
+    injected, shining : (t,) bool arrays, from `phases`
+
+    Returns
+    -------
+    (..., t) ndarray, NaN before injection: there is no surface in view
+
+    Notes
+    -----
+    Source: Fagnani et al., eqs. 12 and 13 (signals and spectra). ASSUME: the gas radiance of the
+    reference window holds until the plasma is switched off.
+    """
+    reduced = np.asarray(signal, dtype=float) - np.where(shining, np.asarray(reference)[..., None], 0.0)
+    return np.where(injected, reduced, np.nan)
+
+
+def corrected_signal_uncertainty(
+    signal, reference, reference_uncertainty, shining, signal_uncertainty, gas_variation
+):
+    r"""Standard uncertainty of the corrected signal.
+
+    .. math:: u^2 = (u_S S)^2 + u_{ref}^2 + (v S^{ref})^2
+
+    the last two only while the plasma is on.
+
+    Parameters
+    ----------
+    signal : (..., t) array
+    reference, reference_uncertainty : (...) arrays, same unit
+    shining : (t,) bool array
+    signal_uncertainty : float [1]
+        Relative, of one signal.
+    gas_variation : float [1]
+        Relative standard deviation of the gas radiance about that of the reference window.
+
+    Returns
+    -------
+    (..., t) ndarray
+
+    Notes
+    -----
+    Deviation: the paper assumes v = 0.
+    """
+    gas = np.asarray(reference_uncertainty) ** 2 + (gas_variation * np.asarray(reference)) ** 2
+    return np.sqrt((signal_uncertainty * np.asarray(signal)) ** 2 + np.where(shining, gas[..., None], 0.0))

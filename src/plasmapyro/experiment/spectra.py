@@ -1,0 +1,223 @@
+"""Temperature from the shape of a spectrum: least-squares fits of Planck's law."""
+
+import numpy as np
+
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.radiation.planck import blackbody_radiance
+
+STEPS = 40  # Gauss-Newton steps allowed; a handful suffices from the starting grid
+STEP_LIMIT = 0.1  # largest relative change of 1/T in one step
+CONVERGED = 1e-7  # relative change of 1/T that ends the iteration: the next one changes 1e-4 K at most
+STARTS = 24  # trial temperatures from which the best starts the iteration
+
+
+def shape_and_slope(wavelength, inverse_temperature):
+    r"""Planck's law and its logarithmic derivative with respect to inverse temperature.
+
+    .. math:: \frac{d\ln L}{d\beta} = -\frac{c_2}{\lambda}\,\frac{1}{1 - e^{-c_2\beta/\lambda}}
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    inverse_temperature : (R,) array [K-1], > 0
+
+    Returns
+    -------
+    radiance : (R, W) ndarray [W m-2 sr-1 m-1]
+    slope : (R, W) ndarray [K]
+    """
+    beta = np.asarray(inverse_temperature, dtype=float)[:, None]
+    return (
+        blackbody_radiance(wavelength, 1 / beta),
+        SECOND_RADIATION / wavelength / np.expm1(-SECOND_RADIATION * beta / wavelength),
+    )
+
+
+def normalised(values, usable, pivot):
+    """Values over their mean in the pivot pixels.
+
+    Parameters
+    ----------
+    values : (R, W) array
+    usable : (R, W) bool array
+    pivot : (W,) bool array
+
+    Returns
+    -------
+    (R, W) ndarray
+        NaN in rows without a usable pivot pixel or with a pivot that is not > 0.
+    """
+    return values / _pivot_mean(values, usable, pivot)[:, None]
+
+
+def _pivot_mean(values, usable, pivot):
+    weight = usable & pivot
+    count = weight.sum(axis=1)
+    total = np.where(weight, values, 0.0).sum(axis=1)
+    mean = total / np.maximum(count, 1)
+    return np.where((count > 0) & (mean > 0), mean, np.nan)
+
+
+def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start=None):
+    r"""Temperature whose normalised Planck curve lies closest to the normalised spectrum.
+
+    .. math:: \min_T \sum_\lambda \left[\frac{L_\lambda}{L_{norm}}
+              - \frac{L^{bb}_\lambda(T)}{L^{bb}_{norm}(T)}\right]^2
+
+    Gauss-Newton in 1/T from the best of a grid of trial temperatures.
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    radiance : (R, W) array [W m-2 sr-1 m-1]
+    usable : (R, W) bool array
+        Which pixels enter; the rest may be NaN.
+    pivot : (W,) bool array
+        Pixels whose mean normalises.
+    temperature_range : (2,) floats [K]
+        Where to look; a fit that ends outside is NaN.
+    start : (R,) array [K], optional
+        Starting temperatures instead of the grid.
+
+    Returns
+    -------
+    (R,) ndarray [K]
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the
+    pivot may be the mean of the pixels of one resolution element instead of one pixel. The pivot is
+    the weakest point of the method: its noise moves every point of the curve (`fit_scaled` has none).
+    """
+    data = normalised(radiance, usable, pivot)
+    weight = (usable & np.isfinite(data)).astype(float)
+    data = np.where(weight > 0, data, 0.0)
+
+    def model(beta):
+        shape, slope = shape_and_slope(wavelength, beta)
+        mean = _pivot_mean(shape, usable, pivot)[:, None]
+        mean_slope = _pivot_mean(-shape * slope, usable, pivot)[:, None] / -mean
+        curve = np.nan_to_num(shape / mean)
+        return curve, curve * np.nan_to_num(slope - mean_slope)
+
+    def step(beta):
+        curve, derivative = model(beta)
+        return _ratio(
+            np.sum(weight * derivative * (data - curve), axis=1), np.sum(weight * derivative**2, axis=1)
+        )
+
+    def misfit(beta):
+        return np.sum(weight * (data - model(beta)[0]) ** 2, axis=1)
+
+    good = weight.sum(axis=1) >= 2
+    return _iterate(step, misfit, data.shape[0], good, temperature_range, start)
+
+
+def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=None):
+    r"""Temperature and scale of the Planck curve closest to the spectrum, in units of its uncertainty.
+
+    .. math:: \min_{T, s} \sum_\lambda \left[\frac{L_\lambda - s\,L^{bb}_\lambda(T)}{\sigma_\lambda}\right]^2
+
+    The scale is eliminated at each temperature; Gauss-Newton in 1/T for the rest.
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    radiance : (R, W) array [W m-2 sr-1 m-1]
+    noise : (R, W) array [W m-2 sr-1 m-1], > 0 where usable
+    usable : (R, W) bool array
+    temperature_range : (2,) floats [K]
+    start : (R,) array [K], optional
+
+    Returns
+    -------
+    temperature : (R,) ndarray [K]
+    scale : (R,) ndarray [1]
+        The emittance, as far as the absolute calibration holds.
+
+    Notes
+    -----
+    Deviation: not in the paper, which normalises at one wavelength.
+    """
+    good = usable & np.isfinite(radiance) & (noise > 0)
+    weight = np.where(good, 1 / np.where(good, noise, 1.0) ** 2, 0.0)
+    data = np.where(good, radiance, 0.0)
+
+    def scale_of(shape):
+        return _ratio(np.sum(weight * shape * data, axis=1), np.sum(weight * shape**2, axis=1))
+
+    def step(beta):
+        shape, slope = shape_and_slope(wavelength, beta)
+        scale = scale_of(shape)[:, None]
+        derivative = scale * shape * slope
+        # Take out of the derivative what a change of scale can do.
+        share = _ratio(np.sum(weight * shape * derivative, axis=1), np.sum(weight * shape**2, axis=1))
+        derivative = derivative - share[:, None] * shape
+        rest = data - scale * shape
+        return _ratio(np.sum(weight * derivative * rest, axis=1), np.sum(weight * derivative**2, axis=1))
+
+    def misfit(beta):
+        shape, _ = shape_and_slope(wavelength, beta)
+        return np.sum(weight * (data - scale_of(shape)[:, None] * shape) ** 2, axis=1)
+
+    temperature = _iterate(step, misfit, data.shape[0], good.sum(axis=1) >= 3, temperature_range, start)
+    found = np.isfinite(temperature)
+    scale = np.full(temperature.shape, np.nan)
+    if found.any():
+        shape, _ = shape_and_slope(wavelength, 1 / np.where(found, temperature, temperature_range[0]))
+        scale = np.where(found, scale_of(shape), np.nan)
+    return temperature, scale
+
+
+def scaled_covariance(wavelength, temperature, scale, noise, usable):
+    r"""Linear standard uncertainties of `fit_scaled` for independent noise.
+
+    .. math:: C = (J^T \Sigma^{-1} J)^{-1}, \qquad J = \left[\frac{\partial(sL)}{\partial T}, L\right]
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    temperature : (R,) array [K]
+    scale : (R,) array [1]
+    noise : (R, W) array [W m-2 sr-1 m-1]
+    usable : (R, W) bool array
+
+    Returns
+    -------
+    temperature_uncertainty : (R,) ndarray [K]
+    scale_uncertainty : (R,) ndarray [1]
+    """
+    shape, slope = shape_and_slope(wavelength, 1 / np.asarray(temperature, dtype=float))
+    by_temperature = -scale[:, None] * shape * slope / temperature[:, None] ** 2
+    weight = np.where(usable, 1 / noise**2, 0.0)
+    tt = np.sum(weight * by_temperature**2, axis=1)
+    ts = np.sum(weight * by_temperature * shape, axis=1)
+    ss = np.sum(weight * shape**2, axis=1)
+    determinant = tt * ss - ts**2
+    return np.sqrt(ss / determinant), np.sqrt(tt / determinant)
+
+
+def _ratio(numerator, denominator):
+    """Quotient, 0 where the denominator is 0 (a row without usable pixels stays where it is)."""
+    return np.divide(numerator, denominator, out=np.zeros_like(numerator), where=denominator != 0)
+
+
+def _iterate(step, misfit, rows, good, temperature_range, start):
+    """Temperatures (R,) at which the Gauss-Newton step vanishes; NaN where it does not settle."""
+    low, high = (1 / float(value) for value in reversed(temperature_range))
+    if start is None:
+        trials = np.linspace(low, high, STARTS)
+        error = np.stack([misfit(np.full(rows, trial)) for trial in trials])
+        beta = trials[np.argmin(error, axis=0)]
+    else:
+        beta = np.clip(1 / np.asarray(start, dtype=float), low, high)
+    settled = np.zeros(rows, dtype=bool)
+    for _ in range(STEPS):
+        change = np.clip(step(beta) / beta, -STEP_LIMIT, STEP_LIMIT)
+        # Room beyond the range, so that a fit on its edge is told from one that settles there.
+        beta = np.clip(beta * (1 + change), low / 2, high * 2)
+        settled = np.abs(change) < CONVERGED
+        if settled.all():
+            break
+    inside = (beta >= low) & (beta <= high)
+    return np.where(good & settled & inside, 1 / beta, np.nan)
