@@ -12,7 +12,10 @@ from plasmapyro.radiation.grid import points_for
 from plasmapyro.radiation.lines import LineList
 
 SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
-PADDING = 0.15  # [1], of the grid; keeps periodic images of line wings at least so far away
+PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
+FAR_POINTS = 513  # of the axis on which far wings are smooth
+FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; lines are gathered so for their far wings
+FAR_SERIES = 1e-3  # [1]; below this distance the far correction is its limit to 1e-6
 SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
 NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
 NARROW_RANGE = 0.01  # of widths on that scale; two nodes then keep the core to 1e-5 and the wing to 1e-4
@@ -76,7 +79,7 @@ def line_emission(lines, upper_population):
 
 @dataclass(frozen=True)
 class Spreader:
-    """A line list on one grid: B-spline weights (padded grid, lines) and the frequencies they need."""
+    """A line list on one grid: B-spline weights (padded grid, lines), their frequencies, and far wings."""
 
     lines: LineList
     step: float
@@ -85,13 +88,14 @@ class Spreader:
     weights: csr_array
     frequency: np.ndarray
     deconvolution: np.ndarray
+    far_gather: csr_array
+    far_kernel: np.ndarray
 
 
 def prepare(lines, grid):
     """Place a line list on a grid, once for all gas states.
 
-    Lines outside the grid but within the padding (half of `PADDING` on either side) are kept: their
-    wings reach in.
+    Lines outside the padded grid (half of `PADDING` on either side) reach in with their far wings.
 
     Parameters
     ----------
@@ -120,16 +124,46 @@ def prepare(lines, grid):
         raise ValueError(
             f"no line of {lines.component} within {1 / grid.wavenumber[-1]:g}-{1 / grid.wavenumber[0]:g} m"
         )
-    lines = lines.select(inside)
     offset = (SPLINE_DEGREE + 1) / 2 - place[inside]
     start = np.ceil(-offset)
     values = _cardinal_spline(start + offset, SPLINE_DEGREE)
     rows = start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]
-    columns = np.broadcast_to(np.arange(len(lines)), rows.shape)
+    columns = np.broadcast_to(np.flatnonzero(inside), rows.shape)
     weights = csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(lines)))
     frequency = rfftfreq(length)
     deconvolution = np.sinc(frequency) ** -(SPLINE_DEGREE + 1)
-    return Spreader(lines, grid.step, first, len(grid), weights, frequency, deconvolution)
+    far = _far_wings(np.log(lines.wavenumber), inside, np.log(grid.wavenumber), length * grid.step)
+    return Spreader(lines, grid.step, first, len(grid), weights, frequency, deconvolution, *far)
+
+
+def _far_wings(position, inside, axis, period):
+    """Gathering of lines into bins (2 bins, L) and the kernel from bins to the far axis (F, 2 bins).
+
+    Lines on the padded grid (first half of the bins) need the true wing minus the sum over their periodic
+    images, the others (second half) the true wing.
+    """
+    low = position.min() - FAR_BIN
+    count = int(np.ceil((position.max() - low) / FAR_BIN)) + 2
+    place = (position - low) / FAR_BIN
+    below = place.astype(int)
+    row = below + np.where(inside, 0, count)
+    column = np.arange(len(position))
+    gather = csr_array(
+        (
+            np.concatenate([1 - (place - below), place - below]),
+            (np.concatenate([row, row + 1]), np.concatenate([column, column])),
+        ),
+        shape=(2 * count, len(position)),
+    )
+    distance = np.linspace(axis[0], axis[-1], FAR_POINTS)[:, None] - (low + FAR_BIN * np.arange(count))
+    near = np.abs(distance) < FAR_SERIES
+    safe = np.where(near, FAR_SERIES, distance)
+    wing = 1 / (4 * np.pi * np.sinh(safe / 2) ** 2)
+    # No line of the padded grid is a period away from the grid: bins there are empty in the first half.
+    safe = np.where(np.abs(distance) < period, safe, period / 2)
+    images = np.pi / (period * np.sin(np.pi * safe / period)) ** 2
+    correction = np.where(near, -1 / (12 * np.pi) - np.pi / (3 * period**2), wing - images)
+    return gather, np.hstack([correction, wing])
 
 
 def _cardinal_spline(fraction, degree):
@@ -182,9 +216,11 @@ def spread(spreader, strength, hwhm, sigma):
               e^{-2\pi^2\sigma^2 q^2 - 2\pi \delta_l |q|}\, dq, \qquad x = \ln\tilde\nu,\
               \delta_l = \gamma_l/\tilde\nu_l
 
+    with far wings :math:`\delta_l / 4\pi \sinh^2 (x - x_l)/2`, those of a Lorentz profile in wavenumber.
+
     Lines enter the Fourier transform through B-splines, which are divided out; lines of different
     Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width. No wing
-    is cut.
+    is cut; what the periodicity of the transform adds to the far wings is taken off on a coarse axis.
 
     Parameters
     ----------
@@ -199,12 +235,11 @@ def spread(spreader, strength, hwhm, sigma):
     Returns
     -------
     ndarray (G,) [strength]
-        Integrates over the padded grid to the sum of the strengths.
+        Integrates over all wavenumbers to the sum of the strengths.
 
     Notes
     -----
-    Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`; the two differ by
-    :math:`(x-x_l)^2/12` in the far wing, and by a cubic term within the Doppler core.
+    Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`.
     """
     relative = hwhm / spreader.lines.wavenumber
     nodes, share = _width_nodes(relative, sigma)
@@ -214,4 +249,7 @@ def spread(spreader, strength, hwhm, sigma):
         transform += rfft(spreader.weights @ (strength * part)) * np.exp(-node * steps)
     transform *= spreader.deconvolution * np.exp(-((sigma * steps) ** 2) / 2)
     profile = irfft(transform, n=spreader.weights.shape[0])
-    return profile[spreader.first : spreader.first + spreader.points] / spreader.step
+    near = profile[spreader.first : spreader.first + spreader.points] / spreader.step
+    far = spreader.far_kernel @ (spreader.far_gather @ (strength * relative))
+    place = np.linspace(0, FAR_POINTS - 1, spreader.points)
+    return near + np.interp(place, np.arange(FAR_POINTS), far)
