@@ -14,6 +14,8 @@ CONDITIONS = configuration.load_folder(
 )
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
+configuration.check_names(config, CONDITIONS, TESTS)
+
 
 include: "workflow/rules/gas.smk"
 include: "workflow/rules/flow.smk"

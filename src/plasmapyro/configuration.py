@@ -62,6 +62,36 @@ def check(values, schema, source):
     return values
 
 
+def check_names(config, conditions, tests):
+    """Refuse names in the configuration (and in synthetic tests) that are no condition or test.
+
+    Parameters
+    ----------
+    config : the main configuration
+    conditions, tests : mappings as from `load_folder`
+    """
+    wanted = {
+        "figures.field_condition": [config["figures"]["field_condition"]],
+        "analysis.transient.conditions": config["analysis"]["transient"]["conditions"],
+        "experiment.compare_with": config["experiment"]["compare_with"],
+        **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
+    }
+    faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
+    faults.append(_unknown("claims.test", config["claims"]["test"], tests))
+    if any(faults):
+        raise ConfigurationError(
+            "\n  ".join(["the configuration names what is not there:", *filter(None, faults)])
+        )
+
+
+def _unknown(key, name, known):
+    if name in known:
+        return None
+    near = get_close_matches(name, known, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+    return f"{key}: no file for '{name}'; {hint}"
+
+
 def _explain(fault):
     where = ".".join(map(str, fault.absolute_path))
     if fault.validator == "additionalProperties" and isinstance(fault.instance, dict):

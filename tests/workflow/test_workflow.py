@@ -1,0 +1,122 @@
+"""The workflow as a user meets it: what runs, what reruns, what a wrong key says."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def snakemake(folder, *arguments):
+    command = [sys.executable, "-m", "snakemake", "--cores", "1", *arguments]
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A clean copy of the workflow, as after a clone."""
+    folder = tmp_path / "clone"
+    folder.mkdir()
+    shutil.copy(ROOT / "Snakefile", folder)
+    for name in ("config", "workflow", "profiles"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def planned(run):
+    """Rule -> number of jobs that a dry run announces."""
+    assert run.returncode == 0, run.stdout + run.stderr
+    table = run.stdout.split("Job stats:")[1].split("total")[0]
+    return {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", table, re.MULTILINE)}
+
+
+def test_the_main_job_plans_nine_conditions(project):
+    jobs = planned(snakemake(project, "--dry-run"))
+    assert jobs["flow_start"] == 1
+    assert jobs["flow"] == jobs["sightline"] == jobs["radiance"] == 9
+
+
+def test_a_tenth_condition_is_one_more_file(project):
+    first = (project / "config/conditions/90kW.yaml").read_text()
+    (project / "config/conditions/95kW.yaml").write_text(first.replace("90", "95"))
+    jobs = planned(snakemake(project, "--dry-run"))
+    assert jobs["flow"] == jobs["radiance"] == 10
+
+
+def test_minimal_takes_two_conditions(project):
+    assert planned(snakemake(project, "--dry-run", "--configfile", "config/minimal.yaml"))["flow"] == 2
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "message"),
+    [
+        ("config/conditions/90kW.yaml", "emittance:", "emitance:", "did you mean 'emittance'?"),
+        ("config/config.yaml", "slit_fwhm_nm:", "slit_fwmh_nm:", "did you mean 'slit_fwhm_nm'?"),
+        ("config/config.yaml", "angle_deg: 35", "angle_deg: 135", "sightline.angle_deg: 135"),
+        ("config/tests/csic_160kW.yaml", "data_folder:", "datafolder:", "did you mean 'data_folder'?"),
+        ("config/config.yaml", "field_condition: 90kW", "field_condition: 91kW", "did you mean '90kW'?"),
+    ],
+)
+def test_a_wrong_configuration_stops_before_the_first_job(project, file, old, new, message):
+    path = project / file
+    path.write_text(path.read_text().replace(old, new))
+    run = snakemake(project)
+    assert run.returncode != 0
+    assert message in run.stdout + run.stderr
+    assert not (project / "results").exists()
+
+
+@pytest.fixture
+def half_way(project):
+    """The project after a run up to the responses."""
+    run = snakemake(project, "results/instrument/response.nc")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return project
+
+
+def test_a_second_call_has_nothing_to_do(half_way):
+    assert (
+        "Nothing to be done"
+        in snakemake(half_way, "results/instrument/response.nc").stderr
+        + snakemake(half_way, "results/instrument/response.nc").stdout
+    )
+
+
+def test_a_changed_value_reruns_what_depends_on_it_and_nothing_else(half_way):
+    assert snakemake(half_way, "results/analysis/surface_radiance.nc").returncode == 0
+    path = half_way / "config/config.yaml"
+    path.write_text(path.read_text().replace("edge_sigma_nm: ", "edge_sigma_nm: 1"))
+    both = ("results/instrument/response.nc", "results/analysis/surface_radiance.nc")
+    jobs = planned(snakemake(half_way, "--dry-run", *both))
+    assert jobs.get("response") == 1
+    assert "surface_radiance" not in jobs
+
+
+def test_a_run_killed_in_the_middle_goes_on_to_the_same_bytes(half_way):
+    """A job that was cut off leaves its mark and perhaps a part of a file; neither is in the way."""
+    whole = (half_way / "results/instrument/response.nc").read_bytes()
+    (half_way / "results/instrument/response.nc").unlink()
+    (half_way / "results/instrument/response.nc.part").write_bytes(whole[:100])
+    run = subprocess.Popen(
+        [sys.executable, "-m", "snakemake", "--cores", "1", "results/instrument/response.nc"],
+        cwd=half_way,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    for line in run.stderr:
+        if "rule response" in line:
+            break
+    os.killpg(run.pid, 9)
+    run.wait()
+    run.stderr.close()
+    again = snakemake(half_way, "results/instrument/response.nc")
+    assert again.returncode == 0, again.stdout + again.stderr
+    assert (half_way / "results/instrument/response.nc").read_bytes() == whole
