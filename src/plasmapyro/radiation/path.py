@@ -30,7 +30,7 @@ from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
-NEGLIGIBLE = 1e-6  # [1], of the thin radiance; line systems of layers that together matter less are left out
+NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
 
 
@@ -152,6 +152,22 @@ def thin_lines(path, lines):
     return by_line, by_layer, bound
 
 
+def thin_continuum(path, wavelength, absorption):
+    """Continuum radiance if nothing were absorbed (W,), and the bound of `thin_lines` by layer (S,).
+
+    Parameters
+    ----------
+    path : GasPath
+    wavelength : (W,) [m]
+        Descending.
+    absorption : (S, components, W) [m-1]
+    """
+    depth = absorption.sum(axis=1) * path.thickness[:, None]
+    radiance = (depth * blackbody_radiance(wavelength, path.temperature[:, None])).sum(axis=0)
+    hottest = blackbody_radiance(wavelength, path.temperature.max())
+    return radiance, -np.trapezoid(depth * hottest, wavelength, axis=-1)
+
+
 def layers_that_matter(bound, allowance):
     """Which layers to keep so that the bounds of those left out add up to at most `allowance`."""
     order = np.argsort(bound, kind="stable")
@@ -243,30 +259,47 @@ def path_radiance(path, line_lists, grid):
     """
     spreaders = [prepare(lines, grid) for lines in line_lists]
     continuum = Continuum(grid)
-    thin, emission, bounds = zip(*(thin_lines(path, s.lines) for s in spreaders), strict=True)
-    allowance = NEGLIGIBLE * np.sum(emission) / len(spreaders)
-    kept = [layers_that_matter(bound, allowance) for bound in bounds]
+    smooth = np.array([continuum.absorption(path, layer) for layer in range(len(path.thickness))])
+    by_line, emission, bounds = zip(*(thin_lines(path, s.lines) for s in spreaders), strict=True)
     for spreader, by_layer in zip(spreaders, emission, strict=True):
         if by_layer.any():
             temperature = coldest_that_counts(path.temperature, by_layer)
-            mass = MASS[SPECIES.index(spreader.lines.species)]
             require_resolution(
                 grid,
-                doppler_sigma(temperature, mass),
+                doppler_sigma(temperature, MASS[SPECIES.index(spreader.lines.species)]),
                 f"{spreader.lines.component} at {temperature:.0f} K",
             )
+    smooth_emission, smooth_bound = thin_continuum(path, continuum.axis.wavelength, smooth)
+    bounds = np.array([*bounds, smooth_bound])
+    thin_total = np.sum(emission) - np.trapezoid(smooth_emission, continuum.axis.wavelength)
+    kept = np.array([layers_that_matter(b, NEGLIGIBLE / 2 * thin_total / len(bounds)) for b in bounds])
+    solution = _solve(path, spreaders, continuum, smooth, grid, kept)
+    emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
+    if bounds[~kept].sum() > NEGLIGIBLE * emerging:  # gas so opaque that the thin radiance is no measure
+        kept = np.ones_like(kept)
+        solution = _solve(path, spreaders, continuum, smooth, grid, kept)
+    return PathRadiance(
+        (*(lines.component for lines in line_lists), *CONTINUA),
+        *solution,
+        thin_lines=[(s.lines, values) for s, values in zip(spreaders, by_line, strict=True)],
+        thin_continuum=smooth_emission,
+        neglected_bound=float(bounds[~kept].sum()),
+    )
+
+
+def _solve(path, spreaders, continuum, smooth, grid, kept):
+    """Radiance by component (C, G), thin radiance and depth (G,) from the kept parts of each layer."""
     radiance = np.zeros((len(spreaders) + len(CONTINUA), len(grid)))
     thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
-    thin_continuum = np.zeros(len(continuum.axis))
-    for layer, thickness in enumerate(path.thickness):
-        temperature = path.temperature[layer]
+    for layer in np.flatnonzero(kept.any(axis=0)):
+        temperature, thickness = path.temperature[layer], path.thickness[layer]
         blackbody = blackbody_radiance(grid.wavelength, temperature)
-        smooth = continuum.absorption(path, layer)
         emitted = np.zeros_like(radiance)
-        emitted[len(spreaders) :] = continuum.on_grid(smooth) * blackbody
+        if kept[-1, layer]:
+            emitted[len(spreaders) :] = continuum.on_grid(smooth[layer]) * blackbody
         for index, spreader in enumerate(spreaders):
-            lines = spreader.lines
-            if kept[index][layer]:
+            if kept[index, layer]:
+                lines = spreader.lines
                 sigma = doppler_sigma(temperature, MASS[SPECIES.index(lines.species)])
                 profile = spread(spreader, path.emission(lines, layer), path.hwhm(lines, layer), sigma)
                 emitted[index] = grid.wavenumber * profile
@@ -274,15 +307,4 @@ def path_radiance(path, line_lists, grid):
         radiance, depth = cross_layer(radiance, emitted, total / blackbody, thickness)
         thin_radiance += total * thickness
         optical_depth += depth
-        coarse_blackbody = blackbody_radiance(continuum.axis.wavelength, temperature)
-        thin_continuum += smooth.sum(axis=0) * coarse_blackbody * thickness
-    left_out = sum(bound[~keep].sum() for bound, keep in zip(bounds, kept, strict=True))
-    return PathRadiance(
-        components=(*(lines.component for lines in line_lists), *CONTINUA),
-        radiance=radiance,
-        thin_radiance=thin_radiance,
-        optical_depth=optical_depth,
-        thin_lines=[(s.lines, values) for s, values in zip(spreaders, thin, strict=True)],
-        thin_continuum=thin_continuum,
-        neglected_bound=float(left_out),
-    )
+    return radiance, thin_radiance, optical_depth
