@@ -18,8 +18,6 @@ NEUTRAL_BSTAR, NEUTRAL_CSTAR = 1.15, 0.92
 ION_NEUTRAL_BSTAR, ION_NEUTRAL_CSTAR = 1.20, 0.85
 """B* and C* of heavy pairs. ASSUME: constants, as recommended by Wright et al. (2005)."""
 
-COULOMB_COLUMNS = ("11", "22", "14", "15", "24")
-
 
 @dataclass(frozen=True)
 class HeavyIntegrals:
@@ -79,12 +77,16 @@ def _pair_curves(name):
 
 @cache
 def _coulomb_curves(kind):
-    """Curves of the reduced temperature for attractive or repulsive pairs."""
+    """Curves of T*^2 Q/(pi lambda_D^2) in ln T*, for attractive or repulsive pairs."""
     table = tables.load("gas/collisions_coulomb")
     rows = table["kind"] == kind
     reduced = np.log(table["reduced_temperature"][rows])
-    names = [c for c in table.columns if c not in ("kind", "reduced_temperature")]
-    return {name: _logarithmic_curve(reduced, table[name][rows]) for name in names}
+    values = {name: table[f"reduced_omega{name}"][rows] for name in ("11", "22", "14", "15", "24")}
+    bstar, cstar, estar = (table[name][rows] for name in ("bstar", "cstar", "estar"))
+    values["12"] = cstar * values["11"]
+    values["13"] = (5 * cstar - bstar) / 4 * values["11"]
+    values["23"] = estar * values["22"]
+    return {name: _logarithmic_curve(reduced, value) for name, value in values.items()}
 
 
 def _logarithmic_curve(x, y):
@@ -138,8 +140,8 @@ def coulomb_integrals(kind, temperature, electron_density):
 
     Returns
     -------
-    dict of ndarray
-        Q11, Q22, Q14, Q15, Q24, Q12, Q13, Q23 [m2] and astar, bstar, cstar [1], keys without "Q".
+    dict of ndarray [m2]
+        Q(l,s), keys "11", "12", "13", "14", "15", "22", "23", "24".
 
     Notes
     -----
@@ -149,14 +151,7 @@ def coulomb_integrals(kind, temperature, electron_density):
     distance = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY * BOLTZMANN * temperature)
     reduced = np.log(debye_length(temperature, electron_density) / distance)
     curves = _coulomb_curves(kind)
-    values = {name: np.pi * distance**2 * curves[f"reduced_omega{name}"](reduced) for name in COULOMB_COLUMNS}
-    # The starred ratios tend to constants: they stay at the last entry instead of going on.
-    last = np.minimum(reduced, np.log(1e4))
-    bstar, cstar, estar = (curves[name](last) for name in ("bstar", "cstar", "estar"))
-    values["12"] = cstar * values["11"]
-    values["13"] = (5 * cstar - bstar) / 4 * values["11"]
-    values["23"] = estar * values["22"]
-    return {**values, "astar": values["22"] / values["11"], "bstar": bstar, "cstar": cstar}
+    return {name: np.pi * distance**2 * curve(reduced) for name, curve in curves.items()}
 
 
 def heavy_integrals(temperature, electron_density):
@@ -194,8 +189,8 @@ def heavy_integrals(temperature, electron_density):
     charged = coulomb_integrals("repulsive", temperature, electron_density)
     q11[:, ions, ions] = charged["11"][:, None, None]
     q22[:, ions, ions] = charged["22"][:, None, None]
-    bstar[:, ions, ions] = charged["bstar"][:, None, None]
-    cstar[:, ions, ions] = charged["cstar"][:, None, None]
+    bstar[:, ions, ions] = ((5 * charged["12"] - 4 * charged["13"]) / charged["11"])[:, None, None]
+    cstar[:, ions, ions] = (charged["12"] / charged["11"])[:, None, None]
     return HeavyIntegrals(q11, q22, q22 / q11, bstar, cstar)
 
 

@@ -307,6 +307,7 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     # The unknown is E x_e/kT, which stays of order one where nothing is ionised.
     electrons = np.maximum(mole_fraction[:, ELECTRON], np.finfo(float).tiny)
     matrix[:, :size, size] = scale[:, None] * CHARGE * mole_fraction / electrons[:, None]
+    matrix[:, ELECTRON, size] = -scale  # also where there is no electron at all
     matrix[:, size, :size] = CHARGE * scale[:, None]
     force = slope + mole_fraction * thermal_ratio / temperature[:, None]
     flux = _solve(matrix, np.concatenate([force, np.zeros((points, 1))], axis=1))[:, :size]

@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+
+from plasmapyro.constants import BOLTZMANN, PLANCK, SECOND_RADIATION
+from plasmapyro.gas import equilibrium
+from plasmapyro.gas.partition import ATOMS, atomic_levels, diatomic_levels, partition_function
+from plasmapyro.gas.species import MASS, SPECIES
+
+PRINTED_ATOL = 6e-4  # last printed digit of the reference, rounding of a 5 included
+RIGID_ROTOR_RTOL = 5e-3  # first correction B/3kT, vibration of the colder gas, stretching: below 0.5 %
+
+# Largest ln(Q) error against the Gibbs functions of NASA-9 (Gurvich's level sums) from 1000 to 6000 K.
+# O2+: spin uncoupling is left out (0.4 % at 1000 K). N2+: quartet states are left out.
+NASA_ATOL = {"N": 3e-4, "O": 3e-4, "N+": 3e-4, "O+": 3e-4, "N2": 2e-3, "O2": 2e-3, "NO": 2e-3, "NO+": 2e-3}
+NASA_ATOL |= {"O2+": 5e-3, "N2+": 1e-2}
+
+
+def test_atoms_agree_with_an_independent_level_sum(reference):
+    for row in reference("partition_functions_atoms"):
+        found = partition_function(row["species"], float(row["temperature"]))
+        assert found == pytest.approx(float(row["partition_function"]), abs=PRINTED_ATOL)
+
+
+def test_cold_atoms_have_the_weight_of_their_ground_level():
+    assert partition_function("N", 300.0) == pytest.approx(4, rel=1e-12)
+    assert partition_function("O+", 300.0) == pytest.approx(4, rel=1e-12)
+    # 3P of O: 5 + 3 exp(-158.265 c2/T) + exp(-226.977 c2/T), Boltzmann factors by hand
+    assert partition_function("O", 300.0) == pytest.approx(5 + 3 * 0.46810 + 0.33671, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "species, rotation, weight, lowest",
+    # B(v=0) [m-1] of the spectroscopic literature; the lowest rotation of O2 is N = 1
+    [("N2", 198.96, 1 / 2, 0), ("O2", 143.77, 3 / 2, 1), ("NO+", 198.78, 1.0, 0), ("N2+", 192.2, 1.0, 0)],
+)
+def test_cold_diatomics_are_rigid_rotors(species, rotation, weight, lowest):
+    temperature = np.array([200.0, 300.0])
+    reduced = SECOND_RADIATION * rotation / temperature
+    expected = weight / reduced * np.exp(lowest * (lowest + 1) * reduced)
+    assert partition_function(species, temperature) == pytest.approx(expected, rel=2 * RIGID_ROTOR_RTOL)
+
+
+def test_electrons_have_two_spins():
+    assert partition_function("e-", [300.0, 1e4]) == pytest.approx(2)
+
+
+@pytest.mark.parametrize("species", NASA_ATOL)
+def test_sums_give_the_gibbs_functions_of_nasa(species):
+    """g/kT = h0/kT - ln(q_translation kT/p) - ln Q; h0 from the enthalpy at 1000 K and the sum itself."""
+    temperature = np.array([1000.0, 2000.0, 3000.0, 4500.0, 6000.0])
+    step = 1e-4
+    warmer, colder = (partition_function(species, temperature[0] * (1 + s * step)) for s in (1, -1))
+    internal = np.log(warmer / colder) / (2 * step)
+    gas, i = equilibrium.phase(), SPECIES.index(species)
+    gibbs = np.empty(temperature.size)
+    for k, one in enumerate(temperature):
+        gas.TP = one, 1e5
+        gibbs[k] = gas.standard_gibbs_RT[i]
+    h0 = equilibrium.species_enthalpy(temperature[0])[i] / BOLTZMANN - temperature[0] * (2.5 + internal)
+    kt = BOLTZMANN * temperature
+    translation = (2 * np.pi * MASS[i] * kt / PLANCK**2) ** 1.5 * kt / 1e5
+    expected = h0 / temperature - gibbs - np.log(translation)
+    assert np.log(partition_function(species, temperature)) == pytest.approx(expected, abs=NASA_ATOL[species])
+
+
+@pytest.mark.parametrize("species", [s for s in SPECIES if s != "e-"])
+def test_levels_count_from_zero_and_cannot_be_changed(species):
+    energy, weight = (atomic_levels if species in ATOMS else diatomic_levels)(species)
+    assert energy.min() == 0
+    assert (weight > 0).all()
+    with pytest.raises(ValueError, match="read-only"):
+        energy[0] = 1.0
+
+
+@pytest.mark.parametrize("species", [s for s in SPECIES if s != "e-"])
+def test_partition_functions_rise_with_temperature(species):
+    assert (np.diff(partition_function(species, np.linspace(200, 15000, 60))) > -1e-12).all()
+
+
+def test_blocks_do_not_change_the_sum():
+    many = np.linspace(300, 15000, 900)
+    assert partition_function("N2", many)[[0, 450]] == pytest.approx(
+        partition_function("N2", many[[0, 450]]), rel=1e-12
+    )
+
+
+def test_unknown_species_and_bad_temperature_are_refused():
+    with pytest.raises(ValueError, match="species must be one of N2, O2, .*; got 'Xe'"):
+        partition_function("Xe", 300.0)
+    with pytest.raises(ValueError, match="temperature must be > 0 K; got 0 K"):
+        partition_function("N", 0.0)
