@@ -51,6 +51,7 @@ def history(sample, time, plasma_off_time):
     for begin, end in ((0.0, plasma_off_time), (plasma_off_time, max(time[-1], plasma_off_time) + 1.0)):
         run = solve_ivp(rate, (begin, end), state, method="LSODA", rtol=1e-8, atol=1e-5, dense_output=True)
         inside = (time >= begin) & (time <= end)
-        surface[inside] = run.sol(time[inside])[0]
+        if inside.any():
+            surface[inside] = run.sol(time[inside])[0]
         state = run.y[:, -1]
     return surface

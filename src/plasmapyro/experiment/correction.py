@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.experiment.status import GAS_DOMINATED, MISSING, NO_SIGNAL, NOT_INJECTED
+from plasmapyro.experiment.status import GAS_DOMINATED, MISSING, NO_SIGNAL, NOT_INJECTED, WITH_VALUE
 from plasmapyro.instrument.calibration import invert_quadratic, invert_quadratic_freely, spread
 from plasmapyro.instrument.pyrometer import signal_ratio
 
@@ -80,7 +80,7 @@ def read_corrected(
     status[~detected] = NO_SIGNAL
     status[np.isnan(corrected).any(axis=0)] = MISSING
     status[~injected] = NOT_INJECTED
-    return temperature, status
+    return np.where(np.isin(status, WITH_VALUE), temperature, np.nan), status
 
 
 def temperature_uncertainty(

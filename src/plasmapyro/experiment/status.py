@@ -1,4 +1,4 @@
-"""What the status of a temperature means. Only VALID, EXTRAPOLATED and GAS_DOMINATED have a value."""
+"""What the status of a temperature means."""
 
 import numpy as np
 
@@ -9,6 +9,8 @@ NO_SIGNAL = 4  # what the surface adds cannot be told from zero
 GAS_DOMINATED = 5  # the gas gives more than the allowed share of a signal
 NOT_INJECTED = 6  # no sample in view
 STRADDLING = 7  # the exposure holds the injection or the end of the plasma
+
+WITH_VALUE = (VALID, EXTRAPOLATED, GAS_DOMINATED)  # all others go with NaN
 
 MEANINGS = {
     BELOW: "below_range",

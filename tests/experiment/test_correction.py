@@ -1,0 +1,139 @@
+"""Temperatures of the pyrometer: status, order of the reasons, Monte Carlo against linear propagation."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.experiment import status
+from plasmapyro.experiment.correction import read_corrected, read_measured, temperature_uncertainty
+from plasmapyro.instrument.calibration import quadratic_ratio, scaled
+
+COEFFICIENT = np.array([0.40, 0.12, -0.003])
+COVARIANCE = np.diag([1e-6, 2e-6, 2e-6])
+FIT, INSTRUMENT = np.array([973.0, 1773.0]), np.array([973.0, 2073.0])
+MONTE_CARLO_RTOL = 0.04  # 3 sigma of a spread from 10000 draws, and curvature
+
+
+def pair(temperature, narrow=1.0):
+    ratio = quadratic_ratio(np.atleast_1d(temperature), COEFFICIENT, FIT)
+    return np.stack([ratio * narrow, np.full(ratio.size, narrow)])
+
+
+def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True):
+    clean = signals - gas
+    shape = clean.shape
+    return read_corrected(
+        signals,
+        clean,
+        np.full(shape, uncertainty),
+        np.full(shape[1], injected),
+        COEFFICIENT,
+        FIT,
+        INSTRUMENT,
+        2.0,
+        0.5,
+    )
+
+
+def test_known_temperatures_come_back():
+    temperature, state = read_measured(pair([1000.0, 1500.0, 1900.0]), COEFFICIENT, FIT, INSTRUMENT)
+    np.testing.assert_allclose(temperature, [1000, 1500, 1900], rtol=1e-12)
+    assert state.tolist() == [status.VALID, status.VALID, status.EXTRAPOLATED]
+
+
+def test_every_absent_reading_says_why():
+    signals = np.array([[0.1, 5.0, np.nan, -1.0], [1.0, 1.0, 1.0, 1.0]])
+    temperature, state = read_measured(signals, COEFFICIENT, FIT, INSTRUMENT)
+    assert np.isnan(temperature).all()
+    assert state.tolist() == [status.BELOW, status.ABOVE, status.MISSING, status.NO_SIGNAL]
+
+
+def test_gas_removed_gives_the_temperature_of_the_surface():
+    gas = np.array([[0.05], [0.01]])
+    temperature, state = corrected(pair([1200.0, 1500.0]) + gas, gas)
+    np.testing.assert_allclose(temperature, [1200, 1500], rtol=1e-12)
+    assert (state == status.VALID).all()
+
+
+def test_gas_above_half_of_a_signal_is_said_and_the_value_kept():
+    gas = np.array([[0.6], [0.1]])
+    temperature, state = corrected(pair([1200.0]) + gas, gas)
+    assert temperature[0] == pytest.approx(1200, rel=1e-12) and state[0] == status.GAS_DOMINATED
+
+
+def test_signal_within_its_uncertainty_is_no_signal():
+    for size, expected in ((0.15, status.VALID), (0.25, status.NO_SIGNAL)):
+        temperature, state = corrected(pair([1200.0]), uncertainty=size)
+        assert state[0] == expected and np.isnan(temperature[0]) == (expected != status.VALID)
+
+
+def test_reasons_have_their_order():
+    signals = pair([1200.0, 1200.0, 2500.0])
+    signals[0, 0] = np.nan
+    _, state = corrected(signals)
+    assert state.tolist() == [status.MISSING, status.VALID, status.ABOVE]
+    temperature, state = corrected(signals, injected=False)
+    assert (state == status.NOT_INJECTED).all() and np.isnan(temperature).all()
+
+
+def spread_of(signals, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, draws=10000):
+    return temperature_uncertainty(
+        signals,
+        np.broadcast_to(gas, signals.shape),
+        np.full(signals.shape, gas_uncertainty),
+        COEFFICIENT,
+        covariance,
+        FIT,
+        u,
+        variation,
+        draws,
+        np.random.default_rng(3),
+    )
+
+
+def linear(temperature, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE):
+    """First-order propagation, written out from the ratio (S1 - G1)/(S2 - G2)."""
+    clean = pair(temperature)[:, 0]
+    total, x = clean + gas, scaled(temperature, FIT)
+    ratio = clean[0] / clean[1]
+    own = sum((u * total[band] / clean[band]) ** 2 for band in (0, 1))
+    mean = sum((gas_uncertainty / clean[band]) ** 2 for band in (0, 1))
+    common = (variation * (gas[0] / clean[0] - gas[1] / clean[1])) ** 2
+    basis = np.array([1, x, x**2])
+    slope = (COEFFICIENT[1] + 2 * COEFFICIENT[2] * x) * 2 / (FIT[1] - FIT[0])
+    return np.sqrt(ratio**2 * (own + mean + common) + basis @ covariance @ basis) / slope
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"u": 0.01},
+        {"u": 0.0, "gas_uncertainty": 0.004},
+        {"u": 0.0, "variation": 0.05},
+        {"u": 0.0, "covariance": 4 * COVARIANCE},
+        {"u": 0.005, "gas_uncertainty": 0.002, "variation": 0.03},
+    ],
+    ids=["signals", "mean", "gas", "calibration", "all"],
+)
+def test_monte_carlo_agrees_with_linear_propagation(part):
+    gas = np.array([0.2, 0.05])
+    settings = {"covariance": 0 * COVARIANCE} | part
+    found = spread_of(pair([1400.0]) + gas[:, None], gas[:, None], **settings)
+    assert found[0] == pytest.approx(linear(1400.0, gas, **settings), rel=MONTE_CARLO_RTOL)
+
+
+def test_gas_of_the_colour_of_the_surface_cancels_when_it_varies():
+    surface = pair([1400.0])
+    found = spread_of(2 * surface, surface, variation=0.05, u=0.0, covariance=0 * COVARIANCE)
+    assert found[0] < 1e-6
+
+
+def test_hopeless_sample_has_no_uncertainty_instead_of_a_small_one():
+    gas = np.array([[40.0], [40.0]])
+    assert np.isnan(spread_of(pair([1100.0]) + gas, gas)[0])
+
+
+def test_missing_sample_has_none_and_leaves_its_neighbours_alone():
+    signals = pair([1300.0, 1300.0, 1300.0])
+    signals[1, 1] = np.nan
+    found = spread_of(signals, 0.0)
+    assert np.isnan(found).tolist() == [False, True, False]

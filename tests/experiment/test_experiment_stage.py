@@ -1,0 +1,289 @@
+"""The stages of a test on light made by hand: surfaces of known temperature behind a known gas."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro import contracts
+from plasmapyro.experiment import status
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
+from plasmapyro.instrument.calibration import quadratic_ratio
+from plasmapyro.instrument.stage import spectrometer_calibration
+from plasmapyro.radiation.planck import blackbody_radiance
+
+TIME = np.round(np.arange(-4.0, 60.0, 0.25), 9)
+FRAMES = np.arange(-2.0, 60.0, 2.0)
+PIXELS = np.linspace(750e-9, 1030e-9, 300)
+COEFFICIENT, FIT, INSTRUMENT = np.array([0.40, 0.12, -0.003]), (973.0, 1773.0), (973.0, 2073.0)
+GAS_SIGNAL = np.array([2e-8, 1e-8])
+GAS_RADIANCE = 1e9 * (1 + 3 * np.exp(-(((PIXELS - 777e-9) / 1e-9) ** 2)))
+PYROMETER = {
+    "signal_uncertainty": 0.01,
+    "gas_variation": 0.03,
+    "detection_level": 2.0,
+    "least_surface_share": 0.5,
+    "draws": 300,
+    "seed": 4,
+}
+SPECTROMETER = {
+    "reference_time": 2.0,
+    "normalisation_wavelength": 1030e-9,
+    "normalisation_half_width": 1e-9,
+    "temperature_range": (600.0, 3500.0),
+    "saturation_counts": 65000.0,
+    "gas_variation": 0.03,
+    "least_signal_to_noise": 10.0,
+    "noise_block": 50,
+    "draws": 40,
+    "seed": 4,
+}
+SENSITIVITY = 1e-6  # [count s-1 / (W m-2 sr-1 m-1)]
+
+
+def truth(time):
+    """350 K in the window, then a straight rise to 1600 K, and a fall after the plasma is off at 50 s."""
+    rise = np.clip(900 + (np.asarray(time) - 6) * 35, 900, 1600)
+    return np.where(time <= 6, 350.0, np.where(time > 50, 1600 - 20 * (time - 50), rise))
+
+
+def calibration():
+    return xr.Dataset(
+        {
+            "fit_coefficient": ("fit_power", COEFFICIENT),
+            "fit_covariance": (("fit_power", "other_fit_power"), np.diag([1e-6, 2e-6, 2e-6])),
+            "fit_range": ("bound", list(FIT)),
+            "instrument_range": ("bound", list(INSTRUMENT)),
+        }
+    )
+
+
+def made(gas=1.0, ambient=0.0):
+    """Noise-free test; `ambient` is added to everything the plasma lights."""
+    lit = ((TIME >= 0) & (TIME <= 50)) | (TIME < 0)
+    narrow = 1e-6 * np.exp(14000 * (1 / 1600 - 1 / truth(TIME))) * (TIME >= 0)
+    ratio = np.maximum(quadratic_ratio(truth(TIME), COEFFICIENT, FIT), 0.01)
+    signals = np.stack([ratio * narrow, narrow]) + lit * (gas * GAS_SIGNAL[:, None] + ambient)
+    shining = (FRAMES <= 50)[:, None]
+    body = 0.85 * blackbody_radiance(PIXELS, truth(FRAMES)[:, None]) * (FRAMES >= 0)[:, None]
+    noise = 1e5 * np.random.default_rng(1).standard_normal(body.shape)
+    return xr.Dataset(
+        {
+            "signal_wide": ("time", signals[0], {"units": "A"}),
+            "signal_narrow": ("time", signals[1], {"units": "A"}),
+            "spectral_radiance": (
+                ("spectrum_time", "wavelength"),
+                body + shining * gas * GAS_RADIANCE + noise,
+                {"units": "W m-2 sr-1 m-1"},
+            ),
+        },
+        {
+            "time": ("time", TIME, {"units": "s"}),
+            "spectrum_time": ("spectrum_time", FRAMES, {"units": "s"}),
+            "wavelength": ("wavelength", PIXELS, {"units": "m"}),
+        },
+        {
+            "origin": "synthetic",
+            "condition": "none",
+            "injection_time": 0.0,
+            "plasma_off_time": 50.0,
+            "reference_window": [0.0, 5.0],
+            "emittance": 0.85,
+            "emittance_uncertainty": 0.05,
+            "window_transmittance_pyrometer": 0.87,
+            "window_transmittance_spectrometer": 0.95,
+            "pyrometer_integration_time": 0.01,
+            "spectrometer_integration_time": 1.0,
+            "spectrometer_fwhm": 0.75e-9,
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def pyrometer():
+    return correct_pyrometer(made(), calibration(), **PYROMETER)
+
+
+@pytest.fixture(scope="module")
+def spectrometer():
+    return correct_spectra(made(), None, **SPECTROMETER)
+
+
+def test_results_honour_their_contracts(pyrometer, spectrometer):
+    for dataset, contract in ((pyrometer, "pyrometer_correction"), (spectrometer, "spectrometer_correction")):
+        contracts.check(contracts.label(dataset, contract), contract)
+        assert dataset.attrs["origin"] == "synthetic" and dataset.attrs["plasma_off_time"] == 50.0
+
+
+def test_reference_is_the_gas(pyrometer, spectrometer):
+    # 350 K add nothing: 14000 (1/1600 - 1/350) is -31.
+    np.testing.assert_allclose(pyrometer.reference_signal, GAS_SIGNAL, rtol=1e-9)
+    line = int(np.argmin(np.abs(PIXELS - 777e-9)))
+    assert float(spectrometer.reference_radiance[line]) == pytest.approx(GAS_RADIANCE[line], rel=1e-3)
+
+
+def test_corrected_temperature_is_the_true_one_and_the_measured_is_not(pyrometer):
+    heating = (TIME > 12) & (TIME <= 50)
+    np.testing.assert_allclose(pyrometer.corrected_temperature[heating], truth(TIME)[heating], rtol=1e-6)
+    early, later = (TIME > 12) & (TIME < 14), (TIME > 20) & (TIME < 22)
+    assert (pyrometer.measured_status[early] == status.ABOVE).all()
+    assert (pyrometer.measured_temperature[later] - truth(TIME)[later] > 10).all()
+
+
+def test_nothing_is_taken_away_after_the_plasma_is_off(pyrometer):
+    cooling = TIME > 50
+    assert (pyrometer.relative_error[cooling] == 0).all()
+    np.testing.assert_allclose(pyrometer.corrected_temperature[cooling], truth(TIME)[cooling], rtol=1e-9)
+    assert (pyrometer.surface_share[:, cooling] == 1).all()
+
+
+def test_samples_without_a_temperature_say_why(pyrometer):
+    state = pyrometer.corrected_status.values
+    assert (state[TIME < 0] == status.NOT_INJECTED).all()
+    assert (state[(TIME >= 0) & (TIME < 5)] == status.NO_SIGNAL).all()
+    value = np.isin(state, (status.VALID, status.EXTRAPOLATED, status.GAS_DOMINATED))
+    assert (np.isfinite(pyrometer.corrected_temperature) == value).all()
+
+
+def test_light_added_to_everything_the_plasma_lights_cancels(pyrometer):
+    brighter = correct_pyrometer(made(ambient=3e-8), calibration(), **PYROMETER)
+    hot = TIME > 25
+    np.testing.assert_allclose(
+        brighter.corrected_temperature[hot], pyrometer.corrected_temperature[hot], rtol=1e-9
+    )
+
+
+def test_uncertain_gas_matters_early_and_not_late(pyrometer):
+    calm = correct_pyrometer(made(), calibration(), **{**PYROMETER, "gas_variation": 0.0})
+    ratio = (pyrometer.corrected_temperature_uncertainty / calm.corrected_temperature_uncertainty).values
+    early, late = (TIME > 9) & (TIME < 11), (TIME > 40) & (TIME < 50)
+    assert np.nanmedian(ratio[early]) > 1.02 and np.nanmedian(ratio[late]) == pytest.approx(1, abs=0.02)
+
+
+def test_missing_sample_stays_missing_and_touches_nothing_else(pyrometer):
+    test = made()
+    test["signal_wide"][200] = np.nan
+    holed = correct_pyrometer(test, calibration(), **PYROMETER)
+    assert holed.corrected_status[200] == holed.measured_status[200] == status.MISSING
+    assert np.isnan(holed.corrected_temperature[200])
+    xr.testing.assert_identical(
+        holed.corrected_temperature.drop_isel(time=200), pyrometer.corrected_temperature.drop_isel(time=200)
+    )
+
+
+def test_spectra_give_the_true_temperature_and_emittance(spectrometer):
+    hot = (FRAMES > 20) & (FRAMES < 50)
+    usable = spectrometer.spectrum_status.values == status.VALID
+    assert usable[hot].all() and not usable[FRAMES < 6].any()
+    for name, rtol in (("spectrometer_temperature", 2e-3), ("scaled_temperature", 2e-4)):  # noise of the fit
+        np.testing.assert_allclose(spectrometer[name][hot], truth(FRAMES)[hot], rtol=rtol)
+    np.testing.assert_allclose(spectrometer.apparent_emittance[hot], 0.85, rtol=2e-3)
+
+
+def test_exposures_that_hold_a_switch_are_not_used(spectrometer):
+    state = spectrometer.spectrum_status.sel(spectrum_time=[0.0, 50.0, -2.0]).values
+    assert state.tolist() == [status.STRADDLING, status.STRADDLING, status.NOT_INJECTED]
+    assert np.isnan(spectrometer.spectrometer_temperature.sel(spectrum_time=[0.0, 50.0])).all()
+
+
+def test_normalised_curves_meet_at_the_pivot(spectrometer):
+    frame = spectrometer.sel(spectrum_time=40.0)
+    pivot = np.abs(PIXELS - 1030e-9) <= 1e-9
+    assert float(frame.normalised_radiance[pivot].mean()) == pytest.approx(1, rel=1e-12)
+    assert float(frame.normalised_fit[pivot].mean()) == pytest.approx(1, rel=1e-12)
+    assert float(np.abs(frame.normalised_radiance - frame.normalised_fit).mean()) < 1e-3
+
+
+def counted():
+    """The same light as raw counts, with its calibration."""
+    test, dark = made(), np.full(PIXELS.size, 1000.0)
+    counts = dark + test.spectral_radiance.values * SENSITIVITY * 1.0
+    lamp = xr.Dataset(
+        {
+            "calibration_counts": (
+                "wavelength",
+                dark + 0.5 * SENSITIVITY * blackbody_radiance(PIXELS, 1773.0),
+            ),
+            "calibration_background": ("wavelength", dark),
+        },
+        {"wavelength": PIXELS},
+        {"source_temperature": 1773.0, "integration_time": 0.5},
+    )
+    test = test.drop_vars("spectral_radiance")
+    test["counts"] = (("spectrum_time", "wavelength"), counts, {"units": "count"})
+    test["background_counts"] = ("wavelength", dark, {"units": "count"})
+    calibrated = spectrometer_calibration(
+        lamp,
+        source_temperature_uncertainty=3.0,
+        saturation_counts=65000.0,
+        least_net_counts=1.0,
+        noise_block=50,
+    )
+    return test, calibrated
+
+
+def test_counts_and_radiances_are_two_ways_to_the_same_result(spectrometer):
+    found = correct_spectra(*counted(), **SPECTROMETER)
+    for name in ("spectral_radiance", "scaled_temperature", "apparent_emittance"):
+        np.testing.assert_allclose(found[name], spectrometer[name], rtol=1e-6)
+
+
+def test_source_error_reaches_temperature_and_emittance():
+    sure = counted()[1].assign(source_temperature_uncertainty=0.0)
+    doubtful = counted()[1].assign(source_temperature_uncertainty=3.0)
+    many = {**SPECTROMETER, "draws": 200}
+    pair = [correct_spectra(counted()[0], one, **many).sel(spectrum_time=40.0) for one in (sure, doubtful)]
+    extra = np.sqrt(
+        float(pair[1].scaled_temperature_uncertainty) ** 2
+        - float(pair[0].scaled_temperature_uncertainty) ** 2
+    )
+    # In the Wien limit 1/T shifts as 1/T_source does: dT = 3 K (1600/1773)^2.
+    assert extra == pytest.approx(3.0 * (1600 / 1773) ** 2, rel=0.2)  # 3 sigma of 200 draws
+
+
+def test_saturated_pixels_are_left_out():
+    test, calibrated = counted()
+    values = test.counts.values.copy()
+    values[-10:, 40:60] = 65535.0
+    test["counts"] = (test.counts.dims, values, test.counts.attrs)
+    found = correct_spectra(test, calibrated, **SPECTROMETER)
+    assert np.isnan(found.spectral_radiance[-10:, 40:60]).all()
+    late = FRAMES > 52
+    np.testing.assert_allclose(found.scaled_temperature[late], truth(FRAMES)[late], rtol=5e-4)
+
+
+def test_same_seed_same_result(pyrometer, spectrometer):
+    xr.testing.assert_identical(pyrometer, correct_pyrometer(made(), calibration(), **PYROMETER))
+    xr.testing.assert_identical(spectrometer, correct_spectra(made(), None, **SPECTROMETER))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"reference_time": 20.0}, "exposure nearest to reference_time 20 s, 19.5 to 20.5 s, is not inside"),
+        (
+            {"normalisation_wavelength": 1.1e-6},
+            "no pixel within 1 nm of the normalisation wavelength 1100 nm",
+        ),
+    ],
+)
+def test_impossible_settings_are_refused(settings, message):
+    with pytest.raises(ValueError, match=message):
+        correct_spectra(made(), None, **{**SPECTROMETER, **settings})
+
+
+def test_counts_without_calibration_are_refused():
+    with pytest.raises(ValueError, match="holds counts: a spectrometer calibration is needed"):
+        correct_spectra(counted()[0], None, **SPECTROMETER)
+
+
+def test_calibration_on_other_pixels_is_refused():
+    test, calibrated = counted()
+    with pytest.raises(ValueError, match="not on the same wavelengths"):
+        correct_spectra(test, calibrated.isel(wavelength=slice(1, None)), **SPECTROMETER)
+
+
+def test_calibration_that_turns_over_is_refused():
+    bent = calibration()
+    bent["fit_coefficient"] = ("fit_power", [0.4, 0.12, -0.1])
+    with pytest.raises(ValueError, match="must rise over the instrument range"):
+        correct_pyrometer(made(), bent, **PYROMETER)
