@@ -78,8 +78,9 @@ def exit_distance(node_z, node_r, face_node, nose, angle):
     Raises
     ------
     ValueError
-        If the path meets no boundary, or leaves the mesh where it starts.
+        If the angle lies outside [0, pi/2] or the path meets no boundary.
     """
+    angle = float(within("angle", angle, 0, np.pi / 2, "rad"))
     edges = boundary_edges(face_node)
     step_z, step_r = -np.cos(angle), np.sin(angle)
     start_z, start_r = node_z[edges[:, 0]] - nose, node_r[edges[:, 0]]

@@ -1,0 +1,212 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro import contracts
+from plasmapyro.constants import BOLTZMANN
+from plasmapyro.gas.species import CHARGE
+from plasmapyro.sightline import ray, sampling
+from plasmapyro.sightline.stage import chord, line_of_sight
+
+FLOAT_RTOL = 1e-12  # thousands of eps
+NOSE, RADIUS, ANGLE = 0.871, 0.16, np.radians(35)
+LEAVES = RADIUS / np.sin(ANGLE)  # the 278.9 mm of the paper
+RULE = {
+    "window_distance": 0.8,
+    "instrument_distance": 1.0,
+    "laboratory_temperature": 300.0,
+    "laboratory_pressure": 101325.0,
+}
+
+
+def quadratic_mesh(columns, rows, length=NOSE, radius=RADIUS):
+    """Right triangles on a rectangle, slightly sheared, with the nodes of P2 elements."""
+    z, r = np.meshgrid(
+        np.linspace(0, length, 2 * columns + 1), np.linspace(0, radius, 2 * rows + 1), indexing="ij"
+    )
+    number = np.arange(z.size).reshape(z.shape)
+    corner, middle = [], []
+    for i in range(0, 2 * columns, 2):
+        for k in range(0, 2 * rows, 2):
+            lower = [(i, k), (i + 2, k), (i, k + 2)]
+            upper = [(i + 2, k + 2), (i, k + 2), (i + 2, k)]
+            for triangle in (lower, upper):
+                corner.append([number[node] for node in triangle])
+                pairs = zip(triangle, triangle[1:] + triangle[:1], strict=True)
+                middle.append([number[(a[0] + b[0]) // 2, (a[1] + b[1]) // 2] for a, b in pairs])
+    return z.ravel(), r.ravel(), np.array(corner), np.array(middle)
+
+
+def flow(temperature, pressure=lambda z, r: 5000 + 0 * z, columns=40, rows=12):
+    z, r, corner, middle = quadratic_mesh(columns, rows)
+    return xr.Dataset(
+        {
+            "node_z": ("node", z),
+            "node_r": ("node", r),
+            "face_node": (("face", "corner"), corner),
+            "face_midnode": (("face", "corner"), middle),
+            "temperature": ("node", temperature(z, r)),
+            "pressure": ("node", pressure(z, r)),
+        },
+        attrs={"probe_nose": NOSE},
+    )
+
+
+def parabola(z, r):
+    """Every monomial up to degree two, none with the weight of another."""
+    return 900 + 400 * z + 5000 * r + 700 * z**2 - 3000 * z * r - 9000 * r**2
+
+
+def jet(z, r):
+    return 350 + 5500 * (1 - np.exp(-(NOSE - z) / 0.004)) / (1 + (r / 0.06) ** 8)
+
+
+def test_quadratic_fields_are_sampled_exactly():
+    path = chord(flow(parabola, lambda z, r: parabola(z, r) + 4000), angle=ANGLE, points=57)
+    z, r = ray.position(path.path_distance.values, NOSE, ANGLE)
+    assert path.temperature.values == pytest.approx(parabola(z, r), rel=FLOAT_RTOL)
+    assert path.pressure.values == pytest.approx(parabola(z, r) + 4000, rel=FLOAT_RTOL)
+    assert path.axial_position.values == pytest.approx(z, rel=FLOAT_RTOL)
+    assert path.radial_position.values == pytest.approx(r, abs=1e-15)
+
+
+def test_cubic_fields_converge_with_the_third_power_of_the_cell():
+    def cubic(z, r):
+        return 2000 + 3e5 * r**3 - 900 * z**3
+
+    errors = []
+    for columns in (10, 20, 40):
+        path = chord(flow(cubic, columns=columns, rows=columns // 5), angle=ANGLE, points=200)
+        z, r = ray.position(path.path_distance.values, NOSE, ANGLE)
+        errors.append(np.abs(path.temperature.values - cubic(z, r)).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(3, abs=0.5)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(3, abs=0.5)
+
+
+def test_path_leaves_at_the_outer_radius():
+    z, r, corner, _ = quadratic_mesh(30, 7)
+    assert ray.exit_distance(z, r, corner, NOSE, ANGLE) == pytest.approx(LEAVES, rel=FLOAT_RTOL)
+    assert LEAVES == pytest.approx(0.2789, abs=1e-4)  # printed: 278 mm
+
+
+def test_path_along_the_axis_ends_at_the_back_wall():
+    z, r, corner, _ = quadratic_mesh(30, 7)
+    assert ray.exit_distance(z, r, corner, NOSE, 0.0) == pytest.approx(NOSE, rel=FLOAT_RTOL)
+    assert ray.exit_distance(z, r, corner, NOSE, np.radians(5)) == pytest.approx(NOSE / np.cos(np.radians(5)))
+
+
+def test_boundary_edges_are_the_outline():
+    z, r, corner, _ = quadratic_mesh(6, 3)
+    edges = ray.boundary_edges(corner)
+    lengths = np.hypot(np.diff(z[edges]), np.diff(r[edges]))
+    assert lengths.sum() == pytest.approx(2 * (NOSE + RADIUS), rel=FLOAT_RTOL)
+
+
+def test_line_of_sight_honours_the_contract_and_the_rule_beyond_the_field():
+    path = line_of_sight(flow(jet), angle=ANGLE, points=240, **RULE)
+    contracts.check(contracts.label(path, "sightline"), "sightline")
+    distance = path.path_distance.values
+    assert distance[0] == 0 and distance[-1] == pytest.approx(1.0, rel=FLOAT_RTOL)
+    assert (np.diff(distance) > 0).all()
+    outside = (distance >= LEAVES * (1 - FLOAT_RTOL)) & (distance <= 0.8)
+    assert outside.sum() >= 3
+    for name in ("temperature", "pressure"):
+        values = path[name].values
+        assert values[outside] == pytest.approx(values[outside][0], rel=FLOAT_RTOL)
+    laboratory = distance > 0.8
+    assert laboratory.sum() >= 2 and distance[laboratory][0] - 0.8 <= 1e-6 * (1 + 1e-9)
+    assert path.temperature.values[laboratory] == pytest.approx(300.0)
+    assert path.pressure.values[laboratory] == pytest.approx(101325.0)
+    assert path.attrs["exit_distance"] == pytest.approx(LEAVES, rel=FLOAT_RTOL)
+    assert path.attrs["angle"] == pytest.approx(35.0, rel=FLOAT_RTOL)
+
+
+def test_gas_is_neutral_and_ideal_everywhere():
+    path = line_of_sight(flow(jet), angle=ANGLE, points=120, **RULE)
+    density = path.number_density.values
+    pressure = density.sum(axis=0) * BOLTZMANN * path.temperature.values
+    assert pressure == pytest.approx(path.pressure.values, rel=FLOAT_RTOL)
+    assert np.abs(CHARGE @ density) == pytest.approx(0 * pressure, abs=FLOAT_RTOL * density.max())
+    positive = density[5:10].sum(axis=0)
+    assert positive == pytest.approx(density[10], rel=1e-9)
+
+
+def test_nodes_are_dense_on_the_wall_and_in_gradients():
+    distance = chord(flow(jet), angle=ANGLE, points=240).path_distance.values
+    assert np.diff(distance)[0] < 2e-5
+    assert np.diff(distance).max() < 5e-3
+    shear_layer = (distance > 0.09) & (distance < 0.12)  # r = 0.06 m is met at 105 mm
+    quiet = (distance > 0.02) & (distance < 0.05)
+    assert shear_layer.sum() > 1.5 * quiet.sum()
+
+
+def test_integrals_along_the_path_converge():
+    """exp(-E/kT) with E = 10 eV is what the strongest lines see."""
+
+    def emission(points):
+        path = chord(flow(jet), angle=ANGLE, points=points)
+        rate = path.number_density.sel(species="O") * np.exp(-116045 / path.temperature)
+        return float(np.trapezoid(rate.values, path.path_distance.values))
+
+    fine = emission(3000)
+    coarse, middle = abs(emission(60) / fine - 1), abs(emission(240) / fine - 1)
+    assert middle < 1e-3
+    assert middle < coarse / 4  # second order gives 16
+
+
+def test_uniform_field_needs_no_gradient():
+    path = chord(flow(lambda z, r: 4000 + 0 * z), angle=ANGLE, points=20)
+    assert path.sizes["path_distance"] == 20
+    assert path.temperature.values == pytest.approx(4000, rel=FLOAT_RTOL)
+
+
+def test_same_field_gives_the_same_bytes():
+    first, second = (line_of_sight(flow(jet), angle=ANGLE, points=50, **RULE) for _ in range(2))
+    for name in first.variables:
+        assert first[name].values.tobytes() == second[name].values.tobytes()
+
+
+def test_points_outside_the_field_are_refused():
+    z, r, corner, _ = quadratic_mesh(10, 4)
+    with pytest.raises(ValueError, match="point z = 0.5 m, r = 0.2 m at index 1 lies outside the flow field"):
+        sampling.locate(z, r, corner, np.array([0.5, 0.5]), np.array([0.1, 0.2]))
+    with pytest.raises(ValueError, match="misses the flow field"):
+        sampling.locate(z, r, corner, np.array([2.0, 3.0]), np.array([0.2, 0.2]))
+
+
+def test_points_on_corners_and_edges_are_inside():
+    z, r, corner, middle = quadratic_mesh(4, 2)
+    location = sampling.locate(z, r, corner, np.array([0.0, NOSE]), np.array([0.0, RADIUS]))
+    found = sampling.interpolate(parabola(z, r), corner, middle, location)
+    assert found == pytest.approx([parabola(0, 0), parabola(NOSE, RADIUS)], rel=FLOAT_RTOL)
+
+
+def test_a_path_that_ends_at_a_wall_is_refused_as_a_line_of_sight():
+    with pytest.raises(
+        ValueError, match="angle must let the path leave the field at its outer radius; at 5 deg"
+    ):
+        line_of_sight(flow(jet), angle=np.radians(5), points=50, **RULE)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"window_distance": 0.2}, "distances must satisfy exit < window < instrument"),
+        ({"instrument_distance": 0.8}, "distances must satisfy exit < window < instrument"),
+        ({"laboratory_pressure": 0.0}, "laboratory_pressure must be > 0 Pa"),
+        ({"laboratory_temperature": np.nan}, "laboratory_temperature must be > 0 K"),
+        ({"points": 1}, "points must be >= 2; got 1"),
+        ({"angle": 3.0}, "angle must lie in"),
+    ],
+)
+def test_bad_arguments_are_refused(change, message):
+    arguments = {"angle": ANGLE, "points": 50, **RULE, **change}
+    with pytest.raises(ValueError, match=message):
+        line_of_sight(flow(jet), **arguments)
+
+
+def test_a_field_without_a_nose_is_refused():
+    field = flow(jet)
+    del field.attrs["probe_nose"]
+    with pytest.raises(ValueError, match="flow lacks the attribute probe_nose"):
+        chord(field, angle=ANGLE, points=50)
