@@ -9,6 +9,7 @@ from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation import nitrogen
+from plasmapyro.radiation.diatomic_curves import kinetic_factor, potential_curve, vibrational_states
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
@@ -91,10 +92,10 @@ def test_curves_carry_the_levels_of_the_constants_within_one_wavenumber():
         ladder = np.polynomial.Polynomial([0.0, *values["vibration"]])
         depth = values["limit"] - values["origin"] + ladder(0.5)
         mass = nitrogen.NITROGEN_MASS / 2
-        potential = nitrogen.potential_curve(
+        potential = potential_curve(
             nitrogen.RADIUS, values["vibration"], values["rotation"], mass, highest, depth
         )
-        energy, _, _ = nitrogen.vibrational_states(nitrogen.RADIUS, potential, mass, [0], observed)
+        energy, _, _ = vibrational_states(nitrogen.RADIUS, potential, mass, [0], observed)
         np.testing.assert_allclose(energy[0], ladder(np.arange(observed) + 0.5), rtol=0, atol=LEVEL_TOLERANCE)
 
 
@@ -266,3 +267,41 @@ def test_partition_function_of_nitrogen_counts_from_the_same_zero():
         level = weight / 2 * (2 * number + 1) * (bound & (number >= orbital))
         total += (level * np.exp(-SECOND * term / temperature[:, None, None])).sum(axis=(1, 2))
     np.testing.assert_allclose(partition_function("N2", temperature), total, rtol=PARTITION_RTOL)
+
+
+def test_widths_are_those_of_the_lifetime_and_of_the_assumed_collisions(listed):
+    """A lifetime of 13.48 us is a half width of 1 / (4 pi c tau); v' = 9 lives 5.47 us."""
+    longest, shortest = 1 / (4 * np.pi * LIGHT * 13.48e-6), 1 / (4 * np.pi * LIGHT * 5.0e-6)
+    assert listed.natural_hwhm.min() == pytest.approx(longest, rel=LIFETIME_RTOL)
+    assert listed.natural_hwhm.max() == pytest.approx(shortest, rel=LIFETIME_RTOL)
+    density = 101325.0 / (BOLTZMANN * 296.0)
+    hwhm = listed.van_der_waals_hwhm * density * (296.0 / 1e4) ** 0.3
+    np.testing.assert_allclose(hwhm, 5.0, rtol=1e-9)  # 0.05 cm-1 at one atmosphere
+
+
+def test_rotation_changes_the_moment_as_first_order_perturbation_says(bands):
+    """Mixing of vibrational levels by k N(N+1) / r^2, over the levels of N = 0 (Herman & Wallis, 1955)."""
+    turns = 10 * 11.0
+    inverse_square = kinetic_factor(nitrogen.NITROGEN_MASS / 2) / nitrogen.RADIUS**2
+    moment, slope = bands["moment"][:, :, 0], 0.0
+    for name, highest, count, axis in (("B3Pi_g", 21, 22, 0), ("A3Sigma_u+", 20, 30, 1)):
+        term, wave, _ = nitrogen.rovibration(name, highest, count)
+        coupling = wave[0].T @ (inverse_square[:, None] * wave[0])
+        gap = term[:, None, 0] - term[None, :, 0]
+        mixing = coupling / np.where(gap == 0, np.inf, gap)
+        slope = slope + (mixing @ moment if axis == 0 else moment @ mixing.T)
+    for band in ((0, 0), (1, 0), (2, 1), (1, 1)):
+        sign = np.sign(bands["moment"][*band, 10] * moment[band])  # each eigenvector has a sign of its own
+        change = sign * bands["moment"][*band, 10] - moment[band]
+        assert change == pytest.approx(slope[band] * turns, rel=0.03)
+
+
+def test_moments_join_rotations_of_upper_and_lower_state():
+    """P, Q and R moments differ: with one basis function per N, N' = N'' + step picks its own amplitude."""
+    upper = np.arange(1.0, 6.0)[:, None, None] * np.ones((5, 3, 2))
+    lower = np.ones((5, 3, 4))
+    found = nitrogen.transition_moments(upper, lower, np.array([1.0, 2.0, 3.0]))
+    assert found.shape == (3, 2, 4, 5)
+    np.testing.assert_allclose(
+        found[:, 1, 2, :], 6 * np.array([[0, 1, 2, 3, 4], [1, 2, 3, 4, 5], [2, 3, 4, 5, 0]])
+    )
