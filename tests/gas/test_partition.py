@@ -15,6 +15,22 @@ NASA_ATOL = {"N": 3e-4, "O": 3e-4, "N+": 3e-4, "O+": 3e-4, "N2": 2e-3, "O2": 2e-
 NASA_ATOL |= {"O2+": 5e-3, "N2+": 1e-2}
 
 
+def nasa_logarithm(species, temperature):
+    """ln Q by g/kT = h0/kT - ln(q_translation kT/p) - ln Q; h0 from the enthalpy at 1000 K and the sum."""
+    first, step = 1000.0, 1e-4
+    warmer, colder = (partition_function(species, first * (1 + s * step)) for s in (1, -1))
+    internal = np.log(warmer / colder) / (2 * step)
+    gas, i = equilibrium.phase(), SPECIES.index(species)
+    h0 = equilibrium.species_enthalpy(first)[i] / BOLTZMANN - first * (2.5 + internal)
+    gibbs = np.empty(temperature.size)
+    for k, one in enumerate(temperature):
+        gas.TP = one, 1e5
+        gibbs[k] = gas.standard_gibbs_RT[i]
+    kt = BOLTZMANN * temperature
+    translation = (2 * np.pi * MASS[i] * kt / PLANCK**2) ** 1.5 * kt / 1e5
+    return h0 / temperature - gibbs - np.log(translation)
+
+
 def test_atoms_agree_with_an_independent_level_sum(reference):
     for row in reference("partition_functions_atoms"):
         found = partition_function(row["species"], float(row["temperature"]))
@@ -40,27 +56,33 @@ def test_cold_diatomics_are_rigid_rotors(species, rotation, weight, lowest):
     assert partition_function(species, temperature) == pytest.approx(expected, rel=2 * RIGID_ROTOR_RTOL)
 
 
+@pytest.mark.parametrize("species, allowed", [("N2", 1e-2), ("O2", 2e-2), ("NO", 2e-2), ("NO+", 1e-3)])
+def test_hot_molecules_stop_at_the_centrifugal_barrier(species, allowed):
+    """Against NASA-9 from 1000 to 10000 K; all bound rotations of all J would be some per cent more."""
+    temperature = np.array([1000.0, 10000.0])
+    logarithm = np.log(partition_function(species, temperature))
+    assert logarithm == pytest.approx(nasa_logarithm(species, temperature), abs=allowed)
+
+
+def test_nitric_oxide_has_its_two_ladders():
+    """121 cm-1 between them (Huber & Herzberg 1979), and 3 B between the lowest rotations."""
+    energy, weight = diatomic_levels("NO")
+    low = np.argsort(energy)[:40]
+    assert (weight[low][:2] == [4, 8]).all()
+    assert energy[low][1] == pytest.approx(3 * 169.6, rel=0.02)
+    upper = energy[low][weight[low] == 8][1]
+    assert upper == pytest.approx(12110, rel=0.04)
+
+
 def test_electrons_have_two_spins():
     assert partition_function("e-", [300.0, 1e4]) == pytest.approx(2)
 
 
 @pytest.mark.parametrize("species", NASA_ATOL)
 def test_sums_give_the_gibbs_functions_of_nasa(species):
-    """g/kT = h0/kT - ln(q_translation kT/p) - ln Q; h0 from the enthalpy at 1000 K and the sum itself."""
     temperature = np.array([1000.0, 2000.0, 3000.0, 4500.0, 6000.0])
-    step = 1e-4
-    warmer, colder = (partition_function(species, temperature[0] * (1 + s * step)) for s in (1, -1))
-    internal = np.log(warmer / colder) / (2 * step)
-    gas, i = equilibrium.phase(), SPECIES.index(species)
-    gibbs = np.empty(temperature.size)
-    for k, one in enumerate(temperature):
-        gas.TP = one, 1e5
-        gibbs[k] = gas.standard_gibbs_RT[i]
-    h0 = equilibrium.species_enthalpy(temperature[0])[i] / BOLTZMANN - temperature[0] * (2.5 + internal)
-    kt = BOLTZMANN * temperature
-    translation = (2 * np.pi * MASS[i] * kt / PLANCK**2) ** 1.5 * kt / 1e5
-    expected = h0 / temperature - gibbs - np.log(translation)
-    assert np.log(partition_function(species, temperature)) == pytest.approx(expected, abs=NASA_ATOL[species])
+    logarithm = np.log(partition_function(species, temperature))
+    assert logarithm == pytest.approx(nasa_logarithm(species, temperature), abs=NASA_ATOL[species])
 
 
 @pytest.mark.parametrize("species", [s for s in SPECIES if s != "e-"])
