@@ -102,10 +102,12 @@ def test_rotation_lifts_levels_over_the_barrier_one_by_one():
     count = bound.sum(axis=1)
     assert (np.diff(count) < 0).all()
     # A level held by the barrier may lie above the dissociation limit, but never above the barrier.
-    energy, _, bound = vibrational_states(RADIUS, morse(RADIUS), REDUCED_MASS, [120], 30)
-    effective = morse(RADIUS) + kinetic_factor(REDUCED_MASS) / RADIUS**2 * 120 * 121
-    barrier = effective[np.argmin(morse(RADIUS)) :].max()
-    assert DEPTH < energy[bound].max() < barrier <= energy[~bound].min()
+    radius = np.arange(0.85e-10, 4e-10, 0.013e-10)
+    energy, _, bound = vibrational_states(radius, morse(radius), REDUCED_MASS, [120], 30)
+    effective = morse(radius) + kinetic_factor(REDUCED_MASS) / radius**2 * 120 * 121
+    top = int(np.argmax(np.where(radius > 2e-10, effective, 0.0)))
+    assert top < radius.size - 20
+    assert DEPTH < energy[bound].max() < effective[top] <= energy[~bound].min()
 
 
 def test_bad_curves_are_refused():

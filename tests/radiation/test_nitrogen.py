@@ -11,6 +11,13 @@ from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation import nitrogen
 from plasmapyro.radiation.diatomic_curves import kinetic_factor, potential_curve, vibrational_states
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
+from plasmapyro.radiation.diatomic_states import (
+    HIGHEST_ROTATION,
+    RADIUS,
+    rovibration,
+    state_constants,
+    transition_moments,
+)
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 PLANCK, LIGHT, BOLTZMANN = 6.62607015e-34, 299792458.0, 1.380649e-23
@@ -29,6 +36,14 @@ def reference(name):
     return np.loadtxt(REFERENCE / f"nitrogen_first_positive_{name}.csv", delimiter=",", skiprows=1)
 
 
+def constants(name):
+    return state_constants("gas/diatomic_nitrogen", "N2", name)
+
+
+def states(name, highest, count):
+    return rovibration(constants(name), nitrogen.NITROGEN_MASS / 2, highest, count)
+
+
 @pytest.fixture(scope="module")
 def full():
     return nitrogen.first_positive_lines(RANGE)
@@ -42,12 +57,9 @@ def listed():
 @pytest.fixture(scope="module")
 def bands():
     """Terms (v, N), moments (v', v'', N) of the Q type and overlaps of the rotationless levels."""
-    upper, upper_wave, bound = nitrogen.rovibration("B3Pi_g", 21, 22)
-    lower, lower_wave, _ = nitrogen.rovibration("A3Sigma_u+", 20, 30)
-    moment = nitrogen.transition_moments(
-        upper_wave, lower_wave, nitrogen.first_positive_moment(nitrogen.RADIUS)
-    )
-    overlap = nitrogen.transition_moments(upper_wave, lower_wave, np.ones(nitrogen.RADIUS.size))
+    (upper, upper_wave, bound), (lower, lower_wave, _) = nitrogen.first_positive_states()
+    moment = transition_moments(upper_wave, lower_wave, nitrogen.first_positive_moment(RADIUS))
+    overlap = transition_moments(upper_wave, lower_wave, np.ones(RADIUS.size))
     return {
         "upper": upper,
         "lower": lower,
@@ -69,15 +81,14 @@ def air_angstrom(wavenumber):
 
 def test_origin_of_the_zero_zero_band():
     """R. R. Laher, F. R. Gilmore (1991): 59306.8 - 49754.8 cm-1."""
-    upper, _, _ = nitrogen.rovibration("B3Pi_g", 21, 1)
-    lower, _, _ = nitrogen.rovibration("A3Sigma_u+", 20, 1)
+    (upper, _, _), (lower, _, _) = nitrogen.first_positive_states()
     assert upper[0, 0] - lower[0, 0] == pytest.approx(955200.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("name, highest", [("A3Sigma_u+", 20), ("B3Pi_g", 21)])
 def test_term_values_follow_the_constants_as_far_as_these_hold(name, highest):
-    term, _, _ = nitrogen.rovibration(name, highest, highest + 1)
-    values = nitrogen.constants(name)
+    term, _, _ = states(name, highest, highest + 1)
+    values = constants(name)
     x = np.arange(highest + 1) + 0.5
     ladder = sum(value * (x ** (k + 1) - 0.5 ** (k + 1)) for k, value in enumerate(values["vibration"]))
     np.testing.assert_allclose(term[:, 0] - values["origin"], ladder, atol=1e-3)
@@ -88,22 +99,20 @@ def test_term_values_follow_the_constants_as_far_as_these_hold(name, highest):
 
 def test_curves_carry_the_levels_of_the_constants_within_one_wavenumber():
     for name, highest, observed in (("A3Sigma_u+", 20, 14), ("B3Pi_g", 21, 20)):
-        values = nitrogen.constants(name)
+        values = constants(name)
         ladder = np.polynomial.Polynomial([0.0, *values["vibration"]])
         depth = values["limit"] - values["origin"] + ladder(0.5)
         mass = nitrogen.NITROGEN_MASS / 2
-        potential = potential_curve(
-            nitrogen.RADIUS, values["vibration"], values["rotation"], mass, highest, depth
-        )
-        energy, _, _ = vibrational_states(nitrogen.RADIUS, potential, mass, [0], observed)
+        potential = potential_curve(RADIUS, values["vibration"], values["rotation"], mass, highest, depth)
+        energy, _, _ = vibrational_states(RADIUS, potential, mass, [0], observed)
         np.testing.assert_allclose(energy[0], ladder(np.arange(observed) + 0.5), rtol=0, atol=LEVEL_TOLERANCE)
 
 
 @pytest.mark.parametrize("name", ["B3Pi_g", "A3Sigma_u+"])
 def test_centrifugal_stretching_is_that_of_kratzer(name):
     """D = 4 B^3 / we^2 (Herzberg, Spectra of Diatomic Molecules, III,118), for v = 0 within 2 %."""
-    values = nitrogen.constants(name)
-    term, _, _ = nitrogen.rovibration(name, 20, 1)
+    values = constants(name)
+    term, _, _ = states(name, 20, 1)
     turns = np.array([20 * 21.0, 40 * 41.0])
     ratio = (term[0, [20, 40]] - term[0, 0]) / turns
     stretching = (ratio[0] - ratio[1]) / (turns[1] - turns[0])
@@ -197,7 +206,7 @@ def test_lost_emission_stays_below_its_bound_between_the_reference_temperatures(
 def test_rotation_is_followed_far_enough(full):
     lines, _ = full
     weight = emission_weights(lines, 10000.0)
-    assert weight[lines["upper_j"] > nitrogen.HIGHEST_ROTATION - 10].sum() < 1e-4
+    assert weight[lines["upper_j"] > HIGHEST_ROTATION - 10].sum() < 1e-4
     assert weight[lines["upper_v"] > 12].sum() < 0.03  # levels that would predissociate in the cold
 
 
@@ -247,11 +256,28 @@ def test_emission_of_air_at_fifty_millibar(listed, bands, temperature, estimate)
     assert 1.12 < radiance_of(listed, temperature, WINDOW, density) / rotationless < 1.22
 
 
+def test_lines_from_odd_n_of_the_lower_state_are_the_strong_ones(full):
+    """14N has spin 1: levels of A3Sigma_u+ weigh 6 of 9 for odd N, 3 for even N; F2 has N = J."""
+    lines, _ = full
+    middle = lines["lower_component"] == 1
+    weight = lines["lower_degeneracy"][middle] / (2 * lines["lower_j"][middle] + 1)
+    np.testing.assert_allclose(weight, np.where(lines["lower_j"][middle] % 2 == 1, 2 / 3, 1 / 3), rtol=1e-12)
+
+
+def test_fine_structure_of_the_lower_state_has_its_sign(full):
+    """A3Sigma_u+, N = 1, lies at 2B; J = 1 displaced by 2/3, J = 0 by -4/3 of lambda = -1.33."""
+    lines, _ = full
+    middle = 49754.8e2 + 2 * (1.45499e2 - 0.018385e2 / 2)
+    for j, component, displacement in ((1, 1, -0.887e2), (0, 0, 1.773e2)):
+        own = (lines["lower_v"] == 0) & (lines["lower_j"] == j) & (lines["lower_component"] == component)
+        assert np.unique(lines["lower_energy"][own]) == pytest.approx([middle + displacement], abs=2.0)
+
+
 def test_partition_function_of_nitrogen_counts_from_the_same_zero():
     """Own rovibronic sum: DVR levels of the eight states below 90000 cm-1, spin splitting left out."""
     temperature = np.array([1000.0, 3000.0, 6000.0, 10000.0])
     total = np.zeros(temperature.shape)
-    states = {  # name: (electronic weight, Lambda, last v of the constants)
+    electronic = {  # name: (electronic weight, Lambda, last v of the constants)
         "X1Sigma_g+": (1, 0, 20),
         "A3Sigma_u+": (3, 0, 20),
         "B3Pi_g": (6, 1, 20),
@@ -261,8 +287,8 @@ def test_partition_function_of_nitrogen_counts_from_the_same_zero():
         "a1Pi_g": (2, 1, 15),
         "w1Delta_u": (2, 2, 15),
     }
-    for name, (weight, orbital, highest) in states.items():
-        term, _, bound = nitrogen.rovibration(name, highest, 50)
+    for name, (weight, orbital, highest) in electronic.items():
+        term, _, bound = states(name, highest, 50)
         number = np.arange(term.shape[1])
         level = weight / 2 * (2 * number + 1) * (bound & (number >= orbital))
         total += (level * np.exp(-SECOND * term / temperature[:, None, None])).sum(axis=(1, 2))
@@ -282,10 +308,10 @@ def test_widths_are_those_of_the_lifetime_and_of_the_assumed_collisions(listed):
 def test_rotation_changes_the_moment_as_first_order_perturbation_says(bands):
     """Mixing of vibrational levels by k N(N+1) / r^2, over the levels of N = 0 (Herman & Wallis, 1955)."""
     turns = 10 * 11.0
-    inverse_square = kinetic_factor(nitrogen.NITROGEN_MASS / 2) / nitrogen.RADIUS**2
+    inverse_square = kinetic_factor(nitrogen.NITROGEN_MASS / 2) / RADIUS**2
     moment, slope = bands["moment"][:, :, 0], 0.0
     for name, highest, count, axis in (("B3Pi_g", 21, 22, 0), ("A3Sigma_u+", 20, 30, 1)):
-        term, wave, _ = nitrogen.rovibration(name, highest, count)
+        term, wave, _ = states(name, highest, count)
         coupling = wave[0].T @ (inverse_square[:, None] * wave[0])
         gap = term[:, None, 0] - term[None, :, 0]
         mixing = coupling / np.where(gap == 0, np.inf, gap)
@@ -300,7 +326,7 @@ def test_moments_join_rotations_of_upper_and_lower_state():
     """P, Q and R moments differ: with one basis function per N, N' = N'' + step picks its own amplitude."""
     upper = np.arange(1.0, 6.0)[:, None, None] * np.ones((5, 3, 2))
     lower = np.ones((5, 3, 4))
-    found = nitrogen.transition_moments(upper, lower, np.array([1.0, 2.0, 3.0]))
+    found = transition_moments(upper, lower, np.array([1.0, 2.0, 3.0]))
     assert found.shape == (3, 2, 4, 5)
     np.testing.assert_allclose(
         found[:, 1, 2, :], 6 * np.array([[0, 1, 2, 3, 4], [1, 2, 3, 4, 5], [2, 3, 4, 5, 0]])

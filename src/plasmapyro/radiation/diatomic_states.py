@@ -1,0 +1,212 @@
+"""Electronic states of the molecules by name: constants, term values, wave functions, line lists."""
+
+import numpy as np
+
+from plasmapyro import tables
+from plasmapyro.constants import BOLTZMANN, LIGHT_SPEED, STANDARD_ATMOSPHERE
+from plasmapyro.radiation.diatomic_curves import potential_curve, vibrational_states
+from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, STEPS, strong_enough, transition_lines
+from plasmapyro.radiation.diatomic_rotation import rotational_levels
+from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE, LineList
+
+# [m]; 3.7 points per wave at 40000 cm-1 of kinetic energy of N2; halving the step moves levels by < 0.01 cm-1
+RADIUS = np.arange(0.85e-10, 2.8e-10, 0.013e-10)
+# J; N2 B v = 0 reaches its centrifugal barrier there, and what lies above is under 1e-4 of the emission
+HIGHEST_ROTATION = 200
+
+# ASSUME: half width of 0.05 cm-1 per atmosphere at 296 K, typical of N2 and of diatomics in air, falling as
+# T^-0.7 at constant pressure. At 50 mbar and 8000 K this is 0.5 % of the Doppler width: of no consequence.
+_REFERENCE_HWHM = 5.0 / (STANDARD_ATMOSPHERE / (BOLTZMANN * 296.0))  # [m2]
+COLLISION_HWHM = _REFERENCE_HWHM * (WIDTH_REFERENCE_TEMPERATURE / 296.0) ** VAN_DER_WAALS_EXPONENT  # [m2]
+
+_VIBRATION = {"we": 1, "wexe": -1, "weye": 1, "weze": 1, "weae": 1}  # signs as printed
+_ROTATION = {"be": 1, "alphae": -1, "gammae": 1, "deltae": 1, "epsilone": 1}
+
+
+def state_constants(table_name, species, state):
+    """Spectroscopic constants of an electronic state.
+
+    Parameters
+    ----------
+    table_name : str
+        'gas/diatomic_nitrogen' or 'gas/diatomic_oxygen'.
+    species, state : str
+        As in the table: 'N2', 'B3Pi_g'.
+
+    Returns
+    -------
+    dict
+        The row of the table (SI) with, in addition, the ascending coefficients `vibration` of
+        G(v + 1/2) and `rotation` of B(v + 1/2) and the energy `origin` of v = 0 above v = 0 of the
+        first state of the species, all [m-1].
+    """
+    table = tables.load(table_name)
+    rows = np.flatnonzero(table["species"] == species)
+    row = rows[table["state"][rows] == state][0]
+
+    def coefficients(signs, row):
+        return np.array([sign * table[name][row] for name, sign in signs.items() if name in table.columns])
+
+    values = {name: column[row] for name, column in table.columns.items()}
+    values["vibration"] = coefficients(_VIBRATION, row)
+    values["rotation"] = coefficients(_ROTATION, row)
+    if "origin" not in values:
+        zero_point = [ladder(coefficients(_VIBRATION, which))(0.5) for which in (row, rows[0])]
+        values["origin"] = values["minimum"] + zero_point[0] - zero_point[1]
+    return values
+
+
+def ladder(vibration):
+    """Vibrational energy G(x), x = v + 1/2, as a polynomial, from its ascending coefficients."""
+    return np.polynomial.Polynomial(np.concatenate(([0.0], vibration)))
+
+
+def rovibration(values, reduced_mass, highest_level, count):
+    r"""Term values and wave functions of an electronic state.
+
+    Vibration follows the constants up to `highest_level` and the potential beyond; rotation and its
+    stretching follow the potential:
+
+    .. math:: E_v(N) = T_0 + G(v) - G(0) + E^{DVR}_{vN} - E^{DVR}_{v0}
+
+    Parameters
+    ----------
+    values : dict
+        As from `state_constants`.
+    reduced_mass : float [kg]
+    highest_level : int
+        Last v for which the constants hold.
+    count : int
+        Number of vibrational levels.
+
+    Returns
+    -------
+    term : (v, N) [m-1]
+        Above v = 0 of the ground state; N = 0 ... HIGHEST_ROTATION + 1.
+    wave : (N, R, v) [1]
+        On `RADIUS`.
+    bound : (v, N) bool
+
+    Notes
+    -----
+    Source: as `diatomic_curves`.
+    """
+    vibration = ladder(values["vibration"])
+    depth = values["limit"] - values["origin"] + vibration(0.5)
+    potential = potential_curve(
+        RADIUS, values["vibration"], values["rotation"], reduced_mass, highest_level, depth
+    )
+    rotation_number = np.arange(HIGHEST_ROTATION + 2)
+    energy, wave, bound = vibrational_states(RADIUS, potential, reduced_mass, rotation_number, count)
+    known = np.minimum(np.arange(count), highest_level)
+    term = values["origin"] - vibration(0.5) + energy + (vibration(known + 0.5) - energy[0, known])
+    return term.T, wave, bound.T
+
+
+def transition_moments(upper_wave, lower_wave, electronic):
+    r"""Moments :math:`\langle v' N' | R_e(r) | v'' N'' \rangle` with N' - N'' = -1, 0, 1.
+
+    Parameters
+    ----------
+    upper_wave, lower_wave : (N, R, v) [1]
+        As from `vibrational_states`.
+    electronic : (R,) [e a0]
+
+    Returns
+    -------
+    (3, v', v'', N'') [e a0]
+        Zero where N' would leave the table.
+    """
+    weighted = lower_wave * electronic[:, None]
+    count = len(lower_wave)
+    moments = np.zeros((len(STEPS), upper_wave.shape[2], lower_wave.shape[2], count))
+    for index, step in enumerate(STEPS):
+        low = np.arange(max(0, -step), count - max(0, step))
+        product = np.swapaxes(upper_wave[low + step], 1, 2) @ weighted[low]
+        moments[index][:, :, low] = np.moveaxis(product, 0, 2)
+    return moments
+
+
+def tabulated_moments(table_name):
+    """Band moments of a table with columns upper_v, lower_v and moment; bands it leaves out are zero.
+
+    Returns
+    -------
+    (v', v'') [e a0]
+    """
+    table = tables.load(table_name)
+    upper, lower = table["upper_v"].astype(int), table["lower_v"].astype(int)
+    moments = np.zeros((upper.max() + 1, lower.max() + 1))
+    moments[upper, lower] = table["moment"]
+    return moments
+
+
+def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_range, nuclear_spin):
+    """Every line of a system, and the decay of its upper vibrational levels.
+
+    Parameters
+    ----------
+    upper_state, lower_state : ElectronicState
+    upper, lower : tuple
+        Terms, waves and bound flags as from `rovibration`.
+    moment : (3, v', v'', N'') or broadcastable [e a0]
+        ASSUME: J' and J'' stand for N' and N'' there (Herman-Wallis effect to first order).
+    wavenumber_range : (2,) [m-1]
+        Lowest and highest, vacuum.
+    nuclear_spin : int [1]
+
+    Returns
+    -------
+    lines : dict of (L,) arrays
+        As from `diatomic_lines.transition_lines`.
+    decay : (v',) [s-1]
+        Total probability of the vibrational levels without rotation.
+    """
+    momentum = np.arange(HIGHEST_ROTATION + 1) + upper_state.spin % 1
+    moment = np.broadcast_to(moment, (len(STEPS), len(upper[0]), len(lower[0]), HIGHEST_ROTATION + 2))
+    lines = transition_lines(
+        rotational_levels(upper_state, momentum, upper[0], upper[2]),
+        rotational_levels(lower_state, momentum, lower[0], lower[2]),
+        moment[..., : len(momentum)],
+        wavenumber_range,
+        nuclear_spin,
+    )
+    origin = np.maximum(upper[0][:, None, 0] - lower[0][None, :, 0], 0.0)
+    decay = (EINSTEIN_FACTOR * origin**3 * moment[STEPS.index(0), :, :, 0] ** 2).sum(axis=1)
+    return lines, decay
+
+
+def line_list(component, species, lines, decay, lost_fraction, reference_temperature):
+    """The strong ones of a system's lines as the engine's `LineList`.
+
+    Parameters
+    ----------
+    component, species : str
+    lines, decay
+        As from `system_lines`.
+    lost_fraction : float [1]
+        Optically thin emission that dropped lines may carry, at each reference temperature.
+    reference_temperature : (T,) [K]
+
+    Returns
+    -------
+    LineList
+        Natural width of the vibrational level without rotation, collisions as `COLLISION_HWHM`.
+    """
+    keep = strong_enough(lines, reference_temperature, lost_fraction)
+    names = (
+        "wavenumber",
+        "upper_energy",
+        "lower_energy",
+        "upper_degeneracy",
+        "lower_degeneracy",
+        "einstein_a",
+    )
+    return LineList(
+        component,
+        species,
+        **{name: lines[name][keep] for name in names},
+        natural_hwhm=decay[lines["upper_v"][keep].astype(int)] / (4 * np.pi * LIGHT_SPEED),
+        van_der_waals_hwhm=COLLISION_HWHM,
+        origin="published",
+    )
