@@ -168,10 +168,12 @@ def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_dens
 
     Notes
     -----
-    Source: Cabannes and Chapelle in Reactions under Plasma Conditions (1971), chapter 7; cross-section: the
-    collision integral of Wright et al., AIAA J. 43 (2005) 2558, which weights it as this average does.
-    ASSUME: the classical formula serves at h nu of a few kT; for N and O atoms it agrees with the quantal
-    tables within a factor of two.
+    Source: P. Cabannes and J. Chapelle in Reactions under Plasma Conditions (1971), chapter 7;
+    cross-section: the collision integral of Wright et al., AIAA J. 43 (2005) 2558, which weights it as
+    this average does.
+    ASSUME: the classical formula serves at h nu of one to four kT. For O atoms it agrees with the quantal
+    table within a factor of two; for N atoms, whose negative ion is nearly bound, that table is 5-9 times
+    higher, and the resonance of N2 at 2 eV may raise this one likewise. Below 1 % of first positive light.
     """
     logarithm, integral = _molecule_cross_section()
     cross_section = np.interp(np.log(temperature), logarithm, integral)

@@ -31,6 +31,7 @@ CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
+DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
 UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
 
 
@@ -108,9 +109,7 @@ def gas_path(path_distance, temperature, number_density):
     }
     for name, values in (("temperature", temperature), *density.items()):
         if values.shape != thickness.shape:
-            raise ValueError(
-                f"{name} must have shape {thickness.shape}, that of the path; got {values.shape}"
-            )
+            raise ValueError(f"{name} must have the path's shape {thickness.shape}; got {values.shape}")
     partition = {name: partition_function(name, temperature) for name in ("N", "O", "N2")}
     return GasPath(thickness, temperature, density, partition)
 
@@ -261,21 +260,19 @@ def path_radiance(path, line_lists, grid):
     continuum = Continuum(grid)
     smooth = np.array([continuum.absorption(path, layer) for layer in range(len(path.thickness))])
     by_line, emission, bounds = zip(*(thin_lines(path, s.lines) for s in spreaders), strict=True)
-    for spreader, by_layer in zip(spreaders, emission, strict=True):
-        if by_layer.any():
-            temperature = coldest_that_counts(path.temperature, by_layer)
-            require_resolution(
-                grid,
-                doppler_sigma(temperature, MASS[SPECIES.index(spreader.lines.species)]),
-                f"{spreader.lines.component} at {temperature:.0f} K",
-            )
     smooth_emission, smooth_bound = thin_continuum(path, continuum.axis.wavelength, smooth)
     bounds = np.array([*bounds, smooth_bound])
     thin_total = np.sum(emission) - np.trapezoid(smooth_emission, continuum.axis.wavelength)
-    kept = np.array([layers_that_matter(b, NEGLIGIBLE / 2 * thin_total / len(bounds)) for b in bounds])
+    dark = -NEGLIGIBLE * np.trapezoid(blackbody_radiance(grid.wavelength, DARK_TEMPERATURE), grid.wavelength)
+    allowance = max(NEGLIGIBLE / 2 * thin_total, dark)
+    kept = np.array([layers_that_matter(bound, allowance / len(bounds)) for bound in bounds])
+    for spreader, by_layer, keep in zip(spreaders, emission, kept[:-1], strict=True):
+        if keep.any():
+            _require_resolution_of_light(spreader, path.temperature, by_layer, grid)
     solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
-    if bounds[~kept].sum() > NEGLIGIBLE * emerging:  # gas so opaque that the thin radiance is no measure
+    # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
+    if bounds[~kept].sum() > max(NEGLIGIBLE * emerging, dark):
         kept = np.ones_like(kept)
         solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     return PathRadiance(
@@ -285,6 +282,13 @@ def path_radiance(path, line_lists, grid):
         thin_continuum=smooth_emission,
         neglected_bound=float(bounds[~kept].sum()),
     )
+
+
+def _require_resolution_of_light(spreader, temperature, emission, grid):
+    """Refuse a grid too coarse for a system's Doppler width at the coldest temperature that counts."""
+    coldest = coldest_that_counts(temperature, emission)
+    sigma = doppler_sigma(coldest, MASS[SPECIES.index(spreader.lines.species)])
+    require_resolution(grid, sigma, f"{spreader.lines.component} at {coldest:.0f} K")
 
 
 def _solve(path, spreaders, continuum, smooth, grid, kept):

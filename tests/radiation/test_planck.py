@@ -1,0 +1,41 @@
+from decimal import Decimal, localcontext
+
+import numpy as np
+import pytest
+
+from plasmapyro.constants import BOLTZMANN, LIGHT_SPEED, PLANCK
+from plasmapyro.radiation.planck import blackbody_radiance
+
+FLOAT_RTOL = 1e-13  # ~500 eps: a dozen operations, the exponent up to 100
+STEFAN_BOLTZMANN = 5.670374419e-8  # CODATA 2018, exact to the digits given
+QUADRATURE_RTOL = 1e-6  # trapezoid over 4000 logarithmic steps
+
+
+@pytest.mark.parametrize("wavelength", [5e-7, 1e-6, 2e-5])
+@pytest.mark.parametrize("temperature", [300.0, 1500.0, 12000.0])
+def test_radiance_agrees_with_fifty_digit_arithmetic(wavelength, temperature):
+    with localcontext(prec=50):
+        h, c, k = (Decimal(x) for x in (PLANCK, LIGHT_SPEED, BOLTZMANN))
+        lam, t = Decimal(wavelength), Decimal(temperature)
+        exact = 2 * h * c**2 / lam**5 / ((h * c / (lam * k * t)).exp() - 1)
+    assert blackbody_radiance(wavelength, temperature) == pytest.approx(float(exact), rel=FLOAT_RTOL)
+
+
+def test_integral_over_wavelength_is_stefan_boltzmann():
+    wavelength = np.exp(np.linspace(np.log(1e-7), np.log(1e-1), 4000))
+    total = np.trapezoid(blackbody_radiance(wavelength, 1500.0), wavelength)
+    assert np.pi * total == pytest.approx(STEFAN_BOLTZMANN * 1500.0**4, rel=QUADRATURE_RTOL * 10)
+
+
+def test_long_waves_follow_rayleigh_jeans():
+    wavelength, temperature = 1.0, 1000.0
+    expected = 2 * LIGHT_SPEED * BOLTZMANN * temperature / wavelength**4
+    assert blackbody_radiance(wavelength, temperature) == pytest.approx(expected, rel=1e-5)  # x/2 = 7e-6
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
+def test_unphysical_arguments_are_refused(bad):
+    with pytest.raises(ValueError, match="temperature must be > 0 K"):
+        blackbody_radiance(1e-6, bad)
+    with pytest.raises(ValueError, match="wavelength must be > 0 m"):
+        blackbody_radiance(bad, 1000.0)

@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro import contracts
+from plasmapyro.radiation.stage import line_of_sight_radiance
+
+RANGE = (755e-9, 800e-9)
+POINTS = 18_000
+GRIDLESS_RTOL = 1e-3  # the bar; reached: 1e-5
+COMPONENTS = ["N I", "O I", "N2 1P", "e-ion free-free", "e-neutral free-free", "free-bound"]
+
+
+@pytest.fixture(scope="module")
+def response():
+    wavelength = np.linspace(758e-9, 796e-9, 77)
+    return xr.Dataset(
+        {
+            "responsivity_wide": ("wavelength", np.sin(np.pi * (wavelength - 758e-9) / 38e-9) ** 2),
+            "responsivity_narrow": ("wavelength", np.clip((wavelength - 776e-9) / 1e-8, 0, 1)),
+        },
+        coords={"wavelength": wavelength},
+    )
+
+
+@pytest.fixture(scope="module")
+def radiation(jet_sightline, response):
+    return line_of_sight_radiance(
+        jet_sightline, response, wavelength_range=RANGE, grid_points=POINTS, slit_fwhm=0.75e-9
+    )
+
+
+def test_the_file_honours_its_contract(radiation):
+    contracts.check(contracts.label(radiation, "radiation"), "radiation")
+    assert radiation.component.values.tolist() == COMPONENTS
+    assert radiation.band.values.tolist() == ["wide", "narrow"]
+    assert np.all(np.diff(radiation.wavelength) > 0)
+    assert radiation.attrs["origin"] == "modelled"
+
+
+def test_components_add_up_to_the_gas(radiation):
+    total = radiation.gas_radiance_component.sum("component")
+    np.testing.assert_allclose(total, radiation.gas_radiance, rtol=1e-12)
+    seen = radiation.gas_radiance_component_slit.sum("component")
+    np.testing.assert_allclose(seen, radiation.gas_radiance_slit, rtol=1e-12)
+    assert float(radiation.gas_radiance.min()) > 0
+
+
+def test_the_oxygen_triplet_towers_where_it_should(radiation):
+    peak = radiation.gas_radiance_slit.idxmax("wavelength_slit")
+    assert float(peak) == pytest.approx(777.45e-9, abs=0.3e-9)
+    assert 0.001 < float(radiation.optical_depth.max()) < 0.1  # 0.002-0.015 in weaker jets at this pressure
+
+
+def test_first_positive_falls_off_behind_its_band_heads(radiation):
+    # 2-0 head at 775.3 nm in air: the band degrades to the violet.
+    molecule = radiation.gas_radiance_component_slit.sel(component="N2 1P")
+    below = molecule.sel(wavelength_slit=slice(768e-9, 773e-9)).mean()
+    above = molecule.sel(wavelength_slit=slice(779e-9, 784e-9)).mean()
+    assert float(below) > 1.5 * float(above)
+
+
+def test_three_ways_to_the_thin_band_signal_agree(radiation):
+    thin, gridless = radiation.band_signal_thin.values, radiation.band_signal_gridless.values
+    np.testing.assert_allclose(thin, gridless, rtol=GRIDLESS_RTOL)
+
+
+def test_absorption_lowers_the_signal_a_little(radiation):
+    assert np.all(radiation.band_signal < radiation.band_signal_thin)
+    np.testing.assert_allclose(radiation.band_signal, radiation.band_signal_thin, rtol=0.02)
+
+
+def test_band_signal_is_the_weighted_integral(radiation, response):
+    weight = np.interp(radiation.wavelength, response.wavelength, response.responsivity_wide, left=0, right=0)
+    signal = np.trapezoid(weight * radiation.gas_radiance, radiation.wavelength)
+    assert float(radiation.band_signal.sel(band="wide")) == pytest.approx(signal, rel=1e-9)
+
+
+def test_a_finer_grid_moves_the_signal_by_less_than_one_in_ten_thousand(radiation, jet_sightline, response):
+    finer = line_of_sight_radiance(
+        jet_sightline, response, wavelength_range=RANGE, grid_points=2 * POINTS, slit_fwhm=0.75e-9
+    )
+    np.testing.assert_allclose(finer.band_signal, radiation.band_signal, rtol=1e-4)
+
+
+def test_a_range_that_misses_a_band_is_refused(jet_sightline, response):
+    with pytest.raises(ValueError, match="wavelength_range must cover the wide band"):
+        line_of_sight_radiance(
+            jet_sightline, response, wavelength_range=(770e-9, 800e-9), grid_points=POINTS, slit_fwhm=0.75e-9
+        )
