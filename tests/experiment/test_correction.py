@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from plasmapyro.experiment import status
-from plasmapyro.experiment.correction import read_corrected, read_measured, temperature_uncertainty
+from plasmapyro.experiment.correction import (
+    _ranked_temperature,
+    read_corrected,
+    read_measured,
+    temperature_uncertainty,
+)
 from plasmapyro.instrument.calibration import quadratic_ratio, scaled
 
 COEFFICIENT = np.array([0.40, 0.12, -0.003])
@@ -137,3 +142,9 @@ def test_missing_sample_has_none_and_leaves_its_neighbours_alone():
     signals[1, 1] = np.nan
     found = spread_of(signals, 0.0)
     assert np.isnan(found).tolist() == [False, True, False]
+
+
+def test_a_draw_without_a_ratio_keeps_its_side():
+    wide, narrow = np.array([-1.0, 1.0, -1.0, np.nan]), np.array([1.0, -1.0, -1.0, 1.0])
+    found = _ranked_temperature(wide, narrow, COEFFICIENT[None], FIT)
+    np.testing.assert_array_equal(found, [-np.inf, np.inf, np.inf, np.nan])

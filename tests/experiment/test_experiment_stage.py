@@ -159,6 +159,18 @@ def test_uncertain_gas_matters_early_and_not_late(pyrometer):
     assert np.nanmedian(ratio[early]) > 1.02 and np.nanmedian(ratio[late]) == pytest.approx(1, abs=0.02)
 
 
+def test_error_is_relative_to_the_corrected_temperature(pyrometer):
+    one = pyrometer.sel(time=22.0)
+    expected = float(one.measured_temperature) / float(one.corrected_temperature) - 1
+    assert float(one.relative_error) == pytest.approx(expected, rel=1e-9) and expected > 0.01
+
+
+def test_both_uncertainties_are_one_where_nothing_is_taken_away(pyrometer):
+    cooling = TIME > 50
+    ratio = pyrometer.corrected_temperature_uncertainty / pyrometer.measured_temperature_uncertainty
+    assert float(ratio[cooling].mean()) == pytest.approx(1, abs=0.04)  # two sets of 300 draws, 39 samples
+
+
 def test_missing_sample_stays_missing_and_touches_nothing_else(pyrometer):
     test = made()
     test["signal_wide"][200] = np.nan
@@ -177,6 +189,35 @@ def test_spectra_give_the_true_temperature_and_emittance(spectrometer):
     for name, rtol in (("spectrometer_temperature", 2e-3), ("scaled_temperature", 2e-4)):  # noise of the fit
         np.testing.assert_allclose(spectrometer[name][hot], truth(FRAMES)[hot], rtol=rtol)
     np.testing.assert_allclose(spectrometer.apparent_emittance[hot], 0.85, rtol=2e-3)
+
+
+def test_uncertain_gas_widens_the_early_temperatures():
+    calm, restless = (
+        correct_spectra(made(), None, **{**SPECTROMETER, "gas_variation": size}).sel(spectrum_time=20.0)
+        for size in (0.0, 0.1)
+    )
+    name = "spectrometer_temperature_uncertainty"
+    assert float(restless[name]) > 3 * float(calm[name])
+
+
+def test_pivot_signal_to_noise_counts_the_gas(spectrometer):
+    frame = spectrometer.sel(spectrum_time=20.0)
+    # The noise of 1e5 is nothing beside 3 % of a gas radiance of 1e9.
+    expected = 0.85 * blackbody_radiance(1029.5e-9, truth(20.0)) / (0.03 * 1e9)
+    assert float(frame.signal_to_noise) == pytest.approx(float(expected), rel=0.02)
+
+
+def test_brighter_gas_line_hardly_moves_the_scaled_fit_that_expects_it():
+    test, late = made(), 20
+    values = test.spectral_radiance.values.copy()
+    values[late] += 2.0 * (GAS_RADIANCE - 1e9)  # the line three times as bright, the rest as it was
+    test["spectral_radiance"] = (test.spectral_radiance.dims, values, test.spectral_radiance.attrs)
+    naive, wary = (
+        correct_spectra(test, None, **{**SPECTROMETER, "gas_variation": size, "draws": 10})
+        for size in (0.0, 0.5)
+    )
+    shift = [abs(float(found.scaled_temperature[late]) - truth(FRAMES)[late]) for found in (naive, wary)]
+    assert shift[1] < 0.3 * shift[0]
 
 
 def test_exposures_that_hold_a_switch_are_not_used(spectrometer):
