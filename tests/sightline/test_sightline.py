@@ -89,6 +89,14 @@ def test_path_leaves_at_the_outer_radius():
     assert LEAVES == pytest.approx(0.2789, abs=1e-4)  # printed: 278 mm
 
 
+def test_path_ends_at_the_first_of_several_boundaries():
+    z, r, corner, _ = quadratic_mesh(60, 16)
+    middle_z, middle_r = z[corner].mean(axis=1), r[corner].mean(axis=1)
+    hole = (middle_z > 0.66) & (middle_z < 0.76) & (middle_r > 0.1) & (middle_r < 0.13)
+    found = ray.exit_distance(z, r, corner[~hole], NOSE, ANGLE)
+    assert found == pytest.approx(0.1 / np.sin(ANGLE), rel=FLOAT_RTOL)
+
+
 def test_path_along_the_axis_ends_at_the_back_wall():
     z, r, corner, _ = quadratic_mesh(30, 7)
     assert ray.exit_distance(z, r, corner, NOSE, 0.0) == pytest.approx(NOSE, rel=FLOAT_RTOL)

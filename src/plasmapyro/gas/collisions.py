@@ -117,7 +117,7 @@ def debye_length(temperature, electron_density):
 
     Notes
     -----
-    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827, eq. 2. ASSUME: ions screen like
+    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827. ASSUME: ions screen like
     electrons (singly charged, same temperature), as in Mutation++.
     """
     energy = VACUUM_PERMITTIVITY * BOLTZMANN * temperature

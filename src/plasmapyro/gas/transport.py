@@ -164,7 +164,7 @@ def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
 
     Notes
     -----
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424, eqs. 25 and A.6; for two species the same as
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (heavy-particle thermal diffusion ratios); for two species the same as
     Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50. A positive ratio drives a species to the cold side.
     """
     strength = (12 * integrals.cstar - 10) * mole_fraction[:, None, HEAVY] / diffusion[:, HEAVY, HEAVY]
@@ -246,7 +246,7 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
 
     Notes
     -----
-    Source: Hirschfelder, J. Chem. Phys. 26 (1957) 282, eq. 12. ASSUME: internal energy diffuses with
+    Source: Hirschfelder, J. Chem. Phys. 26 (1957) 282. ASSUME: internal energy diffuses with
     the particle (elastic D, no inelastic correction); that includes electronic energy of atoms.
     """
     x = mole_fraction[:, HEAVY]
@@ -289,7 +289,7 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 
     Notes
     -----
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424, eqs. 34 and 46; the same heat flux as
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system); the same heat flux as
     Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
     elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
     """
@@ -331,8 +331,8 @@ def electron_matrix(mole_fraction, integrals):
 
     Notes
     -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105, eqs. 13 to 18, in the notation of Magin & Degrez,
-    J. Comput. Phys. 198 (2004) 424, appendix A: electrons are decoupled from heavy particles by their
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez,
+    J. Comput. Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their
     mass.
     """
     x, electrons = mole_fraction[:, HEAVY], mole_fraction[:, ELECTRON]
@@ -379,7 +379,7 @@ def electron_conductivity(temperature, mole_fraction, integrals):
 
     Notes
     -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105, eq. 21.
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
     """
     matrix = electron_matrix(mole_fraction, integrals)
     share = matrix[:, 2, 2] / (matrix[:, 1, 1] * matrix[:, 2, 2] - matrix[:, 1, 2] ** 2)
@@ -408,7 +408,7 @@ def electrical_conductivity(temperature, mole_fraction, integrals):
 
     Notes
     -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105, eq. 19. ASSUME: the current of the ions is neglected.
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order). ASSUME: the current of the ions is neglected.
     """
     inverse = np.linalg.inv(electron_matrix(mole_fraction, integrals))[:, 0, 0]
     thermal = BOLTZMANN * temperature

@@ -90,7 +90,7 @@ def interpolate(values, face_node, face_midnode, location):
 
     Notes
     -----
-    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., eq. 8.27. Exact for quadratic
+    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8 (triangles). Exact for quadratic
     fields.
     """
     area = location.area
