@@ -113,7 +113,8 @@ def diatomic_levels(species):
 
     Notes
     -----
-    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants of Laher & Gilmore (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`.
+    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants
+    of Laher & Gilmore (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`.
     ASSUME: quasi-bound levels count up to the centrifugal barrier of a Morse potential of the same
     depth (they live long enough to take part). ASSUME: multiplets split by spin-orbit interaction
     only, Sigma states not at all; nuclear-spin alternation averages out above 100 K, except that the

@@ -90,8 +90,8 @@ def interpolate(values, face_node, face_midnode, location):
 
     Notes
     -----
-    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8 (triangles). Exact for quadratic
-    fields.
+    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8 (triangles).
+    Exact for quadratic fields.
     """
     area = location.area
     corner = values[face_node[location.face]] * area * (2 * area - 1)
