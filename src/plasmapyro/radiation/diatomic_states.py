@@ -19,6 +19,8 @@ HIGHEST_ROTATION = 200
 _REFERENCE_HWHM = 5.0 / (STANDARD_ATMOSPHERE / (BOLTZMANN * 296.0))  # [m2]
 COLLISION_HWHM = _REFERENCE_HWHM * (WIDTH_REFERENCE_TEMPERATURE / 296.0) ** VAN_DER_WAALS_EXPONENT  # [m2]
 
+ROUNDING = 1e-6  # [m-1]; the eigenvalue of a level at zero may come out this far below
+
 _VIBRATION = {"we": 1, "wexe": -1, "weye": 1, "weze": 1, "weae": 1}  # signs as printed
 _ROTATION = {"be": 1, "alphae": -1, "gammae": 1, "deltae": 1, "epsilone": 1}
 
@@ -99,7 +101,7 @@ def rovibration(values, reduced_mass, highest_level, count):
     rotation_number = np.arange(HIGHEST_ROTATION + 2)
     energy, wave, bound = vibrational_states(RADIUS, potential, reduced_mass, rotation_number, count)
     known = np.minimum(np.arange(count), highest_level)
-    term = values["origin"] - vibration(0.5) + energy + (vibration(known + 0.5) - energy[0, known])
+    term = values["origin"] + (energy - energy[0, known]) + (vibration(known + 0.5) - vibration(0.5))
     return term.T, wave, bound.T
 
 
@@ -194,6 +196,8 @@ def line_list(component, species, lines, decay, lost_fraction, reference_tempera
         Natural width of the vibrational level without rotation, collisions as `COLLISION_HWHM`.
     """
     keep = strong_enough(lines, reference_temperature, lost_fraction)
+    kept = {name: column[keep] for name, column in lines.items()}
+    kept["lower_energy"][np.abs(kept["lower_energy"]) < ROUNDING] = 0.0
     names = (
         "wavenumber",
         "upper_energy",
@@ -205,8 +209,8 @@ def line_list(component, species, lines, decay, lost_fraction, reference_tempera
     return LineList(
         component,
         species,
-        **{name: lines[name][keep] for name in names},
-        natural_hwhm=decay[lines["upper_v"][keep].astype(int)] / (4 * np.pi * LIGHT_SPEED),
+        **{name: kept[name] for name in names},
+        natural_hwhm=decay[kept["upper_v"].astype(int)] / (4 * np.pi * LIGHT_SPEED),
         van_der_waals_hwhm=COLLISION_HWHM,
         origin="published",
     )

@@ -11,6 +11,7 @@ from plasmapyro.radiation.diatomic_states import (
     rovibration,
     state_constants,
     system_lines,
+    tabulated_moments,
     transition_moments,
 )
 
@@ -121,3 +122,63 @@ def nitrogen_first_positive(wavenumber_range, *, lost_fraction, reference_temper
     """
     lines, decay = first_positive_lines(wavenumber_range)
     return line_list("N2 1P", "N2", lines, decay, lost_fraction, reference_temperature)
+
+
+def meinel_lines(wavenumber_range):
+    """Every line of N2+ A2Pi_u - X2Sigma_g+ with its quantum numbers, none dropped.
+
+    Parameters
+    ----------
+    wavenumber_range : (2,) [m-1]
+        Lowest and highest, vacuum.
+
+    Returns
+    -------
+    lines, decay
+        As from `diatomic_states.system_lines`.
+
+    Notes
+    -----
+    Source: constants of R. R. Laher, F. R. Gilmore, J. Phys. Chem. Ref. Data 20 (1991) 685; moments of
+    S. Chauveau, M.-Y. Perrin, P. Riviere, A. Soufiani, JQSRT 72 (2002) 503, strengths uncertain by 30 %.
+    ASSUME: the moments do not change with rotation. ASSUME: no spin-rotation splitting of X (0.01 N cm-1).
+    """
+    moment = tabulated_moments("molecules/nitrogen_ion_meinel_moment")
+    mass = NITROGEN_MASS / 2  # less half an electron: 2e-5
+    upper_values = state_constants(CONSTANTS, "N2+", "A2Pi_u")
+    lower_values = state_constants(CONSTANTS, "N2+", "X2Sigma_g+")
+    return system_lines(
+        ElectronicState(1, 0.5, 1, "u", spin_orbit=upper_values["spin_orbit"]),
+        rovibration(upper_values, mass, moment.shape[0] - 1, moment.shape[0]),
+        ElectronicState(0, 0.5, 1, "g"),
+        rovibration(lower_values, mass, moment.shape[1] - 1, moment.shape[1]),
+        moment[:, :, None],
+        wavenumber_range,
+        NITROGEN_SPIN,
+    )
+
+
+def nitrogen_ion_meinel(wavenumber_range, *, lost_fraction, reference_temperature):
+    """Line list of the Meinel system of N2+, A2Pi_u - X2Sigma_g+.
+
+    Parameters
+    ----------
+    wavenumber_range, lost_fraction, reference_temperature
+        As in `nitrogen_first_positive`.
+
+    Returns
+    -------
+    LineList
+        Component 'N2+ Meinel', species 'N2+', ascending wavenumber. Energies above X2Sigma_g+ (v = 0, N = 0).
+
+    Raises
+    ------
+    ValueError
+        As `nitrogen_first_positive`.
+
+    Notes
+    -----
+    Source: as `meinel_lines`. Strengths uncertain by 30 %.
+    """
+    lines, decay = meinel_lines(wavenumber_range)
+    return line_list("N2+ Meinel", "N2+", lines, decay, lost_fraction, reference_temperature)
