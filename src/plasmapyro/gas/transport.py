@@ -165,7 +165,8 @@ def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
     Notes
     -----
     Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (heavy-particle thermal diffusion
-    ratios); for two species the same as Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50. A positive ratio drives a species to the cold side.
+    ratios); for two species the same as Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50.
+    A positive ratio drives a species to the cold side.
     """
     strength = (12 * integrals.cstar - 10) * mole_fraction[:, None, HEAVY] / diffusion[:, HEAVY, HEAVY]
     share = HEAVY_MASS[:, None] * polarisation[:, None, :] - HEAVY_MASS * polarisation[:, :, None]
