@@ -101,7 +101,8 @@ def gridless_signal(
     total = 0.0
     for wavelength, radiance in lines:
         inside = (wavelength >= wavelength_range[0]) & (wavelength <= wavelength_range[1])
-        total += radiance[inside] @ respond(wavelength[inside], response_wavelength, responsivity)
+        weight = respond(wavelength[inside], response_wavelength, responsivity)
+        total += np.sum(radiance[inside] * weight)
     nodes = np.union1d(continuum_wavelength, response_wavelength)
     first = max(wavelength_range[0], response_wavelength[0])
     last = min(wavelength_range[1], response_wavelength[-1])

@@ -292,4 +292,6 @@ def free_bound_absorption(bound_free, wavenumber, temperature, number_density, p
     population = boltzmann_population(
         bound_free.energy, bound_free.degeneracy, temperature, number_density, partition_function
     )
-    return population @ bound_free.cross_section * -np.expm1(-_photon_ratio(wavenumber, temperature))
+    # einsum, not @: the bytes must not depend on the number of BLAS threads.
+    total = np.einsum("i,iw->w", population, bound_free.cross_section)
+    return total * -np.expm1(-_photon_ratio(wavenumber, temperature))

@@ -250,6 +250,7 @@ def spread(spreader, strength, hwhm, sigma):
     transform *= spreader.deconvolution * np.exp(-((sigma * steps) ** 2) / 2)
     profile = irfft(transform, n=spreader.weights.shape[0])
     near = profile[spreader.first : spreader.first + spreader.points] / spreader.step
-    far = spreader.far_kernel @ (spreader.far_gather @ (strength * relative))
+    # einsum, not @: the bytes must not depend on the number of BLAS threads.
+    far = np.einsum("fb,b->f", spreader.far_kernel, spreader.far_gather @ (strength * relative))
     place = np.linspace(0, FAR_POINTS - 1, spreader.points)
     return near + np.interp(place, np.arange(FAR_POINTS), far)

@@ -87,5 +87,6 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
     result = np.empty((*np.shape(radiance)[:-1], len(wavelength_slit)))
     for k, (low, high) in enumerate(zip(first, last, strict=True)):
         kernel = weight[low:high] * np.exp(-(((wavelength[low:high] - wavelength_slit[k]) / sigma) ** 2) / 2)
-        result[..., k] = radiance[..., low:high] @ (kernel / kernel.sum())
+        # einsum, not @: the bytes must not depend on the number of BLAS threads.
+        result[..., k] = np.einsum("...g,g->...", radiance[..., low:high], kernel / kernel.sum())
     return result
