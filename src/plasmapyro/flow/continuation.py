@@ -24,6 +24,10 @@ REJECTED_LOG_TEMPERATURE, REJECTED_VELOCITY = 0.5, 4.0
 SMALLEST_COURANT = 0.05
 HALVINGS = 6
 TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
+# From here on a step is Newton's for a frozen coupling, and Anderson's method takes over from
+# under-relaxation.
+ACCELERATED_COURANT = 500.0
+ACCELERATION_DEPTH = 5
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
 
 
@@ -93,10 +97,12 @@ def march(problem, state, power, schedule, label):
         Plasma extinguished, Courant number fallen to nothing, or not converged within `schedule.steps`.
     """
     space = problem.space
-    courant, coupling, steps = schedule.first_courant, None, []
+    courant, coupling, steps, memory = schedule.first_courant, None, [], []
     for number in range(1, schedule.steps + 1):
         target, current = problem.couple(state, power)
-        coupling = target if coupling is None else _blend(coupling, target, schedule.relaxation)
+        accelerate = courant >= ACCELERATED_COURANT
+        relaxed = coupling is not None and not accelerate
+        coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
         points = problem.points(state, coupling, courant)
         try:
             update, residual = problem.newton_update(state, points)
@@ -133,6 +139,9 @@ def march(problem, state, power, schedule, label):
                     f"(step {number}, residual {residual:.2e})"
                 )
             continue
+        if accelerate:
+            memory = [*memory, (state, update)][-ACCELERATION_DEPTH - 1 :]
+            update = _accelerated(memory)
         state = _applied(problem, state, damping * update)
         if (
             step.velocity_change < schedule.velocity_tolerance
@@ -170,6 +179,20 @@ def _applied(problem, state, update):
             return new
         clipped = clipped / 2
     return state
+
+
+def _accelerated(memory):
+    """Anderson's update from the last pairs (state x_k, update f_k).
+
+    With the differences dX, dF of successive pairs:  f - (dX + dF) g,  g = argmin |f - dF g|.
+    Source: Walker and Ni, SIAM J. Numer. Anal. 49 (2011) 1715, section 2.
+    """
+    states, updates = (np.array(column) for column in zip(*memory, strict=True))
+    if len(updates) == 1:
+        return updates[0]
+    state_steps, update_steps = np.diff(states, axis=0).T, np.diff(updates, axis=0).T
+    weights = np.linalg.lstsq(update_steps, updates[-1], rcond=1e-8)[0]
+    return updates[-1] - (state_steps + update_steps) @ weights
 
 
 def _blend(old, new, share):

@@ -13,7 +13,7 @@ import scipy.sparse as sparse
 from skfem import CellBasis, ElementTriP1, ElementTriP2, FacetBasis
 
 ELEMENTS = {1: ElementTriP1, 2: ElementTriP2}
-QUADRATURE_ORDER = 4  # exact for the P2 mass matrix; six points
+QUADRATURE_ORDER = {1: 2, 2: 4}  # by highest element order: exact mass matrix, 3 and 6 points
 COMPONENTS = 3  # value, d/dz, d/dr
 
 
@@ -40,8 +40,9 @@ class Space:
     def __init__(self, mesh, orders):
         self.mesh = mesh
         self.orders = tuple(orders)
+        self._quadrature = QUADRATURE_ORDER[max(self.orders)]
         self._bases = {
-            order: CellBasis(mesh, ELEMENTS[order](), intorder=QUADRATURE_ORDER) for order in set(orders)
+            order: CellBasis(mesh, ELEMENTS[order](), intorder=self._quadrature) for order in set(orders)
         }
         counts = [self._bases[order].N for order in self.orders]
         self.offsets = np.concatenate([[0], np.cumsum(counts)])
@@ -66,7 +67,7 @@ class Space:
         """Patch of some of the cells, by their index in the mesh."""
         return self._patch(
             {
-                order: CellBasis(self.mesh, ELEMENTS[order](), intorder=QUADRATURE_ORDER, elements=elements)
+                order: CellBasis(self.mesh, ELEMENTS[order](), intorder=self._quadrature, elements=elements)
                 for order in self._bases
             }
         )
@@ -79,7 +80,7 @@ class Space:
         """Patch of the named boundaries."""
         facets = np.concatenate([self.mesh.boundaries[name] for name in names])
         bases = {
-            order: FacetBasis(self.mesh, ELEMENTS[order](), facets=facets, intorder=QUADRATURE_ORDER)
+            order: FacetBasis(self.mesh, ELEMENTS[order](), facets=facets, intorder=self._quadrature)
             for order in self._bases
         }
         return self._patch(bases, normal=next(iter(bases.values())).normals)
@@ -139,13 +140,17 @@ class Space:
         contribution = np.matmul(weighted, patch.shape.reshape(elements, points * rows, local))[:, 0]
         return np.bincount(patch.dofs.ravel(), contribution.ravel(), minlength=self.size)
 
-    def jacobian(self, patch, derivatives):
-        """CSR data (nnz,) of the Jacobian with density derivatives (E, Q, 3 n outputs, 3 n inputs)."""
-        elements, points, rows, local = patch.shape.shape
-        weighted = derivatives * patch.weight[:, :, None, None]
-        trial = np.matmul(weighted, patch.shape).reshape(elements, points * rows, local)
-        test = patch.shape.reshape(elements, points * rows, local)
-        matrices = np.matmul(test.transpose(0, 2, 1), trial)
+    @staticmethod
+    def element_matrices(patch, derivatives, part=slice(None)):
+        """Element matrices (E, L, L) of some elements with density derivatives (E, Q, outputs, inputs)."""
+        shape = patch.shape[part]
+        elements, points, rows, local = shape.shape
+        weighted = derivatives * patch.weight[part][:, :, None, None]
+        trial = np.matmul(weighted, shape).reshape(elements, points * rows, local)
+        return np.matmul(shape.reshape(elements, points * rows, local).transpose(0, 2, 1), trial)
+
+    def gathered(self, patch, matrices):
+        """CSR data (nnz,) of the sum of element matrices (E, L, L)."""
         places = self._cell_places if patch is self.cells else self._places(patch)
         return np.bincount(places, matrices.ravel(), minlength=len(self.indices))
 

@@ -95,7 +95,7 @@ class Torch:
 # probe nose carry steep gradients; the nose cells resolve the first 2 mm of the line of sight.
 EDGE_CELL = {
     "inlet": 0.65e-3,
-    "back_wall": 1.0e-3,
+    "back_wall": 0.6e-3,
     "tube_wall": 2e-3,
     "chamber_wall": 8e-3,
     "top": 9e-3,

@@ -88,18 +88,20 @@ class Induction:
         Subdomain 'flow', boundaries 'axis' and 'far'.
     frequency : float [Hz]
     ring_radius, ring_positions : [m]
+    order : int
+        Element order, 1 or 2.
     """
 
-    def __init__(self, mesh, frequency, ring_radius, ring_positions):
+    def __init__(self, mesh, frequency, ring_radius, ring_positions, order=2):
         self.angular_frequency = 2 * np.pi * frequency
         self._ring_radius, self._ring_positions = ring_radius, ring_positions
-        self._space = Space(mesh, (2,))
+        self._space = Space(mesh, (order,))
         self._plasma = self._space.subset(mesh.subdomains["flow"])
         whole = self._space.cells
         derivatives = np.zeros((*whole.r.shape, 3, 3))
         derivatives[..., 0, 0] = 1 / whole.r**2
         derivatives[..., 1, 1] = derivatives[..., 2, 2] = 1.0
-        self._vacuum = self._space.jacobian(whole, derivatives)
+        self._vacuum = self._space.gathered(whole, self._space.element_matrices(whole, derivatives))
         fixed = self._space.boundary_dofs(0, ("axis", "far"))
         self._free = np.setdiff1d(np.arange(self._space.size), fixed)
         entries = self._space.matrix(np.arange(1, len(self._vacuum) + 1))[self._free][:, self._free]
@@ -133,7 +135,7 @@ class Induction:
         strength = omega * VACUUM_PERMEABILITY * conductivity
         derivatives = np.zeros((*strength.shape, 3, 3))
         derivatives[..., 0, 0] = strength
-        data = self._vacuum + 1j * space.jacobian(plasma, derivatives)
+        data = self._vacuum + 1j * space.gathered(plasma, space.element_matrices(plasma, derivatives))
         matrix = self._free_pattern.astype(complex)
         matrix.data = data[self._entries]
         load = np.zeros((3, *strength.shape))

@@ -14,7 +14,6 @@ from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
-    INPUTS,
     LOG_TEMPERATURE,
     RADIAL,
     REFERENCE_PRESSURE,
@@ -56,7 +55,7 @@ class Problem:
         self.wall_temperature = wall_temperature
         self.mesh = flow_mesh(mesh, torch)
         self.space = Space(self.mesh, (order, order, order, 1))
-        self.induction = Induction(mesh, frequency, torch.coil_radius, torch.coil_positions)
+        self.induction = Induction(mesh, frequency, torch.coil_radius, torch.coil_positions, order)
         self._set_gas(properties, mass_flow_rate)
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
@@ -146,18 +145,20 @@ class Problem:
         """Sparse Jacobian of `residual` (size, size)."""
         cells = self.space.cells
         inputs = self.space.inputs(cells, state)
-        derivatives = np.empty((*cells.z.shape, INPUTS, INPUTS))
+        local_size = cells.dofs.shape[1]
+        matrices = np.empty((len(cells.dofs), local_size, local_size))
         for first in range(0, len(cells.z), CHUNK):
             part = slice(first, first + CHUNK)
             some = inputs[:, part]
             lines = property_lines(self.properties, np.exp(some[3 * LOG_TEMPERATURE]))
             local = points.part(part)
-            derivatives[part] = complex_step_derivatives(
+            derivatives = complex_step_derivatives(
                 lambda stepped, lines=lines, local=local: densities(stepped, lines, local), list(some)
             )
-        data = self.space.jacobian(cells, derivatives)
-        open_inputs = list(self.space.inputs(self._open, state))
-        data += self.space.jacobian(self._open, complex_step_derivatives(self._backflow, open_inputs))
+            matrices[part] = self.space.element_matrices(cells, derivatives, part)
+        data = self.space.gathered(cells, matrices)
+        backflow = complex_step_derivatives(self._backflow, list(self.space.inputs(self._open, state)))
+        data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
         return self.space.matrix(data)
 
     def newton_update(self, state, points):

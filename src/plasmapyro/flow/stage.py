@@ -29,6 +29,10 @@ SETTLING = Schedule(
     temperature_tolerance=0.1,
     converged_courant=30.0,
 )
+# Quadratic elements on the start mesh, only a first guess for the final mesh.
+UPGRADE = Schedule(
+    10.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
+)
 # Part of the way to another condition: the next part starts from here, only the last one has to be steady.
 UNDER_WAY = Schedule(
     30.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
@@ -120,12 +124,20 @@ def cold_start(
     positive("mass_flow_rate", mass_flow_rate, "kg s-1")
     properties = gas_properties(gas, chamber_pressure, setup.wall_temperature)
     label = f"cold start {power / 1e3:g} kW"
-    coarse = _problem(build_mesh(torch, start_mesh_factor), setup, properties, mass_flow_rate, 1)
-    state, steps = hot_torch(coarse), ()
+    coarse_mesh = build_mesh(torch, positive("start_mesh_factor", start_mesh_factor, "1"))
+    coarse = _problem(coarse_mesh, setup, properties, mass_flow_rate, 1)
+    state = hot_torch(coarse)
     for start_limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
-        part = march(coarse.with_limiter(start_limiter), state, power, schedule, f"{label}, linear elements")
-        state, steps = part.state, steps + part.steps
+        limited = coarse.with_limiter(start_limiter)
+        state = march(limited, state, power, schedule, f"{label}, linear elements").state
+    # One change at a time: linear to quadratic on one mesh, then the finer mesh.
+    source = coarse
+    if setup.mesh_factor < start_mesh_factor:
+        source = _problem(coarse_mesh, setup, properties, mass_flow_rate, 2, limiter)
+        state = transfer(state, coarse, source)
+        state = march(source, state, power, UPGRADE, f"{label}, start mesh").state
     fine = _problem(build_mesh(torch, setup.mesh_factor), setup, properties, mass_flow_rate, 2, limiter)
+    state = transfer(state, source, fine)
     final = Schedule(
         10.0,
         3000.0,
@@ -133,7 +145,7 @@ def cold_start(
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
     )
-    return _finished(fine, setup, transfer(state, coarse, fine), power, final, label)
+    return _finished(fine, setup, state, power, final, label)
 
 
 def condition(
