@@ -188,3 +188,27 @@ def test_a_hidden_effect_is_a_changed_scene(recorded):
     _, truth = campaign.record(calm, RESPONSE, [(1.0, GAS)], 3)
     shining = (truth.time > 0.3) & (truth.time < 299)
     np.testing.assert_allclose(truth.gas_scale[shining], 1.0, atol=1e-5)
+
+
+def test_effects_on_the_light_reach_the_instrument_they_are_meant_for(recorded):
+    base = campaign.Scene(condition="90kW")
+
+    def dirty(instrument, wavelength, time):
+        return np.where(time > 100, 0.9, 1.0) if instrument == "pyrometer" else 1.0
+
+    def lamp(instrument, wavelength, time, temperature):
+        return np.where(time < 0, 1e9, 0.0)
+
+    def half_after(wavelength, temperature, time):
+        return np.where(time > 200, 0.425, 0.85)
+
+    changes = {"transmittance": dirty, "extra_radiance": lamp, "emittance": half_after}
+    test, truth = campaign.record(dataclasses.replace(base, **changes), RESPONSE, [(1.0, GAS)], 3)
+    signal = test.signal_narrow / recorded[0].signal_narrow
+    assert float(signal.sel(time=slice(110, 190)).mean()) == pytest.approx(0.9, abs=1e-3)
+    assert float(signal.sel(time=slice(210, 290)).mean()) == pytest.approx(0.45, abs=2e-3)  # gas: 1e-3
+    assert float(signal.sel(time=slice(-10, -1)).min()) > 2
+    net = (test.counts - test.background_counts) / (recorded[0].counts - test.background_counts)
+    assert float(net.sel(spectrum_time=150).median()) == pytest.approx(1, abs=0.01)
+    assert float(net.sel(spectrum_time=250).median()) == pytest.approx(0.5, abs=0.01)
+    assert truth.surface_temperature.equals(recorded[1].surface_temperature)

@@ -1,11 +1,12 @@
 """The files of a campaign: calibration of both instruments, and one test with its sealed truth.
 
-Every function returns datasets; `write` stores them. A hidden effect is a function that takes a
-`Scene` and returns another one (`dataclasses.replace`): it can change the light, the instruments, the
-sample or the clock without touching the rest.
+Every function returns datasets; `write` stores them. A hidden effect is another `Scene`
+(`dataclasses.replace`): it can change the light, the instruments, the sample or the plasma without
+touching the rest.
 """
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,9 +22,24 @@ TICK = 0.05  # [s] step of the hidden history; the pyrometer samples every secon
 DARK_SCANS = 20
 
 
+def _nothing(instrument, wavelength, time, temperature):
+    """No light besides that of surface and gas [W m-2 sr-1 m-1]."""
+    return 0.0
+
+
+def _unchanged(instrument, wavelength, time):
+    """Windows and air transmit as they did during the calibration."""
+    return 1.0
+
+
 @dataclass(frozen=True)
 class Scene:
-    """Everything that is true about a test. Times [s], 0 at injection."""
+    """Everything that is true about a test. Times [s], 0 at injection.
+
+    The three functions are the places for hidden effects on the light. They get the instrument
+    ('pyrometer' or 'spectrometer') where it matters, wavelengths (B,) [m], and times and surface
+    temperatures of shape (t, 1), and return what broadcasts to (t, B).
+    """
 
     condition: str  # simulation to compare with, as the laboratory believes
     start: float = -20.0
@@ -43,6 +59,15 @@ class Scene:
     plasma: Plasma = field(default_factory=Plasma)
     pyrometer: Pyrometer = field(default_factory=Pyrometer)
     spectrometer: Spectrometer = field(default_factory=Spectrometer)
+    emittance: Callable | None = None  # (wavelength, temperature, time); None: grey, that of the sample
+    transmittance: Callable = _unchanged  # (instrument, wavelength, time), relative to the calibration
+    extra_radiance: Callable = _nothing  # (instrument, wavelength, time, temperature)
+
+    def surface_emittance(self, wavelength, temperature, time):
+        """Emittance of the surface where it is looked at."""
+        if self.emittance is None:
+            return self.sample.emittance
+        return self.emittance(wavelength, temperature, time)
 
 
 @dataclass(frozen=True)
@@ -151,16 +176,15 @@ def record(scene, response, gas, seed):
     tick = np.arange(scene.start, scene.end + TICK / 2, TICK)
     temperature = history(scene.sample, tick, scene.plasma_off_time)
     scale = brightness(scene.plasma, tick, scene.plasma_off_time, _streams(seed, "plasma"))
-    injected = tick >= 0
 
     time = np.round(np.arange(scene.start, scene.end + 1e-9, scene.pyrometer_period), 9)
     moment = np.rint((time - scene.start) / TICK).astype(int)
-    clean = _signals(scene, response, gas, temperature[moment], scale[moment], injected[moment])
+    clean = _signals(scene, response, gas, time, temperature[moment], scale[moment])
     wide, narrow = sensors.pyrometer_reading(scene.pyrometer, clean, _streams(seed, "signals"))
 
     middle, frames = _exposures(scene, tick)
     pixels = scene.spectrometer.wavelength
-    radiance = _spectra(scene, gas, temperature[frames], scale[frames], injected[frames])
+    radiance = _spectra(scene, gas, tick[frames], temperature[frames], scale[frames])
     pattern = sensors.offset_pattern(scene.spectrometer, _streams(seed, "pixels"))
     random, exposure = _streams(seed, "counts"), scene.spectrometer_integration_time
     rate = scene.spectrometer.rate_per_radiance(light.planck) * radiance
@@ -225,26 +249,34 @@ def record(scene, response, gas, seed):
     return test, truth
 
 
-def _signals(scene, response, gas, temperature, scale, injected):
+def _light(scene, instrument, wavelength, plume, time, temperature, scale):
+    """Radiance (t, B) that reaches an instrument at the times (t,); `plume` (B,) is the gas at scale 1."""
+    time, temperature, scale = time[:, None], temperature[:, None], scale[:, None]
+    surface = scene.surface_emittance(wavelength, temperature, time) * light.planck(wavelength, temperature)
+    extra = scene.extra_radiance(instrument, wavelength, time, temperature)
+    window = scene.transmittance(instrument, wavelength, time)
+    return window * (np.where(time >= 0, surface, 0.0) + scale * plume + extra)
+
+
+def _signals(scene, response, gas, time, temperature, scale):
     """Clean signals (2, t) [A] at the given instants (the 10 ms of a reading change nothing)."""
     rows = []
     for gain, name in zip(scene.pyrometer.gains, ("responsivity_wide", "responsivity_narrow"), strict=True):
         edges, centres, weight = light.band(response.wavelength.values, response[name].values)
-        surface = scene.sample.emittance * (light.planck(centres, temperature[:, None]) @ weight)
-        rows.append(gain * (injected * surface + scale * (_gas_bins(gas, edges) @ weight)))
+        plume = _gas_bins(gas, edges)
+        rows.append(gain * (_light(scene, "pyrometer", centres, plume, time, temperature, scale) @ weight))
     return np.stack(rows)
 
 
-def _spectra(scene, gas, temperature, scale, injected):
+def _spectra(scene, gas, time, temperature, scale):
     """Clean radiance (S, W) as the pixels see it; the inputs are (S, n), n instants of each exposure."""
     device = scene.spectrometer
     edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
     plume = light.through_slit(edges, _gas_bins(gas, edges), device.wavelength, device.fwhm)
-    frames = []
-    for heat, glow, present in zip(temperature, scale, injected, strict=True):
-        body = light.planck(device.wavelength, heat[:, None]) * present[:, None]
-        frames.append(scene.sample.emittance * body.mean(axis=0) + glow.mean() * plume)
-    return np.stack(frames)
+    instants = zip(time, temperature, scale, strict=True)
+    return np.stack(
+        [_light(scene, "spectrometer", device.wavelength, plume, *one).mean(axis=0) for one in instants]
+    )
 
 
 def _gas_bins(gas, edges):

@@ -48,7 +48,7 @@ def reference_signal(time, signal, window):
 
     Notes
     -----
-    Source: Fagnani et al., eq. 11. Deviation: the uncertainty of the mean is carried along.
+    Source: Fagnani et al., eq. 12. Deviation: the uncertainty of the mean is carried along.
     """
     time = increasing("time", time, "s")
     inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signal)
@@ -81,7 +81,7 @@ def corrected_signal(signal, reference, injected, shining):
 
     Notes
     -----
-    Source: Fagnani et al., eqs. 12 and 13 (signals and spectra). ASSUME: the gas radiance of the
+    Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the
     reference window holds until the plasma is switched off.
     """
     reduced = np.asarray(signal, dtype=float) - np.where(shining, np.asarray(reference)[..., None], 0.0)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.radiation.planck import blackbody_radiance
 
 STEPS = 40  # Gauss-Newton steps allowed; a handful suffices from the starting grid
@@ -15,6 +15,7 @@ def shape_and_slope(wavelength, inverse_temperature):
     r"""Planck's law and its logarithmic derivative with respect to inverse temperature.
 
     .. math:: \frac{d\ln L}{d\beta} = -\frac{c_2}{\lambda}\,\frac{1}{1 - e^{-c_2\beta/\lambda}}
+              = -\frac{c_2}{\lambda}\left(1 + \frac{\lambda^5 L}{2hc^2}\right)
 
     Parameters
     ----------
@@ -26,11 +27,9 @@ def shape_and_slope(wavelength, inverse_temperature):
     radiance : (R, W) ndarray [W m-2 sr-1 m-1]
     slope : (R, W) ndarray [K]
     """
-    beta = np.asarray(inverse_temperature, dtype=float)[:, None]
-    return (
-        blackbody_radiance(wavelength, 1 / beta),
-        SECOND_RADIATION / wavelength / np.expm1(-SECOND_RADIATION * beta / wavelength),
-    )
+    radiance = blackbody_radiance(wavelength, 1 / np.asarray(inverse_temperature, dtype=float)[:, None])
+    photons = wavelength**5 / FIRST_RADIATION * radiance
+    return radiance, -SECOND_RADIATION / wavelength * (1 + photons)
 
 
 def normalised(values, usable, pivot):

@@ -4,9 +4,15 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.experiment import correction, inputs, signals, spectra, status
-from plasmapyro.instrument.calibration import require_rising, spread
+from plasmapyro.experiment.frame import (
+    FrameFit,
+    factor_errors,
+    fit_frame,
+    fitted_curve,
+    pivot_signal_to_noise,
+)
+from plasmapyro.instrument.calibration import require_rising
 from plasmapyro.instrument.spectrometer import USABLE, local_noise, measured_radiance
-from plasmapyro.radiation.planck import blackbody_radiance
 
 BANDS = ("wide", "narrow")
 CARRIED = (
@@ -52,7 +58,7 @@ def correct_pyrometer(
 
     Notes
     -----
-    Source: Fagnani et al., eqs. 11 and 12, sec. 5.2.
+    Source: Fagnani et al., eqs. 12 and 13, sec. 5.2.
     """
     test = inputs.require(test, "pyrometer")
     time = test.time.values
@@ -177,7 +183,7 @@ def correct_spectra(
 
     Notes
     -----
-    Source: Fagnani et al., eqs. 8 and 13, sec. 5.3. The temperatures come from two fits: the paper's,
+    Source: Fagnani et al., eqs. 8 and 14, sec. 5.3. The temperatures come from two fits: the paper's,
     normalised at a pivot (`spectrometer_temperature`), and one with a free scale in units of the noise
     (`scaled_temperature`), which needs no pivot and gives the apparent emittance as well.
     """
@@ -189,50 +195,34 @@ def correct_spectra(
     corrected = signals.corrected_signal(radiance.T, reference, injected, shining).T
     noise = np.where(np.isfinite(corrected), local_noise(corrected, noise_block), np.nan)
     gas = np.where(shining[:, None], reference, 0.0)
-    uncertainty = np.hypot(noise, gas_variation * gas)
-    usable = np.isfinite(corrected) & (uncertainty > 0)
+    usable = np.isfinite(corrected) & (np.hypot(noise, gas_variation * gas) > 0)
     pivot = np.abs(wavelength - normalisation_wavelength) <= normalisation_half_width
     if not pivot.any():
         raise ValueError(
             f"no pixel within {normalisation_half_width * 1e9:g} nm of the normalisation wavelength"
             f" {normalisation_wavelength * 1e9:g} nm; the spectra end at {wavelength[-1] * 1e9:g} nm"
         )
-    clear = spectra.normalised(corrected, usable, pivot)
-    to_noise = _pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
+    to_noise = pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
     state = _spectrum_status(test, time, injected, usable & pivot, to_noise, least_signal_to_noise)
-
-    pivot_temperature, scaled_temperature, scale = (np.full(time.size, np.nan) for _ in range(3))
-    pivot_spread, scaled_spread, scale_spread = (np.full(time.size, np.nan) for _ in range(3))
-    curve = np.full(corrected.shape, np.nan)
-    common = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
+    factor_error, gas_level = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
+    fits = np.full((time.size, len(FrameFit._fields)), np.nan)
     for frame in np.flatnonzero(state == status.VALID):
-        one = (corrected[frame : frame + 1], usable[frame : frame + 1])
-        spreads = uncertainty[frame : frame + 1]
-        found = spectra.fit_normalised(wavelength, *one, pivot, temperature_range)
-        best, size = spectra.fit_scaled(wavelength, one[0], spreads, one[1], temperature_range)
-        pivot_temperature[frame], scaled_temperature[frame], scale[frame] = found[0], best[0], size[0]
-        if np.isnan(found[0]) or np.isnan(best[0]):
-            continue
-        shape = blackbody_radiance(wavelength, found[0])[None]
-        curve[frame] = spectra.normalised(shape, one[1], pivot)[0]
-        sample = _draws(corrected[frame], noise[frame], gas[frame], common, seed, frame)
-        many = np.broadcast_to(one[1], sample.shape)
-        drawn = spectra.fit_normalised(
-            wavelength, sample, many, pivot, temperature_range, start=np.full(draws, found[0])
-        )
-        again, sizes = spectra.fit_scaled(
+        fits[frame] = fit_frame(
             wavelength,
-            sample,
-            np.broadcast_to(spreads, sample.shape),
-            many,
+            corrected[frame],
+            noise[frame],
+            gas[frame],
+            usable[frame],
+            pivot,
             temperature_range,
-            start=np.full(draws, best[0]),
+            gas_variation,
+            factor_error,
+            gas_level,
+            np.random.default_rng([seed, 1, frame]),
         )
-        pivot_spread[frame], scaled_spread[frame] = spread(drawn), spread(again)
-        scale_spread[frame] = spread(sizes)
-    lost = (state == status.VALID) & (np.isnan(pivot_temperature) | np.isnan(scaled_temperature))
-    state[lost] = status.NO_SIGNAL
-    held = state == status.VALID
+    found = FrameFit(*fits.T)
+    # A spectrum that no black body in the range resembles holds no signal of one.
+    state[(state == status.VALID) & np.isnan(found.temperature)] = status.NO_SIGNAL
     across = ("spectrum_time", "wavelength")
     return xr.Dataset(
         {
@@ -241,14 +231,14 @@ def correct_spectra(
             "spectral_radiance": (across, radiance),
             "corrected_radiance": (across, corrected),
             "radiance_noise": (across, noise),
-            "normalised_radiance": (across, clear),
-            "normalised_fit": (across, curve),
-            "spectrometer_temperature": ("spectrum_time", np.where(held, pivot_temperature, np.nan)),
-            "spectrometer_temperature_uncertainty": ("spectrum_time", pivot_spread),
-            "scaled_temperature": ("spectrum_time", np.where(held, scaled_temperature, np.nan)),
-            "scaled_temperature_uncertainty": ("spectrum_time", scaled_spread),
-            "apparent_emittance": ("spectrum_time", np.where(held, scale, np.nan)),
-            "apparent_emittance_uncertainty": ("spectrum_time", scale_spread),
+            "normalised_radiance": (across, spectra.normalised(corrected, usable, pivot)),
+            "normalised_fit": (across, fitted_curve(wavelength, found.temperature, usable, pivot)),
+            "spectrometer_temperature": ("spectrum_time", found.temperature),
+            "spectrometer_temperature_uncertainty": ("spectrum_time", found.temperature_uncertainty),
+            "scaled_temperature": ("spectrum_time", found.scaled_temperature),
+            "scaled_temperature_uncertainty": ("spectrum_time", found.scaled_temperature_uncertainty),
+            "apparent_emittance": ("spectrum_time", found.scale),
+            "apparent_emittance_uncertainty": ("spectrum_time", found.scale_uncertainty),
             "signal_to_noise": ("spectrum_time", to_noise),
             "spectrum_status": ("spectrum_time", state, status.flags()),
         },
@@ -301,18 +291,6 @@ def _reference_index(test, reference_time):
     return index
 
 
-def _pivot_signal_to_noise(corrected, noise, gas_error, chosen):
-    """Mean corrected radiance of the pivot pixels (S,) over its uncertainty: noise averages, gas does not."""
-    count = np.maximum(chosen.sum(axis=1), 1)
-
-    def total(values):
-        return np.where(chosen, values, 0.0).sum(axis=1)
-
-    spread_of_mean = np.hypot(np.sqrt(total(noise**2)), total(gas_error)) / count
-    mean = total(corrected) / count
-    return np.where(chosen.any(axis=1), mean / np.where(spread_of_mean > 0, spread_of_mean, np.nan), np.nan)
-
-
 def _spectrum_status(test, time, injected, chosen, to_noise, least):
     half = test.attrs["spectrometer_integration_time"] / 2
     state = np.full(time.size, status.VALID, dtype="int8")
@@ -325,23 +303,17 @@ def _spectrum_status(test, time, injected, chosen, to_noise, least):
 
 
 def _common_errors(calibration, wavelength, gas_variation, draws, seed):
-    """Draws of what errs alike in all spectra: calibration factor (D, W), relative; gas level (D, 1)."""
+    """Draws of what errs alike in all spectra: calibration factor (D, W) and gas level (D, 1), relative."""
     generator = np.random.default_rng([seed, 0])
     level = gas_variation * generator.standard_normal((draws, 1))
     if calibration is None:
         return np.zeros((draws, 1)), level
-    source = float(calibration.source_temperature)
-    actual = source + float(calibration.source_temperature_uncertainty) * generator.standard_normal(
-        (draws, 1)
+    errors = factor_errors(
+        wavelength,
+        float(calibration.source_temperature),
+        float(calibration.source_temperature_uncertainty),
+        calibration.calibration_factor_uncertainty.values,
+        draws,
+        generator,
     )
-    bias = blackbody_radiance(wavelength, actual) / blackbody_radiance(wavelength, source) - 1
-    pixel = np.nan_to_num(calibration.calibration_factor_uncertainty.values)
-    return bias + pixel * generator.standard_normal((draws, wavelength.size)), level
-
-
-def _draws(corrected, noise, gas, common, seed, frame):
-    """Draws (D, W) of one corrected spectrum."""
-    factor, level = common
-    generator = np.random.default_rng([seed, 1, frame])
-    own = np.nan_to_num(noise) * generator.standard_normal((level.shape[0], corrected.size))
-    return corrected * (1 + factor) + own - level * gas
+    return errors, level

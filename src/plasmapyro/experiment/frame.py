@@ -1,0 +1,150 @@
+"""One exposure of the spectrometer: how good it is, its temperatures, and their uncertainties."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from plasmapyro.experiment.spectra import fit_normalised, fit_scaled, normalised
+from plasmapyro.instrument.calibration import spread
+from plasmapyro.radiation.planck import blackbody_radiance
+
+
+class FrameFit(NamedTuple):
+    """Results of one exposure; all NaN if one of the two fits failed."""
+
+    temperature: float = np.nan  # [K] normalised fit
+    temperature_uncertainty: float = np.nan
+    scaled_temperature: float = np.nan  # [K] fit with a free scale
+    scaled_temperature_uncertainty: float = np.nan
+    scale: float = np.nan  # [1]
+    scale_uncertainty: float = np.nan
+
+
+def pivot_signal_to_noise(corrected, noise, gas_error, chosen):
+    r"""Mean corrected radiance of the pivot pixels over its standard uncertainty.
+
+    .. math:: u^2 = \frac1{N^2}\sum_n \sigma_n^2 + \Big(\frac1N \sum_n v L^{ref}_n\Big)^2
+
+    The noise of N pixels averages out, the level of the gas does not.
+
+    Parameters
+    ----------
+    corrected, noise, gas_error : (S, W) arrays [W m-2 sr-1 m-1]
+    chosen : (S, W) bool array
+        Usable pixels of the pivot.
+
+    Returns
+    -------
+    (S,) ndarray [1], NaN without a usable pixel
+    """
+    count = np.maximum(chosen.sum(axis=1), 1)
+
+    def total(values):
+        return np.where(chosen, values, 0.0).sum(axis=1)
+
+    spread_of_mean = np.hypot(np.sqrt(total(noise**2)), total(gas_error)) / count
+    mean = total(corrected) / count
+    return np.where(chosen.any(axis=1), mean / np.where(spread_of_mean > 0, spread_of_mean, np.nan), np.nan)
+
+
+def factor_errors(wavelength, source_temperature, source_uncertainty, factor_uncertainty, draws, generator):
+    r"""Draws of the relative error of the calibration factor, common to all exposures.
+
+    .. math:: \delta f = \frac{L^{bb}(T_s + \delta T)}{L^{bb}(T_s)} - 1 + \delta_\lambda
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    source_temperature, source_uncertainty : float [K]
+    factor_uncertainty : (W,) array [1]
+        Relative, from counting noise; NaN in unusable pixels.
+    draws : int
+    generator : numpy Generator
+
+    Returns
+    -------
+    (draws, W) ndarray [1]
+    """
+    actual = source_temperature + source_uncertainty * generator.standard_normal((draws, 1))
+    bias = blackbody_radiance(wavelength, actual) / blackbody_radiance(wavelength, source_temperature) - 1
+    return bias + np.nan_to_num(factor_uncertainty) * generator.standard_normal((draws, wavelength.size))
+
+
+def fit_frame(
+    wavelength,
+    corrected,
+    noise,
+    gas,
+    usable,
+    pivot,
+    temperature_range,
+    gas_variation,
+    factor_error,
+    gas_level,
+    generator,
+):
+    """Both Planck fits of one corrected spectrum, with Monte Carlo uncertainties.
+
+    Every draw takes its own noise, its own calibration factor and its own level of the gas, and is
+    fitted anew.
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    corrected, noise : (W,) arrays [W m-2 sr-1 m-1]
+    gas : (W,) array [W m-2 sr-1 m-1]
+        Reference spectrum that was taken away, 0 if none was.
+    usable, pivot : (W,) bool arrays
+    temperature_range : (2,) floats [K]
+    gas_variation : float [1]
+        Enters the weights of the scaled fit: pixels with strong gas lines count less.
+    factor_error : (D, W) or (D, 1) array [1]
+        Draws of the relative error of the calibration factor.
+    gas_level : (D, 1) array [1]
+        Draws of the relative change of the gas since the reference spectrum.
+    generator : numpy Generator, for the noise
+
+    Returns
+    -------
+    FrameFit
+
+    Notes
+    -----
+    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step) and 5.3.
+    """
+    mask, weight = usable[None], np.hypot(noise, gas_variation * gas)[None]
+    (best,) = fit_normalised(wavelength, corrected[None], mask, pivot, temperature_range)
+    (scaled,), (scale,) = fit_scaled(wavelength, corrected[None], weight, mask, temperature_range)
+    if np.isnan(best) or np.isnan(scaled):
+        return FrameFit()
+    own = np.nan_to_num(noise) * generator.standard_normal((gas_level.shape[0], wavelength.size))
+    drawn = corrected * (1 + factor_error) + own - gas_level * gas
+    every = np.broadcast_to(mask, drawn.shape)
+    start = np.ones(drawn.shape[0])
+    temperatures = fit_normalised(wavelength, drawn, every, pivot, temperature_range, start * best)
+    scaled_ones, scales = fit_scaled(
+        wavelength, drawn, np.broadcast_to(weight, drawn.shape), every, temperature_range, start * scaled
+    )
+    return FrameFit(best, spread(temperatures), scaled, spread(scaled_ones), scale, spread(scales))
+
+
+def fitted_curve(wavelength, temperature, usable, pivot):
+    """Black body at each temperature over its mean at the pivot pixels; NaN for NaN.
+
+    Parameters
+    ----------
+    wavelength : (W,) array [m]
+    temperature : (S,) array [K]
+    usable : (S, W) bool array
+    pivot : (W,) bool array
+
+    Returns
+    -------
+    (S, W) ndarray [1]
+    """
+    curve = np.full(usable.shape, np.nan)
+    found = np.isfinite(temperature)
+    if found.any():
+        body = blackbody_radiance(wavelength, temperature[found][:, None])
+        curve[found] = normalised(body, usable[found], pivot)
+    return curve
