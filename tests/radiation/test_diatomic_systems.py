@@ -7,6 +7,7 @@ from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation import nitric_oxide, nitrogen
+from plasmapyro.radiation.diatomic_curves import kinetic_factor
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
 from plasmapyro.radiation.diatomic_states import (
     RADIUS,
@@ -69,6 +70,19 @@ def test_origins_of_the_bands():
     lower = states("gas/diatomic_oxygen", "NO", "A2Sigma+", nitric_oxide.REDUCED_MASS, 9)[0]
     assert 1e10 / (upper[0, 0] - lower[0, 0]) == pytest.approx(10998.0, abs=3.0)
     assert lower[0, 0] == pytest.approx(44200.2e2, abs=2e2)  # gamma 0-0, from X2Pi1/2
+
+
+def test_equilibrium_distances_follow_from_masses_and_rotational_constants():
+    """K. P. Huber, G. Herzberg (1979), re [Angstrom]."""
+    nitrogen_pair = nitrogen.NITROGEN_MASS / 2
+    for table, species, name, mass, published in (
+        ("gas/diatomic_nitrogen", "N2", "A3Sigma_u+", nitrogen_pair, 1.2866),
+        ("gas/diatomic_nitrogen", "N2", "B3Pi_g", nitrogen_pair, 1.2126),
+        ("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", nitrogen_pair, 1.1164),
+        ("gas/diatomic_oxygen", "NO", "A2Sigma+", nitric_oxide.REDUCED_MASS, 1.0634),
+    ):
+        rotation = state_constants(table, species, name)["be"]
+        assert 1e10 * np.sqrt(kinetic_factor(mass) / rotation) == pytest.approx(published, abs=5e-4)
 
 
 def test_meinel_strengths_come_from_one_smooth_moment():
