@@ -139,6 +139,25 @@ def test_covariance_of_the_fit_is_the_scatter_of_repeated_calibrations():
     assert factors.std() == pytest.approx(predicted_factor, rel=MONTE_CARLO_RTOL)
 
 
+def test_uncertainties_of_the_sensitivities_are_those_of_the_means(calibrated):
+    def uncertainty(value, count):
+        slope = (np.log(value(SOURCE + 0.1)) - np.log(value(SOURCE - 0.1))) / 0.2
+        return np.sqrt(count * 0.01**2 / SOURCE.size + (3.0 * slope.mean()) ** 2)
+
+    ratio = uncertainty(lambda source: band(source, "wide") / band(source, "narrow"), 2)
+    assert float(calibrated.sensitivity_ratio_uncertainty) == pytest.approx(0.315 * ratio, rel=1e-6)
+    for name in ("wide", "narrow"):
+        own = uncertainty(lambda source, name=name: band(source, name), 1)
+        found = calibrated.absolute_sensitivity_uncertainty / calibrated.absolute_sensitivity
+        assert float(found.sel(band=name)) == pytest.approx(own, rel=1e-6)
+
+
+def test_tabulated_fit_passes_where_the_residuals_say(calibrated):
+    between = np.interp(SOURCE[1:-1], calibrated.calibration_temperature, calibrated.fitted_ratio)
+    residual = calibrated.point_ratio.values[1:-1] / between - 1
+    np.testing.assert_allclose(residual, calibrated.fit_residual[1:-1], atol=1e-5)  # 10 K steps
+
+
 def test_monte_carlo_agrees_with_linear_propagation():
     coefficient, fit_range = np.array([0.40, 0.12, -0.003]), (973.0, 1773.0)
     covariance = np.diag([1e-6, 2e-6, 4e-6])

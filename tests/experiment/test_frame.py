@@ -1,0 +1,52 @@
+"""One exposure: errors of the calibration factor, failed fits."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.experiment.frame import factor_errors, fit_frame, fitted_curve
+from plasmapyro.radiation.planck import blackbody_radiance
+
+WAVELENGTH = np.linspace(750e-9, 1030e-9, 50)
+MANY = 20000
+
+
+def test_source_and_counting_add_in_squares():
+    pixel = np.full(50, 0.02)
+    draws = factor_errors(WAVELENGTH, 1773.0, 3.0, pixel, MANY, np.random.default_rng(1))
+    source = 3.0 * SECOND_RADIATION / (WAVELENGTH * 1773.0**2)  # Wien: d ln L / dT
+    np.testing.assert_allclose(draws.std(axis=0), np.hypot(source, 0.02), rtol=0.02)  # 4 sigma of MANY
+    # Only the source moves two pixels together.
+    together = np.corrcoef(draws[:, 10], draws[:, 40])[0, 1]
+    expected = source[10] * source[40] / np.hypot(source[10], 0.02) / np.hypot(source[40], 0.02)
+    assert together == pytest.approx(expected, abs=0.03)
+
+
+def test_unusable_pixels_add_nothing_to_the_draws():
+    draws = factor_errors(WAVELENGTH, 1773.0, 0.0, np.full(50, np.nan), 3, np.random.default_rng(1))
+    assert (draws == 0).all()
+
+
+def test_failed_fit_gives_nothing_at_all():
+    cold = blackbody_radiance(WAVELENGTH, 500.0)
+    found = fit_frame(
+        WAVELENGTH,
+        cold,
+        0.01 * cold,
+        0 * cold,
+        np.ones(50, dtype=bool),
+        WAVELENGTH > 1020e-9,
+        (600.0, 3500.0),
+        0.0,
+        np.zeros((10, 1)),
+        np.zeros((10, 1)),
+        np.random.default_rng(1),
+    )
+    assert np.isnan(found).all()
+
+
+def test_curve_of_no_temperature_is_empty():
+    usable = np.ones((2, 50), dtype=bool)
+    curve = fitted_curve(WAVELENGTH, np.array([np.nan, 1500.0]), usable, WAVELENGTH > 1029e-9)
+    assert np.isnan(curve[0]).all() and curve[1, -1] == pytest.approx(1, rel=1e-12)
+    assert np.isnan(fitted_curve(WAVELENGTH, np.full(2, np.nan), usable, WAVELENGTH > 1029e-9)).all()
