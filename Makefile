@@ -16,7 +16,7 @@ test: .venv/installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow/rules
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses $(CORES)
 
 reproduce: .venv/installed
 	$(BIN)/python workflow/reproduce.py
