@@ -341,6 +341,12 @@ DATASETS = {
         "responsivity_wide": ("wavelength",),
         "responsivity_narrow": ("wavelength",),
     },
+    "ratio_curve": {
+        "sensitivity_ratio": (),
+        "calibration_temperature": ("calibration_temperature",),
+        "calibration_ratio": ("calibration_temperature",),
+        "instrument_range": ("bound",),
+    },
     "calibration_points": {
         name: ("calibration_point",) for name in ("source_temperature", "signal_wide", "signal_narrow")
     },

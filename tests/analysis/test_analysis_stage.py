@@ -7,6 +7,7 @@ import xarray as xr
 from plasmapyro import contracts
 from plasmapyro.analysis import stage
 from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.instrument.stage import ratio_curve
 
 WAVELENGTH = np.linspace(0.75e-6, 1.15e-6, 401)
 CURVE = np.geomspace(400.0, 8000.0, 600)
@@ -32,14 +33,8 @@ def band_signals(temperature):
 
 
 def calibration(curve=CURVE):
-    wide, narrow = band_signals(curve)
-    return xr.Dataset(
-        {
-            "sensitivity_ratio": PHI,
-            "calibration_ratio": ("calibration_temperature", PHI * wide / narrow),
-            "instrument_range": ("bound", [973.0, 2073.0]),
-        },
-        {"calibration_temperature": curve},
+    return ratio_curve(
+        response(), sensitivity_ratio=PHI, calibration_temperature=curve, instrument_range=[973.0, 2073.0]
     )
 
 
@@ -91,6 +86,12 @@ def test_a_gas_that_shines_like_the_surface_changes_nothing():
     wide, narrow = band_signals(np.array(1237.0))
     result = reading([(0.5 * wide, 0.5 * narrow)], truth=np.array([1237.0]))
     assert result.relative_error.values == pytest.approx(0.0, abs=INVERSION_RTOL)
+
+
+def test_the_curve_is_the_ratio_of_blackbody_signals_times_phi():
+    wide, narrow = band_signals(np.array(1237.0))
+    curve = calibration(np.array([1000.0, 1237.0, 2000.0]))
+    assert float(curve.calibration_ratio[1]) == pytest.approx(PHI * wide / narrow, rel=1e-12)
 
 
 def test_half_the_emittance_equals_twice_the_gas():

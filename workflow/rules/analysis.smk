@@ -36,7 +36,7 @@ rule apparent_temperature:
     input:
         gas="results/analysis/gas_signal.nc",
         response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
+        curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/apparent_temperature.nc",
     log:
@@ -53,7 +53,7 @@ rule error_map:
     input:
         gas="results/analysis/gas_signal.nc",
         response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
+        curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/error_map.nc",
     log:
@@ -72,7 +72,7 @@ rule transient:
     input:
         gas="results/analysis/gas_signal.nc",
         response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
+        curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/transient.nc",
     log:

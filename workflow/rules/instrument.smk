@@ -9,6 +9,19 @@ rule response:
         "../scripts/response.py"
 
 
+rule ratio_curve:
+    input:
+        response="results/instrument/response.nc",
+    output:
+        "results/instrument/ratio_curve.nc",
+    params:
+        **config["instrument"]["ratio_curve"],
+    log:
+        "results/logs/ratio_curve.log",
+    script:
+        "../scripts/ratio_curve.py"
+
+
 rule calibration:
     input:
         response="results/instrument/response.nc",

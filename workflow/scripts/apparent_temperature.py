@@ -10,7 +10,7 @@ start, stop, step = snakemake.params.object_temperature_k
 result = apparent_temperature(
     io.read(snakemake.input.gas, "gas_signal"),
     io.read(snakemake.input.response, "response"),
-    io.read(snakemake.input.calibration, "calibration"),
+    io.read(snakemake.input.curve, "ratio_curve"),
     object_temperature=np.arange(start, stop + step / 2, step),
 )
 io.write(

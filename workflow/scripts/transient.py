@@ -10,7 +10,7 @@ start, stop, step = snakemake.params.time_s
 result = transient(
     io.read(snakemake.input.gas, "gas_signal"),
     io.read(snakemake.input.response, "response"),
-    io.read(snakemake.input.calibration, "calibration"),
+    io.read(snakemake.input.curve, "ratio_curve"),
     conditions=snakemake.params.conditions,
     time=np.arange(start, stop + step / 2, step),
     initial_temperature=snakemake.params.initial_temperature_k,

@@ -86,14 +86,14 @@ def visibility(gas, response, *, object_temperature, visibility_level):
     )
 
 
-def apparent_temperature(gas, response, calibration, *, object_temperature):
+def apparent_temperature(gas, response, curve, *, object_temperature):
     """Temperature read on each condition's surface through the gas, and its relative error.
 
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
     response : Dataset, contract 'response'
-    calibration : Dataset, contract 'calibration' (its modelled ratio curve is used)
+    curve : Dataset, contract 'ratio_curve'
     object_temperature : (T,) array [K], strictly increasing
 
     Returns
@@ -106,9 +106,7 @@ def apparent_temperature(gas, response, calibration, *, object_temperature):
     radiation (their sec. 2).
     """
     temperature = increasing("object_temperature", object_temperature, "K")
-    reading, status = _read(
-        gas, response, calibration, gas.sample_emittance.values[:, None], temperature[None]
-    )
+    reading, status = _read(gas, response, curve, gas.sample_emittance.values[:, None], temperature[None])
     dims = ("condition", "object_temperature")
     return xr.Dataset(
         {
@@ -117,20 +115,20 @@ def apparent_temperature(gas, response, calibration, *, object_temperature):
             "reading_status": (dims, status),
             "numerical_power": gas.numerical_power,
             "sample_emittance": gas.sample_emittance,
-            "instrument_range": calibration.instrument_range,
+            "instrument_range": curve.instrument_range,
         },
         {"object_temperature": temperature},
     )
 
 
-def error_map(gas, response, calibration, *, object_temperature, emittance, error_level):
+def error_map(gas, response, curve, *, object_temperature, emittance, error_level):
     """Relative error over surface temperature and emittance, and the curve of one error level.
 
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
     response : Dataset, contract 'response'
-    calibration : Dataset, contract 'calibration'
+    curve : Dataset, contract 'ratio_curve'
     object_temperature : (T,) array [K], strictly increasing
     emittance : (E,) array [1], strictly increasing in (0, 1]
     error_level : float [1], > 0
@@ -146,7 +144,7 @@ def error_map(gas, response, calibration, *, object_temperature, emittance, erro
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
     shape = (1, emittance.size, 1), (1, 1, temperature.size)
-    reading, _ = _read(gas, response, calibration, emittance.reshape(shape[0]), temperature.reshape(shape[1]))
+    reading, _ = _read(gas, response, curve, emittance.reshape(shape[0]), temperature.reshape(shape[1]))
     error = relative_error(reading, temperature)
     limit, status = error_limit(temperature, error, error_level)
     dims = ("condition", "emittance")
@@ -162,14 +160,14 @@ def error_map(gas, response, calibration, *, object_temperature, emittance, erro
     )
 
 
-def transient(gas, response, calibration, *, conditions, time, initial_temperature, gain, natural_frequency):
+def transient(gas, response, curve, *, conditions, time, initial_temperature, gain, natural_frequency):
     """Apparent temperature while a sample heats as a critically damped second-order system.
 
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
     response : Dataset, contract 'response'
-    calibration : Dataset, contract 'calibration'
+    curve : Dataset, contract 'ratio_curve'
     conditions : names of the conditions to show
     time : (t,) array [s], strictly increasing
     initial_temperature, gain : float [K]
@@ -191,9 +189,7 @@ def transient(gas, response, calibration, *, conditions, time, initial_temperatu
     chosen = gas.sel(condition=list(conditions))
     time = increasing("time", time, "s")
     truth = step_response(time, initial_temperature, gain, natural_frequency)
-    reading, status = _read(
-        chosen, response, calibration, chosen.sample_emittance.values[:, None], truth[None]
-    )
+    reading, status = _read(chosen, response, curve, chosen.sample_emittance.values[:, None], truth[None])
     dims = ("condition", "time")
     return xr.Dataset(
         {
@@ -202,7 +198,7 @@ def transient(gas, response, calibration, *, conditions, time, initial_temperatu
             "reading_status": (dims, status),
             "numerical_power": chosen.numerical_power,
             "sample_emittance": chosen.sample_emittance,
-            "instrument_range": calibration.instrument_range,
+            "instrument_range": curve.instrument_range,
         },
         {"time": time},
     )
@@ -243,16 +239,10 @@ def _blackbody_signal(response, temperature):
     )
 
 
-def _read(gas, response, calibration, emittance, temperature):
+def _read(gas, response, curve, emittance, temperature):
     """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
     wide, narrow = _blackbody_signal(response, temperature)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
     gas_wide, gas_narrow = (gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS)
-    ratio = (
-        float(calibration.sensitivity_ratio)
-        * (emittance * wide + gas_wide)
-        / (emittance * narrow + gas_narrow)
-    )
-    return invert_ratio(
-        ratio, calibration.calibration_temperature.values, calibration.calibration_ratio.values
-    )
+    ratio = float(curve.sensitivity_ratio) * (emittance * wide + gas_wide) / (emittance * narrow + gas_narrow)
+    return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)

@@ -94,7 +94,7 @@ class Space:
             basis = bases[order]
             block = np.zeros((elements, points, COMPONENTS * len(self.orders), basis.Nbfun))
             for local, (function,) in enumerate(basis.basis):
-                block[:, :, COMPONENTS * index, local] = function.value
+                block[:, :, COMPONENTS * index, local] = function
                 block[:, :, COMPONENTS * index + 1, local] = function.grad[0]
                 block[:, :, COMPONENTS * index + 2, local] = function.grad[1]
             blocks.append(block)

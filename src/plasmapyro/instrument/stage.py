@@ -80,6 +80,41 @@ def band_response(
     )
 
 
+def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrument_range):
+    """Modelled signal ratio of a black body, :math:`H_c(T)`, for a stated sensitivity ratio.
+
+    Parameters
+    ----------
+    response : Dataset, contract 'response'
+    sensitivity_ratio : float [1]
+        It cancels in readings that are simulated and inverted with the same curve.
+    calibration_temperature : (C,) array [K], strictly increasing
+    instrument_range : (2,) floats [K]
+
+    Returns
+    -------
+    Dataset, contract 'ratio_curve'
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 5; the sensitivity ratio 0.315 from their sec. 3.2.
+    """
+    curve = increasing("calibration_temperature", calibration_temperature, "K")
+    wide, narrow = (
+        blackbody_signal(curve, response.wavelength.values, response[f"responsivity_{band}"].values)
+        for band in BANDS
+    )
+    phi = float(positive("sensitivity_ratio", sensitivity_ratio, "1"))
+    return xr.Dataset(
+        {
+            "sensitivity_ratio": phi,
+            "calibration_ratio": ("calibration_temperature", phi * wide / narrow),
+            "instrument_range": ("bound", increasing("instrument_range", instrument_range, "K")),
+        },
+        {"calibration_temperature": curve},
+    )
+
+
 def pyrometer_calibration(
     response,
     calibration_points,

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
+from scipy.special import kve
 
 from plasmapyro import tables
 from plasmapyro.constants import (
@@ -148,12 +149,13 @@ def _molecule_cross_section():
 def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_density, molecule_density):
     r"""Free-free absorption of electrons at nitrogen molecules, from the momentum-transfer cross-section.
 
-    .. math:: j_\nu = \frac{n_e n}{4\pi}\, 2\pi\, \frac{4 e^2}{3\pi c^3\, 4\pi\varepsilon_0}
+    .. math:: j_\nu = n_e n\, \frac{2 e^2}{3\pi c^3\, 4\pi\varepsilon_0}
               \left(\frac{2kT}{m}\right)^{3/2} \frac{2}{\sqrt\pi}\,
-              Q_{11}(T)\, (2 + 2x + x^2)\, e^{-x}, \qquad x = \frac{h\nu}{kT}
+              Q_{11}(T)\, a^2 K_2(a)\, e^{-a}, \qquad a = \frac{h\nu}{2kT}
 
-    and :math:`\kappa = j_\nu/B_\nu`: Larmor radiation of the velocity change, averaged over electrons
-    energetic enough to emit the photon.
+    and :math:`\kappa = j_\nu/B_\nu`. It is the Larmor radiation of the velocity change, with the factor
+    :math:`(1 - h\nu/2E)\sqrt{1 - h\nu/E}` for electrons of energy E that give up a good part of it; its
+    average over a Maxwellian is the Bessel function, 2 at long waves.
 
     Parameters
     ----------
@@ -168,23 +170,22 @@ def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_dens
 
     Notes
     -----
-    Source: P. Cabannes and J. Chapelle in Reactions under Plasma Conditions (1971), chapter 7;
-    cross-section: the collision integral of Wright et al., AIAA J. 43 (2005) 2558, which weights it as
-    this average does.
-    ASSUME: the classical formula serves at h nu of one to four kT. For O atoms it agrees with the quantal
-    table within a factor of two; for N atoms, whose negative ion is nearly bound, that table is 5-9 times
-    higher, and the resonance of N2 at 2 eV may raise this one likewise. Below 1 % of first positive light.
+    Source: V. A. Kas'yanov and A. N. Starostin, Sov. Phys. JETP 21 (1965) 193; cross-section: the
+    collision integral of Wright et al., AIAA J. 43 (2005) 2558, the average over :math:`E^2 e^{-E/kT}`.
+    ASSUME: one cross-section for all electrons. For O atoms this agrees with the quantal table within a
+    quarter; for N atoms, whose negative ion is nearly bound, that table is far higher, and the resonance
+    of N2 at 2 eV may raise this one likewise. Below 1 % of first positive light.
     """
     logarithm, integral = _molecule_cross_section()
     cross_section = np.interp(np.log(temperature), logarithm, integral)
     ratio = _photon_ratio(wavenumber, temperature)
-    speed = (2 * BOLTZMANN * temperature / ELECTRON_MASS) ** 1.5 / np.sqrt(np.pi)
-    larmor = 4 * COULOMB_SQUARE / (3 * np.pi * LIGHT_SPEED**3)
+    speed = (2 * BOLTZMANN * temperature / ELECTRON_MASS) ** 1.5 * 2 / np.sqrt(np.pi)
+    larmor = 2 * COULOMB_SQUARE / (3 * np.pi * LIGHT_SPEED**3)
     frequency = LIGHT_SPEED * wavenumber
-    # B_nu = 2 h nu^3/c^2 e^-x/(1 - e^-x): the exponentials of emission and black body cancel.
+    # B_nu = 2 h nu^3/c^2 e^-x/(1 - e^-x), and K_2(a) e^-a = kve(2, a) e^-x: the exponentials cancel.
     per_blackbody = -np.expm1(-ratio) * LIGHT_SPEED**2 / (2 * PLANCK * frequency**3)
-    emission = electron_density * molecule_density / 2 * larmor * speed * cross_section
-    return emission * (2 + 2 * ratio + ratio**2) * per_blackbody
+    emission = electron_density * molecule_density * larmor * speed * cross_section
+    return emission * (ratio / 2) ** 2 * kve(2, ratio / 2) * per_blackbody
 
 
 @dataclass(frozen=True)

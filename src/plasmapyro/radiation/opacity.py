@@ -15,7 +15,7 @@ SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
 FAR_POINTS = 513  # of the axis on which far wings are smooth
 FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; lines are gathered so for their far wings
-FAR_SERIES = 1e-3  # [1]; below this distance the far correction is its limit to 1e-6
+FAR_LEAST = 1e-3  # [1]; nearer by, the far correction keeps its value at this distance, to 1e-6
 SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
 NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
 NARROW_RANGE = 0.01  # of widths on that scale; two nodes then keep the core to 1e-5 and the wing to 1e-4
@@ -156,14 +156,12 @@ def _far_wings(position, inside, axis, period):
         shape=(2 * count, len(position)),
     )
     distance = np.linspace(axis[0], axis[-1], FAR_POINTS)[:, None] - (low + FAR_BIN * np.arange(count))
-    near = np.abs(distance) < FAR_SERIES
-    safe = np.where(near, FAR_SERIES, distance)
-    wing = 1 / (4 * np.pi * np.sinh(safe / 2) ** 2)
+    distance = np.where(np.abs(distance) < FAR_LEAST, FAR_LEAST, distance)
+    wing = 1 / (4 * np.pi * np.sinh(distance / 2) ** 2)
     # No line of the padded grid is a period away from the grid: bins there are empty in the first half.
-    safe = np.where(np.abs(distance) < period, safe, period / 2)
-    images = np.pi / (period * np.sin(np.pi * safe / period)) ** 2
-    correction = np.where(near, -1 / (12 * np.pi) - np.pi / (3 * period**2), wing - images)
-    return gather, np.hstack([correction, wing])
+    within = np.where(np.abs(distance) < period, distance, period / 2)
+    images = np.pi / (period * np.sin(np.pi * within / period)) ** 2
+    return gather, np.hstack([wing - images, wing])
 
 
 def _cardinal_spline(fraction, degree):
