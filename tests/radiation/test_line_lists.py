@@ -112,12 +112,42 @@ def test_neutral_width_is_of_the_order_of_a_quantal_one():
     assert np.log10(full_width) == pytest.approx(-7.67, abs=0.4)  # Unsold runs a factor 2 low
 
 
-def test_resonance_width_follows_the_lower_levels_ground_line():
-    # Laux et al. (2003): FWHM = 3 r_e/(4 pi) lambda^2 lambda_R f sqrt(g0/g) n; N I 120 nm, f = 0.132, g 4-6
+@pytest.mark.parametrize(
+    "wavelength, levels",  # (wavelength [m], f, g0/g) of the ground line of each level that has one
+    [
+        (868.267e-9, [(119.955e-9, 0.132, 4 / 6)]),  # lower 3s 4P5/2
+        (844.868e-9, [(130.35e-9, 0.052, 9 / 3)]),  # lower 3s 3S1
+    ],
+)
+def test_resonance_width_follows_the_ground_lines_of_the_levels(wavelength, levels):
+    # Laux et al. (2003): FWHM = 3 r_e/(4 pi) lambda^2 lambda_R f sqrt(g0/g) n; f of NIST
+    lines = atomic_lines("N I" if wavelength > 850e-9 else "O I")
+    line = np.argmin(np.abs(1 / lines.wavenumber - wavelength))
+    expected = sum(3 * 2.8179e-15 / (8 * np.pi) * ground * f * np.sqrt(ratio) for ground, f, ratio in levels)
+    assert lines.resonance_hwhm[line] == pytest.approx(expected, rel=0.04)  # means over the ground term
+
+
+def test_upper_levels_with_ground_lines_widen_as_well():
+    # N I 3d 4P5/2 (104825 cm-1) decays to the ground at 95.4 nm; its infrared line must carry that width.
+    lines = atomic_lines("N I")
+    upper = np.abs(lines.upper_energy - 10482511.0) < 100
+    metastable = lines.lower_energy > 9.4e6  # 3p levels: no ground line
+    assert np.all(lines.resonance_hwhm[upper & metastable] > 1e-25)
+
+
+def test_natural_width_is_that_of_both_lifetimes():
+    # 3s 4P5/2: 4.07e8 s-1, 3p 4D7/2: 2.64e7 s-1 (NIST); HWHM = sum/(4 pi c)
     lines = atomic_lines("N I")
     line = np.argmin(np.abs(1 / lines.wavenumber - 868.267e-9))
-    expected = 3 * 2.8179e-15 / (8 * np.pi) * 119.955e-9 * 0.132 * np.sqrt(4 / 6)
-    assert lines.resonance_hwhm[line] == pytest.approx(expected, rel=0.02)
+    assert lines.natural_hwhm[line] == pytest.approx((4.07e8 + 2.64e7) / (4 * np.pi * 299792458.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("temperature, griem", [(5000.0, 0.0336), (20000.0, 0.0613)])
+def test_stark_width_follows_griem_in_temperature(temperature, griem):
+    lines = atomic_lines("N I")
+    line = np.argmin(np.abs(1 / lines.wavenumber - 868.267e-9))
+    width = lines.stark_hwhm[line] * (temperature / 1e4) ** lines.stark_exponent[line]
+    assert width * 1e22 / lines.wavenumber[line] ** 2 == pytest.approx(griem * 1e-10, rel=0.01)
 
 
 def test_lorentz_widths_add_up_with_their_densities():

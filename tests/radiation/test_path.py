@@ -3,9 +3,15 @@ import pytest
 
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
+from plasmapyro.radiation.continuum import (
+    electron_atom_absorption,
+    electron_ion_absorption,
+    electron_nitrogen_molecule_absorption,
+)
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import (
     NEGLIGIBLE,
+    Continuum,
     coldest_that_counts,
     gas_path,
     layers_that_matter,
@@ -98,6 +104,43 @@ def test_absorption_integrates_to_the_einstein_coefficients(atoms, grid, equilib
     near = np.abs(grid.wavelength - 777.55e-9) < 2e-9
     found = np.trapezoid(kappa.optical_depth[near] - continuum, grid.wavenumber[near])
     assert found == pytest.approx(expected, rel=1e-3)  # wings beyond 2 nm, curvature of the continuum
+
+
+def test_continua_of_a_layer_are_the_sums_over_their_partners(grid, equilibrium_densities):
+    temperature = 7500.0
+    path = uniform(equilibrium_densities, temperature, 1.0)
+    density = {name: float(n) for name, n in equilibrium_densities(temperature).items()}
+    continuum = Continuum(grid)
+    axis, electrons = continuum.axis.wavenumber, density["e-"]
+    ion_part, neutral_part, recombination = continuum.absorption(path, 0)
+    # the ions balance the electrons
+    assert ion_part == pytest.approx(
+        electron_ion_absorption(axis, temperature, electrons, electrons), rel=1e-9
+    )
+    oxygen = electron_atom_absorption("O", axis, temperature, electrons, density["O"])
+    nitrogen = electron_atom_absorption("N", axis, temperature, electrons, density["N"])
+    molecule = electron_nitrogen_molecule_absorption(axis, temperature, electrons, density["N2"])
+    assert neutral_part == pytest.approx(oxygen + nitrogen + molecule, rel=1e-12)
+    assert recombination.min() > 0
+
+
+def test_continua_are_linear_between_the_points_of_their_axis():
+    fine = log_grid((750e-9, 850e-9), 9001)
+    continuum = Continuum(fine)
+    assert continuum.on_grid(np.log(continuum.axis.wavenumber)) == pytest.approx(
+        np.log(fine.wavenumber), rel=1e-14
+    )
+
+
+def test_the_bound_of_a_cold_layer_is_its_light_in_terms_of_the_hottest(atoms, equilibrium_densities):
+    triplet = atoms[1].select(np.abs(1 / atoms[1].wavenumber - 777.55e-9) < 0.3e-9)
+    temperature = np.array([8000.0, 4000.0])
+    states = [equilibrium_densities(t) for t in temperature]
+    density = {name: np.array([float(s[name]) for s in states]) for name in SPECIES}
+    _, light, bound = thin_lines(gas_path([0.0, 1.0], temperature, density), triplet)
+    hot, cold = blackbody_radiance(777.55e-9, temperature)
+    assert bound[0] == pytest.approx(light[0], rel=1e-12)
+    assert bound[1] == pytest.approx(light[1] * hot / cold, rel=1e-3)  # three lines at one wavelength
 
 
 def test_cold_gas_in_front_absorbs_what_its_levels_can(atoms, grid, equilibrium_densities):

@@ -3,7 +3,9 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
+from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.stage import line_of_sight_radiance
+from plasmapyro.radiation.systems import line_lists
 
 RANGE = (755e-9, 800e-9)
 POINTS = 18_000
@@ -88,3 +90,10 @@ def test_a_range_that_misses_a_band_is_refused(jet_sightline, response):
         line_of_sight_radiance(
             jet_sightline, response, wavelength_range=(770e-9, 800e-9), grid_points=POINTS, slit_fwhm=0.75e-9
         )
+
+
+def test_molecular_lines_reach_beyond_both_ends_of_the_grid():
+    grid = log_grid(RANGE, POINTS)
+    for lines in line_lists(grid):
+        assert lines.wavenumber.min() < grid.wavenumber[0], lines.component
+        assert lines.wavenumber.max() > grid.wavenumber[-1], lines.component
