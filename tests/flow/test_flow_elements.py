@@ -1,0 +1,168 @@
+"""Assembly and equations against solutions known in closed form."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.flow.elements import Space
+from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.physics import (
+    ROW_SCALE,
+    Points,
+    complex_step_derivatives,
+    densities,
+    property_lines,
+)
+from plasmapyro.flow.properties import gas_properties
+
+LENGTH, RADIUS = 0.3, 0.1
+FLOAT_RTOL = 1e-11  # sums of 1e4 terms
+
+
+def points(space, **changes):
+    """Steady data without sources on all cells."""
+    zero = np.zeros_like(space.cells.r)
+    names = [name for name in Points.__dataclass_fields__ if name != "equal_order"]
+    return Points(
+        **{**dict.fromkeys(names, zero), "radius": space.cells.r, "element_size": zero + 0.01, **changes},
+        equal_order=0.0,
+    )
+
+
+def test_weights_sum_to_the_volume_of_the_pipe(pipe):
+    space = Space(pipe(4), (2,))
+    assert space.cells.weight.sum() == pytest.approx(np.pi * RADIUS**2 * LENGTH, rel=FLOAT_RTOL)
+    wall = space.facets(("tube_wall",))
+    assert wall.weight.sum() == pytest.approx(2 * np.pi * RADIUS * LENGTH, rel=FLOAT_RTOL)
+    np.testing.assert_allclose(wall.normal[1], 1.0)
+
+
+def test_jacobian_of_a_linear_form_is_its_residual_per_unit(pipe):
+    # (v, u_z) + (dv/dr, u): an unsymmetric form, so that a swap of test and trial function shows.
+    space = Space(pipe(3), (2, 1))
+    cells = space.cells
+    state = np.sin(np.arange(space.size))
+    inputs = space.inputs(cells, state)
+    form = np.zeros((*cells.r.shape, 6, 6))
+    form[..., 0, 1] = 1.0
+    form[..., 2, 3] = 2.0
+    rows = np.zeros_like(inputs)
+    rows[0], rows[2] = inputs[1], 2 * inputs[3]
+    matrix = space.matrix(space.gathered(cells, space.element_matrices(cells, form)))
+    np.testing.assert_allclose(matrix @ state, space.residual(cells, rows), atol=1e-15, rtol=1e-10)
+
+
+def test_conduction_with_a_source_gives_the_parabola(pipe):
+    # -(1/r) d/dr (r kappa dT/dr) = q,  T = q (R^2 - r^2) / (4 kappa): inside the P2 space, so exact.
+    space = Space(pipe(3), (2,))
+    cells, kappa, source = space.cells, 3.0, 600.0
+    form = np.zeros((*cells.r.shape, 3, 3))
+    form[..., 1, 1] = form[..., 2, 2] = kappa
+    load = np.zeros((3, *cells.r.shape))
+    load[0] = source
+    free = np.setdiff1d(np.arange(space.size), space.boundary_dofs(0, ("tube_wall",)))
+    matrix = space.matrix(space.gathered(cells, space.element_matrices(cells, form)))[free][:, free]
+    solution = np.zeros(space.size)
+    solution[free] = Factorised(free).solve(matrix.tocsr(), space.residual(cells, load)[free])
+    r = space.points(0)[1]
+    np.testing.assert_allclose(solution, source * (RADIUS**2 - r**2) / (4 * kappa), atol=1e-12)
+
+
+def test_poiseuille_flow_has_no_residual(pipe, constant_gas):
+    # u = U (1 - r^2/R^2), dp/dz = -4 mu U / R^2: inside the Taylor-Hood space, so exact at inner dofs.
+    space = Space(pipe(4), (2, 2, 2, 1))
+    properties = gas_properties(constant_gas, 1e3, 350.0)
+    top_speed, viscosity = 0.7, 0.5
+    z, r = space.points(0)
+    state = np.zeros(space.size)
+    state[space.field(0)] = top_speed * (1 - (r / RADIUS) ** 2) / 100
+    state[space.field(2)] = np.log(5000.0)
+    gradient = -4 * viscosity * top_speed / RADIUS**2
+    state[space.field(3)] = gradient * (space.points(3)[0] - LENGTH) / 100
+    inputs = space.inputs(space.cells, state)
+    lines = property_lines(properties, np.exp(inputs[6]))
+    residual = space.residual(space.cells, np.stack(densities(inputs, lines, points(space))))
+    for field, rows in ((0, ("tube_wall", "inlet", "outlet")), (1, ("axis", "tube_wall", "inlet", "outlet"))):
+        inner = np.setdiff1d(np.arange(len(z)), space.boundary_dofs(field, rows))
+        assert np.abs(residual[space.field(field)][inner]).max() < 1e-12
+    assert np.abs(residual[space.field(2)]).max() < 1e-12
+    assert np.abs(residual[space.field(3)]).max() < 1e-12
+    # The wall holds the gas back with 2 pi R L mu |du/dr|.
+    wall = residual[space.field(0)][space.boundary_dofs(0, ("tube_wall",))].sum() / ROW_SCALE[0]
+    inlet_and_outlet = np.pi * RADIUS**2 * gradient * LENGTH
+    whole = residual[space.field(0)].sum() / ROW_SCALE[0]
+    assert whole == pytest.approx(inlet_and_outlet - np.pi * RADIUS**2 * gradient * LENGTH, abs=1e-10)
+    assert wall < 0
+
+
+def heated_pipe(mesh, constant_gas):
+    """Largest error of ln T in a conducting pipe with uniform heating, by Newton from a uniform guess."""
+    space = Space(mesh, (2, 2, 2, 1))
+    properties = gas_properties(constant_gas, 1e3, 350.0)
+    heating = 4e5
+    data = points(space, joule_heating=np.full_like(space.cells.r, heating))
+    r = space.points(2)[1]
+    exact = np.log(1000.0 + heating * (RADIUS**2 - r**2) / (4 * 3.0))
+    offset = space.offsets[2]
+    free = offset + np.setdiff1d(np.arange(len(r)), space.boundary_dofs(2, ("tube_wall",)))
+    state = np.zeros(space.size)
+    state[space.field(2)] = np.log(1000.0)
+    for _ in range(40):
+        inputs = space.inputs(space.cells, state)
+        lines = property_lines(properties, np.exp(inputs[6]))
+        rows = densities(inputs, lines, data)
+        derivatives = complex_step_derivatives(lambda x, lines=lines: densities(x, lines, data), list(inputs))
+        matrix = space.matrix(space.gathered(space.cells, space.element_matrices(space.cells, derivatives)))
+        update = Factorised(free).solve(
+            matrix[free][:, free].tocsr(), -space.residual(space.cells, np.stack(rows))[free]
+        )
+        state[free] += np.clip(update, -1, 1)
+        if np.abs(update).max() < 1e-11:
+            break
+    return np.abs(state[space.field(2)] - exact).max()
+
+
+def test_energy_equation_converges_at_third_order(pipe, constant_gas):
+    coarse, fine = (heated_pipe(pipe(n), constant_gas) for n in (4, 8))
+    assert coarse < 2e-3
+    assert coarse / fine > 6.5  # 2^3, reached from below
+
+
+def test_complex_step_agrees_with_finite_differences(pipe, air):
+    space = Space(pipe(2), (2, 2, 2, 1))
+    properties = gas_properties(air, 5e3, 350.0)
+    wave = np.cos(np.arange(space.cells.r.size)).reshape(space.cells.r.shape)
+    data = points(
+        space,
+        inverse_step=300.0 + 0 * wave,
+        old_axial=20 * wave,
+        old_radial=5 + wave,
+        old_temperature=6000 + 100 * wave,
+        joule_heating=1e7 + 1e6 * wave,
+        force_axial=30 * wave,
+        force_radial=-400 + wave,
+        viscosity_limiter=0.5 + 0.1 * wave,
+    )
+    random = np.random.default_rng(7)
+    scale = np.array([1, 30, 30, 1, 30, 30, 0.1, 5, 5, 1, 50, 50.0])
+    base = np.array([1, 0, 0, 0.3, 0, 0, np.log(6500.0), 0, 0, 0, 0, 0])
+    inputs = [b + s * random.uniform(-1, 1, wave.shape) for b, s in zip(base, scale, strict=True)]
+
+    def evaluate(values):
+        return np.stack(densities(values, property_lines(properties, np.exp(np.real(values[6]))), data), -1)
+
+    lines = property_lines(properties, np.exp(inputs[6]))
+    exact = complex_step_derivatives(lambda x: densities(x, lines, data), inputs)
+    for index in range(12):
+        step = 1e-6 * scale[index]
+        up, down = list(inputs), list(inputs)
+        up[index], down[index] = inputs[index] + step, inputs[index] - step
+        difference = (evaluate(up) - evaluate(down)) / (2 * step)
+        size = np.abs(difference).max(axis=(0, 1)) + 1e-12
+        # 1e-5: second derivative of the Hermite tables times the step, and cancellation.
+        assert (np.abs(exact[..., index] - difference) / size).max() < 1e-5
+
+
+def test_singular_matrix_is_refused(pipe):
+    space = Space(pipe(2), (1,))
+    with pytest.raises(ArithmeticError, match="matrix of 9 unknowns|factorisation"):
+        Factorised(space.nodes()).solve(space.matrix(np.zeros(len(space.indices))), np.ones(space.size))

@@ -1,0 +1,214 @@
+"""Cold start and condition on a coarse mesh: balances, prescribed inputs, restart, refusals."""
+
+import logging
+
+import numpy as np
+import pytest
+
+from plasmapyro import contracts
+from plasmapyro.flow import stage
+from plasmapyro.flow.continuation import NotConverged, Schedule, march
+from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
+from plasmapyro.flow.problem import Problem
+from plasmapyro.flow.properties import gas_properties
+from plasmapyro.flow.stage import cold_start, condition
+
+TOLERANCES = {"velocity_tolerance": 0.5, "temperature_tolerance": 5e-3, "largest_step_count": 60}
+CONDITION = {"chamber_pressure": 5e3, "mass_flow_rate": 0.016, "viscosity_limiter": 0.02, "power_step": 2e4}
+
+
+@pytest.fixture(scope="session")
+def at_80(air, start):
+    return condition(air, start, numerical_power=80e3, **CONDITION, **TOLERANCES)
+
+
+@pytest.fixture(scope="session")
+def problem(air, start):
+    """The discrete problem of `start`, and its state."""
+    setup = setup_of(start)
+    problem = Problem(
+        mesh_of(start, setup),
+        setup.torch,
+        gas_properties(air, 5e3, 350.0),
+        frequency=4e5,
+        mass_flow_rate=0.016,
+        wall_temperature=350.0,
+        order=2,
+        limiter=0.02,
+    )
+    return problem, state_from(start, problem)
+
+
+def by_boundary(dataset, name):
+    return dict(zip(dataset.boundary.values, dataset[name].values, strict=True))
+
+
+def test_solutions_honour_the_contract(start, at_80):
+    for dataset in (start, at_80):
+        contracts.check(contracts.label(dataset, "flow"), "flow")
+
+
+def test_mass_and_energy_close(start, at_80):
+    for dataset in (start, at_80):
+        assert abs(float(dataset.mass_imbalance)) < 5e-3
+        assert abs(float(dataset.energy_imbalance)) < 2e-2
+        flows = dataset.boundary_enthalpy_flow.sum() + dataset.boundary_heat_flow.sum()
+        assert float(flows / dataset.numerical_power - 1) == pytest.approx(float(dataset.energy_imbalance))
+
+
+def test_inlet_carries_exactly_the_mass_flow(at_80):
+    assert by_boundary(at_80, "boundary_mass_flow")["inlet"] == pytest.approx(-0.016, rel=1e-12)
+    assert by_boundary(at_80, "boundary_mass_flow")["probe"] == 0.0
+
+
+def test_the_history_ends_steady(start, at_80):
+    for dataset in (start, at_80):
+        assert float(dataset.residual_norm[-1]) < 1e-3 * float(dataset.residual_norm.max())
+        assert float(dataset.velocity_change[-1]) < TOLERANCES["velocity_tolerance"]
+        assert float(dataset.temperature_change[-1]) < TOLERANCES["temperature_tolerance"]
+        assert float(dataset.cfl_number[-1]) >= 1000
+
+
+def test_joule_power_is_the_prescribed_one(at_80):
+    # Quadratic nodal values integrated over each triangle: edge midpoints carry a third of the area each.
+    z, r = at_80.node_z.values, at_80.node_r.values
+    corner, middle = at_80.face_node.values, at_80.face_midnode.values
+    a, b, c = corner.T
+    area = 0.5 * ((z[b] - z[a]) * (r[c] - r[a]) - (r[b] - r[a]) * (z[c] - z[a]))
+    assert (area > 0).all()
+    density = (at_80.joule_heating.values * 2 * np.pi * r)[middle].mean(axis=1)
+    # 2 %: heating is not quadratic on these cells of 10 mm.
+    assert (density * area).sum() == pytest.approx(80e3, rel=2e-2)
+    assert float(at_80.equivalent_resistance * at_80.coil_current**2 / 2) == pytest.approx(80e3, rel=1e-9)
+
+
+def test_middle_nodes_lie_between_their_corners(at_80):
+    nodes = np.stack([at_80.node_z.values, at_80.node_r.values])
+    corner, middle = at_80.face_node.values, at_80.face_midnode.values
+    ends = 0.5 * (nodes[:, corner] + nodes[:, np.roll(corner, -1, axis=1)])
+    np.testing.assert_allclose(nodes[:, middle], ends, atol=1e-15)
+
+
+def test_walls_are_cold_and_gas_stands_still_there(at_80):
+    z, r = at_80.node_z.values, at_80.node_r.values
+    wall = (z == 0) & (r < 0.075) | (np.abs(r - 0.08) < 1e-12) & (z < 0.486)
+    assert wall.sum() > 100
+    np.testing.assert_allclose(at_80.temperature.values[wall], 350.0, rtol=1e-12)
+    assert np.abs(at_80.axial_velocity.values[wall & (z > 0)]).max() == 0.0
+
+
+def test_the_plasma_is_the_one_of_a_separate_solver(start):
+    # The same torch at 90 kW from a separate trial solver with Mutation++ properties: 10.94 kK in the coil,
+    # 10.29 kK at the exit, 645 A. The coarse mesh is allowed 4 %.
+    exit_node = int(np.hypot(start.node_z.values - 0.486, start.node_r.values).argmin())
+    assert float(start.temperature.max()) == pytest.approx(10940, rel=0.04)
+    assert float(start.temperature[exit_node]) == pytest.approx(10290, rel=0.04)
+    assert float(start.coil_current) == pytest.approx(645, rel=0.04)
+
+
+def test_more_power_is_hotter_and_takes_more_current(start, at_80):
+    assert float(start.temperature.max()) > float(at_80.temperature.max())
+    assert float(start.coil_current) > float(at_80.coil_current)
+
+
+def test_the_same_condition_gives_the_same_bytes(air, start, at_80):
+    again = condition(air, start, numerical_power=80e3, **CONDITION, **TOLERANCES)
+    for name in at_80.variables:
+        if at_80[name].dtype.kind == "f":
+            assert again[name].values.tobytes() == at_80[name].values.tobytes(), name
+
+
+def test_the_stored_state_is_steady_when_read_back(problem, start):
+    solver, state = problem
+    coupling, current = solver.couple(state, 90e3)
+    assert current == pytest.approx(float(start.coil_current), rel=1e-9)
+    norm = np.linalg.norm(solver.residual(state, solver.points(state, coupling, np.inf))[solver.free])
+    assert norm < 10 * float(start.residual_norm[-1])
+
+
+def test_jacobian_is_the_derivative_of_the_residual(problem):
+    solver, state = problem
+    coupling, _ = solver.couple(state, 90e3)
+    points = solver.points(state, coupling, 30.0)
+    direction = np.random.default_rng(3).uniform(-1, 1, solver.space.size) * 1e-2
+    step = 1e-5
+    up, down = (solver.residual(state + sign * step * direction, points) for sign in (1, -1))
+    difference = (up - down) / (2 * step)
+    exact = solver.jacobian(state, points) @ direction
+    # 1e-4: kinks of the property splines met by a few of 1e5 quadrature points.
+    assert np.linalg.norm(exact - difference) < 1e-4 * np.linalg.norm(difference)
+
+
+def test_steps_in_pressure_and_flow_are_bounded():
+    path = stage._path(np.array([90e3, 5e3, 0.016]), np.array([60e3, 1e4, 0.016]), 1e4)
+    assert len(path) == 4  # ln 2 / 0.2 = 3.5 parts for the pressure, 3 for the power
+    assert tuple(path[-1]) == (60e3, 1e4, 0.016)
+    assert len(stage._path(np.array([90e3, 5e3, 0.016]), np.array([90e3, 5e3, 0.016]), 1e4)) == 1
+
+
+def test_an_unfinished_run_is_an_error_that_names_condition_step_and_residual(air, start, caplog):
+    with (
+        caplog.at_level(logging.INFO),
+        pytest.raises(
+            NotConverged, match=r"condition 85 kW: not converged in 2 steps; residual [0-9.e-]+, last change"
+        ),
+    ):
+        tolerances = {**TOLERANCES, "largest_step_count": 2}
+        condition(air, start, numerical_power=85e3, **CONDITION, **tolerances)
+    assert sum("condition 85 kW: step" in record.message for record in caplog.records) == 2
+
+
+def test_a_cold_torch_is_called_extinguished(problem):
+    solver, _ = problem
+    axial, radial, temperature, gauge = solver.physical(np.zeros(solver.space.size))
+    state = solver.state_of(axial, radial, np.full_like(temperature, 1500.0), gauge)
+    with pytest.raises(NotConverged, match="here: plasma extinguished at step 1; hottest gas 1500 K"):
+        march(solver, state, 90e3, Schedule(1.0, 10.0, 3), "here")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"numerical_power": -5e4}, "numerical_power must be > 0 W"),
+        ({"chamber_pressure": 2e5}, "chamber_pressure must lie in"),
+        ({"mass_flow_rate": np.nan}, "mass_flow_rate must be > 0 kg s-1"),
+        ({"power_step": 0.0}, "power_step must be > 0 W"),
+        ({"viscosity_limiter": -0.1}, "viscosity_limiter must be >= 0"),
+    ],
+)
+def test_bad_condition_arguments_are_refused(air, start, change, message):
+    arguments = {"numerical_power": 80e3, **CONDITION, **TOLERANCES, **change}
+    with pytest.raises(ValueError, match=message):
+        condition(air, start, **arguments)
+
+
+def test_bad_cold_start_arguments_are_refused(air, torch_lengths):
+    arguments = {
+        "numerical_power": 90e3,
+        "chamber_pressure": 5e3,
+        "mass_flow_rate": 0.016,
+        "coil_frequency": 4e5,
+        "wall_temperature": 350.0,
+        "mesh_factor": 2.0,
+        "start_mesh_factor": 1.5,
+        "viscosity_limiter": 0.02,
+        **torch_lengths,
+        **TOLERANCES,
+    }
+    for change, message in (
+        ({"mesh_factor": 0.0}, "mesh_factor must be > 0"),
+        ({"coil_frequency": -1.0}, "coil_frequency must be > 0 Hz"),
+        ({"probe_radius": 0.2}, "the probe hemisphere must end inside"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            cold_start(air, **{**arguments, **change})
+
+
+def test_a_start_from_another_mesh_is_refused(air, start):
+    moved = start.copy(deep=True)
+    moved.attrs["mesh_factor"] = 3.0
+    with pytest.raises(ValueError, match="stands on another mesh"):
+        condition(air, moved, numerical_power=80e3, **CONDITION, **TOLERANCES)
+    del moved.attrs["torch"]
+    with pytest.raises(ValueError, match="lacks the attribute 'torch'"):
+        condition(air, moved, numerical_power=80e3, **CONDITION, **TOLERANCES)
