@@ -183,7 +183,7 @@ def test_the_resolution_is_asked_where_light_arises():
 
 def test_a_grid_too_coarse_for_the_lines_is_refused(atoms, equilibrium_densities):
     coarse = log_grid((770e-9, 785e-9), 1000)
-    with pytest.raises(ValueError, match=r"grid points must be >= \d+ for N I at 7000 K .* got 1000"):
+    with pytest.raises(ValueError, match=r"grid points must be >= \d+ for O I at 7000 K .* got 1000"):
         path_radiance(uniform(equilibrium_densities, 7000.0, 0.1), atoms, coarse)
 
 

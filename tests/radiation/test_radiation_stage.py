@@ -97,3 +97,12 @@ def test_molecular_lines_reach_beyond_both_ends_of_the_grid():
     for lines in line_lists(grid):
         assert lines.wavenumber.min() < grid.wavenumber[0], lines.component
         assert lines.wavenumber.max() > grid.wavenumber[-1], lines.component
+
+
+def test_a_range_without_line_data_is_refused(jet_sightline, response):
+    with pytest.raises(
+        ValueError, match=r"wavelength_range must lie in \[6.5e-07, 1.25e-06\] m; got 1.3e-06"
+    ):
+        line_of_sight_radiance(
+            jet_sightline, response, wavelength_range=(755e-9, 1.3e-6), grid_points=POINTS, slit_fwhm=0.75e-9
+        )

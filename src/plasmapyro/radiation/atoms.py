@@ -16,6 +16,7 @@ from plasmapyro.radiation.broadening import (
 from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList
 
 PERTURBER_POLARISABILITY = 1.10e-30  # [m3] of the nitrogen atom; CRC Handbook (O 0.80, N2 1.74)
+TABLE_RANGE = (650e-9, 1250e-9)  # [m], vacuum wavelengths of the line tables
 STARK_DENSITY = 1e22  # [m-3], of Griem's tables
 LEVEL_MATCH = 20.0  # [m-1]; rounding between two issues of the same level table
 MULTIPLET_MATCH = 0.02  # [1]; a line belongs to a multiplet of equal terms within 2 % of its wavelength

@@ -267,9 +267,8 @@ def path_radiance(path, line_lists, grid):
     dark = -NEGLIGIBLE * np.trapezoid(blackbody_radiance(grid.wavelength, DARK_TEMPERATURE), grid.wavelength)
     allowance = max(NEGLIGIBLE / 2 * thin_total, dark)
     kept = np.array([layers_that_matter(bound, allowance / len(bounds)) for bound in bounds])
-    for spreader, by_layer, keep in zip(spreaders, emission, kept[:-1], strict=True):
-        if keep.any():
-            _require_resolution_of_light(spreader, path.temperature, by_layer, grid)
+    bright = [(s, e) for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True) if keep.any()]
+    _require_resolution_of_light(path.temperature, bright, grid)
     solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
     # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
@@ -285,11 +284,15 @@ def path_radiance(path, line_lists, grid):
     )
 
 
-def _require_resolution_of_light(spreader, temperature, emission, grid):
-    """Refuse a grid too coarse for a system's Doppler width at the coldest temperature that counts."""
-    coldest = coldest_that_counts(temperature, emission)
-    sigma = doppler_sigma(coldest, MASS[SPECIES.index(spreader.lines.species)])
-    require_resolution(grid, sigma, f"{spreader.lines.component} at {coldest:.0f} K")
+def _require_resolution_of_light(temperature, systems, grid):
+    """Refuse a grid too coarse for the narrowest Doppler width of the (spreader, emission by layer)."""
+    narrowest = []
+    for spreader, by_layer in systems:
+        coldest = coldest_that_counts(temperature, by_layer)
+        sigma = doppler_sigma(coldest, MASS[SPECIES.index(spreader.lines.species)])
+        narrowest.append((float(sigma), f"{spreader.lines.component} at {coldest:.0f} K"))
+    if narrowest:
+        require_resolution(grid, *min(narrowest))
 
 
 def _solve(path, spreaders, continuum, smooth, grid, kept):

@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from plasmapyro.checks import within
+from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, require_cover
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path, path_radiance
@@ -38,13 +40,14 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Raises
     ------
     ValueError
-        See `gas_path`, `path_radiance`, `require_cover`.
+        Range without line data; else see `gas_path`, `path_radiance`, `require_cover`.
 
     Notes
     -----
     Source: Fagnani et al., section on the radiation code.
     ASSUME: local thermal equilibrium; N2+ Meinel, NO and CN bands and O- detachment are not in yet.
     """
+    wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
     responses = [band_response[f"responsivity_{band}"].values for band in BANDS]
     response_wavelength = band_response["wavelength"].values
