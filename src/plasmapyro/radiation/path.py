@@ -143,10 +143,8 @@ def thin_lines(path, lines):
     for layer, thickness in enumerate(path.thickness):
         radiance = path.emission(lines, layer) * thickness
         cold = SECOND_RADIATION * lines.wavenumber / path.temperature[layer]
-        with np.errstate(under="ignore"):
-            # B(hot)/B(cold) = exp(cold - hot) (1 - e^-cold)/(1 - e^-hot); kept in the exponent till the sum.
-            excess = np.exp(np.log(np.maximum(radiance, np.finfo(float).tiny)) + cold - hot)
-            excess *= np.expm1(-cold) / np.expm1(-hot)
+        # B(hot)/B(cold); cold stays below 120 in the allowed ranges, far from overflow.
+        excess = radiance * np.exp(cold - hot) * np.expm1(-cold) / np.expm1(-hot)
         by_line += radiance
         by_layer[layer], bound[layer] = radiance.sum(), excess.sum()
     return by_line, by_layer, bound
