@@ -48,7 +48,7 @@ def flow(temperature, pressure=lambda z, r: 5000 + 0 * z, columns=40, rows=12):
             "temperature": ("node", temperature(z, r)),
             "pressure": ("node", pressure(z, r)),
         },
-        attrs={"probe_nose": NOSE},
+        attrs={"stagnation_point_z": NOSE},
     )
 
 
@@ -215,6 +215,6 @@ def test_bad_arguments_are_refused(change, message):
 
 def test_a_field_without_a_nose_is_refused():
     field = flow(jet)
-    del field.attrs["probe_nose"]
-    with pytest.raises(ValueError, match="flow lacks the attribute probe_nose"):
+    del field.attrs["stagnation_point_z"]
+    with pytest.raises(ValueError, match="flow lacks the attribute stagnation_point_z"):
         chord(field, angle=ANGLE, points=50)

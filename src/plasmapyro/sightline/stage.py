@@ -33,7 +33,7 @@ def line_of_sight(
     Parameters
     ----------
     flow : Dataset
-        Contract 'flow'; its attribute `probe_nose` [m] is where the path starts.
+        Contract 'flow'; its attribute `stagnation_point_z` [m] is where the path starts.
     angle : float [rad]
         Between the path and the axis.
     points : int
@@ -76,7 +76,7 @@ def line_of_sight(
     chamber = np.linspace(leaves, window_distance, OUTER_POINTS)[1:]
     laboratory = np.linspace(window_distance + WINDOW_THICKNESS, instrument_distance, OUTER_POINTS)
     beyond = np.concatenate([chamber, laboratory])
-    z, r = ray.position(beyond, float(flow.attrs["probe_nose"]), angle)
+    z, r = ray.position(beyond, float(flow.attrs["stagnation_point_z"]), angle)
     outside = {
         "path_distance": beyond,
         "axial_position": z,
@@ -94,7 +94,7 @@ def chord(flow, *, angle, points):
     Parameters
     ----------
     flow : Dataset
-        Contract 'flow', with the attribute `probe_nose` [m].
+        Contract 'flow', with the attribute `stagnation_point_z` [m].
     angle : float [rad]
         Between the path and the axis, 0 to pi/2.
     points : int
@@ -117,9 +117,9 @@ def chord(flow, *, angle, points):
 def _inside(flow, angle, points):
     """Named arrays along the part of the path that lies in the flow field."""
     try:
-        nose = float(flow.attrs["probe_nose"])
+        nose = float(flow.attrs["stagnation_point_z"])
     except KeyError:
-        raise ValueError("flow lacks the attribute probe_nose [m], where the path starts") from None
+        raise ValueError("flow lacks the attribute stagnation_point_z [m], where the path starts") from None
     node_z, node_r = flow["node_z"].values, flow["node_r"].values
     faces, middles = flow["face_node"].values, flow["face_midnode"].values
     end = ray.exit_distance(node_z, node_r, faces, nose, angle)
