@@ -173,15 +173,30 @@ def test_transient_of_an_unknown_condition_is_refused():
         )
 
 
-@pytest.mark.parametrize(
-    ("contract", "make"),
-    [
-        ("apparent_temperature", lambda: reading([blue_light(20.0)])),
-        (
-            "surface_radiance",
-            lambda: stage.surface_radiance(object_temperature=[750.0], emittance=0.85, wavelength=WAVELENGTH),
+def made(contract):
+    dark = gas([blue_light(20.0)])
+    heating = {"initial_temperature": 350.0, "gain": 1250.0, "natural_frequency": 0.1}
+    return {
+        "gas_signal": lambda: dark,
+        "visibility": lambda: stage.visibility(
+            dark, response(), object_temperature=TRUTH, visibility_level=[0.9]
         ),
-    ],
+        "apparent_temperature": lambda: reading([blue_light(20.0)]),
+        "error_map": lambda: stage.error_map(
+            dark, response(), calibration(), object_temperature=TRUTH, emittance=[0.5, 1.0], error_level=0.01
+        ),
+        "transient": lambda: stage.transient(
+            dark, response(), calibration(), conditions=["case0"], time=[0.0, 1.0], **heating
+        ),
+        "surface_radiance": lambda: stage.surface_radiance(
+            object_temperature=[750.0], emittance=0.85, wavelength=WAVELENGTH
+        ),
+    }[contract]()
+
+
+@pytest.mark.parametrize(
+    "contract",
+    ["gas_signal", "visibility", "apparent_temperature", "error_map", "transient", "surface_radiance"],
 )
-def test_results_honour_their_contracts(contract, make):
-    contracts.check(contracts.label(make(), contract), contract)
+def test_results_honour_their_contracts(contract):
+    contracts.check(contracts.label(made(contract), contract), contract)

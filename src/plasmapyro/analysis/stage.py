@@ -82,7 +82,7 @@ def visibility(gas, response, *, object_temperature, visibility_level):
             "numerical_power": gas.numerical_power,
             "sample_emittance": gas.sample_emittance,
         },
-        {"object_temperature": temperature, "visibility_level": list(visibility_level)},
+        {"object_temperature": temperature, "visibility_level": list(visibility_level), "band": gas.band},
     )
 
 
