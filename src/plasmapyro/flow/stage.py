@@ -33,9 +33,17 @@ SETTLING = Schedule(
 UPGRADE = Schedule(
     10.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
 )
-# Part of the way to another condition: the next part starts from here, only the last one has to be steady.
+# From one condition to a near one Newton's method converges from the first step. A small Courant number would
+# follow the growth of the unsteady shear layer of the cold sheath instead, and lose the solution.
+RESTART_COURANT = 200.0
+# Part of the way to another condition: only the last part has to be steady.
 UNDER_WAY = Schedule(
-    30.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
+    RESTART_COURANT,
+    3000.0,
+    30,
+    velocity_tolerance=20.0,
+    temperature_tolerance=0.1,
+    converged_courant=300.0,
 )
 PRESSURE_STEP, FLOW_STEP = 0.2, 0.2  # largest change of ln p and of ln(mass flow) per part
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
@@ -211,7 +219,7 @@ def condition(
     problem = _moved(problem, gas, *path[-1][1:])
     state[problem.fixed] = problem.values[problem.fixed]
     final = Schedule(
-        30.0,
+        RESTART_COURANT,
         3000.0,
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
