@@ -29,6 +29,7 @@ from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
+RADIATORS = ("N", "O", "N2", "N2+", "NO")  # species with lines or bound-free continua
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
@@ -110,7 +111,7 @@ def gas_path(path_distance, temperature, number_density):
     for name, values in (("temperature", temperature), *density.items()):
         if values.shape != thickness.shape:
             raise ValueError(f"{name} must have the path's shape {thickness.shape}; got {values.shape}")
-    partition = {name: partition_function(name, temperature) for name in ("N", "O", "N2")}
+    partition = {name: partition_function(name, temperature) for name in RADIATORS}
     return GasPath(thickness, temperature, density, partition)
 
 

@@ -3,10 +3,16 @@
 import numpy as np
 
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
-from plasmapyro.radiation.nitrogen import nitrogen_first_positive
+from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000
+from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
 from plasmapyro.radiation.opacity import PADDING
 
 LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
+MOLECULES = {
+    "N2 1P": nitrogen_first_positive,
+    "N2+ Meinel": nitrogen_ion_meinel,
+    "NO 11000 A": nitric_oxide_11000,
+}
 REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
 
 
@@ -16,7 +22,6 @@ def _molecular_range(grid):
     return grid.wavenumber[0] / reach, grid.wavenumber[-1] * reach
 
 
-MOLECULES = {"N2 1P": nitrogen_first_positive}
 SYSTEMS = (*ATOMS, *MOLECULES)
 
 
