@@ -114,7 +114,7 @@ def error_claims(reading, errors, history):
     ordered = np.where(found[1:] & found[:-1], np.diff(limit, axis=0) > 0, True)
     falling = np.where(found[:, 1:] & found[:, :-1], np.diff(limit, axis=1) < 0, True)
     level = errors.attrs["error_level"]
-    flat = abs(limit[:, 1] / limit[:, 0] - 1)
+    slope = np.abs(np.diff(errors.emittance.values) / np.diff(limit, axis=1))
     claims = [
         Claim(
             "error_below_1500K",
@@ -151,12 +151,12 @@ def error_claims(reading, errors, history):
             "error_map_asymptote",
             "4.4",
             "The curves approach a horizontal asymptote as the emittance goes to zero.",
-            100 * float(np.nanmax(flat)) if np.isfinite(flat).any() else np.nan,
+            100 * float(np.nanmax(slope[:, 0] / slope[:, -1])) if np.isfinite(slope[:, 0]).any() else np.nan,
             "%",
             0,
             10,
-            f"Largest change of a curve between emittance {errors.emittance.values[0]:.2g} and "
-            f"{errors.emittance.values[1]:.2g}; the asymptote itself is the colour temperature of the gas.",
+            "Slope of emittance over temperature at the lowest emittance over that at the highest, largest of "
+            "all powers; the curve ends at the temperature that gas alone would read.",
         ),
     ]
     return claims + [claim for case in history.condition.values for claim in _transient(history, str(case))]

@@ -26,7 +26,7 @@ def visibility_factors(visibility, paths):
             )
     first = axes.legend(title="$P_{el}^{sim}$", loc="lower right")
     axes.add_artist(first)
-    _band_legend(axes, loc="upper left")
+    _band_legend(axes, loc="center right")
     axes.set(
         xlabel="Object temperature $T_{obj}$ [K]",
         ylabel=r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]",
@@ -115,15 +115,15 @@ def error_map(errors, paths):
         style.case_labels(errors.condition.values, errors.numerical_power),
         strict=True,
     ):
-        axes.plot(errors.emittance, row, color=colour, label=label)
+        axes.plot(row, errors.emittance, color=colour, label=label)
     level = 100 * float(errors.attrs["error_level"])
-    axes.annotate(f"$e < {level:g}$ %", (0.62, 0.93), xycoords="axes fraction", fontsize=8)
-    axes.annotate(f"$e > {level:g}$ %", (0.05, 0.05), xycoords="axes fraction", fontsize=8)
-    axes.legend(title="$P_{el}^{sim}$", ncols=2, loc="upper right", bbox_to_anchor=(1, 0.92))
+    axes.annotate(f"$e < {level:g}$ %", (0.80, 0.30), xycoords="axes fraction", fontsize=8)
+    axes.annotate(f"$e > {level:g}$ %", (0.04, 0.05), xycoords="axes fraction", fontsize=8)
+    axes.legend(title="$P_{el}^{sim}$", ncols=2, loc="upper right")
     axes.set(
-        xlabel=r"Emittance $\varepsilon$ [–]",
-        ylabel=rf"Object temperature $T_{{obj}}$ at $e={level:g}$ % [K]",
-        xlim=(0, 1),
+        xlabel=rf"Object temperature $T_{{obj}}$ at $e={level:g}$ % [K]",
+        ylabel=r"Emittance $\varepsilon$ [–]",
+        ylim=(0, 1),
     )
     style.mark_origin(axes, errors)
     style.save(drawing, paths)

@@ -127,9 +127,11 @@ def normalised_spectra(spectra, times, paths):
     for place, wanted in enumerate(times):
         one = spectra.sel(spectrum_time=wanted, method="nearest")
         colour = style.POWER_COLOURS(0.15 + 0.8 * place / max(len(times) - 1, 1))
-        axes.plot(one.wavelength * 1e9, one.normalised_radiance, ".", ms=0.8, color=colour)
-        label = f"{float(one.spectrum_time):.0f} s, {float(one.spectrometer_temperature):.0f} K"
-        axes.plot(one.wavelength * 1e9, one.normalised_fit, "-", lw=1.2, color=colour, label=label)
+        axes.plot(one.wavelength * 1e9, one.normalised_radiance, ".", ms=0.8, color=colour, zorder=1 + place)
+        reading = float(one.spectrometer_temperature)
+        result = "no temperature" if np.isnan(reading) else f"{reading:.0f} K"
+        label = f"{float(one.spectrum_time):.0f} s, {result}"
+        axes.plot(one.wavelength * 1e9, one.normalised_fit, "-", lw=1.2, color=colour, label=label, zorder=9)
     axes.legend(title="time, $T_{sp}$")
     axes.set(
         xlabel="Wavelength [nm]",
