@@ -155,8 +155,8 @@ def error_claims(reading, errors, history):
             "%",
             0,
             10,
-            "Slope of emittance over temperature at the lowest emittance over that at the highest, largest of "
-            "all powers; the curve ends at the temperature that gas alone would read.",
+            "Slope of emittance over temperature at the lowest emittance over that at the highest, largest "
+            "of all powers; the curve ends at the temperature that gas alone would read.",
         ),
     ]
     return claims + [claim for case in history.condition.values for claim in _transient(history, str(case))]
