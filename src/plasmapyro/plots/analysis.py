@@ -7,7 +7,7 @@ from plasmapyro.plots import style
 
 def visibility_factors(visibility, paths):
     """Figure 6a: visibility factor of both bands against surface temperature."""
-    drawing, axes = style.figure()
+    drawing, axes = style.figure(size=style.BESIDE)
     colours = style.case_colours(visibility.sizes["condition"])
     for case, colour, label in zip(
         range(visibility.sizes["condition"]),
@@ -24,9 +24,8 @@ def visibility_factors(visibility, paths):
                 color=colour,
                 label=label if band == "wide" else None,
             )
-    first = axes.legend(title="$P_{el}^{sim}$", loc="lower right")
-    axes.add_artist(first)
-    _band_legend(axes, loc="center right")
+    axes.add_artist(style.legend_beside(axes))
+    _band_legend(axes, loc="lower right")
     axes.set(
         xlabel="Object temperature $T_{obj}$ [K]",
         ylabel=r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]",
@@ -60,12 +59,12 @@ def visibility_limits(visibility, paths):
 
 def apparent_temperature(reading, paths):
     """Figure 7a: temperature read through the gas against the true one."""
-    drawing, axes = style.figure()
+    drawing, axes = style.figure(size=style.BESIDE)
     truth = reading.object_temperature
     axes.plot(truth, truth, "k:", lw=0.9, label="no gas")
     _one_line_per_power(axes, reading, reading.apparent_temperature)
     axes.axhspan(*reading.instrument_range.values, color="0.9", zorder=0, label="instrument range")
-    axes.legend(title="$P_{el}^{sim}$", ncols=2)
+    style.legend_beside(axes)
     axes.set(
         xlabel="Object temperature $T_{obj}$ [K]",
         ylabel="Apparent temperature $T_{app}$ [K]",
@@ -78,12 +77,12 @@ def apparent_temperature(reading, paths):
 
 def relative_error(reading, paths):
     """Figure 7b: relative error against the true temperature."""
-    drawing, axes = style.figure()
+    drawing, axes = style.figure(size=style.BESIDE)
     _one_line_per_power(axes, reading, 100 * reading.relative_error)
     axes.axhline(1, color="k", lw=0.7, ls=":")
     axes.annotate("1 %", (2480, 1.1), ha="right", fontsize=7)
     axes.set_yscale("log")
-    axes.legend(title="$P_{el}^{sim}$", ncols=2)
+    style.legend_beside(axes)
     axes.set(
         xlabel="Object temperature $T_{obj}$ [K]",
         ylabel="Relative error $e$ [%]",
@@ -107,7 +106,7 @@ def _one_line_per_power(axes, dataset, values):
 
 def error_map(errors, paths):
     """Figure 7c: curves of one error level over emittance and surface temperature."""
-    drawing, axes = style.figure()
+    drawing, axes = style.figure(size=style.BESIDE)
     colours = style.case_colours(errors.sizes["condition"])
     for row, colour, label in zip(
         errors.error_limit.values,
@@ -117,9 +116,9 @@ def error_map(errors, paths):
     ):
         axes.plot(row, errors.emittance, color=colour, label=label)
     level = 100 * float(errors.attrs["error_level"])
-    axes.annotate(f"$e < {level:g}$ %", (0.80, 0.30), xycoords="axes fraction", fontsize=8)
-    axes.annotate(f"$e > {level:g}$ %", (0.04, 0.05), xycoords="axes fraction", fontsize=8)
-    axes.legend(title="$P_{el}^{sim}$", ncols=2, loc="upper right")
+    axes.annotate(f"$e < {level:g}$ %", (0.72, 0.85), xycoords="axes fraction", fontsize=8)
+    axes.annotate(f"$e > {level:g}$ %", (0.03, 0.04), xycoords="axes fraction", fontsize=8)
+    style.legend_beside(axes)
     axes.set(
         xlabel=rf"Object temperature $T_{{obj}}$ at $e={level:g}$ % [K]",
         ylabel=r"Emittance $\varepsilon$ [–]",

@@ -59,7 +59,7 @@ def line_of_sight(sightlines, numerical_power, paths):
     numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
-    drawing, (upper, lower) = style.figure(size=(3.5, 3.6), nrows=2, height_ratios=(2, 1))
+    drawing, (upper, lower) = style.figure(size=(4.3, 3.6), nrows=2, height_ratios=(2, 1))
     labels = style.case_labels(sightlines, numerical_power)
     for sightline, colour, label in zip(
         sightlines.values(), style.case_colours(len(labels)), labels, strict=True
@@ -68,7 +68,7 @@ def line_of_sight(sightlines, numerical_power, paths):
         upper.plot(path, sightline.temperature, color=colour, label=label)
         lower.plot(path, sightline.pressure / 1e3, color=colour)
     upper.axvspan(0, 5, color="0.9", zorder=0)
-    upper.legend(title="$P_{el}^{sim}$", ncols=2)
+    style.legend_beside(upper)
     upper.set(xlim=(0, 200), xlabel=r"Path distance $\zeta$ [mm]", ylabel="Temperature [K]")
     lower.axvline(800, color="0.5", lw=0.7)
     lower.annotate("window", (790, 40), ha="right", fontsize=7)

@@ -35,10 +35,10 @@ def spectral_radiance(radiances, numerical_power, surface, bands, paths):
     for name, shade in (("wide", "0.93"), ("narrow", "0.86")):
         inside = bands.wavelength.values[bands[f"responsivity_{name}"].values > 0.05] * 1e9
         axes.axvspan(inside[0], inside[-1], color=shade, zorder=0)
-    axes.legend(title="$L_\\lambda^{g,e}$, $P_{el}^{sim}$", ncols=9, loc="upper center")
+    axes.legend(title="$L_\\lambda^{g,e}$, $P_{el}^{sim}$", ncols=5, loc="lower center")
     axes.set(
         xlim=(700, 1200),
-        ylim=(1e-1, 2e6),
+        ylim=(5e-3, 3e5),
         xlabel="Wavelength (vacuum) [nm]",
         ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",
     )

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 COLUMN = (3.5, 2.8)  # one journal column [inch]
-PAGE = (7.2, 3.6)  # both columns [inch]
+BESIDE = (4.3, 2.8)  # the same with the legend beside the axes [inch]
 POWER_COLOURS = plt.get_cmap("viridis_r")
 WIDE, NARROW = "#1f5fa8", "#c0392b"
 SETTINGS = {
@@ -45,6 +45,11 @@ def case_labels(condition, numerical_power):
     """Legend texts such as '90 kW'; the names of the conditions if two share a power."""
     labels = [f"{power / 1e3:g} kW" for power in np.asarray(numerical_power)]
     return labels if len(set(labels)) == len(labels) else [str(name) for name in condition]
+
+
+def legend_beside(axes, **options):
+    """Legend of the powers to the right of the axes, off the curves."""
+    return axes.legend(title="$P_{el}^{sim}$", loc="center left", bbox_to_anchor=(1.01, 0.5), **options)
 
 
 def mark_origin(axes, *datasets):
