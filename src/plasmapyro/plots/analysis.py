@@ -24,8 +24,8 @@ def visibility_factors(visibility, paths):
                 color=colour,
                 label=label if band == "wide" else None,
             )
-    axes.add_artist(style.legend_beside(axes))
-    _band_legend(axes, loc="lower right")
+    axes.add_artist(_band_legend(axes, loc="lower right"))
+    style.legend_beside(axes)
     axes.set(
         xlabel="Object temperature $T_{obj}$ [K]",
         ylabel=r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]",
@@ -38,7 +38,7 @@ def visibility_factors(visibility, paths):
 
 def _band_legend(axes, **where):
     lines = [axes.plot([], [], dash, color="0.3")[0] for dash in ("-", "--")]
-    axes.legend(lines, ["band 1 (wide)", "band 2 (narrow)"], **where)
+    return axes.legend(lines, ["band 1 (wide)", "band 2 (narrow)"], **where)
 
 
 def visibility_limits(visibility, paths):
@@ -122,6 +122,7 @@ def error_map(errors, paths):
     axes.set(
         xlabel=rf"Object temperature $T_{{obj}}$ at $e={level:g}$ % [K]",
         ylabel=r"Emittance $\varepsilon$ [–]",
+        xlim=(600, None),
         ylim=(0, 1),
     )
     style.mark_origin(axes, errors)
