@@ -162,7 +162,7 @@ def test_a_cold_torch_is_called_extinguished(problem):
     solver, _ = problem
     axial, radial, temperature, gauge = solver.physical(np.zeros(solver.space.size))
     state = solver.state_of(axial, radial, np.full_like(temperature, 1500.0), gauge)
-    with pytest.raises(NotConverged, match="here: plasma extinguished at step 1; hottest gas 1500 K"):
+    with pytest.raises(NotConverged, match="here: step 1: plasma extinguished; hottest gas 1500 K"):
         march(solver, state, 90e3, Schedule(1.0, 10.0, 3), "here")
 
 

@@ -56,15 +56,35 @@ class Schedule:
     temperature_tolerance: float = 2e-3
     converged_courant: float = 1000.0
 
+    def reached_by(self, step):
+        """Whether `step` shows a converged state."""
+        return (
+            step.velocity_change < self.velocity_tolerance
+            and step.temperature_change < self.temperature_tolerance
+            and step.courant >= self.converged_courant
+        )
+
+    def next_courant(self, step):
+        """Courant number after an accepted `step`: larger while the mean changes are small."""
+        if step.rms_heat < self.growth_limit and step.rms_speed < 2.5 * self.growth_limit:
+            calm = step.rms_heat < 0.2 * self.growth_limit
+            return min(step.courant * self.growth * (1.5 if calm else 1.0), self.largest_courant)
+        return step.courant * (0.7 if step.rms_heat > 0.15 else 1.0)
+
 
 @dataclass(frozen=True)
 class Step:
-    """What one pseudo-time step did; see the contract 'flow' for the meaning of the numbers."""
+    """What one pseudo-time step did; see the contract 'flow' for the first four numbers.
+
+    `rms_heat`, `rms_speed`: root mean square of the changes of ln T and of u/100 m/s over the nodes.
+    """
 
     residual: float
     velocity_change: float
     temperature_change: float
     courant: float
+    rms_heat: float
+    rms_speed: float
 
 
 @dataclass(frozen=True)
@@ -110,28 +130,16 @@ def march(problem, state, power, schedule, label):
             raise NotConverged(
                 f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"
             ) from None
-        heat = update[space.field(LOG_TEMPERATURE)]
-        speed = np.concatenate([update[space.field(AXIAL)], update[space.field(RADIAL)]])
-        rms_heat = float(np.sqrt(np.mean(heat**2)))
-        rms_speed = float(np.sqrt(2 * np.mean(speed**2)))
-        step = Step(
-            residual, float(np.abs(speed).max() * REFERENCE_VELOCITY), float(np.abs(heat).max()), courant
-        )
+        step = _measured(space, update, residual, courant)
         steps.append(step)
-        hottest = float(np.exp(state[space.field(LOG_TEMPERATURE)].max()))
-        log.info(
-            "%s: step %d, CFL %.3g, residual %.2e, change %.3g m/s, %.2e in T, Tmax %.0f K, coil %.1f A",
-            label, number, courant, residual, step.velocity_change, step.temperature_change, hottest, current,
-        )  # fmt: skip
-        if not np.isfinite(rms_heat + rms_speed):
-            raise NotConverged(f"{label}: step {number} of the flow is not finite; residual {residual:.2e}")
-        if hottest < EXTINGUISHED:
-            raise NotConverged(
-                f"{label}: plasma extinguished at step {number}; hottest gas {hottest:.0f} K, "
-                f"residual {residual:.2e}"
-            )
-        damping = min(1.0, RMS_LOG_TEMPERATURE / max(rms_heat, 1e-300), RMS_VELOCITY / max(rms_speed, 1e-300))
-        if rms_heat > REJECTED_LOG_TEMPERATURE or rms_speed > REJECTED_VELOCITY:
+        _watch(space, state, step, current, f"{label}: step {number}")
+        new = None
+        if step.rms_heat <= REJECTED_LOG_TEMPERATURE and step.rms_speed <= REJECTED_VELOCITY:
+            if accelerate:
+                memory = [*memory, (state, update)][-ACCELERATION_DEPTH - 1 :]
+                update = _accelerated(memory)
+            new = _applied(problem, state, _damping(step) * update)
+        if new is None:
             courant *= 0.4
             if courant < SMALLEST_COURANT:
                 raise NotConverged(
@@ -139,21 +147,10 @@ def march(problem, state, power, schedule, label):
                     f"(step {number}, residual {residual:.2e})"
                 )
             continue
-        if accelerate:
-            memory = [*memory, (state, update)][-ACCELERATION_DEPTH - 1 :]
-            update = _accelerated(memory)
-        state = _applied(problem, state, damping * update)
-        if (
-            step.velocity_change < schedule.velocity_tolerance
-            and step.temperature_change < schedule.temperature_tolerance
-            and courant >= schedule.converged_courant
-        ):
+        state = new
+        if schedule.reached_by(step):
             return _result(problem, state, power, steps)
-        if rms_heat < schedule.growth_limit and rms_speed < 2.5 * schedule.growth_limit:
-            calm = rms_heat < 0.2 * schedule.growth_limit
-            courant = min(courant * schedule.growth * (1.5 if calm else 1.0), schedule.largest_courant)
-        elif rms_heat > 0.15:
-            courant *= 0.7
+        courant = schedule.next_courant(step)
     if np.isfinite(schedule.converged_courant):
         raise NotConverged(
             f"{label}: not converged in {schedule.steps} steps; residual {residual:.2e}, last change "
@@ -162,8 +159,43 @@ def march(problem, state, power, schedule, label):
     return _result(problem, state, power, steps)
 
 
+def _measured(space, update, residual, courant):
+    """The Step of a Newton update."""
+    heat = update[space.field(LOG_TEMPERATURE)]
+    axial, radial = update[space.field(AXIAL)], update[space.field(RADIAL)]
+    return Step(
+        residual=residual,
+        velocity_change=float(max(np.abs(axial).max(), np.abs(radial).max()) * REFERENCE_VELOCITY),
+        temperature_change=float(np.abs(heat).max()),
+        courant=courant,
+        rms_heat=float(np.sqrt(np.mean(heat**2))),
+        rms_speed=float(np.sqrt(np.mean(axial**2 + radial**2))),
+    )
+
+
+def _watch(space, state, step, current, where):
+    """Log the step; raise NotConverged if the state is hopeless."""
+    hottest = float(np.exp(state[space.field(LOG_TEMPERATURE)].max()))
+    log.info(
+        "%s, CFL %.3g, residual %.2e, change %.3g m/s, %.2e in T, Tmax %.0f K, coil %.1f A",
+        where, step.courant, step.residual, step.velocity_change, step.temperature_change, hottest, current,
+    )  # fmt: skip
+    if not np.isfinite(step.rms_heat + step.rms_speed):
+        raise NotConverged(f"{where} of the flow is not finite; residual {step.residual:.2e}")
+    if hottest < EXTINGUISHED:
+        raise NotConverged(
+            f"{where}: plasma extinguished; hottest gas {hottest:.0f} K, residual {step.residual:.2e}"
+        )
+
+
+def _damping(step):
+    """Factor that keeps the rms changes inside the trust region."""
+    heat, speed = max(step.rms_heat, 1e-300), max(step.rms_speed, 1e-300)
+    return min(1.0, RMS_LOG_TEMPERATURE / heat, RMS_VELOCITY / speed)
+
+
 def _applied(problem, state, update):
-    """State after a clipped update, halved until ln T lies inside the property table everywhere."""
+    """State after a clipped update, halved until T lies inside the property table; None if it never does."""
     space, heat = problem.space, problem.space.field(LOG_TEMPERATURE)
     limits = np.full(space.size, np.inf)
     limits[space.field(AXIAL)] = limits[space.field(RADIAL)] = LARGEST_VELOCITY
@@ -178,7 +210,7 @@ def _applied(problem, state, update):
         if temperature.min() > problem.properties.low and temperature.max() < problem.properties.high:
             return new
         clipped = clipped / 2
-    return state
+    return None
 
 
 def _accelerated(memory):
