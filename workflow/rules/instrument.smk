@@ -14,10 +14,10 @@ rule ratio_curve:
         response="results/instrument/response.nc",
     output:
         "results/instrument/ratio_curve.nc",
-    params:
-        **config["instrument"]["ratio_curve"],
     log:
         "results/logs/ratio_curve.log",
+    params:
+        **config["instrument"]["ratio_curve"],
     script:
         "../scripts/ratio_curve.py"
 
