@@ -94,6 +94,60 @@ def test_poiseuille_flow_has_no_residual(pipe, constant_gas):
     assert wall < 0
 
 
+def test_densities_of_a_linear_velocity_field(pipe, constant_gas):
+    # u_z = a z, u_r = b r, T uniform: strain rates a, b, b, divergence a + 2 b, by hand.
+    space = Space(pipe(2), (2, 2, 2, 1))
+    a, b, temperature, gauge = 10.0, 3.0, 2000.0, 40.0
+    density, viscosity, heating, force_z, force_r = 2.0, 0.5, 5e3, 70.0, -90.0
+    z, r = space.points(0)
+    state = np.zeros(space.size)
+    state[space.field(0)], state[space.field(1)] = a * z / 100, b * r / 100
+    state[space.field(2)], state[space.field(3)] = np.log(temperature), gauge / 100
+    zero = np.zeros_like(space.cells.r)
+    data = points(
+        space,
+        element_size=zero + 1e-9,  # no stabilisation left
+        joule_heating=zero + heating,
+        force_axial=zero + force_z,
+        force_radial=zero + force_r,
+    )
+    inputs = space.inputs(space.cells, state)
+    lines = property_lines(gas_properties(constant_gas, 1e3, 350.0), np.exp(inputs[6]))
+    rows = np.stack(densities(inputs, lines, data)) / ROW_SCALE[:, None, None]
+    divergence, radius = a + 2 * b, space.cells.r
+    stress_zz = 2 * viscosity * (a - divergence / 3)
+    stress_rr = 2 * viscosity * (b - divergence / 3)
+    expected = {
+        0: density * a * a * space.cells.z - force_z,
+        1: stress_zz - gauge,
+        2: 0.0,
+        3: density * b * b * radius - force_r + (stress_rr - gauge) / radius,
+        4: 0.0,
+        5: stress_rr - gauge,
+        6: -heating + density * 1000.0 * (temperature - 350.0) * divergence,
+        7: 0.0,
+        8: 0.0,
+        9: density * divergence,
+    }
+    for row, value in expected.items():
+        np.testing.assert_allclose(rows[row], value + zero, rtol=1e-6, atol=1e-5, err_msg=str(row))
+
+
+def test_heating_expands_the_gas(pipe, air):
+    # R_c = div u + (rho'/rho) D T with u = 0: heated gas must flow out, D T = (T - T_old) / dt.
+    space = Space(pipe(2), (2, 2, 2, 1))
+    state = np.zeros(space.size)
+    state[space.field(2)] = np.log(6000.0)
+    zero = np.zeros_like(space.cells.r)
+    data = points(space, inverse_step=zero + 1e3, old_temperature=zero + 5990.0)
+    properties = gas_properties(air, 5e3, 350.0)
+    inputs = space.inputs(space.cells, state)
+    mass = densities(inputs, property_lines(properties, np.exp(inputs[6])), data)[9] / ROW_SCALE[9]
+    table = air.density.sel(pressure=5e3)
+    slope = float(table.sel(temperature=6050.0) - table.sel(temperature=5950.0)) / 100
+    np.testing.assert_allclose(mass, slope * 10.0 * 1e3 + zero, rtol=0.01)  # slope over 100 K
+
+
 def heated_pipe(mesh, constant_gas):
     """Largest error of ln T in a conducting pipe with uniform heating, by Newton from a uniform guess."""
     space = Space(mesh, (2, 2, 2, 1))
