@@ -87,4 +87,5 @@ def digest(path):
 def log_to(path):
     """Send the log records and warnings of this process to `path`."""
     logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every basis it makes
     logging.captureWarnings(True)
