@@ -21,5 +21,5 @@ table = claims_table(
     pyrometer=io.read(given.pyrometer, "pyrometer_correction"),
     spectra=io.read(given.spectrometer, "spectrometer_correction"),
 )
-io.write(table, snakemake.output.table, "claims", sources=given)
+io.write(table, snakemake.output.table, "claims", sources=given, config=dict(snakemake.params))
 Path(snakemake.output.text).write_text(as_markdown(table), encoding="utf-8")

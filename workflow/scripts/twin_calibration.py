@@ -9,5 +9,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from twin import campaign
 
 response = xr.load_dataset(snakemake.input.response)
-campaign.write(campaign.calibration_points(response, snakemake.params.seed), snakemake.output.points)
-campaign.write(campaign.spectrometer_counts(snakemake.params.seed), snakemake.output.counts)
+origin = {"sources": snakemake.input, "configuration": dict(snakemake.params)}
+points = campaign.calibration_points(response, snakemake.params.seed)
+campaign.write(points, snakemake.output.points, **origin)
+campaign.write(campaign.spectrometer_counts(snakemake.params.seed), snakemake.output.counts, **origin)

@@ -18,5 +18,6 @@ test, truth = campaign.record(
     gas,
     snakemake.params.seed,
 )
-campaign.write(test, snakemake.output.test)
-campaign.write(truth, snakemake.output.truth)
+origin = {"sources": snakemake.input, "configuration": dict(snakemake.params)}
+campaign.write(test, snakemake.output.test, **origin)
+campaign.write(truth, snakemake.output.truth, **origin)

@@ -5,6 +5,8 @@ Every function returns datasets; `write` stores them. A hidden effect is another
 touching the rest.
 """
 
+import hashlib
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -297,9 +299,17 @@ def _exposures(scene, tick):
     return middle, begin[:, None] + np.arange(count)
 
 
-def write(dataset, path):
-    """Store a dataset as netCDF, whole or not at all, the same bytes for the same content."""
+def write(dataset, path, *, sources=(), configuration=None):
+    """Store a dataset as netCDF, whole or not at all, the same bytes for the same content.
+
+    The SHA-256 of the source files and the configuration go into its attributes.
+    """
     path = Path(path)
+    digests = [(hashlib.sha256(Path(source).read_bytes()).hexdigest(), source) for source in sources]
+    dataset = dataset.assign_attrs(
+        sources="\n".join(f"{digest}  {source}" for digest, source in digests),
+        configuration=json.dumps(configuration or {}, sort_keys=True),
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     try:

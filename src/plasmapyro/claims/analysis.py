@@ -7,13 +7,12 @@ import numpy as np
 from plasmapyro.claims.claim import Claim
 
 
-def radiance_claims(spectrum, power, surface, response):
+def radiance_claims(radiances, surface, response):
     """Claims on the spectra: gas against a grey surface, inside the wide band.
 
     Parameters
     ----------
-    spectrum : Dataset, contract 'radiation', at the highest power
-    power : float [W]
+    radiances : list of Dataset, contract 'radiation', one per condition
     surface : Dataset, contract 'surface_radiance'
     response : Dataset, contract 'response'
 
@@ -21,36 +20,40 @@ def radiance_claims(spectrum, power, surface, response):
     -------
     list of Claim
     """
-    wavelength = spectrum.wavelength_slit.values
     bands = response.wavelength.values[response.responsivity_wide.values > 0.05]
-    inside = (wavelength >= bands[0]) & (wavelength <= bands[-1])
 
-    def ratio(temperature):
-        object_radiance = surface.surface_radiance.sel(object_temperature=temperature, method="nearest")
-        below = np.exp(np.interp(wavelength[inside], surface.wavelength, np.log(object_radiance)))
+    def ratio(spectrum, temperature):
+        wavelength = spectrum.wavelength_slit.values
+        inside = (wavelength >= bands[0]) & (wavelength <= bands[-1])
+        grey = surface.surface_radiance.sel(object_temperature=temperature)
+        below = np.exp(np.interp(wavelength[inside], surface.wavelength, np.log(grey)))
         return spectrum.gas_radiance_slit.values[inside] / below
 
-    label = f"at {power / 1e3:g} kW, slit 0.75 nm, inside the wide band, emittance 0.85"
+    shares = [100 * float(np.mean(ratio(spectrum, 1000.0) > 1)) for spectrum in radiances]
+    peaks = [float(ratio(spectrum, 1500.0).max()) for spectrum in radiances]
+    label = f"through the slit, inside the wide band, emittance {surface.attrs['emittance']:g}"
     return [
         Claim(
             "gas_over_surface_1000K",
             "4.2",
             "The gas outshines a surface at 1000 K.",
-            100 * float(np.mean(ratio(1000.0) > 1)),
+            float(np.median(shares)),
             "% of the band",
             50,
             100,
-            f"Share of wavelengths with more gas than surface, {label}.",
+            "Share of wavelengths with more gas than surface, median of the powers (all: "
+            f"{min(shares):.0f} to {max(shares):.0f} %), {label}.",
         ),
         Claim(
             "line_peaks_1500K",
             "4.2",
             "Atomic lines are comparable with a surface even above 1500 K.",
-            float(ratio(1500.0).max()),
+            float(np.median(peaks)),
             "1",
             0.5,
             inf,
-            f"Largest ratio of gas to surface at 1500 K, {label}; 'comparable' read as above one half.",
+            f"Largest ratio of gas to surface at 1500 K, median of the powers (all: {min(peaks):.2g} to "
+            f"{max(peaks):.2g}), {label}; 'comparable' read as above one half.",
         ),
     ]
 
@@ -108,11 +111,13 @@ def error_claims(reading, errors, history):
     -------
     list of Claim
     """
-    at_1000 = reading.relative_error.sel(object_temperature=1000.0, method="nearest")
+    onset = [
+        _highest_above(reading.object_temperature.values, row, 0.01) for row in reading.relative_error.values
+    ]
     limit = errors.error_limit.values
     found = np.isfinite(limit)
-    ordered = np.where(found[1:] & found[:-1], np.diff(limit, axis=0) > 0, True)
-    falling = np.where(found[:, 1:] & found[:, :-1], np.diff(limit, axis=1) < 0, True)
+    ordered = np.diff(limit, axis=0)[found[1:] & found[:-1]] > 0
+    falling = np.diff(limit, axis=1)[found[:, 1:] & found[:, :-1]] < 0
     level = errors.attrs["error_level"]
     slope = np.abs(np.diff(errors.emittance.values) / np.diff(limit, axis=1))
     claims = [
@@ -120,18 +125,18 @@ def error_claims(reading, errors, history):
             "error_below_1500K",
             "4.4",
             "The apparent temperature deviates considerably below 1500 K.",
-            100 * float(at_1000.where(np.isfinite(at_1000), inf).median()),
-            "%",
-            5,
-            inf,
-            "Median relative error of all powers at 1000 K (no reading counts as infinite); 'considerably' "
-            "read as above 5 %.",
+            float(np.median(onset)),
+            "K",
+            1400,
+            1600,
+            f"Temperature below which the error exceeds 1 %, median of the powers (all: {min(onset):.0f} to "
+            f"{max(onset):.0f} K); the printed 1500 K read as within 100 K.",
         ),
         Claim(
             "error_map_ordered_by_power",
             "4.4",
             f"The curves e = {100 * level:g} % lie higher for higher power.",
-            100 * float(ordered.mean()),
+            100 * float(ordered.mean()) if ordered.size else np.nan,
             "% of the map",
             100,
             100,
@@ -141,7 +146,7 @@ def error_claims(reading, errors, history):
             "error_map_falls_with_emittance",
             "4.4",
             f"The curves e = {100 * level:g} % lie higher for lower emittance.",
-            100 * float(falling.mean()),
+            100 * float(falling.mean()) if falling.size else np.nan,
             "% of the map",
             100,
             100,
@@ -168,13 +173,13 @@ def _transient(history, case):
     heating = history.time.values > 0
     seen = apparent[heating & np.isfinite(apparent)]
     unread = bool((heating & ~np.isfinite(apparent)).any())
-    lowest = int(np.nanargmin(np.where(heating, apparent, np.nan)))
+    lowest = int(np.argmin(np.where(heating & np.isfinite(apparent), apparent, inf)))
     return [
         Claim(
             f"transient_falls_{case}",
             "4.5",
             f"While the sample heats the reading drops from large values ({case}).",
-            float(seen[0] - np.nanmin(apparent[heating])),
+            float(seen[0] - seen.min()) if seen.size else np.nan,
             "K",
             300,
             inf,
@@ -185,7 +190,7 @@ def _transient(history, case):
             f"transient_turns_{case}",
             "5.2",
             f"The reading rises again only after about 20 s ({case}; the paper says so of its 160 kW test).",
-            float(history.time[lowest]),
+            float(history.time[lowest]) if seen.size else np.nan,
             "s",
             15,
             25,
@@ -217,12 +222,16 @@ def threshold_claims(reading):
         For each threshold the simulated power whose error curve passes through it: 80 to 90 kW would
         agree with the paper's comparison of spectra, 56 to 64 kW with its efficiency.
     """
-    printed = (("1350", 1350.0, 0.01), ("1120", 1120.0, 0.10), ("1600", 1600.0, 0.002))
+    printed = (
+        ("1350K", "at 1350 K", 1350.0, 0.01),
+        ("1120K", "at 1120 K", 1120.0, 0.10),
+        ("steady", "at steady state (here read at 1600 K, as in the paper's idealised test)", 1600.0, 0.002),
+    )
     return [
         Claim(
-            f"power_from_error_at_{name}K",
+            f"power_from_error_{name}",
             "5.2, 5.3",
-            f"Measured: the error is {100 * level:g} % at {name} K, where the spectrum suggests 80 to 90 kW.",
+            f"Measured: the error is {100 * level:g} % {where}; the spectrum suggests 80 to 90 kW.",
             _power_of_error(reading, temperature, level) / 1e3,
             "kW",
             80,
@@ -230,8 +239,20 @@ def threshold_claims(reading):
             "Simulated power with that error at that temperature, between the powers computed; the paper's "
             "efficiency of 35 to 40 % would mean 56 to 64 kW.",
         )
-        for name, temperature, level in printed
+        for name, where, temperature, level in printed
     ]
+
+
+def _highest_above(temperature, error, level):
+    """Highest temperature [K] with an error above `level` (no reading counts), linear to the next sample."""
+    error = np.where(np.isnan(error), inf, error)
+    above = np.nonzero(error > level)[0]
+    if not above.size:
+        return np.nan
+    place = int(above[-1])
+    if place + 1 == len(temperature) or not np.isfinite(error[place]):
+        return float(temperature[place])
+    return float(np.interp(-level, -error[place : place + 2], temperature[place : place + 2]))
 
 
 def _power_of_error(reading, temperature, level):

@@ -42,7 +42,7 @@ class Claim:
         excess = max(self.value - self.high, 0.0) - max(self.low - self.value, 0.0)
         if excess == 0:
             return "reproduced" + mark
-        return f"differs by {excess:+.3g} {self.unit}".rstrip(" 1") + mark
+        return f"differs by {excess:+.3g} {self.unit}".removesuffix(" 1") + mark
 
     @property
     def printed(self):

@@ -68,7 +68,7 @@ def correction_claims(pyrometer):
             "K",
             1340,
             1360,
-            TWIN + "median over 20 K of corrected temperature; depends on the gas state the twin was given.",
+            TWIN + "crossing of the medians over 20 K; depends on the gas state the twin was given.",
             basis,
         ),
         Claim(
@@ -162,10 +162,18 @@ def _basis(dataset):
 
 
 def _highest_with_error_above(temperature, error, level, width=20.0):
-    """Highest centre of a bin of `temperature` (`width` [K]) whose median error exceeds `level`."""
+    """Temperature [K] above which the error stays below `level`, from medians over bins of `width` [K].
+
+    The crossing is read between the centres of the last bin above the level and the next one, linear in
+    the logarithm of the error; NaN if no bin is above.
+    """
     good = np.isfinite(temperature) & np.isfinite(error)
     bins = np.floor(temperature[good] / width)
-    centres = np.unique(bins)
-    median = np.array([np.median(error[good][bins == centre]) for centre in centres])
+    numbers = np.unique(bins)
+    median = np.array([np.median(error[good][bins == number]) for number in numbers])
+    centres = (numbers + 0.5) * width
     beyond = np.nonzero(median > level)[0]
-    return (centres[beyond[-1]] + 0.5) * width if beyond.size else np.nan
+    if not beyond.size:
+        return np.nan
+    pair = slice(beyond[-1], beyond[-1] + 2)
+    return float(np.interp(-np.log(level), -np.log(median[pair]), centres[pair]))

@@ -44,7 +44,7 @@ def claims_table(
     """
     claims = [
         *flow_claims(sightlines, numerical_power),
-        *radiance_claims(radiances[-1], numerical_power[-1], surface, response),
+        *radiance_claims(radiances, surface, response),
         *visibility_claims(visibility),
         *error_claims(reading, errors, history),
         *calibration_claims(calibration),
@@ -80,14 +80,22 @@ def as_markdown(table):
     str
     """
     verdicts = table.verdict.values.astype(str)
-    counts = [
-        f"{np.char.startswith(verdicts, word).sum()} {word}"
-        for word in ("reproduced", "differs", "no value here", "not testable here")
-    ]
+    synthetic = table.basis.values.astype(str) == "synthetic"
+
+    def count(word, rows):
+        return int((np.char.startswith(verdicts, word) & rows).sum())
+
+    summary = (
+        f"{len(verdicts)} claims. From the simulation: {count('reproduced', ~synthetic)} reproduced, "
+        f"{count('differs', ~synthetic)} differ, {count('no value', ~synthetic)} without a value here, "
+        f"{count('not testable', ~synthetic)} not testable here. On synthetic data: "
+        f"{count('reproduced', synthetic)} reproduced, {count('differs', synthetic)} differ, "
+        f"{count('no value', synthetic)} without a value."
+    )
     lines = [
         "# What the paper says, and what this chain gives",
         "",
-        f"{len(verdicts)} claims: " + ", ".join(counts) + ".",
+        summary,
         "",
         "No constant was tuned to hit a printed number. Words such as 'about' are read as the range shown."
         " 'Synthetic data' marks claims on the measured test, of which only a synthetic twin is public here.",
