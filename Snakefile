@@ -8,13 +8,15 @@ min_version("9.0")
 configfile: "config/config.yaml"
 
 
+for path in workflow.configfiles:
+    configuration.read(path)
 configuration.check(config, "config/schema.yaml", "the configuration")
 CONDITIONS = configuration.load_folder(
     config["conditions"], "config/schema_condition.yaml", order="numerical_power_kw"
 )
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
-configuration.check_names(config, CONDITIONS, TESTS)
+configuration.check_together(config, CONDITIONS, TESTS)
 
 
 include: "workflow/rules/gas.smk"

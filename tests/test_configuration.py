@@ -34,6 +34,78 @@ def test_a_missing_key_is_named():
     assert "'emittance' is a required property" in message
 
 
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_a_number_without_end_is_refused(number):
+    assert "emittance: " in refusal({**GOOD, "emittance": number})
+
+
+def test_a_key_given_twice_is_refused(tmp_path):
+    text = "\n".join(f"{key}: {value}" for key, value in GOOD.items())
+    (tmp_path / "x.yaml").write_text(f"{text}\nemittance: 0.2\n")
+    with pytest.raises(configuration.ConfigurationError, match="key 'emittance' is given twice"):
+        configuration.load(tmp_path / "x.yaml", CONDITION)
+
+
+def shipped():
+    config = configuration.load(ROOT / "config/config.yaml", ROOT / "config/schema.yaml")
+    conditions = configuration.load_folder(config["conditions"], CONDITION, order="numerical_power_kw")
+    return config, conditions, configuration.load_folder(config["tests"], ROOT / "config/schema_test.yaml")
+
+
+def spoil(config, place, value):
+    *path, last = place.split(".")
+    for key in path:
+        config = config[key]
+    config[last] = value
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        ("gas.temperature_k", [15000, 200, 25], "gas.temperature_k: [15000, 200] must rise"),
+        ("radiation.wavelength_nm", [1200, 700], "radiation.wavelength_nm: [1200, 700] must rise"),
+        ("analysis.error_emittance", [0.5, 2.0, 50], "analysis.error_emittance.1: 2.0 is greater"),
+        ("gas.pressure_mbar", [50, 40], "must rise"),
+    ],
+)
+def test_a_range_that_does_not_fit_is_refused(place, value, message):
+    config = shipped()[0]
+    spoil(config, place, value)
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.check(config, ROOT / "config/schema.yaml", "config.yaml")
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (
+            "figures.field_condition",
+            "91kW",
+            "figures.field_condition: no file for '91kW'; did you mean '90kW'?",
+        ),
+        ("claims.test", "csic", "claims.test: no file for 'csic'; known: csic_160kW"),
+        ("experiment.compare_with", ["85kW"], "experiment.compare_with: no file for '85kW'"),
+        ("gas.pressure_mbar", [60, 100], "chamber_pressure_mbar of 50kW: 50 mbar lies outside"),
+        ("sightline.window_distance_mm", 1200, "window_distance_mm must be less than"),
+    ],
+)
+def test_values_that_do_not_fit_together_are_refused(place, value, message):
+    config, conditions, tests = shipped()
+    configuration.check_together(config, conditions, tests)
+    spoil(config, place, value)
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.check_together(config, conditions, tests)
+    assert message in str(caught.value)
+
+
+def test_a_twin_of_an_unknown_condition_is_refused():
+    config, conditions, tests = shipped()
+    tests["csic_160kW"]["twin"]["condition"] = "95kW"
+    with pytest.raises(configuration.ConfigurationError, match="twin.condition of test csic_160kW: no file"):
+        configuration.check_together(config, conditions, tests)
+
+
 def test_broken_yaml_names_the_file(tmp_path):
     (tmp_path / "x.yaml").write_text("a: [1\n")
     with pytest.raises(configuration.ConfigurationError, match=r"x\.yaml: not readable as YAML"):

@@ -1,23 +1,58 @@
 """Reading YAML configuration against a closed schema; says all that is wrong, where, and what was meant."""
 
 from difflib import get_close_matches
+from math import isfinite
 from pathlib import Path
 
 import yaml
-from jsonschema import Draft202012Validator
+from jsonschema import Draft202012Validator, ValidationError
+from jsonschema.validators import extend
 
 
 class ConfigurationError(ValueError):
     """A configuration does not fit its schema; the message lists every fault."""
 
 
-def load(path, schema):
-    """Read one YAML file and return its mapping, checked against `schema` (see `check`)."""
+class _Loader(yaml.SafeLoader):
+    """Safe, and refuses a key that is given twice."""
+
+    def construct_mapping(self, node, deep=False):
+        keys = [self.construct_object(key, deep=True) for key, _ in node.value]
+        twice = [key for place, key in enumerate(keys) if key in keys[:place]]
+        if twice:
+            raise yaml.constructor.ConstructorError(
+                None, None, f"key '{twice[0]}' is given twice", node.start_mark
+            )
+        return super().construct_mapping(node, deep)
+
+
+def _rising(_, count, instance, __):
+    """Schema keyword `rising: n`: the first n numbers of a list increase strictly."""
+    head = instance[:count]
+    if any(later <= earlier for earlier, later in zip(head, head[1:], strict=False)):
+        yield ValidationError(f"{head} must rise")
+
+
+_Validator = extend(Draft202012Validator, {"rising": _rising})
+
+
+def read(path):
+    """The values of one YAML file.
+
+    Raises
+    ------
+    ConfigurationError
+        If it is not YAML, or a key stands in it twice; the message names file and line.
+    """
     try:
-        values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+        return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as fault:
         raise ConfigurationError(f"{path}: not readable as YAML: {fault}") from None
-    return check(values, schema, path)
+
+
+def load(path, schema):
+    """Read one YAML file and return its mapping, checked against `schema` (see `check`)."""
+    return check(read(path), schema, path)
 
 
 def load_folder(selection, schema, order=None):
@@ -53,17 +88,26 @@ def check(values, schema, source):
         Names the source, and for each fault the key, its value, the rule and the nearest valid key.
     """
     rules = yaml.safe_load(Path(schema).read_text(encoding="utf-8"))
-    faults = sorted(
-        Draft202012Validator(rules).iter_errors(values), key=lambda fault: list(map(str, fault.path))
-    )
-    if faults:
-        lines = [line for fault in faults for line in _explain(fault)]
+    faults = sorted(_Validator(rules).iter_errors(values), key=lambda fault: list(map(str, fault.path)))
+    lines = [line for fault in faults for line in _explain(fault)]
+    lines += [f"{where}: {number} is not a finite number" for where, number in _endless(values)]
+    if lines:
         raise ConfigurationError(f"{source} does not fit {schema}:\n  " + "\n  ".join(lines))
     return values
 
 
-def check_names(config, conditions, tests):
-    """Refuse names in the configuration (and in synthetic tests) that are no condition or test.
+def _endless(values, where=""):
+    """Places of NaN and infinity in nested mappings and lists."""
+    if isinstance(values, dict | list):
+        pairs = values.items() if isinstance(values, dict) else enumerate(values)
+        for key, value in pairs:
+            yield from _endless(value, f"{where}.{key}".lstrip("."))
+    elif isinstance(values, float) and not isfinite(values):
+        yield where, values
+
+
+def check_together(config, conditions, tests):
+    """Refuse values that are right one by one but not together: unknown names, and ranges that do not fit.
 
     Parameters
     ----------
@@ -75,12 +119,27 @@ def check_names(config, conditions, tests):
         "analysis.transient.conditions": config["analysis"]["transient"]["conditions"],
         "experiment.compare_with": config["experiment"]["compare_with"],
         **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
+        **{
+            f"twin.condition of test {name}": [test["twin"]["condition"]]
+            for name, test in tests.items()
+            if "twin" in test
+        },
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     faults.append(_unknown("claims.test", config["claims"]["test"], tests))
+    lowest, highest = min(config["gas"]["pressure_mbar"]), max(config["gas"]["pressure_mbar"])
+    cases = {"flow.start": config["flow"]["start"], **conditions}
+    faults += [
+        f"chamber_pressure_mbar of {name}: {case['chamber_pressure_mbar']} mbar lies outside"
+        f" gas.pressure_mbar ({lowest} to {highest} mbar)"
+        for name, case in cases.items()
+        if not lowest <= case["chamber_pressure_mbar"] <= highest
+    ]
+    if config["sightline"]["window_distance_mm"] >= config["sightline"]["instrument_distance_mm"]:
+        faults.append("sightline: window_distance_mm must be less than instrument_distance_mm")
     if any(faults):
         raise ConfigurationError(
-            "\n  ".join(["the configuration names what is not there:", *filter(None, faults)])
+            "\n  ".join(["the configuration does not fit together:", *filter(None, faults)])
         )
 
 

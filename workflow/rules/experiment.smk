@@ -2,6 +2,11 @@ def test_file(wildcards):
     return f"{TESTS[wildcards.test]['data_folder']}/test.nc"
 
 
+def spectrometer_calibration_of(wildcards):
+    calibrated = TESTS[wildcards.test]["calibrated_spectra"]
+    return [] if calibrated else "results/instrument/spectrometer_calibration.nc"
+
+
 rule pyrometer_correction:
     input:
         test=test_file,
@@ -21,7 +26,7 @@ rule pyrometer_correction:
 rule spectrometer_correction:
     input:
         test=test_file,
-        calibration="results/instrument/spectrometer_calibration.nc",
+        calibration=spectrometer_calibration_of,
     output:
         "results/experiment/{test}/spectrometer_correction.nc",
     log:

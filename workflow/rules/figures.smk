@@ -1,6 +1,14 @@
 # Each rule draws one family of figures from the netCDF of the stages that it shows.
+FORMATS = ["svg", "png"]
+TEST_FIGURES = {  # by the instruments that they need
+    ("pyrometer",): ["fig8b_sample_emittance", "fig9a_signals", "fig9b_temperatures", "fig9c_error"],
+    ("spectrometer",): ["fig10a_reference_spectrum", "fig10b_normalised_spectra"],
+    ("pyrometer", "spectrometer"): ["fig10c_two_instruments"],
+}
+
+
 def drawn(name):
-    return expand("results/figures/{name}.{format}", name=name, format=["svg", "png"])
+    return expand("results/figures/{name}.{format}", name=name, format=FORMATS)
 
 
 def drawn_of_test(name):
@@ -24,20 +32,14 @@ FIGURES = [
             "fig7d_transient",
         ]
     ),
-    *expand(
-        "results/figures/{name}_{test}.{format}",
-        name=[
-            "fig8b_sample_emittance",
-            "fig9a_signals",
-            "fig9b_temperatures",
-            "fig9c_error",
-            "fig10a_reference_spectrum",
-            "fig10b_normalised_spectra",
-            "fig10c_two_instruments",
-        ],
-        test=TESTS,
-        format=["svg", "png"],
-    ),
+    *[
+        f"results/figures/{name}_{test}.{format}"
+        for test, settings in TESTS.items()
+        for needed, names in TEST_FIGURES.items()
+        if set(needed) <= set(settings["instruments"])
+        for name in names
+        for format in FORMATS
+    ],
 ]
 
 
@@ -125,13 +127,11 @@ rule figures_pyrometer:
 
 rule figures_spectrometer:
     input:
-        pyrometer="results/experiment/{test}/pyrometer_correction.nc",
         spectrometer="results/experiment/{test}/spectrometer_correction.nc",
         radiation=expand("results/radiation/{condition}.nc", condition=config["experiment"]["compare_with"]),
     output:
         reference_spectrum=drawn_of_test("fig10a_reference_spectrum"),
         normalised_spectra=drawn_of_test("fig10b_normalised_spectra"),
-        two_instruments=drawn_of_test("fig10c_two_instruments"),
     log:
         "results/logs/figures_spectrometer_{test}.log",
     params:
@@ -142,3 +142,15 @@ rule figures_spectrometer:
         spectrum_times_s=config["figures"]["spectrum_times_s"],
     script:
         "../scripts/figures_spectrometer.py"
+
+
+rule figures_both:
+    input:
+        pyrometer="results/experiment/{test}/pyrometer_correction.nc",
+        spectrometer="results/experiment/{test}/spectrometer_correction.nc",
+    output:
+        two_instruments=drawn_of_test("fig10c_two_instruments"),
+    log:
+        "results/logs/figures_both_{test}.log",
+    script:
+        "../scripts/figures_both.py"

@@ -1,11 +1,10 @@
-"""Rule figures_spectrometer: spectra of a test and both instruments together (figures 10a to 10c)."""
+"""Rule figures_spectrometer: spectra of a test (figures 10a, 10b)."""
 
 from plasmapyro import io
 from plasmapyro.plots import experiment
 
 io.log_to(snakemake.log[0])
 spectra = io.read(snakemake.input.spectrometer, "spectrometer_correction")
-pyrometer = io.read(snakemake.input.pyrometer, "pyrometer_correction")
 numerical_power = [power * 1e3 for power in snakemake.params.numerical_power_kw]
 radiances = {
     name: io.read(path, "radiation")
@@ -13,4 +12,3 @@ radiances = {
 }
 experiment.reference_spectrum(spectra, radiances, numerical_power, snakemake.output.reference_spectrum)
 experiment.normalised_spectra(spectra, snakemake.params.spectrum_times_s, snakemake.output.normalised_spectra)
-experiment.two_instruments(pyrometer, spectra, snakemake.output.two_instruments)

@@ -7,7 +7,7 @@ io.log_to(snakemake.log[0])
 keys = snakemake.params
 result = correct_spectra(
     io.read(snakemake.input.test, "test"),
-    io.read(snakemake.input.calibration, "spectrometer_calibration"),
+    io.read(snakemake.input.calibration, "spectrometer_calibration") if snakemake.input.calibration else None,
     reference_time=keys.reference_time_s,
     normalisation_wavelength=keys.normalisation_wavelength_nm * 1e-9,
     normalisation_half_width=keys.normalisation_half_width_nm * 1e-9,

@@ -4,6 +4,8 @@ import numpy as np
 
 from plasmapyro.plots import style
 
+GAS_DOMINATED = 5  # status of a reading whose signal is mostly gas: kept in the file, not drawn
+
 
 def signals(corrected, paths):
     """Figure 9a: signals of both bands with their reference levels."""
@@ -34,7 +36,9 @@ def temperatures(corrected, paths):
     """Figure 9b: apparent temperature as measured and corrected, with the corrected one's uncertainty."""
     drawing, axes = style.figure(size=(4.4, 2.8))
     time = corrected.time
-    best, spread = corrected.corrected_temperature, corrected.corrected_temperature_uncertainty
+    trusted = corrected.corrected_status != GAS_DOMINATED
+    best = corrected.corrected_temperature.where(trusted)
+    spread = corrected.corrected_temperature_uncertainty.where(trusted)
     axes.fill_between(
         time, best - 2 * spread, best + 2 * spread, color=style.NARROW, alpha=0.2, lw=0, label="95 %"
     )

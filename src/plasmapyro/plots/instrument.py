@@ -66,7 +66,7 @@ def calibration(calibrated, paths):
 
 def spectrometer_factor(calibrated, paths):
     """Figure 3b: calibration factor of the spectrometer."""
-    drawing, axes = style.figure(size=(2.8, 2.8))
+    drawing, axes = style.figure(size=(3.5, 3.0))
     good = calibrated.pixel_status == 0
     axes.semilogy(
         calibrated.wavelength[good] * 1e9,
@@ -76,7 +76,7 @@ def spectrometer_factor(calibrated, paths):
     )
     axes.set(
         xlabel="Wavelength [nm]",
-        ylabel=r"Calibration factor $f_\lambda^c$ [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$ s count$^{-1}$]",
+        ylabel="Calibration factor $f_\\lambda^c$\n[W m$^{-2}$ sr$^{-1}$ µm$^{-1}$ s count$^{-1}$]",
     )
     style.mark_origin(axes, calibrated)
     style.save(drawing, paths)

@@ -38,7 +38,7 @@ def spectral_radiance(radiances, numerical_power, surface, bands, paths):
     axes.legend(title="$L_\\lambda^{g,e}$, $P_{el}^{sim}$", ncols=5, loc="lower center")
     axes.set(
         xlim=(700, 1200),
-        ylim=(5e-3, 3e5),
+        ylim=(1e-3, 3e5),
         xlabel="Wavelength (vacuum) [nm]",
         ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",
     )
