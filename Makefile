@@ -1,10 +1,11 @@
-# make figures: everything the paper shows.  make test: everything that proves it.  make reproduce: twice the same bytes.
+# make figures: everything the paper shows.  make test: everything that proves it.
+# make reproduce: two clean minimal runs, the same bytes.  make compare: the full run against committed numbers.
 PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal test reproduce clean
+.PHONY: figures minimal test reproduce compare clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -20,6 +21,9 @@ test: .venv/installed
 
 reproduce: .venv/installed
 	$(BIN)/python workflow/reproduce.py
+
+compare: figures
+	$(BIN)/python workflow/reproduce.py --results results
 
 .venv/installed: environment.lock pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -49,6 +49,17 @@ def test_a_tenth_condition_is_one_more_file(project):
     assert jobs["flow"] == jobs["radiance"] == 10
 
 
+def test_a_test_may_hold_one_instrument_and_ready_radiances(project):
+    (project / "config/tests/mine.yaml").write_text(
+        "data_folder: mydata\ninstruments: [spectrometer]\ncalibrated_spectra: true\n"
+    )
+    (project / "mydata").mkdir()
+    (project / "mydata/test.nc").write_bytes(b"")
+    jobs = planned(snakemake(project, "--dry-run"))
+    assert jobs["spectrometer_correction"] == jobs["figures_spectrometer"] == 2
+    assert jobs["pyrometer_correction"] == jobs["figures_pyrometer"] == jobs["figures_both"] == 1
+
+
 def test_minimal_takes_two_conditions(project):
     assert planned(snakemake(project, "--dry-run", "--configfile", "config/minimal.yaml"))["flow"] == 2
 
