@@ -81,15 +81,17 @@ def test_minimum_is_a_minimum():
     assert misfit(found) < min(misfit(found * (1 + sign * 1e-4)) for sign in (1, -1))
 
 
-def test_scatter_of_repeated_fits_is_the_linear_uncertainty():
+def test_scatter_of_repeated_fits_is_the_least_possible():
+    """Gauss-Markov: the covariance of the best fit is (J^T S^-1 J)^-1, J by differences over 2 K."""
     generator, truth = np.random.default_rng(12), body(1300.0)
     noise = np.linspace(0.01, 0.1, 281) * truth
     noisy = truth + noise * generator.standard_normal((1500, 281))
     temperature, scale = spectra.fit_scaled(WAVELENGTH, noisy, rows(noise, 1500), rows(ALL, 1500), RANGE)
-    predicted = spectra.scaled_covariance(WAVELENGTH, np.array([1300.0]), np.array([0.85]), noise, ALL)
-    assert temperature.std() == pytest.approx(predicted[0][0], rel=0.06)  # 3 sigma of 1500 repeats
-    assert scale.std() == pytest.approx(predicted[1][0], rel=0.06)
-    assert temperature.mean() == pytest.approx(1300, abs=4 * predicted[0][0] / np.sqrt(1500))
+    jacobian = np.concatenate([(body(1301.0) - body(1299.0)) / 2, body(1300.0, 1.0)]) / noise
+    least = np.sqrt(np.diag(np.linalg.inv(jacobian @ jacobian.T)))
+    assert temperature.std() == pytest.approx(least[0], rel=0.06)  # 3 sigma of 1500 repeats
+    assert scale.std() == pytest.approx(least[1], rel=0.06)
+    assert temperature.mean() == pytest.approx(1300, abs=4 * least[0] / np.sqrt(1500))
 
 
 def test_temperature_outside_the_range_is_none():

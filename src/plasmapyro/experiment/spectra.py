@@ -168,34 +168,6 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
     return temperature, scale
 
 
-def scaled_covariance(wavelength, temperature, scale, noise, usable):
-    r"""Linear standard uncertainties of `fit_scaled` for independent noise.
-
-    .. math:: C = (J^T \Sigma^{-1} J)^{-1}, \qquad J = \left[\frac{\partial(sL)}{\partial T}, L\right]
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    temperature : (R,) array [K]
-    scale : (R,) array [1]
-    noise : (R, W) array [W m-2 sr-1 m-1]
-    usable : (R, W) bool array
-
-    Returns
-    -------
-    temperature_uncertainty : (R,) ndarray [K]
-    scale_uncertainty : (R,) ndarray [1]
-    """
-    shape, slope = shape_and_slope(wavelength, 1 / np.asarray(temperature, dtype=float))
-    by_temperature = -scale[:, None] * shape * slope / temperature[:, None] ** 2
-    weight = np.where(usable, 1 / noise**2, 0.0)
-    tt = np.sum(weight * by_temperature**2, axis=1)
-    ts = np.sum(weight * by_temperature * shape, axis=1)
-    ss = np.sum(weight * shape**2, axis=1)
-    determinant = tt * ss - ts**2
-    return np.sqrt(ss / determinant), np.sqrt(tt / determinant)
-
-
 def _ratio(numerator, denominator):
     """Quotient, 0 where the denominator is 0 (a row without usable pixels stays where it is)."""
     return np.divide(numerator, denominator, out=np.zeros_like(numerator), where=denominator != 0)

@@ -6,8 +6,6 @@ from scipy.integrate import trapezoid
 from plasmapyro.checks import increasing
 from plasmapyro.radiation.planck import blackbody_radiance
 
-COVERAGE_TOLERANCE = 1e-3  # response that may lie outside the grid of a radiance, relative to its integral
-
 
 def band_signal(wavelength, responsivity, radiance):
     r"""Relative band signal :math:`\int \tilde R\,L_\lambda\,d\lambda`, by the trapezoidal rule.
@@ -27,37 +25,6 @@ def band_signal(wavelength, responsivity, radiance):
     Source: Fagnani et al., eq. 1 without throughput and gain, which are the sensitivity of the band.
     """
     return trapezoid(responsivity * radiance, wavelength, axis=-1)
-
-
-def responsivity_on(wavelength, response_wavelength, responsivity):
-    """Responsivity on the wavelengths of a radiance, linear between its samples and 0 outside them.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m], strictly increasing
-    response_wavelength : (R,) array [m], strictly increasing
-    responsivity : (R,) array [1]
-
-    Returns
-    -------
-    (W,) ndarray [1]
-
-    Raises
-    ------
-    ValueError
-        If more than `COVERAGE_TOLERANCE` of the response lies outside the wavelengths.
-    """
-    wavelength = increasing("wavelength", wavelength, "m")
-    nodes = increasing("response_wavelength", response_wavelength, "m")
-    inside = np.clip(nodes, wavelength[0], wavelength[-1])
-    # Clipping folds the outside onto one point, of zero width: what is lost is what lies outside.
-    covered = trapezoid(np.interp(inside, nodes, responsivity), inside)
-    if covered < (1 - COVERAGE_TOLERANCE) * trapezoid(responsivity, nodes):
-        raise ValueError(
-            f"wavelength must cover the response, {nodes[0] * 1e9:g} to {nodes[-1] * 1e9:g} nm;"
-            f" got {wavelength[0] * 1e9:g} to {wavelength[-1] * 1e9:g} nm"
-        )
-    return np.interp(wavelength, nodes, responsivity, left=0.0, right=0.0)
 
 
 def blackbody_signal(temperature, wavelength, responsivity):
