@@ -1,6 +1,7 @@
 """Guards, tables, contracts and files refuse what is wrong, and say all of it."""
 
 import hashlib
+import json
 
 import numpy as np
 import pytest
@@ -31,6 +32,14 @@ def test_same_content_gives_the_same_bytes(tmp_path):
     for name in ("a.nc", "b.nc"):
         io.write(sightline(), tmp_path / name, "sightline", config={"b": 1, "a": 2})
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_the_configuration_is_kept_with_the_file(tmp_path):
+    config = {"grid_points": 4000, "angle": 35.0, "nested": {"bands": ["wide", "narrow"]}}
+    io.write(sightline(), tmp_path / "a.nc", "sightline", config=config)
+    assert json.loads(io.read(tmp_path / "a.nc", "sightline").attrs["configuration"]) == config
+    io.write(sightline(), tmp_path / "b.nc", "sightline")
+    assert json.loads(io.read(tmp_path / "b.nc", "sightline").attrs["configuration"]) == {}
 
 
 def test_all_breaches_are_listed_together():
@@ -102,7 +111,7 @@ def test_a_changed_table_is_refused(tmp_path, monkeypatch):
     digest = hashlib.sha256(content.encode()).hexdigest()
     (tmp_path / "data" / "t.yml").write_text(f"{keys}\norigin: measured\nsha256: {digest}\n")
     monkeypatch.setattr(tables, "files", lambda _: tmp_path)
-    assert tables.load("t")["width"][0] == pytest.approx(1.5e-9, rel=1e-15)
+    assert tables.load("t")["width"][0] == pytest.approx(1.5e-9, rel=1e-15, abs=0)
     (tmp_path / "data" / "t.csv").write_text("width [nm]\n1.6\n")
     with pytest.raises(ValueError, match="was changed"):
         tables.load("t")

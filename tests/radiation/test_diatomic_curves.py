@@ -29,7 +29,7 @@ def morse(radius):
 
 def test_kinetic_factor_is_that_of_a_rotor_of_one_metre():
     rotor = 6.62607015e-34 / (8 * np.pi**2 * 299792458.0 * REDUCED_MASS)
-    assert kinetic_factor(REDUCED_MASS) == pytest.approx(rotor, rel=FORMULA_RTOL)
+    assert kinetic_factor(REDUCED_MASS) == pytest.approx(rotor, rel=FORMULA_RTOL, abs=0)
 
 
 def test_turning_points_of_a_morse_oscillator_stand_as_far_apart_as_its_formula_says():

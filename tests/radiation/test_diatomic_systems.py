@@ -140,7 +140,7 @@ def test_a_level_decays_at_the_rate_of_its_bands(system, request):
             for kind in np.unique(np.round(weight[own], 9)):
                 total = reduced[own & np.isclose(weight, kind)].sum()
                 expected = EINSTEIN_FACTOR * moment[v_upper, v_lower] ** 2
-                assert total == pytest.approx(expected, rel=1e-9)
+                assert total == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_nitric_oxide_has_the_weights_of_different_nuclei_and_strong_p_and_r_branches(infrared):
