@@ -34,6 +34,9 @@ MASS = (
 CARBON = ("CN", "C2", "C", "C+")
 """Species that radiate where an ablating wall gives off carbon; never in the equilibrium of air."""
 
+CARBON_NEUTRALS = CARBON[:3]
+CARBON_IONS = CARBON[3:]
+
 ATOMIC_WEIGHT_CARBON = 12.011
 
 _CARBON_MASS = {

@@ -56,7 +56,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
     path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)
-    lists = line_lists(grid)
+    lists = line_lists(grid, path.number_density)
     result = path_radiance(path, lists, grid)
 
     wavelength = grid.wavelength[::-1]

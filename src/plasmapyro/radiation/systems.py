@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
 from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000
 from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
@@ -25,22 +26,25 @@ def _molecular_range(grid):
 SYSTEMS = (*ATOMS, *MOLECULES)
 
 
-def line_lists(grid):
-    """Line lists of all systems on a grid.
+def line_lists(grid, species=SPECIES):
+    """Line lists of all systems of the species of a gas, on a grid.
 
     Parameters
     ----------
     grid : Grid
+    species : iterable of str
+        Those of the gas. Carbon's systems join where it holds carbon.
 
     Returns
     -------
     list of LineList
-        In the order of `SYSTEMS`.
+        In the order of `SYSTEMS`; none for species that are not in the gas.
     """
-    reach = _molecular_range(grid)
-    atoms = [atomic_lines(name) for name in ATOMS]
+    reach, species = _molecular_range(grid), set(species)
+    atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
     molecules = [
         make(reach, lost_fraction=LOST_FRACTION, reference_temperature=REFERENCE_TEMPERATURE)
-        for make in MOLECULES.values()
+        for name, make in MOLECULES.items()
+        if name.split()[0] in species
     ]
     return [*atoms, *molecules]
