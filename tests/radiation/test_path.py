@@ -112,7 +112,7 @@ def test_continua_of_a_layer_are_the_sums_over_their_partners(grid, equilibrium_
     density = {name: float(n) for name, n in equilibrium_densities(temperature).items()}
     continuum = Continuum(grid)
     axis, electrons = continuum.axis.wavenumber, density["e-"]
-    ion_part, neutral_part, recombination = continuum.absorption(path, 0)
+    ion_part, neutral_part, recombination, detachment = continuum.absorption(path, 0)
     # the ions balance the electrons
     assert ion_part == pytest.approx(
         electron_ion_absorption(axis, temperature, electrons, electrons), rel=1e-9, abs=0

@@ -11,7 +11,7 @@ RANGE = (755e-9, 800e-9)
 POINTS = 18_000
 GRIDLESS_RTOL = 1e-3  # the bar; reached: 1e-5
 LINES = ["N I", "O I", "N II", "O II", "N2 1P", "N2+ Meinel", "NO 11000 A"]
-COMPONENTS = [*LINES, "e-ion free-free", "e-neutral free-free", "free-bound"]
+COMPONENTS = [*LINES, "e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment"]
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,7 @@ from plasmapyro.radiation.continuum import (
     electron_ion_absorption,
     electron_nitrogen_molecule_absorption,
     free_bound_absorption,
+    photodetachment_absorption,
 )
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.opacity import (
@@ -35,7 +36,7 @@ from plasmapyro.radiation.opacity import (
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 
-CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
+CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
 # species with lines or bound-free continua; those of carbon only where the path has them
 RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *CARBON)
@@ -195,7 +196,7 @@ def coldest_that_counts(temperature, emission):
 
 
 class Continuum:
-    """The three continua of a path on a coarse axis, by component (3, W)."""
+    """The continua of a path on a coarse axis, by component (4, W)."""
 
     def __init__(self, grid):
         self.axis = log_grid((grid.wavelength[-1], grid.wavelength[0]), min(CONTINUUM_POINTS, len(grid)))
@@ -205,7 +206,7 @@ class Continuum:
         self.fraction = place - self.below
 
     def absorption(self, path, layer):
-        """Absorption coefficients in a layer (3, W) [m-1], in the order of `CONTINUA`."""
+        """Absorption coefficients in a layer (4, W) [m-1], in the order of `CONTINUA`."""
         axis, temperature = self.axis.wavenumber, path.temperature[layer]
         density = {name: values[layer] for name, values in path.number_density.items()}
         electrons = density["e-"]
@@ -219,7 +220,11 @@ class Continuum:
             )
             for atom in self.atoms
         )
-        return np.array([electron_ion_absorption(axis, temperature, electrons, ions), neutral, recombination])
+        detachment = photodetachment_absorption(
+            axis, temperature, electrons, density["O"], path.partition["O"][layer]
+        )
+        ionic = electron_ion_absorption(axis, temperature, electrons, ions)
+        return np.array([ionic, neutral, recombination, detachment])
 
     def on_grid(self, values):
         """Coarse values (..., W) interpolated to the grid (..., G)."""

@@ -45,7 +45,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Notes
     -----
     Source: Fagnani et al., section on the radiation code.
-    ASSUME: local thermal equilibrium; the other NO bands, CN and O- detachment are not in yet.
+    ASSUME: local thermal equilibrium.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
