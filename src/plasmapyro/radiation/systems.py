@@ -1,9 +1,13 @@
 """Which line systems the engine knows, and their line lists for a grid."""
 
+from functools import partial
+
 import numpy as np
 
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
+from plasmapyro.radiation.carbon import SYSTEMS as CARBON_SYSTEMS
+from plasmapyro.radiation.carbon import carbon_bands
 from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000
 from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
 from plasmapyro.radiation.opacity import PADDING
@@ -13,6 +17,7 @@ MOLECULES = {
     "N2 1P": nitrogen_first_positive,
     "N2+ Meinel": nitrogen_ion_meinel,
     "NO 11000 A": nitric_oxide_11000,
+    **{component: partial(carbon_bands, component) for component in CARBON_SYSTEMS},
 }
 REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
 
