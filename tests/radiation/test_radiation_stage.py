@@ -10,7 +10,7 @@ from plasmapyro.radiation.systems import line_lists
 RANGE = (755e-9, 800e-9)
 POINTS = 18_000
 GRIDLESS_RTOL = 1e-3  # the bar; reached: 1e-5
-LINES = ["N I", "O I", "N II", "O II", "N2 1P", "N2+ Meinel", "NO 11000 A"]
+LINES = ["N I", "O I", "N II", "O II", "N2 1P", "N2+ Meinel", "NO 11000 A", "NO beta", "NO infrared"]
 COMPONENTS = [*LINES, "e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment"]
 
 

@@ -8,15 +8,19 @@ from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
 from plasmapyro.radiation.carbon import SYSTEMS as CARBON_SYSTEMS
 from plasmapyro.radiation.carbon import carbon_bands
-from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000
+from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000, nitric_oxide_beta, nitric_oxide_infrared
 from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
 from plasmapyro.radiation.opacity import PADDING
 
 LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
+FAINT = ("NO beta", "NO infrared")  # systems below 0.3 % of the light of air at 50 mbar
+FAINT_LOST_FRACTION = 1e-2  # [1], the same of those
 MOLECULES = {
     "N2 1P": nitrogen_first_positive,
     "N2+ Meinel": nitrogen_ion_meinel,
     "NO 11000 A": nitric_oxide_11000,
+    "NO beta": nitric_oxide_beta,
+    "NO infrared": nitric_oxide_infrared,
     **{component: partial(carbon_bands, component) for component in CARBON_SYSTEMS},
 }
 REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
@@ -48,7 +52,11 @@ def line_lists(grid, species=SPECIES):
     reach, species = _molecular_range(grid), set(species)
     atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
     molecules = [
-        make(reach, lost_fraction=LOST_FRACTION, reference_temperature=REFERENCE_TEMPERATURE)
+        make(
+            reach,
+            lost_fraction=FAINT_LOST_FRACTION if name in FAINT else LOST_FRACTION,
+            reference_temperature=REFERENCE_TEMPERATURE,
+        )
         for name, make in MOLECULES.items()
         if name.split()[0] in species
     ]
