@@ -5,7 +5,7 @@ import xarray as xr
 from plasmapyro import contracts
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.stage import line_of_sight_radiance
-from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.systems import component_uncertainty, line_lists
 
 RANGE = (755e-9, 800e-9)
 POINTS = 18_000
@@ -39,6 +39,15 @@ def test_the_file_honours_its_contract(radiation):
     assert radiation.band.values.tolist() == ["wide", "narrow"]
     assert np.all(np.diff(radiation.wavelength) > 0)
     assert radiation.attrs["origin"] == "modelled"
+
+
+def test_every_component_carries_its_uncertainty(radiation):
+    stated = dict(zip(COMPONENTS, radiation.component_uncertainty.values, strict=True))
+    assert stated["N2+ Meinel"] == stated["NO 11000 A"] == 0.3  # one source each
+    assert stated["N2 1P"] == 0.1  # C. O. Laux, C. H. Kruger (1992)
+    assert 0.03 < stated["O I"] < stated["N I"] < 0.18  # classes B+ to C+ of NIST
+    assert all(0 < value <= 1 for value in stated.values())
+    assert component_uncertainty(["boundary"], []) == 0
 
 
 def test_components_add_up_to_the_gas(radiation):

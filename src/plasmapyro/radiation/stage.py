@@ -9,7 +9,7 @@ from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, req
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
-from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.systems import component_uncertainty, line_lists
 from plasmapyro.tables import weakest
 
 BANDS = ("wide", "narrow")
@@ -33,7 +33,8 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Returns
     -------
     Dataset, contract 'radiation'
-        `gas_radiance` and its components on the grid (the gas's own light only), `optical_depth`, the view
+        `gas_radiance` and its components on the grid (the gas's own light only), the relative uncertainty of
+        each component's strength, `optical_depth`, the view
         through the slit, and the band signals: of the spectrum, of the same spectrum without absorption
         (thin), and of the lines and continuum without a grid (gridless).
 
@@ -80,6 +81,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         {
             "gas_radiance": ("wavelength", total),
             "gas_radiance_component": (("component", "wavelength"), radiance),
+            "component_uncertainty": ("component", component_uncertainty(result.components, lists)),
             "optical_depth": ("wavelength", result.optical_depth[::-1]),
             "gas_radiance_slit": ("wavelength_slit", seen.sum(axis=0)),
             "gas_radiance_component_slit": (("component", "wavelength_slit"), seen),
