@@ -116,3 +116,17 @@ def test_gamma_is_too_faint_to_be_in(lists, temperature):
     population = population / partition_function("NO", temperature)
     found = (population[:, None] * probability * PLANCK * LIGHT * origin).sum() / (4 * np.pi)
     assert found < GAMMA_BOUND * sum(emission(lists[name], temperature) for name in ("N2 1P", "NO 11000 A"))
+
+
+@pytest.mark.parametrize("temperature, share", [(5000.0, 0.7), (6000.0, 1.1), (8000.0, 1.9)])
+def test_rydberg_bands_left_out_may_outshine_the_infrared_system(temperature, share):
+    """Estimate of NO 3d-3p at 1.03 um over D-A: strength of Na I 3d-3p, a like electron (5.14e7 s-1, NIST).
+
+    Terms of Huber & Herzberg (1979): F, H and H' (3d, weight 10), C and D (3p); diagonal bands throughout.
+    """
+    upper, lower, sigma = 62209.0, 52479.0, 53085.0  # [cm-1], 3d, 3p, and D alone
+    probability = 5.14e7 * ((upper - lower) / 12202.0) ** 3
+    decay = nitric_oxide.eleven_thousand_angstrom_lines(RANGE)[1][0]
+    found = 10 / 2 * np.exp(-100 * SECOND * (upper - sigma) / temperature)
+    found *= probability / decay * (upper - lower) / (sigma - 43966.0)
+    assert found == pytest.approx(share, rel=0.1)

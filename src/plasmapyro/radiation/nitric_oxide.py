@@ -46,7 +46,9 @@ def eleven_thousand_angstrom_lines(wavenumber_range):
     count from X2Pi1/2, the lowest level; moments of S. Chauveau, M.-Y. Perrin, P. Riviere, A. Soufiani,
     JQSRT 72 (2002) 503, strengths uncertain by 30 %. ASSUME: v' <= 5, as published: at 8000 K a tenth of
     the molecules in D would lie above. ASSUME: populations in equilibrium although D and A predissociate
-    above v' = 0 and v'' = 3. ASSUME: the moments do not change with rotation.
+    above v' = 0 and v'' = 3. ASSUME: the moments do not change with rotation. ASSUME: the bands 3d-3p (F, H,
+    H' to C, D; 0.97-1.07 um) stay out for want of strengths: by analogy with sodium they are 0.7 times as
+    bright as this system at 5000 K and 1.9 times at 8000 K.
     """
     moment = tabulated_moments("molecules/nitric_oxide_11000_moment")
     sigma = ElectronicState(0, 0.5, 1, "")
