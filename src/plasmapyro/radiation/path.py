@@ -43,6 +43,7 @@ RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *CARBON)
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
+RESOLVED_SHARE = 1e-3  # [1], of the whole thin emission; the grid need not resolve systems fainter than that
 UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
 
 
@@ -283,7 +284,11 @@ def path_radiance(path, line_lists, grid):
     dark = -NEGLIGIBLE * np.trapezoid(blackbody_radiance(grid.wavelength, DARK_TEMPERATURE), grid.wavelength)
     allowance = max(NEGLIGIBLE / 2 * thin_total, dark)
     kept = np.array([layers_that_matter(bound, allowance / len(bounds)) for bound in bounds])
-    bright = [(s, e) for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True) if keep.any()]
+    bright = [
+        (s, e)
+        for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True)
+        if keep.any() and e.sum() > RESOLVED_SHARE * thin_total
+    ]
     _require_resolution_of_light(path.temperature, bright, grid)
     solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
