@@ -206,11 +206,12 @@ def test_ion_orbits_are_smaller_by_the_charge_of_the_core():
     # Hydrogen-like He II n = 3: <r2> = 9/2 (45 + 1) a0^2 / Z^2, from its binding Z^2 R / 9.
     radius = mean_square_radius(4 * 10973731.57 / 9 / 4, 0) / 4
     assert radius == pytest.approx(9 / 2 * 46 / 4 * 5.29177e-11**2, rel=1e-4)
-    lines = atomic_lines("C II")
-    first = np.argmin(np.abs(1 / lines.wavenumber - 657.987e-9))
-    neutral = atomic_lines("C I")
-    twin = np.argmin(np.abs(1 / neutral.wavenumber - 909.73e-9))
-    assert lines.van_der_waals_hwhm[first] < 0.7 * neutral.van_der_waals_hwhm[twin]
+    # 3s-3p of C II and C I: |<r2>_u - <r2>_l| is 4.90 and 31.1 a0^2 by hand, the width its power 2/5.
+    ion, neutral = atomic_lines("C II"), atomic_lines("C I")
+    first = np.argmin(np.abs(1 / ion.wavenumber - 657.987e-9))
+    twin = np.argmin(np.abs(1 / neutral.wavenumber - 909.73268e-9))
+    ratio = ion.van_der_waals_hwhm[first] / neutral.van_der_waals_hwhm[twin]
+    assert ratio == pytest.approx((4.90 / 31.1) ** 0.4, rel=0.01)
 
 
 def test_carbon_borrows_the_stark_law_of_nitrogen():
