@@ -109,6 +109,11 @@ def test_molecular_lines_reach_beyond_both_ends_of_the_grid():
         assert lines.wavenumber.max() > grid.wavenumber[-1], lines.component
 
 
+def test_systems_without_a_line_in_the_window_are_left_out():
+    names = [lines.component for lines in line_lists(log_grid((770e-9, 785e-9), 4000))]
+    assert "O II" not in names and "O I" in names
+
+
 def test_a_range_without_line_data_is_refused(jet_sightline, response):
     with pytest.raises(
         ValueError, match=r"wavelength_range must lie in \[6.5e-07, 1.25e-06\] m; got 1.3e-06"

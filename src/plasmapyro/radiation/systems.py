@@ -68,7 +68,8 @@ def line_lists(grid, species=SPECIES):
     Returns
     -------
     list of LineList
-        In the order of `SYSTEMS`; none for species that are not in the gas.
+        In the order of `SYSTEMS`; none for species that are not in the gas, nor systems without a line on
+        the grid.
     """
     reach, species = _molecular_range(grid), set(species)
     atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
@@ -84,7 +85,12 @@ def line_lists(grid, species=SPECIES):
         for name, make in MOLECULES.items()
         if name.split()[0] in species
     ]
-    return [*atoms, *molecules]
+    lowest, highest = grid.wavenumber[0], grid.wavenumber[-1]
+    return [
+        lines
+        for lines in (*atoms, *molecules)
+        if np.any((lines.wavenumber >= lowest) & (lines.wavenumber <= highest))
+    ]
 
 
 def component_uncertainty(components, line_lists):
