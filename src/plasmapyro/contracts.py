@@ -96,6 +96,7 @@ VARIABLES = {
     # radiation
     "gas_radiance": Variable(RADIANCE, "spectral radiance of the gas at the end of the sight line"),
     "gas_radiance_component": Variable(RADIANCE, "the same by radiating system, absorbed by all"),
+    "component_uncertainty": Variable("1", "relative uncertainty of the strength of a system", 0, 10),
     "optical_depth": Variable("1", "optical depth of the whole sight line", -1e-6, 1e6),
     "gas_radiance_slit": Variable(RADIANCE, "spectral radiance of the gas through a Gaussian slit"),
     "gas_radiance_component_slit": Variable(RADIANCE, "the same by radiating system"),
@@ -327,6 +328,7 @@ DATASETS = {
         "component": ("component",),
         "gas_radiance": ("wavelength",),
         "gas_radiance_component": ("component", "wavelength"),
+        "component_uncertainty?": ("component",),
         "optical_depth": ("wavelength",),
         "wavelength_slit": ("wavelength_slit",),
         "gas_radiance_slit": ("wavelength_slit",),

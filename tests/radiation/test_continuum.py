@@ -1,3 +1,4 @@
+import cantera as ct
 import numpy as np
 import pytest
 
@@ -11,11 +12,15 @@ from plasmapyro.radiation.continuum import (
     electron_nitrogen_molecule_absorption,
     free_bound_absorption,
     gaunt_factor,
+    negative_oxygen_density,
+    photodetachment_absorption,
+    photodetachment_cross_section,
 )
 from plasmapyro.radiation.planck import blackbody_radiance
 
 WAVENUMBER = np.linspace(1 / 1.2e-6, 1 / 0.7e-6, 1500)
 KRAMERS = 3.69e8  # cgs: kappa = 3.69e8 n_e n_i T^-1/2 nu^-3 g (1 - e^-x) [cm-1]; Rybicki and Lightman 5.18b
+AFFINITY_RTOL = 0.025  # NASA's data hold an older electron affinity; 4 meV are 2.3 % at 2000 K
 PRINTED_RTOL = 0.002  # three printed digits
 LEVEL_SHIFT_RTOL = 0.25  # observed against calculated term energies: exp(600 cm-1/kT) is 15 % at 6000 K
 
@@ -185,3 +190,40 @@ def test_free_bound_is_several_times_electron_ion_at_8000_kelvin(published):
 def test_wavelengths_without_photoionisation_data_are_refused():
     with pytest.raises(ValueError, match="wavelength must lie in .* the photoionisation tables"):
         bound_free("N", np.linspace(1 / 2e-6, 1 / 0.7e-6, 10))
+
+
+@pytest.mark.parametrize("temperature", [2000.0, 4000.0, 6000.0])
+def test_negative_oxygen_is_as_abundant_as_nasa_has_it(temperature):
+    """Mass action O + e- = O- with the Gibbs functions of NASA-7, which refer to 1 bar."""
+    wanted = ("O", "O-", "Electron")
+    species = {one.name: one for one in ct.Species.list_from_file("nasa_gas.yaml") if one.name in wanted}
+    gas = ct.Solution(thermo="ideal-gas", species=[species[name] for name in wanted])
+    gas.TP = temperature, gas.reference_pressure
+    atom, ion, electron = gas.standard_gibbs_RT
+    expected = np.exp(atom + electron - ion) * BOLTZMANN * temperature / 1e5
+    found = negative_oxygen_density(temperature, 1.0, 1.0, float(partition_function("O", temperature)))
+    assert found == pytest.approx(expected, rel=AFFINITY_RTOL, abs=0)
+
+
+def test_detachment_cross_section_meets_other_experiments():
+    # [eV], [Mb]: Hlavenka et al., J. Chem. Phys. 130 (2009) 061105; Branscomb et al. (1965), from a figure
+    for photon, others, allowed in ((1.87187, 5.98, 0.05), (1.68634, 5.03, 0.10), (1.79996, 5.62, 0.10)):
+        wavenumber = np.array([photon * 1.602176634e-19 / (6.62607015e-34 * LIGHT_SPEED)])
+        assert photodetachment_cross_section(wavenumber) * 1e22 == pytest.approx(others, rel=allowed)
+    assert not photodetachment_cross_section(1 / np.array([848.7e-9, 1.2e-6])).any()
+    assert (photodetachment_cross_section(1 / np.array([848.4e-9, 650e-9])) > 0).all()
+
+
+def test_detachment_beyond_its_table_is_refused():
+    with pytest.raises(ValueError, match=r"wavelength must be >= 6.408e-07 m"):
+        photodetachment_cross_section(np.array([1 / 600e-9]))
+
+
+def test_detachment_absorbs_less_than_its_ions_by_stimulated_emission():
+    temperature, partition = 6000.0, float(partition_function("O", 6000.0))
+    wavenumber = np.array([1 / 700e-9])
+    found = photodetachment_absorption(wavenumber, temperature, 1e20, 1e22, partition)
+    ions = negative_oxygen_density(temperature, 1e20, 1e22, partition)
+    ratio = SECOND_RADIATION * wavenumber / temperature
+    expected = ions * photodetachment_cross_section(wavenumber) * (1 - np.exp(-ratio))
+    assert found == pytest.approx(expected, rel=1e-12)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from plasmapyro.gas.partition import partition_function
-from plasmapyro.radiation.atoms import atomic_lines
-from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm
+from plasmapyro.radiation.atoms import atomic_lines, line_uncertainty
+from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm, mean_square_radius
 from plasmapyro.radiation.lines import LineList
 from plasmapyro.radiation.opacity import boltzmann_population, line_emission
 
@@ -42,6 +42,10 @@ def two_lines(**changes):
         ("O I", 844.636, 3.22e7),
         ("O I", 926.60, 4.45e7),
         ("O I", 1128.69, 3.09e7),
+        ("N II", 661.056, 6.01e7),
+        ("O II", 672.139, 1.81e7),
+        ("C I", 909.48, 2.28e7),
+        ("C II", 657.805, 3.67e7),
     ],
 )
 def test_strong_lines_stand_where_nist_has_them(system, wavelength_air, einstein_a):
@@ -185,6 +189,47 @@ def test_bad_line_lists_are_refused(changes, message):
         two_lines(**changes)
 
 
+@pytest.mark.parametrize(
+    "system, species, wavelength, griem",  # HWHM in Angstrom at 1e17 cm-3 and 10000 K
+    [("N II", "N+", 681.185e-9, 1.22), ("O II", "O+", 689.700e-9, 1.14)],
+)
+def test_ions_have_griems_widths_and_no_exchange(system, species, wavelength, griem):
+    lines = atomic_lines(system)
+    assert lines.species == species and not lines.resonance_hwhm.any()
+    line = np.argmin(np.abs(1 / lines.wavenumber - wavelength))
+    width = lines.stark_hwhm[line] * 1e23 / lines.wavenumber[line] ** 2
+    assert width == pytest.approx(griem * 1e-10, rel=0.06, abs=0)  # power law, multiplet for line
+    assert (lines.stark_hwhm > 0).all() and (lines.van_der_waals_hwhm >= 0).all()
+
+
+def test_ion_orbits_are_smaller_by_the_charge_of_the_core():
+    # Hydrogen-like He II n = 3: <r2> = 9/2 (45 + 1) a0^2 / Z^2, from its binding Z^2 R / 9.
+    radius = mean_square_radius(4 * 10973731.57 / 9 / 4, 0) / 4
+    assert radius == pytest.approx(9 / 2 * 46 / 4 * 5.29177e-11**2, rel=1e-4)
+    # 3s-3p of C II and C I: |<r2>_u - <r2>_l| is 4.90 and 31.1 a0^2 by hand, the width its power 2/5.
+    ion, neutral = atomic_lines("C II"), atomic_lines("C I")
+    first = np.argmin(np.abs(1 / ion.wavenumber - 657.987e-9))
+    twin = np.argmin(np.abs(1 / neutral.wavenumber - 909.73268e-9))
+    ratio = ion.van_der_waals_hwhm[first] / neutral.van_der_waals_hwhm[twin]
+    assert ratio == pytest.approx((4.90 / 31.1) ** 0.4, rel=0.01)
+
+
+def test_carbon_borrows_the_stark_law_of_nitrogen():
+    carbon, nitrogen = atomic_lines("C I"), atomic_lines("N I")
+    for lines in (carbon, nitrogen):
+        assert lines.stark_hwhm.min() > 0
+    weak = np.argmin(np.abs(1 / carbon.wavenumber - 909.73e-9))
+    like = np.argmin(np.abs(1 / nitrogen.wavenumber - 868.27e-9))
+    assert 0.3 < carbon.stark_hwhm[weak] / nitrogen.stark_hwhm[like] < 3  # same orbitals, similar binding
+
+
+def test_uncertainty_of_a_system_is_that_of_its_bright_lines():
+    assert line_uncertainty(["AAA", "E"], [1.0, 0.0]) == 0.003
+    assert line_uncertainty(["A", "D"], [3.0, 1.0]) == pytest.approx((3 * 0.03 + 0.5) / 4)
+    assert 0.03 < atomic_lines("O I").relative_uncertainty < 0.10  # 777 and 844 nm are of class A and B+
+    assert 0.03 <= atomic_lines("C II").relative_uncertainty < 0.05
+
+
 def test_unknown_atom_is_refused():
-    with pytest.raises(ValueError, match="one of N I, O I; got 'Xe I'"):
+    with pytest.raises(ValueError, match="one of N I, O I, N II, O II, C I, C II; got 'Xe I'"):
         atomic_lines("Xe I")

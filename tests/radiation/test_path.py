@@ -9,6 +9,7 @@ from plasmapyro.radiation.continuum import (
     electron_nitrogen_molecule_absorption,
 )
 from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.lines import LineList
 from plasmapyro.radiation.path import (
     NEGLIGIBLE,
     Continuum,
@@ -112,7 +113,7 @@ def test_continua_of_a_layer_are_the_sums_over_their_partners(grid, equilibrium_
     density = {name: float(n) for name, n in equilibrium_densities(temperature).items()}
     continuum = Continuum(grid)
     axis, electrons = continuum.axis.wavenumber, density["e-"]
-    ion_part, neutral_part, recombination = continuum.absorption(path, 0)
+    ion_part, neutral_part, recombination, detachment = continuum.absorption(path, 0)
     # the ions balance the electrons
     assert ion_part == pytest.approx(
         electron_ion_absorption(axis, temperature, electrons, electrons), rel=1e-9, abs=0
@@ -185,6 +186,19 @@ def test_a_grid_too_coarse_for_the_lines_is_refused(atoms, equilibrium_densities
     coarse = log_grid((770e-9, 785e-9), 1000)
     with pytest.raises(ValueError, match=r"grid points must be >= \d+ for O I at 7000 K .* got 1000"):
         path_radiance(uniform(equilibrium_densities, 7000.0, 0.1), atoms, coarse)
+
+
+def test_a_faint_system_does_not_dictate_the_grid(atoms, equilibrium_densities):
+    between = log_grid((770e-9, 785e-9), 3600)  # enough for O, not for the heavier NO
+    path = uniform(equilibrium_densities, 7000.0, 0.1)
+
+    def nitric_oxide(einstein_a):
+        return LineList("NO X", "NO", np.array([1.287e6]), 2e6, 2e6 - 1.287e6, 2.0, 2.0, einstein_a)
+
+    faint = path_radiance(path, [atoms[1], nitric_oxide(1e3)], between)
+    assert 0 < thin_lines(path, nitric_oxide(1e3))[0].sum() < 1e-3 * faint.thin_lines[0][1].sum()
+    with pytest.raises(ValueError, match="for NO X at 7000 K"):
+        path_radiance(path, [atoms[1], nitric_oxide(1e8)], between)
 
 
 @pytest.mark.parametrize(

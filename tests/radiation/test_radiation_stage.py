@@ -5,13 +5,13 @@ import xarray as xr
 from plasmapyro import contracts
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.stage import line_of_sight_radiance
-from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.systems import component_uncertainty, line_lists
 
 RANGE = (755e-9, 800e-9)
 POINTS = 18_000
 GRIDLESS_RTOL = 1e-3  # the bar; reached: 1e-5
-LINES = ["N I", "O I", "N2 1P", "N2+ Meinel", "NO 11000 A"]
-COMPONENTS = [*LINES, "e-ion free-free", "e-neutral free-free", "free-bound"]
+LINES = ["N I", "O I", "N II", "O II", "N2 1P", "N2+ Meinel", "NO 11000 A", "NO beta", "NO infrared"]
+COMPONENTS = [*LINES, "e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment"]
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,15 @@ def test_the_file_honours_its_contract(radiation):
     assert radiation.band.values.tolist() == ["wide", "narrow"]
     assert np.all(np.diff(radiation.wavelength) > 0)
     assert radiation.attrs["origin"] == "modelled"
+
+
+def test_every_component_carries_its_uncertainty(radiation):
+    stated = dict(zip(COMPONENTS, radiation.component_uncertainty.values, strict=True))
+    assert stated["N2+ Meinel"] == stated["NO 11000 A"] == 0.3  # one source each
+    assert stated["N2 1P"] == 0.1  # C. O. Laux, C. H. Kruger (1992)
+    assert 0.03 < stated["O I"] < stated["N I"] < 0.18  # classes B+ to C+ of NIST
+    assert all(0 < value <= 1 for value in stated.values())
+    assert component_uncertainty(["boundary"], []) == 0
 
 
 def test_components_add_up_to_the_gas(radiation):
@@ -98,6 +107,11 @@ def test_molecular_lines_reach_beyond_both_ends_of_the_grid():
     for lines in line_lists(grid):
         assert lines.wavenumber.min() < grid.wavenumber[0], lines.component
         assert lines.wavenumber.max() > grid.wavenumber[-1], lines.component
+
+
+def test_systems_without_a_line_in_the_window_are_left_out():
+    names = [lines.component for lines in line_lists(log_grid((770e-9, 785e-9), 4000))]
+    assert "O II" not in names and "O I" in names
 
 
 def test_a_range_without_line_data_is_refused(jet_sightline, response):

@@ -1,4 +1,4 @@
-"""The eleven species of air plasma: names, elements, charges, masses."""
+"""The eleven species of air plasma, and those of carbon beside them: names, elements, charges, masses."""
 
 import numpy as np
 
@@ -30,3 +30,33 @@ MASS = (
     - CHARGE * ELECTRON_MASS
 )
 """Mass of one particle [kg]."""
+
+CARBON = ("CN", "C2", "C", "C+")
+"""Species that radiate where an ablating wall gives off carbon; never in the equilibrium of air."""
+
+CARBON_NEUTRALS = CARBON[:3]
+CARBON_IONS = CARBON[3:]
+
+ATOMIC_WEIGHT_CARBON = 12.011
+
+_CARBON_MASS = {
+    "CN": ATOMIC_MASS * (ATOMIC_WEIGHT_CARBON + ATOMIC_WEIGHT_NITROGEN),
+    "C2": ATOMIC_MASS * 2 * ATOMIC_WEIGHT_CARBON,
+    "C": ATOMIC_MASS * ATOMIC_WEIGHT_CARBON,
+    "C+": ATOMIC_MASS * ATOMIC_WEIGHT_CARBON - ELECTRON_MASS,
+}
+
+
+def particle_mass(name):
+    """Mass of one particle [kg] of a species of air or of carbon.
+
+    Parameters
+    ----------
+    name : str
+        In `SPECIES` or `CARBON`.
+
+    Returns
+    -------
+    float [kg]
+    """
+    return float(_CARBON_MASS[name] if name in CARBON else MASS[SPECIES.index(name)])

@@ -1,4 +1,4 @@
-"""Line lists of the nitrogen and oxygen atom: NIST levels and probabilities, widths from the levels."""
+"""Line lists of atoms and atomic ions: NIST levels and probabilities, widths from the levels."""
 
 import re
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro import tables
-from plasmapyro.gas.species import MASS, SPECIES
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.gas.species import particle_mass
 from plasmapyro.radiation.broadening import (
     mean_square_radius,
     natural_hwhm,
@@ -17,7 +18,6 @@ from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList
 
 PERTURBER_POLARISABILITY = 1.10e-30  # [m3] of the nitrogen atom; CRC Handbook (O 0.80, N2 1.74)
 TABLE_RANGE = (650e-9, 1250e-9)  # [m], vacuum wavelengths of the line tables
-STARK_DENSITY = 1e22  # [m-3], of Griem's tables
 LEVEL_MATCH = 20.0  # [m-1]; rounding between two issues of the same level table
 MULTIPLET_MATCH = 0.02  # [1]; a line belongs to a multiplet of equal terms within 2 % of its wavelength
 ORBITALS = "spdfgh"
@@ -26,20 +26,80 @@ STARK_LABELS = ("lower_orbital", "lower_term", "upper_orbital", "upper_term")
 
 @dataclass(frozen=True)
 class Atom:
-    """What the lists need to know of an atom; `limits` maps the core term to its ionisation limit [m-1]."""
+    """What the lists need to know of an atom.
+
+    `limits` maps the core term to its ionisation limit [m-1], `core_charge` is that of the core the outer
+    electron sees; `stark` names the table of Stark widths, for electrons of `stark_density` [m-3], and the
+    system in it whose law serves lines that are not in it.
+    """
 
     system: str
     species: str
     table: str
     ground_degeneracy: float
     limits: dict
+    core_charge: int = 1
+    stark: tuple = ("stark_griem", "N I")
+    stark_density: float = 1e22
 
 
-# Ionisation limits: NIST ASD; cores 3P, 1D of N II and 4S, 2D, 2P of O II, weighted over fine structure.
+# Ionisation limits: NIST ASD, weighted over the fine structure of the core.
+_IONS = {"core_charge": 2, "stark_density": 1e23}
 ATOMS = {
     "N I": Atom("N I", "N", "nitrogen", 4, {"3P": 11722570.0, "1D": 13254190.0}),
-    "O I": Atom("O I", "O", "oxygen", 9, {"4S": 10983702.0, "2D": 13665600.0, "2P": 15030600.0}),
+    "O I": Atom(
+        "O I",
+        "O",
+        "oxygen",
+        9,
+        {"4S": 10983702.0, "2D": 13665600.0, "2P": 15030600.0},
+        stark=("stark_griem", "O I"),
+    ),
+    "N II": Atom(
+        "N II",
+        "N+",
+        "nitrogen_ion",
+        9,
+        {"2P": 23886650.0, "4P": 29602790.0},
+        stark=("stark_griem_ions", "N II"),
+        **_IONS,
+    ),
+    "O II": Atom(
+        "O II",
+        "O+",
+        "oxygen_ion",
+        4,
+        {"3P": 28347870.0, "1D": 30354420.0, "1S": 32645660.0},
+        stark=("stark_griem_ions", "O II"),
+        **_IONS,
+    ),
+    "C I": Atom("C I", "C", "carbon", 9, {"2P": 9086270.0, "4P": 13385620.0}),
+    "C II": Atom(
+        "C II",
+        "C+",
+        "carbon_ion",
+        6,
+        {"1S": 19667400.0, "3P": 24908410.0},
+        stark=("stark_griem_ions", "N II"),
+        **_IONS,
+    ),
 }
+ACCURACY = {
+    "AAA": 0.003,
+    "AA": 0.01,
+    "A+": 0.02,
+    "A": 0.03,
+    "B+": 0.07,
+    "B": 0.1,
+    "C+": 0.18,
+    "C": 0.25,
+    "D+": 0.4,
+    "D": 0.5,
+    "E": 1.0,
+}  # [1], relative, of NIST's classes; E means more than 50 %
+ACCURACY_TEMPERATURE = 8000.0  # [K], where lines are weighed for the uncertainty of the system
+ION_WIDTH_EXPONENT = -2.0  # [1], Stark width against binding, n^4 (Griem 1974), where too few are tabulated
+FEWEST_MULTIPLETS = 4  # for a fit with a free exponent
 
 
 def ionisation_limit(atom, configuration, energy):
@@ -51,8 +111,8 @@ def ionisation_limit(atom, configuration, energy):
 
 
 def _orbital(configuration):
-    """Outer orbital of a NIST configuration: '3p' of '2s2.2p2.(3P).3p', '2p' of '2s.2p4'."""
-    return re.search(r"\.(\d[spdfgh])\d*$", configuration)[1]
+    """Outer orbital of a NIST configuration: '3p' of '2s2.2p2.(3P).3p', '2p' of '2s.2p4' and '2p3'."""
+    return re.search(r"(?:^|\.)(\d[spdfgh])\d*$", configuration)[1]
 
 
 def _decays(table, energies):
@@ -66,14 +126,32 @@ def _decays(table, energies):
     )
 
 
-def _griem_power_laws(table, system):
+def _griem_power_laws(name, system, density):
     """Multiplets of one system: labels, wavelength [m], HWHM in wavelength per density [m4], exponent."""
+    table = tables.load(f"radiation/{name}")
     mine = table["system"] == system
     cold, hot = mine & (table["temperature"] == 5e3), mine & (table["temperature"] == 2e4)
     labels = list(zip(*(table[name][cold] for name in STARK_LABELS), strict=True))
     exponent = np.log(table["hwhm"][hot] / table["hwhm"][cold]) / np.log(4.0)
-    reference = np.sqrt(table["hwhm"][hot] * table["hwhm"][cold]) / STARK_DENSITY
+    reference = np.sqrt(table["hwhm"][hot] * table["hwhm"][cold]) / density
     return labels, table["wavelength_air"][cold], reference, exponent
+
+
+def _tabulated_widths(atom, labels, wavenumber, upper_binding):
+    """Stark widths [m2] and exponents of lines (NaN if not in the table), and (binding, width, exponent) of
+    each multiplet found."""
+    width = np.full(len(wavenumber), np.nan)
+    power = np.full(len(wavenumber), np.nan)
+    found = []
+    griem = _griem_power_laws(atom.stark[0], atom.system, atom.stark_density)
+    for label, place, value, rise in zip(*griem, strict=True):
+        near = np.abs(wavenumber * place - 1) < MULTIPLET_MATCH
+        members = np.flatnonzero(near & np.array([one == label for one in labels]))
+        width[members] = value * wavenumber[members] ** 2
+        power[members] = rise
+        if members.size:
+            found.append((upper_binding[members[0]], value / place**2, rise))
+    return width, power, found
 
 
 def stark_widths(atom, labels, wavenumber, upper_binding):
@@ -84,7 +162,8 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
 
     .. math:: \ln w_S = a - b \ln \tilde E_u
 
-    fitted to the tabulated multiplets of the system, with their median exponent.
+    fitted to the tabulated multiplets of the system, with their median exponent; b = 2 where fewer than
+    four are tabulated (the ions).
 
     Parameters
     ----------
@@ -99,33 +178,72 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     Notes
     -----
     Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
+    ASSUME: C I broadens like N I and C II like N II at equal binding, for want of a table.
     """
-    table = tables.load("radiation/stark_griem")
-    multiplets, wavelength, reference, exponent = _griem_power_laws(table, atom.system)
-    width = np.full(len(wavenumber), np.nan)
-    power = np.full(len(wavenumber), np.nan)
-    fitted = []
-    for label, place, value, rise in zip(multiplets, wavelength, reference, exponent, strict=True):
-        near = np.abs(wavenumber * place - 1) < MULTIPLET_MATCH
-        members = np.flatnonzero(near & np.array([found == label for found in labels]))
-        width[members] = value * wavenumber[members] ** 2
-        power[members] = rise
-        if members.size:
-            fitted.append((upper_binding[members[0]], value / place**2, rise))
+    width, power, fitted = _tabulated_widths(atom, labels, wavenumber, upper_binding)
+    if atom.stark[1] != atom.system:
+        like = ATOMS[atom.stark[1]]
+        levels = _levels(like)
+        fitted = _tabulated_widths(like, levels.labels, levels.wavenumber, levels.binding["upper"])[2]
     binding, known, rises = np.array(fitted).T
-    slope, offset = np.polyfit(np.log(binding), np.log(known), 1)
+    if len(known) < FEWEST_MULTIPLETS:
+        slope, offset = ION_WIDTH_EXPONENT, np.mean(np.log(known) - ION_WIDTH_EXPONENT * np.log(binding))
+    else:
+        slope, offset = np.polyfit(np.log(binding), np.log(known), 1)
     unknown = np.isnan(width)
     width[unknown] = np.exp(offset + slope * np.log(upper_binding[unknown]))
     power[unknown] = np.median(rises)
     return width, power
 
 
-def atomic_lines(system):
-    """Line list of an atom in the range of its table (650-1250 nm).
+@dataclass(frozen=True)
+class _Levels:
+    """Lines of an atom and what their configurations say: binding [m-1], orbital by side, Stark labels."""
+
+    table: tables.Table
+    wavenumber: np.ndarray
+    binding: dict
+    orbital: dict
+    labels: list
+
+
+def _levels(atom):
+    table = tables.load(f"radiation/lines_{atom.table}")
+    binding, orbital = {}, {}
+    for side in ("upper", "lower"):
+        energy, configuration = table[f"{side}_energy"], table[f"{side}_configuration"]
+        limits = [ionisation_limit(atom, *level) for level in zip(configuration, energy, strict=True)]
+        binding[side] = np.array(limits) - energy
+        orbital[side] = [_orbital(word) for word in configuration]
+    terms = {side: [word.rstrip("*") for word in table[f"{side}_term"]] for side in ("upper", "lower")}
+    labels = list(zip(orbital["lower"], terms["lower"], orbital["upper"], terms["upper"], strict=True))
+    return _Levels(table, table["upper_energy"] - table["lower_energy"], binding, orbital, labels)
+
+
+def line_uncertainty(accuracy, emission):
+    """Relative uncertainty of a sum of lines, their errors taken as one: classes weighed by emission.
 
     Parameters
     ----------
-    system : 'N I' or 'O I'
+    accuracy : (L,) of str
+        NIST's class of each line.
+    emission : (L,) [any]
+        >= 0.
+
+    Returns
+    -------
+    float [1]
+    """
+    return float(np.average([ACCURACY[word] for word in accuracy], weights=emission))
+
+
+def atomic_lines(system):
+    """Line list of an atom or atomic ion in the range of its table (650-1250 nm).
+
+    Parameters
+    ----------
+    system : str
+        In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'C I' or 'C II'.
 
     Returns
     -------
@@ -140,28 +258,29 @@ def atomic_lines(system):
     -----
     Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`.
     ASSUME: every neutral perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2
-    differ by 20 %); decays that NIST does not list are left out of natural widths.
+    differ by 20 %); decays that NIST does not list are left out of natural widths; charge exchange does
+    not broaden lines of ions.
     """
     if system not in ATOMS:
         raise ValueError(f"atomic system must be one of {', '.join(ATOMS)}; got {system!r}")
     atom = ATOMS[system]
-    table = tables.load(f"radiation/lines_{atom.table}")
+    levels = _levels(atom)
+    table, binding, wavenumber = levels.table, levels.binding, levels.wavenumber
     decay_table = tables.load(f"radiation/decay_{atom.table}")
-    mass, perturber = MASS[SPECIES.index(atom.species)], MASS[SPECIES.index("N")]
-    wavenumber = table["upper_energy"] - table["lower_energy"]
-    radius, decay, resonance, binding, orbital = {}, {}, {}, {}, {}
+    mass, perturber = particle_mass(atom.species), particle_mass("N")
+    radius, decay, resonance = {}, {}, {}
     for side in ("upper", "lower"):
-        energy, configuration = table[f"{side}_energy"], table[f"{side}_configuration"]
-        limits = [ionisation_limit(atom, *level) for level in zip(configuration, energy, strict=True)]
-        binding[side] = np.array(limits) - energy
-        orbital[side] = [_orbital(word) for word in configuration]
-        momentum = [ORBITALS.index(word[1]) for word in orbital[side]]
-        radius[side] = mean_square_radius(binding[side], momentum)
+        energy = table[f"{side}_energy"]
+        momentum = [ORBITALS.index(word[1]) for word in levels.orbital[side]]
+        # An electron at a core of charge Z: r scales with 1/Z at equal n, and n2 = Z2 R/E.
+        charge = atom.core_charge
+        radius[side] = mean_square_radius(binding[side] / charge**2, momentum) / charge**2
         decay[side], to_ground, degeneracy = _decays(decay_table, energy)
-        resonance[side] = resonance_hwhm(energy, to_ground, degeneracy, atom.ground_degeneracy)
-    terms = {side: [word.rstrip("*") for word in table[f"{side}_term"]] for side in ("upper", "lower")}
-    labels = list(zip(orbital["lower"], terms["lower"], orbital["upper"], terms["upper"], strict=True))
-    stark, exponent = stark_widths(atom, labels, wavenumber, binding["upper"])
+        exchanged = to_ground if charge == 1 else np.zeros_like(to_ground)
+        resonance[side] = resonance_hwhm(energy, exchanged, degeneracy, atom.ground_degeneracy)
+    stark, exponent = stark_widths(atom, levels.labels, wavenumber, binding["upper"])
+    emission = table["upper_degeneracy"] * table["einstein_a"] * wavenumber
+    emission = emission * np.exp(-SECOND_RADIATION * table["upper_energy"] / ACCURACY_TEMPERATURE)
     return LineList(
         component=system,
         species=atom.species,
@@ -183,4 +302,5 @@ def atomic_lines(system):
         ),
         resonance_hwhm=resonance["upper"] + resonance["lower"],
         origin=tables.weakest((table.origin, decay_table.origin)),
+        relative_uncertainty=line_uncertainty(table["accuracy"], emission),
     )

@@ -28,6 +28,9 @@ from plasmapyro.radiation.opacity import boltzmann_population
 IONISATION_TEMPERATURE = RYDBERG * SECOND_RADIATION  # [K], Rydberg energy over k
 LARGEST_THRESHOLD_SHIFT = 2.2e5  # [m-1] = 0.02 Ry; calculated and observed term are the same up to here
 TABLES = {"N": "nitrogen", "O": "oxygen"}
+# [m-1], O- 2P3/2 to O 3P2, and fine structure of O- 2P (D. M. Neumark et al., Phys. Rev. A 32 (1985) 1890)
+ELECTRON_AFFINITY = 1178464.5
+NEGATIVE_ION_SPLITTING = 17713.0
 
 
 def _photon_ratio(wavenumber, temperature):
@@ -296,3 +299,93 @@ def free_bound_absorption(bound_free, wavenumber, temperature, number_density, p
     # einsum, not @: the bytes must not depend on the number of BLAS threads.
     total = np.einsum("i,iw->w", population, bound_free.cross_section)
     return total * -np.expm1(-_photon_ratio(wavenumber, temperature))
+
+
+def negative_oxygen_density(temperature, electron_density, atom_density, partition_function):
+    r"""Density of O- in Saha equilibrium with electrons and oxygen atoms.
+
+    .. math:: n_- = n_e n_O \frac{Q_-}{2 Q_O} \left(\frac{h^2}{2 \pi m k T}\right)^{3/2} e^{E_A/kT},
+              \qquad Q_- = 4 + 2 e^{-\Delta/kT}
+
+    Parameters
+    ----------
+    temperature : float [K]
+        Of the electrons.
+    electron_density, atom_density : float [m-3]
+    partition_function : float [1]
+        Of O.
+
+    Returns
+    -------
+    float [m-3]
+
+    Notes
+    -----
+    Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: O- is in equilibrium with e- and O; at 50 mbar
+    collisions destroy it within microseconds. It is no species of the composition: 1e-5 of the electrons.
+    """
+    weight = 4 + 2 * np.exp(-SECOND_RADIATION * NEGATIVE_ION_SPLITTING / temperature)
+    wave = PLANCK**2 / (2 * np.pi * ELECTRON_MASS * BOLTZMANN * temperature)
+    affinity = np.exp(SECOND_RADIATION * ELECTRON_AFFINITY / temperature)
+    return electron_density * atom_density * weight / (2 * partition_function) * wave**1.5 * affinity
+
+
+def photodetachment_cross_section(wavenumber):
+    """Photodetachment cross-section of O-.
+
+    Parameters
+    ----------
+    wavenumber : (W,) [m-1]
+        At most 1.5605e6 (640.8 nm), the end of the table.
+
+    Returns
+    -------
+    ndarray (W,) [m2]
+        Linear between the measured points, 0 below the threshold (848.6 nm).
+
+    Raises
+    ------
+    ValueError
+        Beyond the table.
+
+    Notes
+    -----
+    Source: L. C. Lee, G. P. Smith, J. Chem. Phys. 70 (1979) 1727; 10 % on the plateau.
+    ASSUME: ions and atoms of all fine-structure levels have the threshold of O- 2P3/2 to O 3P2.
+    """
+    table = tables.load("radiation/photodetachment_oxygen")
+    photon = np.r_[ELECTRON_AFFINITY, table["photon"] / (PLANCK * LIGHT_SPEED)]
+    if np.max(wavenumber) > photon[-1]:
+        raise ValueError(
+            f"wavelength must be >= {1 / photon[-1]:.4g} m, the photodetachment table;"
+            f" got {1 / np.max(wavenumber):.4g} m"
+        )
+    return np.interp(wavenumber, photon, np.r_[0.0, table["cross_section"]], left=0.0)
+
+
+def photodetachment_absorption(wavenumber, temperature, electron_density, atom_density, partition_function):
+    r"""Absorption by photodetachment of O-; its emission is that of radiative attachment.
+
+    .. math:: \kappa = n_-\, \sigma(\nu) \left(1 - e^{-h\nu/kT}\right)
+
+    Parameters
+    ----------
+    wavenumber : (W,) [m-1]
+        As in `photodetachment_cross_section`.
+    temperature : float [K]
+    electron_density, atom_density : float [m-3]
+        Of electrons and oxygen atoms.
+    partition_function : float [1]
+        Of O.
+
+    Returns
+    -------
+    ndarray (W,) [m-1]
+
+    Notes
+    -----
+    Source: as `negative_oxygen_density` and `photodetachment_cross_section`.
+    """
+    density = negative_oxygen_density(temperature, electron_density, atom_density, partition_function)
+    cross_section = photodetachment_cross_section(wavenumber)
+    return density * cross_section * -np.expm1(-_photon_ratio(wavenumber, temperature))

@@ -33,6 +33,11 @@ FAINTEST_SHARE = 1e-9  # [1], of an upper level's decay into a band; below are r
 EINSTEIN_FACTOR = 16 * np.pi**3 * (ELEMENTARY_CHARGE * BOHR_RADIUS) ** 2 / (3 * VACUUM_PERMITTIVITY * PLANCK)
 
 
+def orbital_doubling(upper, lower):
+    """2 for a Sigma upper and a Lambda-doubled lower state, else 1: lower levels each upper one reaches."""
+    return 2 if upper.orbital == 0 < lower.orbital else 1
+
+
 def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, step):
     r"""Honl-London factors: shares of an upper level's decay into a band that go into each line.
 
@@ -141,7 +146,7 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
     bands = (len(upper.energy), len(lower.energy))
     moment = np.broadcast_to(moment, (len(STEPS), *bands, len(momentum)))
     weight = _line_weights(upper, lower, nuclear_spin)
-    strength = EINSTEIN_FACTOR * (2 if upper.state.orbital == 0 < lower.state.orbital else 1)
+    strength = EINSTEIN_FACTOR * orbital_doubling(upper.state, lower.state)
     component = np.arange(upper.state.multiplicity)
     parts = []
     for v_upper, v_lower in np.ndindex(bands):

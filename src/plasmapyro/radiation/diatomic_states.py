@@ -5,7 +5,13 @@ import numpy as np
 from plasmapyro import tables
 from plasmapyro.constants import BOLTZMANN, LIGHT_SPEED, STANDARD_ATMOSPHERE
 from plasmapyro.radiation.diatomic_curves import potential_curve, vibrational_states
-from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, STEPS, strong_enough, transition_lines
+from plasmapyro.radiation.diatomic_lines import (
+    EINSTEIN_FACTOR,
+    STEPS,
+    orbital_doubling,
+    strong_enough,
+    transition_lines,
+)
 from plasmapyro.radiation.diatomic_rotation import rotational_levels
 from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE, LineList
 
@@ -136,11 +142,49 @@ def tabulated_moments(table_name):
     -------
     (v', v'') [e a0]
     """
+    return _tabulated(table_name, "moment")
+
+
+def tabulated_probabilities(table_name):
+    """Band probabilities of a table with columns upper_v, lower_v and einstein_a; others are zero.
+
+    Returns
+    -------
+    (v', v'') [s-1]
+    """
+    return _tabulated(table_name, "einstein_a")
+
+
+def _tabulated(table_name, column):
     table = tables.load(table_name)
     upper, lower = table["upper_v"].astype(int), table["lower_v"].astype(int)
-    moments = np.zeros((upper.max() + 1, lower.max() + 1))
-    moments[upper, lower] = table["moment"]
-    return moments
+    values = np.zeros((upper.max() + 1, lower.max() + 1))
+    values[upper, lower] = table[column]
+    return values
+
+
+def moments_of_probabilities(probability, upper_state, upper_term, lower_state, lower_term):
+    r"""Band moments that give the probabilities of rotationless bands.
+
+    .. math:: R_{v'v''}^2 = A_{v'v''} / (K\, g\, \tilde\nu_{v'v''}^3)
+
+    with K and g of `diatomic_lines.transition_lines`.
+
+    Parameters
+    ----------
+    probability : (v', v'') [s-1]
+    upper_state, lower_state : ElectronicState
+    upper_term, lower_term : (v, N) [m-1]
+        As from `rovibration`.
+
+    Returns
+    -------
+    (v', v'') [e a0]
+        Zero where the upper level lies below the lower.
+    """
+    origin = upper_term[:, None, 0] - lower_term[None, :, 0]
+    factor = EINSTEIN_FACTOR * orbital_doubling(upper_state, lower_state)
+    return np.sqrt(np.where(origin > 0, probability / (factor * np.abs(origin) ** 3), 0.0))
 
 
 def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_range, nuclear_spin):
@@ -175,7 +219,7 @@ def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_rang
     )
     origin = np.maximum(upper[0][:, None, 0] - lower[0][None, :, 0], 0.0)
     decay = (EINSTEIN_FACTOR * origin**3 * moment[STEPS.index(0), :, :, 0] ** 2).sum(axis=1)
-    return lines, decay
+    return lines, decay * orbital_doubling(upper_state, lower_state)
 
 
 def line_list(component, species, lines, decay, lost_fraction, reference_temperature):

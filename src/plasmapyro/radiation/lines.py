@@ -62,6 +62,8 @@ class LineList:
     resonance_hwhm : (L,) [m2]
         :math:`w_R`, per density of the own species.
     origin : weakest origin of the tables behind the list (see `tables.ORIGINS`)
+    relative_uncertainty : float [1]
+        Of the strength of the whole system, one standard deviation or what its source states; NaN if unknown.
 
     A scalar given for a number is spread over the lines.
 
@@ -85,6 +87,7 @@ class LineList:
     van_der_waals_hwhm: np.ndarray = 0.0
     resonance_hwhm: np.ndarray = 0.0
     origin: str = "published"
+    relative_uncertainty: float = np.nan
 
     def __post_init__(self):
         shape = np.shape(self.wavenumber)

@@ -7,7 +7,15 @@ import numpy as np
 from plasmapyro.checks import non_negative, within
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.partition import partition_function
-from plasmapyro.gas.species import IONS, MASS, NEUTRALS, SPECIES
+from plasmapyro.gas.species import (
+    CARBON,
+    CARBON_IONS,
+    CARBON_NEUTRALS,
+    IONS,
+    NEUTRALS,
+    SPECIES,
+    particle_mass,
+)
 from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm
 from plasmapyro.radiation.continuum import (
     bound_free,
@@ -15,6 +23,7 @@ from plasmapyro.radiation.continuum import (
     electron_ion_absorption,
     electron_nitrogen_molecule_absorption,
     free_bound_absorption,
+    photodetachment_absorption,
 )
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.opacity import (
@@ -27,12 +36,14 @@ from plasmapyro.radiation.opacity import (
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 
-CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound")
+CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
-RADIATORS = ("N", "O", "N2", "N2+", "NO")  # species with lines or bound-free continua
+# species with lines or bound-free continua; those of carbon only where the path has them
+RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *CARBON)
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
+RESOLVED_SHARE = 1e-3  # [1], of the whole thin emission; the grid need not resolve systems fainter than that
 UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
 
 
@@ -46,8 +57,8 @@ class GasPath:
     partition: dict
 
     def total(self, names):
-        """Number density of several species together (S,) [m-3]."""
-        return np.sum([self.number_density[name] for name in names], axis=0)
+        """Number density of several species together (S,) [m-3], of those the path has."""
+        return np.sum([self.number_density[name] for name in names if name in self.number_density], axis=0)
 
     def hwhm(self, lines, layer):
         """Lorentz half widths of a line list in a layer (L,) [m-1]."""
@@ -55,7 +66,7 @@ class GasPath:
             lines,
             self.temperature[layer],
             self.number_density["e-"][layer],
-            self.total(NEUTRALS)[layer],
+            self.total(NEUTRALS + CARBON_NEUTRALS)[layer],
             self.number_density[lines.species][layer],
         )
 
@@ -81,7 +92,7 @@ def gas_path(path_distance, temperature, number_density):
     temperature : (S,) [K]
         200-15000 K.
     number_density : mapping species -> (S,) [m-3]
-        All eleven species of air.
+        All eleven species of air, and any of `species.CARBON`.
 
     Returns
     -------
@@ -98,20 +109,23 @@ def gas_path(path_distance, temperature, number_density):
     """
     thickness = layer_thickness(path_distance)
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
-    unknown, missing = set(number_density) - set(SPECIES), set(SPECIES) - set(number_density)
+    unknown = set(number_density) - set(SPECIES + CARBON)
+    missing = set(SPECIES) - set(number_density)
     if unknown or missing:
         raise ValueError(
-            f"species of the path must be {', '.join(SPECIES)};"
+            f"species of the path must be {', '.join(SPECIES)} (and may be {', '.join(CARBON)});"
             f" unknown: {', '.join(sorted(unknown)) or 'none'},"
             f" missing: {', '.join(sorted(missing)) or 'none'}"
         )
     density = {
-        name: non_negative(f"number_density of {name}", number_density[name], "m-3") for name in SPECIES
+        name: non_negative(f"number_density of {name}", number_density[name], "m-3")
+        for name in SPECIES + CARBON
+        if name in number_density
     }
     for name, values in (("temperature", temperature), *density.items()):
         if values.shape != thickness.shape:
             raise ValueError(f"{name} must have the path's shape {thickness.shape}; got {values.shape}")
-    partition = {name: partition_function(name, temperature) for name in RADIATORS}
+    partition = {name: partition_function(name, temperature) for name in RADIATORS if name in density}
     return GasPath(thickness, temperature, density, partition)
 
 
@@ -183,7 +197,7 @@ def coldest_that_counts(temperature, emission):
 
 
 class Continuum:
-    """The three continua of a path on a coarse axis, by component (3, W)."""
+    """The continua of a path on a coarse axis, by component (4, W)."""
 
     def __init__(self, grid):
         self.axis = log_grid((grid.wavelength[-1], grid.wavelength[0]), min(CONTINUUM_POINTS, len(grid)))
@@ -193,11 +207,11 @@ class Continuum:
         self.fraction = place - self.below
 
     def absorption(self, path, layer):
-        """Absorption coefficients in a layer (3, W) [m-1], in the order of `CONTINUA`."""
+        """Absorption coefficients in a layer (4, W) [m-1], in the order of `CONTINUA`."""
         axis, temperature = self.axis.wavenumber, path.temperature[layer]
         density = {name: values[layer] for name, values in path.number_density.items()}
         electrons = density["e-"]
-        ions = sum(density[name] for name in IONS)
+        ions = sum(density[name] for name in IONS + CARBON_IONS if name in density)
         neutral = electron_nitrogen_molecule_absorption(axis, temperature, electrons, density["N2"])
         for species in ("N", "O"):
             neutral += electron_atom_absorption(species, axis, temperature, electrons, density[species])
@@ -207,7 +221,11 @@ class Continuum:
             )
             for atom in self.atoms
         )
-        return np.array([electron_ion_absorption(axis, temperature, electrons, ions), neutral, recombination])
+        detachment = photodetachment_absorption(
+            axis, temperature, electrons, density["O"], path.partition["O"][layer]
+        )
+        ionic = electron_ion_absorption(axis, temperature, electrons, ions)
+        return np.array([ionic, neutral, recombination, detachment])
 
     def on_grid(self, values):
         """Coarse values (..., W) interpolated to the grid (..., G)."""
@@ -266,7 +284,11 @@ def path_radiance(path, line_lists, grid):
     dark = -NEGLIGIBLE * np.trapezoid(blackbody_radiance(grid.wavelength, DARK_TEMPERATURE), grid.wavelength)
     allowance = max(NEGLIGIBLE / 2 * thin_total, dark)
     kept = np.array([layers_that_matter(bound, allowance / len(bounds)) for bound in bounds])
-    bright = [(s, e) for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True) if keep.any()]
+    bright = [
+        (s, e)
+        for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True)
+        if keep.any() and e.sum() > RESOLVED_SHARE * thin_total
+    ]
     _require_resolution_of_light(path.temperature, bright, grid)
     solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
@@ -288,7 +310,7 @@ def _require_resolution_of_light(temperature, systems, grid):
     narrowest = []
     for spreader, by_layer in systems:
         coldest = coldest_that_counts(temperature, by_layer)
-        sigma = doppler_sigma(coldest, MASS[SPECIES.index(spreader.lines.species)])
+        sigma = doppler_sigma(coldest, particle_mass(spreader.lines.species))
         narrowest.append((float(sigma), f"{spreader.lines.component} at {coldest:.0f} K"))
     if narrowest:
         require_resolution(grid, *min(narrowest))
@@ -307,7 +329,7 @@ def _solve(path, spreaders, continuum, smooth, grid, kept):
         for index, spreader in enumerate(spreaders):
             if kept[index, layer]:
                 lines = spreader.lines
-                sigma = doppler_sigma(temperature, MASS[SPECIES.index(lines.species)])
+                sigma = doppler_sigma(temperature, particle_mass(lines.species))
                 profile = spread(spreader, path.emission(lines, layer), path.hwhm(lines, layer), sigma)
                 emitted[index] = grid.wavenumber * profile
         total = emitted.sum(axis=0)

@@ -9,7 +9,7 @@ from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, req
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
-from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.systems import component_uncertainty, line_lists
 from plasmapyro.tables import weakest
 
 BANDS = ("wide", "narrow")
@@ -33,7 +33,8 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Returns
     -------
     Dataset, contract 'radiation'
-        `gas_radiance` and its components on the grid (the gas's own light only), `optical_depth`, the view
+        `gas_radiance` and its components on the grid (the gas's own light only), the relative uncertainty of
+        each component's strength, `optical_depth`, the view
         through the slit, and the band signals: of the spectrum, of the same spectrum without absorption
         (thin), and of the lines and continuum without a grid (gridless).
 
@@ -45,7 +46,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Notes
     -----
     Source: Fagnani et al., section on the radiation code.
-    ASSUME: local thermal equilibrium; the other NO bands, CN and O- detachment are not in yet.
+    ASSUME: local thermal equilibrium.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
@@ -56,7 +57,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
     path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)
-    lists = line_lists(grid)
+    lists = line_lists(grid, path.number_density)
     result = path_radiance(path, lists, grid)
 
     wavelength = grid.wavelength[::-1]
@@ -80,6 +81,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         {
             "gas_radiance": ("wavelength", total),
             "gas_radiance_component": (("component", "wavelength"), radiance),
+            "component_uncertainty": ("component", component_uncertainty(result.components, lists)),
             "optical_depth": ("wavelength", result.optical_depth[::-1]),
             "gas_radiance_slit": ("wavelength_slit", seen.sum(axis=0)),
             "gas_radiance_component_slit": (("component", "wavelength_slit"), seen),

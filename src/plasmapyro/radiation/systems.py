@@ -1,17 +1,48 @@
 """Which line systems the engine knows, and their line lists for a grid."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 
+from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
-from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000
+from plasmapyro.radiation.carbon import SYSTEMS as CARBON_SYSTEMS
+from plasmapyro.radiation.carbon import carbon_bands
+from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000, nitric_oxide_beta, nitric_oxide_infrared
 from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
 from plasmapyro.radiation.opacity import PADDING
 
 LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
+FAINT = ("NO beta", "NO infrared")  # systems below 0.3 % of the light of air at 50 mbar
+FAINT_LOST_FRACTION = 1e-2  # [1], the same of those
 MOLECULES = {
     "N2 1P": nitrogen_first_positive,
     "N2+ Meinel": nitrogen_ion_meinel,
     "NO 11000 A": nitric_oxide_11000,
+    "NO beta": nitric_oxide_beta,
+    "NO infrared": nitric_oxide_infrared,
+    **{component: partial(carbon_bands, component) for component in CARBON_SYSTEMS},
+}
+# [1], relative, of the strength of a whole system: the certificates of its tables say why.
+MOLECULES_UNCERTAINTY = {
+    "N2 1P": 0.1,
+    "N2+ Meinel": 0.3,
+    "NO 11000 A": 0.3,
+    "NO beta": 1.0,
+    "NO infrared": 1.0,
+    "CN red": 0.1,
+    "C2 Phillips": 0.15,
+    "C2 Ballik-Ramsay": 0.2,
+    "C2 Swan": 0.1,
+}
+# e-ion: interpolated Gaunt factors; e-neutral: quantal tables against the cross-section formula; free-bound:
+# TOPbase away from resonances; O-: newer experiments within 5 %, newer theory 40 % higher.
+CONTINUA_UNCERTAINTY = {
+    "e-ion free-free": 0.05,
+    "e-neutral free-free": 0.3,
+    "free-bound": 0.2,
+    "O- detachment": 0.2,
 }
 REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
 
@@ -25,22 +56,63 @@ def _molecular_range(grid):
 SYSTEMS = (*ATOMS, *MOLECULES)
 
 
-def line_lists(grid):
-    """Line lists of all systems on a grid.
+def line_lists(grid, species=SPECIES):
+    """Line lists of all systems of the species of a gas, on a grid.
 
     Parameters
     ----------
     grid : Grid
+    species : iterable of str
+        Those of the gas. Carbon's systems join where it holds carbon.
 
     Returns
     -------
     list of LineList
-        In the order of `SYSTEMS`.
+        In the order of `SYSTEMS`; none for species that are not in the gas, nor systems without a line on
+        the grid.
     """
-    reach = _molecular_range(grid)
-    atoms = [atomic_lines(name) for name in ATOMS]
+    reach, species = _molecular_range(grid), set(species)
+    atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
     molecules = [
-        make(reach, lost_fraction=LOST_FRACTION, reference_temperature=REFERENCE_TEMPERATURE)
-        for make in MOLECULES.values()
+        replace(
+            make(
+                reach,
+                lost_fraction=FAINT_LOST_FRACTION if name in FAINT else LOST_FRACTION,
+                reference_temperature=REFERENCE_TEMPERATURE,
+            ),
+            relative_uncertainty=MOLECULES_UNCERTAINTY[name],
+        )
+        for name, make in MOLECULES.items()
+        if name.split()[0] in species
     ]
-    return [*atoms, *molecules]
+    lowest, highest = grid.wavenumber[0], grid.wavenumber[-1]
+    return [
+        lines
+        for lines in (*atoms, *molecules)
+        if np.any((lines.wavenumber >= lowest) & (lines.wavenumber <= highest))
+    ]
+
+
+def component_uncertainty(components, line_lists):
+    """Relative uncertainty of the strength of each radiating component.
+
+    Parameters
+    ----------
+    components : iterable of str
+        Names of systems and continua.
+    line_lists : list of LineList
+        As from `line_lists`.
+
+    Returns
+    -------
+    ndarray (C,) [1]
+        Of atoms: NIST's classes weighed by emission (`atoms.line_uncertainty`); 0 for what is neither a
+        system nor a continuum.
+
+    Notes
+    -----
+    Source: the certificates of the tables. They hold for the strength at given densities and temperature,
+    errors of one system taken as common to all its lines; those of different systems are independent.
+    """
+    known = CONTINUA_UNCERTAINTY | {lines.component: lines.relative_uncertainty for lines in line_lists}
+    return np.array([known.get(name, 0.0) for name in components])
