@@ -188,9 +188,11 @@ def lorentz_hwhm(
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
     hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
-    return (
-        lines.natural_hwhm
-        + lines.stark_hwhm * electron_density * hot**lines.stark_exponent
-        + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
-        + lines.resonance_hwhm * own_density
-    )
+    width = lines.natural_hwhm
+    if lines.stark_hwhm.any():
+        width = width + lines.stark_hwhm * electron_density * hot**lines.stark_exponent
+    if lines.van_der_waals_hwhm.any():
+        width = width + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
+    if lines.resonance_hwhm.any():
+        width = width + lines.resonance_hwhm * own_density
+    return width
