@@ -35,6 +35,19 @@ def test_long_waves_follow_rayleigh_jeans():
     )  # x/2 = 7e-6
 
 
+def test_short_waves_follow_wien():
+    wavelength, temperature = 200e-9, 1500.0  # h nu/kT = 48: the term left out is exp(-48)
+    exponent = -PLANCK * LIGHT_SPEED / (wavelength * BOLTZMANN * temperature)
+    expected = 2 * PLANCK * LIGHT_SPEED**2 / wavelength**5 * np.exp(exponent)
+    assert blackbody_radiance(wavelength, temperature) == pytest.approx(expected, rel=FLOAT_RTOL, abs=0)
+
+
+def test_the_peak_lies_where_wien_displaced_it():
+    wavelength = np.linspace(1.90e-6, 1.96e-6, 60_001)
+    peak = wavelength[np.argmax(blackbody_radiance(wavelength, 1500.0))]
+    assert peak * 1500.0 == pytest.approx(2.897771955e-3, rel=2e-6, abs=0)  # CODATA 2018; steps of 5e-7
+
+
 @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
 def test_unphysical_arguments_are_refused(bad):
     with pytest.raises(ValueError, match="temperature must be > 0 K"):

@@ -78,6 +78,52 @@ def partition_function(species, temperature):
     return total.reshape(temperature.shape)
 
 
+def two_temperature_partition_function(species, temperature, excitation_temperature):
+    r"""Internal partition function with rotation at one temperature and all else at another.
+
+    .. math:: Q = \sum_i g_i \exp\left(-\frac{E_{ve,i}}{kT_{ve}} - \frac{E_{rot,i}}{kT}\right)
+
+    :math:`E_{rot}` is the energy of a level above the rotationless vibronic level it belongs to, spin
+    splitting included; atoms have none, and the temperature does not matter to them.
+
+    Parameters
+    ----------
+    species : str
+        A name in `species.SPECIES` or `species.CARBON`.
+    temperature : float [K]
+        Of translation and rotation, > 0.
+    excitation_temperature : float [K]
+        Of vibration and electronic excitation, > 0.
+
+    Returns
+    -------
+    float [1]
+        At equal temperatures that of `partition_function`.
+
+    Raises
+    ------
+    ValueError
+        Unknown species, or a temperature not > 0.
+
+    Notes
+    -----
+    Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3, for the two
+    temperatures; levels as `partition_function`.
+    """
+    if species not in SPECIES + CARBON:
+        raise ValueError(f"species must be one of {', '.join(SPECIES + CARBON)}; got {species!r}")
+    temperature = positive("temperature", temperature, "K")
+    excitation_temperature = positive("excitation_temperature", excitation_temperature, "K")
+    if species == "e-":
+        return 2.0
+    if species in ATOMS:
+        return float(partition_function(species, excitation_temperature))
+    energy, weight = diatomic_levels(species)
+    rotation = diatomic_rotation_energy(species)
+    exponent = (energy - rotation) / excitation_temperature + rotation / temperature
+    return float(np.sum(np.exp(-SECOND_RADIATION * exponent) * weight))
+
+
 @cache
 def atomic_levels(species):
     """Levels of an atom or atomic ion.
@@ -103,7 +149,6 @@ def atomic_levels(species):
     return _sealed(table["energy"], table["degeneracy"])
 
 
-@cache
 def diatomic_levels(species):
     r"""Rovibronic levels of a diatomic species.
 
@@ -132,11 +177,26 @@ def diatomic_levels(species):
     only, Sigma states not at all; nuclear-spin alternation averages out above 100 K, except that the
     ground state of O2 has odd rotation only.
     """
+    energy, weight, _ = _diatomic_levels(species)
+    return energy, weight
+
+
+def diatomic_rotation_energy(species):
+    """Part of the energies of `diatomic_levels` above the rotationless vibronic level [m-1], same order.
+
+    Spin splitting counts as rotation, so that a level below the centre of its multiplet has a negative part.
+    """
+    return _diatomic_levels(species)[2]
+
+
+@cache
+def _diatomic_levels(species):
+    """Energy, weight and rotational part of the energy of the levels of a diatomic species."""
     states = [state for name in DIATOMIC_TABLES[species] for state in _states(name, species)]
     # All energies relative to v = 0 of the ground state, without its rotation and spin splitting.
-    energies, weights = zip(*(_state_levels(state, states[0], species) for state in states), strict=True)
-    energy, weight = np.concatenate(energies), np.concatenate(weights)
-    return _sealed(energy - energy.min(), weight)
+    parts = zip(*(_state_levels(state, states[0], species) for state in states), strict=True)
+    energy, weight, rotation = (np.concatenate(part) for part in parts)
+    return _sealed(energy - energy.min(), weight, rotation)
 
 
 def _states(name, species):
@@ -159,7 +219,7 @@ def _rotation(state, v):
 
 
 def _state_levels(state, ground, species):
-    """Energies [m-1] and weights of one electronic state."""
+    """Energies [m-1], weights and rotational parts of the energies [m-1] of one electronic state."""
     v = np.arange(HIGHEST_VIBRATION)
     vibration, rotation = _vibration(state, v), _rotation(state, v)
     if "origin" in state:
@@ -176,7 +236,7 @@ def _state_levels(state, ground, species):
     depth = state["limit"] - band[0, 0] + vibration[0]
     spin = (state["multiplicity"] - 1) / 2
     symmetry = 2 if species in HOMONUCLEAR else 1
-    energies, weights = [], []
+    energies, weights, rotations = [], [], []
     for projection in np.arange(-spin, spin + 1):
         if state["lambda"] == 0:
             j = np.arange(HIGHEST_ROTATION, dtype=float)
@@ -194,7 +254,8 @@ def _state_levels(state, ground, species):
         kept = (np.diff(energy, axis=1, prepend=-np.inf) > 0) & (energy < barrier) & (degeneracy > 0)
         energies.append(energy[kept])
         weights.append(np.broadcast_to(degeneracy / symmetry, energy.shape)[kept])
-    return np.concatenate(energies), np.concatenate(weights)
+        rotations.append((energy - band)[kept])
+    return np.concatenate(energies), np.concatenate(weights), np.concatenate(rotations)
 
 
 def _barrier(we, be, depth, turns):

@@ -161,7 +161,9 @@ def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
     return 3 * CLASSICAL_RADIUS / (8 * np.pi) * decay * weight / unit_decay / wavenumber / np.sqrt(weight)
 
 
-def lorentz_hwhm(lines, temperature, electron_density, neutral_density, own_density):
+def lorentz_hwhm(
+    lines, temperature, electron_density, neutral_density, own_density, electron_temperature=None
+):
     """Sum of the Lorentz half widths of a line list in one gas state, as `LineList` defines it.
 
     Parameters
@@ -170,6 +172,8 @@ def lorentz_hwhm(lines, temperature, electron_density, neutral_density, own_dens
     temperature : float [K]
     electron_density, neutral_density, own_density : float [m-3]
         Of the electrons, of all neutral particles, and of the radiating species.
+    electron_temperature : float [K], optional
+        For the Stark widths, where it is not that of the heavy particles.
 
     Returns
     -------
@@ -183,9 +187,12 @@ def lorentz_hwhm(lines, temperature, electron_density, neutral_density, own_dens
     ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
-    return (
-        lines.natural_hwhm
-        + lines.stark_hwhm * electron_density * ratio**lines.stark_exponent
-        + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
-        + lines.resonance_hwhm * own_density
-    )
+    hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
+    width = lines.natural_hwhm
+    if lines.stark_hwhm.any():
+        width = width + lines.stark_hwhm * electron_density * hot**lines.stark_exponent
+    if lines.van_der_waals_hwhm.any():
+        width = width + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
+    if lines.resonance_hwhm.any():
+        width = width + lines.resonance_hwhm * own_density
+    return width

@@ -204,7 +204,8 @@ def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_rang
     Returns
     -------
     lines : dict of (L,) arrays
-        As from `diatomic_lines.transition_lines`.
+        As from `diatomic_lines.transition_lines`, with `upper_rotation` and `lower_rotation`, the parts of
+        the energies above the rotationless vibrational level [m-1].
     decay : (v',) [s-1]
         Total probability of the vibrational levels without rotation.
     """
@@ -217,6 +218,8 @@ def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_rang
         wavenumber_range,
         nuclear_spin,
     )
+    for side, term in (("upper", upper[0]), ("lower", lower[0])):
+        lines[f"{side}_rotation"] = lines[f"{side}_energy"] - term[lines[f"{side}_v"].astype(int), 0]
     origin = np.maximum(upper[0][:, None, 0] - lower[0][None, :, 0], 0.0)
     decay = (EINSTEIN_FACTOR * origin**3 * moment[STEPS.index(0), :, :, 0] ** 2).sum(axis=1)
     return lines, decay * orbital_doubling(upper_state, lower_state)
@@ -249,6 +252,8 @@ def line_list(component, species, lines, decay, lost_fraction, reference_tempera
         "upper_degeneracy",
         "lower_degeneracy",
         "einstein_a",
+        "upper_rotation",
+        "lower_rotation",
     )
     return LineList(
         component,

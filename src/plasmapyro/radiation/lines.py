@@ -22,7 +22,10 @@ _NUMBERS = {
     "stark_exponent": "1",
     "van_der_waals_hwhm": "m2",
     "resonance_hwhm": "m2",
+    "upper_rotation": "m-1",
+    "lower_rotation": "m-1",
 }
+_SIGNED = ("stark_exponent", "upper_rotation", "lower_rotation")
 _POSITIVE = ("wavenumber", "upper_degeneracy", "lower_degeneracy")
 
 
@@ -61,6 +64,9 @@ class LineList:
         :math:`w_W`, per density of neutral particles at :math:`T_0`.
     resonance_hwhm : (L,) [m2]
         :math:`w_R`, per density of the own species.
+    upper_rotation, lower_rotation : (L,) [m-1]
+        Part of the level energies that follows the rotational temperature: what lies above the
+        rotationless vibronic level, spin splitting included. 0 for atoms.
     origin : weakest origin of the tables behind the list (see `tables.ORIGINS`)
     relative_uncertainty : float [1]
         Of the strength of the whole system, one standard deviation or what its source states; NaN if unknown.
@@ -86,6 +92,8 @@ class LineList:
     stark_exponent: np.ndarray = 0.0
     van_der_waals_hwhm: np.ndarray = 0.0
     resonance_hwhm: np.ndarray = 0.0
+    upper_rotation: np.ndarray = 0.0
+    lower_rotation: np.ndarray = 0.0
     origin: str = "published"
     relative_uncertainty: float = np.nan
 
@@ -95,10 +103,10 @@ class LineList:
             raise ValueError(f"lines of {self.component}: wavenumber must be one-dimensional; got {shape}")
         for name, unit in _NUMBERS.items():
             guard = positive if name in _POSITIVE else non_negative
-            if name == "stark_exponent":
-                values = np.asarray(self.stark_exponent, dtype=float)
+            if name in _SIGNED:
+                values = np.asarray(getattr(self, name), dtype=float)
                 if not np.isfinite(values).all():
-                    raise ValueError(f"lines of {self.component}: stark_exponent must be finite")
+                    raise ValueError(f"lines of {self.component}: {name} must be finite")
             else:
                 values = guard(f"lines of {self.component}: {name}", getattr(self, name), unit)
             if values.shape not in ((), shape):

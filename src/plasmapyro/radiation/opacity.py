@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array, sparray
 
 from plasmapyro.checks import non_negative, positive
 from plasmapyro.constants import LIGHT_SPEED, PLANCK, SECOND_RADIATION
@@ -13,6 +13,8 @@ from plasmapyro.radiation.lines import LineList
 
 SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
+BATCH = 8  # Fourier transforms taken together, as many as a processor's vector holds
+FEW_LINES = 0.05  # [1], of the grid points; fewer are gathered by line, more by grid point
 FAR_POINTS = 513  # of the axis on which far wings are smooth
 FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; lines are gathered so for their far wings
 FAR_LEAST = 1e-3  # [1]; nearer by, the far correction keeps its value at this distance, to 1e-6
@@ -85,7 +87,7 @@ class Spreader:
     step: float
     first: int
     points: int
-    weights: csr_array
+    weights: sparray
     frequency: np.ndarray
     deconvolution: np.ndarray
     far_gather: csr_array
@@ -129,7 +131,8 @@ def prepare(lines, grid):
     values = _cardinal_spline(start + offset, SPLINE_DEGREE)
     rows = start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]
     columns = np.broadcast_to(np.flatnonzero(inside), rows.shape)
-    weights = csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(lines)))
+    gather = csc_array if len(lines) < FEW_LINES * length else csr_array
+    weights = gather((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(lines)))
     frequency = rfftfreq(length)
     deconvolution = np.sinc(frequency) ** -(SPLINE_DEGREE + 1)
     far = _far_wings(np.log(lines.wavenumber), inside, np.log(grid.wavenumber), length * grid.step)
@@ -202,9 +205,14 @@ def _width_nodes(width, sigma):
     nodes = (low + high) / 2 + (high - low) / 2 * np.cos(angle)
     distance = np.arcsinh(width / (NODE_SCALE * sigma)) - nodes[:, None]
     on_node = distance == 0
-    share = ((-1.0) ** np.arange(count) * np.sin(angle))[:, None] / np.where(on_node, 1.0, distance)
-    share = np.where(on_node.any(axis=0), on_node, share)
-    return NODE_SCALE * sigma * np.sinh(nodes), share / share.sum(axis=0)
+    hit = on_node.any()
+    if hit:
+        distance[on_node] = 1.0
+    share = np.divide(((-1.0) ** np.arange(count) * np.sin(angle))[:, None], distance, out=distance)
+    if hit:
+        share = np.where(on_node.any(axis=0), on_node, share)
+    share /= share.sum(axis=0)
+    return NODE_SCALE * sigma * np.sinh(nodes), share
 
 
 def spread(spreader, strength, hwhm, sigma):
@@ -243,8 +251,12 @@ def spread(spreader, strength, hwhm, sigma):
     nodes, share = _width_nodes(relative, sigma)
     steps = 2 * np.pi / spreader.step * spreader.frequency
     transform = np.zeros(len(steps), dtype=complex)
-    for node, part in zip(nodes, share, strict=True):
-        transform += rfft(spreader.weights @ (strength * part)) * np.exp(-node * steps)
+    for first in range(0, len(nodes), BATCH):
+        batch = slice(first, first + BATCH)
+        placed = np.array([spreader.weights @ (strength * part) for part in share[batch]])
+        for node, part in zip(nodes[batch], rfft(placed), strict=True):
+            part *= np.exp(-node * steps)
+            transform += part
     transform *= spreader.deconvolution * np.exp(-((sigma * steps) ** 2) / 2)
     profile = irfft(transform, n=spreader.weights.shape[0])
     near = profile[spreader.first : spreader.first + spreader.points] / spreader.step

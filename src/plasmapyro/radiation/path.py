@@ -1,12 +1,12 @@
-"""Radiance of a path through equilibrium gas: all systems, layer by layer."""
+"""Radiance of a path through gas, in equilibrium or not: all systems, layer by layer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from plasmapyro.checks import non_negative, within
+from plasmapyro.checks import fraction, non_negative, within
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.gas.partition import partition_function
+from plasmapyro.gas.partition import partition_function, two_temperature_partition_function
 from plasmapyro.gas.species import (
     CARBON,
     CARBON_IONS,
@@ -34,9 +34,11 @@ from plasmapyro.radiation.opacity import (
     spread,
 )
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.populations import absorption_excess, two_temperature_population
 from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
+BOUNDARY = "boundary"  # component: what emerges of the radiance that entered at the start of the path
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
 # species with lines or bound-free continua; those of carbon only where the path has them
 RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *CARBON)
@@ -49,12 +51,28 @@ UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers
 
 @dataclass(frozen=True)
 class GasPath:
-    """Layers of a path, in order towards the observer: thickness, temperature (S,), densities by species."""
+    """Layers of a path, in order towards the observer: thickness, temperature (S,), densities by species.
+
+    Vibration, electronic excitation and free electrons follow `excitation_temperature` (S,) where it is
+    given, and the populations of a component the `Departure` of that name in `departures`.
+    """
 
     thickness: np.ndarray
     temperature: np.ndarray
     number_density: dict
     partition: dict
+    excitation_temperature: np.ndarray | None = None
+    departures: dict = field(default_factory=dict)
+
+    @property
+    def equilibrium(self):
+        """Whether one temperature rules all populations, so that each layer's source is a black body."""
+        return self.excitation_temperature is None and not self.departures
+
+    @property
+    def electron_temperature(self):
+        """Temperature of the electrons and of the excitation (S,) [K]."""
+        return self.temperature if self.excitation_temperature is None else self.excitation_temperature
 
     def total(self, names):
         """Number density of several species together (S,) [m-3], of those the path has."""
@@ -68,21 +86,40 @@ class GasPath:
             self.number_density["e-"][layer],
             self.total(NEUTRALS + CARBON_NEUTRALS)[layer],
             self.number_density[lines.species][layer],
+            self.electron_temperature[layer],
         )
 
     def emission(self, lines, layer):
         """Emission of each line in a layer (L,) [W m-3 sr-1]."""
-        population = boltzmann_population(
-            lines.upper_energy,
-            lines.upper_degeneracy,
-            self.temperature[layer],
-            self.number_density[lines.species][layer],
-            self.partition[lines.species][layer],
-        )
+        species = (self.number_density[lines.species][layer], self.partition[lines.species][layer])
+        temperature = self.temperature[layer]
+        if self.excitation_temperature is None:
+            population = boltzmann_population(
+                lines.upper_energy, lines.upper_degeneracy, temperature, *species
+            )
+        else:
+            population = two_temperature_population(
+                lines.upper_energy,
+                lines.upper_rotation,
+                lines.upper_degeneracy,
+                temperature,
+                self.excitation_temperature[layer],
+                *species,
+            )
+        if lines.component in self.departures:
+            population = population * self.departures[lines.component].factors(lines, layer)[0]
         return line_emission(lines, population)
 
+    def absorption_excess(self, lines, layer):
+        """Absorption of each line over that of a black body at the excitation temperature, or None if 1."""
+        departure = self.departures.get(lines.component)
+        factors = (1.0, 1.0) if departure is None else departure.factors(lines, layer)
+        if departure is None and (self.excitation_temperature is None or not lines.upper_rotation.any()):
+            return None
+        return absorption_excess(lines, self.temperature[layer], self.electron_temperature[layer], *factors)
 
-def gas_path(path_distance, temperature, number_density):
+
+def gas_path(path_distance, temperature, number_density, *, excitation_temperature=None, departures=None):
     """Layers of uniform gas from a sampled sight line.
 
     Parameters
@@ -93,6 +130,11 @@ def gas_path(path_distance, temperature, number_density):
         200-15000 K.
     number_density : mapping species -> (S,) [m-3]
         All eleven species of air, and any of `species.CARBON`.
+    excitation_temperature : (S,) [K], optional
+        Of vibration, electronic excitation and free electrons, 200-15000 K; `temperature` is then that of
+        translation and rotation.
+    departures : mapping component -> Departure, optional
+        Factors on populations.
 
     Returns
     -------
@@ -105,7 +147,8 @@ def gas_path(path_distance, temperature, number_density):
 
     Notes
     -----
-    ASSUME: levels are populated at the gas temperature (local thermal equilibrium) whatever the densities.
+    ASSUME: without the options, levels are populated at the gas temperature (local thermal equilibrium)
+    whatever the densities.
     """
     thickness = layer_thickness(path_distance)
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
@@ -122,11 +165,25 @@ def gas_path(path_distance, temperature, number_density):
         for name in SPECIES + CARBON
         if name in number_density
     }
-    for name, values in (("temperature", temperature), *density.items()):
+    shaped = [("temperature", temperature), *density.items()]
+    if excitation_temperature is not None:
+        excitation_temperature = within(
+            "excitation_temperature", excitation_temperature, *TEMPERATURE_RANGE, "K"
+        )
+        shaped.append(("excitation_temperature", excitation_temperature))
+    for name, values in shaped:
         if values.shape != thickness.shape:
             raise ValueError(f"{name} must have the path's shape {thickness.shape}; got {values.shape}")
-    partition = {name: partition_function(name, temperature) for name in RADIATORS if name in density}
-    return GasPath(thickness, temperature, density, partition)
+    if excitation_temperature is None:
+        partition = {name: partition_function(name, temperature) for name in RADIATORS if name in density}
+    else:
+        pairs = list(zip(temperature, excitation_temperature, strict=True))
+        partition = {
+            name: np.array([two_temperature_partition_function(name, *pair) for pair in pairs])
+            for name in RADIATORS
+            if name in density
+        }
+    return GasPath(thickness, temperature, density, partition, excitation_temperature, dict(departures or {}))
 
 
 def thin_lines(path, lines):
@@ -176,8 +233,8 @@ def thin_continuum(path, wavelength, absorption):
     absorption : (S, components, W) [m-1]
     """
     depth = absorption.sum(axis=1) * path.thickness[:, None]
-    radiance = (depth * blackbody_radiance(wavelength, path.temperature[:, None])).sum(axis=0)
-    hottest = blackbody_radiance(wavelength, path.temperature.max())
+    radiance = (depth * blackbody_radiance(wavelength, path.electron_temperature[:, None])).sum(axis=0)
+    hottest = blackbody_radiance(wavelength, path.electron_temperature.max())
     return radiance, -np.trapezoid(depth * hottest, wavelength, axis=-1)
 
 
@@ -207,8 +264,12 @@ class Continuum:
         self.fraction = place - self.below
 
     def absorption(self, path, layer):
-        """Absorption coefficients in a layer (4, W) [m-1], in the order of `CONTINUA`."""
-        axis, temperature = self.axis.wavenumber, path.temperature[layer]
+        """Absorption coefficients in a layer (4, W) [m-1], in the order of `CONTINUA`.
+
+        ASSUME: away from equilibrium the continua follow the temperature of the electrons, and ions and
+        electrons balance the excited atoms there (Saha): their source is a black body at that temperature.
+        """
+        axis, temperature = self.axis.wavenumber, path.electron_temperature[layer]
         density = {name: values[layer] for name, values in path.number_density.items()}
         electrons = density["e-"]
         ions = sum(density[name] for name in IONS + CARBON_IONS if name in density)
@@ -246,34 +307,80 @@ class PathRadiance:
     neglected_bound: float
 
 
-def path_radiance(path, line_lists, grid):
-    r"""Spectral radiance at the end of a path, nothing entering at its start.
+def surface_radiance(grid, emittance, temperature):
+    r"""What a surface sends into a path, for `path_radiance`: :math:`\epsilon\, B_\lambda(T)`.
+
+    Parameters
+    ----------
+    grid : Grid
+    emittance : float [1]
+        In (0, 1].
+    temperature : float [K]
+
+    Returns
+    -------
+    ndarray (G,) [W m-2 sr-1 m-1]
+
+    Raises
+    ------
+    ValueError
+        Emittance outside (0, 1], temperature not > 0.
+
+    Notes
+    -----
+    Source: Fagnani et al., section on the pyrometer.
+    """
+    return fraction("emittance", emittance) * blackbody_radiance(grid.wavelength, temperature)
+
+
+def path_radiance(path, line_lists, grid, *, boundary=None):
+    r"""Spectral radiance at the end of a path; nothing enters at its start unless told.
 
     .. math:: j_\lambda = \tilde\nu \sum_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda, \qquad
               \kappa = j_\lambda / B_\lambda(T)
 
-    per layer, then `transfer.cross_layer` from the first to the last.
+    per layer, then `transfer.cross_layer` from the first to the last. Away from equilibrium
+
+    .. math:: \kappa = \left(\tilde\nu \sum_l \rho_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda\right)
+              / B_\lambda(T_{ve})
+
+    with the excess :math:`\rho` of `populations.absorption_excess`, 1 in equilibrium.
 
     Parameters
     ----------
     path : GasPath
     line_lists : list of LineList
     grid : Grid
+    boundary : (G,) [W m-2 sr-1 m-1], optional
+        Radiance that enters at the start of the path (of a surface: `surface_radiance`).
 
     Returns
     -------
     PathRadiance
-        Components in the order of the line lists, then `CONTINUA`.
+        Components in the order of the line lists, then `CONTINUA`, then `BOUNDARY` if there is one: what
+        emerges of it. Thin radiance counts the gas alone.
 
     Raises
     ------
     ValueError
-        If the grid is too coarse for the Doppler widths of a system where it emits.
+        If the grid is too coarse for the Doppler widths of a system where it emits, if the boundary does
+        not fit the grid or is negative, or if a departure names no component.
 
     Notes
     -----
     Source: Fagnani et al., section on the radiation code; Kirchhoff's law for the absorption.
+    ASSUME: within the profile of a line, emission over absorption varies as a black body.
     """
+    unknown = set(path.departures) - {lines.component for lines in line_lists}
+    if unknown:
+        raise ValueError(
+            f"departures must name components among {', '.join(lines.component for lines in line_lists)};"
+            f" got {', '.join(sorted(unknown))}"
+        )
+    if boundary is not None:
+        boundary = non_negative("boundary", boundary, "W m-2 sr-1 m-1")
+        if boundary.shape != grid.wavenumber.shape:
+            raise ValueError(f"boundary must have the grid's shape ({len(grid)},); got {boundary.shape}")
     spreaders = [prepare(lines, grid) for lines in line_lists]
     continuum = Continuum(grid)
     smooth = np.array([continuum.absorption(path, layer) for layer in range(len(path.thickness))])
@@ -290,14 +397,23 @@ def path_radiance(path, line_lists, grid):
         if keep.any() and e.sum() > RESOLVED_SHARE * thin_total
     ]
     _require_resolution_of_light(path.temperature, bright, grid)
-    solution = _solve(path, spreaders, continuum, smooth, grid, kept)
-    emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
+    # The bounds hold for black-body sources, and as long as nothing brighter than the gas shines through.
+    hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
+    if not path.equilibrium or (boundary is not None and np.any(boundary > hottest)):
+        kept = np.ones_like(kept)
+    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
+    gas = solution[0][: len(spreaders) + len(CONTINUA)]
+    emerging = -np.trapezoid(gas.sum(axis=0), grid.wavelength)
     # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
     if bounds[~kept].sum() > max(NEGLIGIBLE * emerging, dark):
         kept = np.ones_like(kept)
-        solution = _solve(path, spreaders, continuum, smooth, grid, kept)
+        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
     return PathRadiance(
-        (*(lines.component for lines in line_lists), *CONTINUA),
+        (
+            *(lines.component for lines in line_lists),
+            *CONTINUA,
+            *(() if boundary is None else (BOUNDARY,)),
+        ),
         *solution,
         thin_lines=[(s.lines, values) for s, values in zip(spreaders, by_line, strict=True)],
         thin_continuum=smooth_emission,
@@ -316,24 +432,32 @@ def _require_resolution_of_light(temperature, systems, grid):
         require_resolution(grid, *min(narrowest))
 
 
-def _solve(path, spreaders, continuum, smooth, grid, kept):
+def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
     """Radiance by component (C, G), thin radiance and depth (G,) from the kept parts of each layer."""
-    radiance = np.zeros((len(spreaders) + len(CONTINUA), len(grid)))
+    gas = len(spreaders) + len(CONTINUA)
+    radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
+    if boundary is not None:
+        radiance[gas] = boundary
     thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
     for layer in np.flatnonzero(kept.any(axis=0)):
         temperature, thickness = path.temperature[layer], path.thickness[layer]
-        blackbody = blackbody_radiance(grid.wavelength, temperature)
+        blackbody = blackbody_radiance(grid.wavelength, path.electron_temperature[layer])
         emitted = np.zeros_like(radiance)
+        excess = 0.0
         if kept[-1, layer]:
-            emitted[len(spreaders) :] = continuum.on_grid(smooth[layer]) * blackbody
+            emitted[len(spreaders) : gas] = continuum.on_grid(smooth[layer]) * blackbody
         for index, spreader in enumerate(spreaders):
             if kept[index, layer]:
                 lines = spreader.lines
                 sigma = doppler_sigma(temperature, particle_mass(lines.species))
-                profile = spread(spreader, path.emission(lines, layer), path.hwhm(lines, layer), sigma)
-                emitted[index] = grid.wavenumber * profile
+                emission, hwhm = path.emission(lines, layer), path.hwhm(lines, layer)
+                emitted[index] = grid.wavenumber * spread(spreader, emission, hwhm, sigma)
+                absorbing = path.absorption_excess(lines, layer)
+                if absorbing is not None:
+                    surplus = spread(spreader, emission * (absorbing - 1), hwhm, sigma)
+                    excess = excess + grid.wavenumber * surplus
         total = emitted.sum(axis=0)
-        radiance, depth = cross_layer(radiance, emitted, total / blackbody, thickness)
+        radiance, depth = cross_layer(radiance, emitted, (total + excess) / blackbody, thickness)
         thin_radiance += total * thickness
         optical_depth += depth
     return radiance, thin_radiance, optical_depth

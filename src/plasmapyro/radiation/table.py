@@ -1,0 +1,314 @@
+"""Emission per particle on temperature nodes: one table for every sight line through air at one pressure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.checks import increasing, non_negative, within
+from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
+from plasmapyro.gas.species import CARBON_IONS, IONS, SPECIES, particle_mass
+from plasmapyro.radiation.broadening import doppler_sigma
+from plasmapyro.radiation.grid import Grid
+from plasmapyro.radiation.opacity import SMALLEST_SIGMA_STEPS, prepare, spread
+from plasmapyro.radiation.path import CONTINUA, TEMPERATURE_RANGE, Continuum, gas_path
+from plasmapyro.radiation.planck import blackbody_radiance
+
+NODES = 32
+STENCIL = 4  # nodes of the interpolation: cubic
+BLOCK = 8192  # grid points crossed together; all arrays of a layer stay in the cache
+SHIFT_OVER_RIPPLE = 2.0  # of the shifted logarithm, over the most negative value
+SMALLEST_SHIFT = 1e-12  # [1], of the peak; below it Fourier transforms round
+NO_MATTER = 1e-300  # in place of zero in a logarithm
+# Species whose densities multiply a continuum coefficient, and the component it belongs to.
+CONTINUUM_PARTS = (
+    (("e-", "ions"), "e-ion free-free"),
+    (("e-", "N"), "e-neutral free-free"),
+    (("e-", "O"), "e-neutral free-free"),
+    (("e-", "N2"), "e-neutral free-free"),
+    (("N",), "free-bound"),
+    (("O",), "free-bound"),
+    (("e-", "O"), "O- detachment"),
+)
+
+
+@dataclass(frozen=True)
+class EmissionTable:
+    """What particles emit and absorb on temperature nodes, as logarithms.
+
+    `temperature` (K,) [K] ascending; `emission` (C, K, G): logarithm of the emission coefficient of each line
+    system per particle [W sr-1 m-1] plus its shift; `shift` (C, K): logarithm of that;
+    `continuum` (P, K, W): logarithm of the absorption coefficients of `CONTINUUM_PARTS` per density of
+    their species on the axis of `smooth`.
+    """
+
+    grid: Grid
+    components: tuple
+    species: tuple
+    temperature: np.ndarray
+    emission: np.ndarray
+    shift: np.ndarray
+    continua: tuple
+    continuum: np.ndarray
+    smooth: Continuum
+
+    @property
+    def nbytes(self):
+        """Memory of the tables."""
+        return self.emission.nbytes + self.continuum.nbytes
+
+
+def table_nodes(lowest, highest, count=NODES):
+    """Temperatures [K] in equal steps, (count,): in 1/T closest at the hot end, where Stark widths are steep.
+
+    Raises
+    ------
+    ValueError
+        Outside 200-15000 K, not increasing, or fewer than four.
+    """
+    lowest, highest = increasing(
+        "table temperatures", within("table temperatures", (lowest, highest), *TEMPERATURE_RANGE, "K"), "K"
+    )
+    if int(count) != count or count < STENCIL:
+        raise ValueError(f"table nodes must be a whole number >= {STENCIL}; got {count}")
+    return np.linspace(lowest, highest, int(count))
+
+
+def emission_table(line_lists, grid, temperature, number_density, *, continua=CONTINUA):
+    r"""Tabulate all systems at the temperatures of a gas in equilibrium.
+
+    .. math:: \ln\left(j_\lambda/n_s + \delta\right)(T_k), \qquad \ln(\kappa_c / n_a n_b)(T_k)
+
+    Per particle, hardly more than the Boltzmann factor is left, whose logarithm is straight in 1/T. The
+    shift :math:`\delta`, a fixed share of the system's whole emission, exceeds what an unresolved line may
+    ripple below zero; it vanishes where nothing ripples.
+
+    Parameters
+    ----------
+    line_lists : list of LineList
+    grid : Grid
+    temperature : (K,) [K]
+        Nodes, increasing, at least four, as from `table_nodes`.
+    number_density : mapping species -> (K,) [m-3]
+        Composition at the nodes; only line widths depend on it.
+    continua : names among `CONTINUA`
+        Those to be counted.
+
+    Returns
+    -------
+    EmissionTable
+
+    Raises
+    ------
+    ValueError
+        As `gas_path` and `prepare`, nodes not increasing, or an unknown continuum.
+
+    Notes
+    -----
+    Source: interpolation of ln kappa against 1/T as is common for k-tables (R. West, D. Crisp, L. Chen,
+    J. Quant. Spectrosc. Radiat. Transfer 43 (1990) 191).
+    ASSUME: at nodes too cold for the grid, Doppler widths are those the grid resolves.
+    """
+    if unknown := set(continua) - set(CONTINUA):
+        raise ValueError(f"continua must be among {', '.join(CONTINUA)}; got {', '.join(sorted(unknown))}")
+    temperature = increasing("table temperatures", temperature, "K")
+    if temperature.size < STENCIL:
+        raise ValueError(f"table nodes must be a whole number >= {STENCIL}; got {temperature.size}")
+    nodes = gas_path(np.arange(temperature.size, dtype=float), temperature, number_density)
+    emission = np.empty((len(line_lists), temperature.size, len(grid)))
+    shift = np.empty(emission.shape[:2])
+    for system, lines in enumerate(line_lists):
+        spreader = prepare(lines, grid)
+        mass = particle_mass(lines.species)
+        one = gas_path(
+            np.arange(temperature.size, dtype=float),
+            temperature,
+            {
+                name: np.full(temperature.shape, float(name == lines.species))
+                for name in dict.fromkeys((*SPECIES, lines.species))
+            },
+        )
+        whole = np.empty(temperature.size)
+        for node in range(temperature.size):
+            sigma = max(doppler_sigma(temperature[node], mass), SMALLEST_SIGMA_STEPS * grid.step)
+            strength = one.emission(lines, node)
+            whole[node] = strength.sum()
+            profile = spread(spreader, strength, nodes.hwhm(lines, node), sigma)
+            emission[system, node] = grid.wavenumber * profile
+        share = SHIFT_OVER_RIPPLE * np.max(-emission[system].min(axis=1) / whole)
+        floor = SMALLEST_SHIFT * np.max(emission[system].max(axis=1) / whole)
+        shift[system] = np.log(max(share, floor) * whole)
+        emission[system] += np.exp(shift[system])[:, None]
+        np.log(emission[system], out=emission[system])
+    smooth = Continuum(grid)
+    return EmissionTable(
+        grid,
+        tuple(lines.component for lines in line_lists),
+        tuple(lines.species for lines in line_lists),
+        temperature,
+        emission,
+        shift,
+        tuple(continua),
+        _continuum_coefficients(smooth, temperature),
+        smooth,
+    )
+
+
+def _continuum_coefficients(smooth, temperature):
+    """Logarithms of the coefficients of `CONTINUUM_PARTS` at the nodes (P, K, W)."""
+    table = np.empty((len(CONTINUUM_PARTS), temperature.size, len(smooth.axis)))
+    for part, (factors, component) in enumerate(CONTINUUM_PARTS):
+        present = {"N+" if name == "ions" else name for name in factors}
+        path = gas_path(
+            np.arange(temperature.size, dtype=float),
+            temperature,
+            {name: np.full(temperature.shape, float(name in present)) for name in SPECIES},
+        )
+        row = CONTINUA.index(component)
+        for node in range(temperature.size):
+            coefficient = smooth.absorption(path, node)[row]
+            table[part, node] = np.log(np.maximum(coefficient, NO_MATTER))
+    return table
+
+
+def _weights(nodes, temperature):
+    """First node of the stencil and Lagrange weights in 1/T: (S,), (S, 4)."""
+    first = np.clip(np.searchsorted(nodes, temperature, side="right") - STENCIL // 2, 0, len(nodes) - STENCIL)
+    inverse = 1 / nodes[first[:, None] + np.arange(STENCIL)]
+    weights = np.ones((len(temperature), STENCIL))
+    for i in range(STENCIL):
+        for j in range(STENCIL):
+            if j != i:
+                weights[:, i] *= (1 / temperature - inverse[:, j]) / (inverse[:, i] - inverse[:, j])
+    return first, weights
+
+
+def _blend(rows, weights):
+    """Weighted sum of the rows of a stencil (4, ...), always in the same order."""
+    total = weights[0] * rows[0]
+    for weight, row in zip(weights[1:], rows[1:], strict=True):
+        total += weight * row
+    return total
+
+
+def table_radiance(table, path, *, boundary=None):
+    r"""Spectral radiance at the end of a path from tabulated emission.
+
+    Parameters
+    ----------
+    table : EmissionTable
+        Of the pressure of the path, for line widths; densities are the path's own.
+    path : GasPath
+        In equilibrium, nowhere hotter than the table.
+    boundary : (G,) [W m-2 sr-1 m-1], optional
+        Radiance that enters at the start of the path.
+
+    Returns
+    -------
+    tuple : radiance by component (C, G), optical depth (G,), bound on what cold layers could change
+        [W m-2 sr-1]. Components: those of the table, its continua, and the boundary if there is one.
+
+    Raises
+    ------
+    ValueError
+        Path out of equilibrium or hotter than the table; boundary that does not fit or is negative.
+
+    Notes
+    -----
+    Source: as `emission_table`; layers as in `transfer.cross_layer`.
+    ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
+    """
+    if not path.equilibrium:
+        raise ValueError("path must be in equilibrium for a table; use path_radiance for two temperatures")
+    within("path temperature", path.temperature.max(), 0.0, table.temperature[-1], "K")
+    grid, gas = table.grid, len(table.components) + len(table.continua)
+    radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
+    if boundary is not None:
+        boundary = non_negative("boundary", boundary, "W m-2 sr-1 m-1")
+        if boundary.shape != grid.wavenumber.shape:
+            raise ValueError(f"boundary must have the grid's shape ({len(grid)},); got {boundary.shape}")
+        radiance[gas] = boundary
+    warm = np.flatnonzero(path.temperature >= table.temperature[0])
+    first, weights = _weights(table.temperature, path.temperature[warm])
+    shift = np.array(
+        [
+            [np.exp(_blend(row[f : f + STENCIL], w)) for f, w in zip(first, weights, strict=True)]
+            for row in table.shift
+        ]
+    ).reshape(len(table.components), len(warm))
+    smooth = _continua(table, path, warm, first, weights)
+    depth = np.zeros(len(grid))
+    for start in range(0, len(grid), BLOCK):
+        part = slice(start, min(start + BLOCK, len(grid)))
+        block = np.ascontiguousarray(radiance[:, part])
+        radiance[:, part], depth[part] = _cross(table, path, warm, first, weights, shift, smooth, part, block)
+    return radiance, depth, _cold_bound(table, path, np.flatnonzero(path.temperature < table.temperature[0]))
+
+
+def _continua(table, path, layers, first, weights):
+    """Absorption of the continua on their coarse axis in the layers: (S, continua, W) [m-1]."""
+    density = path.number_density | {"ions": path.total(IONS + CARBON_IONS)}
+    result = np.zeros((len(layers), len(table.continua), len(table.smooth.axis)))
+    for (factors, component), rows in zip(CONTINUUM_PARTS, table.continuum, strict=True):
+        if component not in table.continua:
+            continue
+        for place, layer in enumerate(layers):
+            per_particle = np.exp(_blend(rows[first[place] : first[place] + STENCIL], weights[place]))
+            amount = np.prod([density[name][layer] for name in factors])
+            result[place, table.continua.index(component)] += amount * per_particle
+    return result
+
+
+def _cross(table, path, layers, first, weights, shift, smooth, part, radiance):
+    """Radiance (C, B) behind the layers and their optical depth (B,) in one block of the grid.
+
+    As `transfer.cross_layer`, in place: one block of one layer takes some 0.1 ms.
+    """
+    wavenumber = table.grid.wavenumber[part]
+    first_radiation = FIRST_RADIATION * wavenumber**5
+    low, fraction = table.smooth.below[part], table.smooth.fraction[part]
+    systems = len(table.components)
+    emitted = np.empty((systems + len(table.continua), len(wavenumber)))
+    optical_depth = np.zeros(len(wavenumber))
+    total, per_blackbody = np.empty(len(wavenumber)), np.empty(len(wavenumber))
+    for place, layer in enumerate(layers):
+        stencil, thickness = slice(first[place], first[place] + STENCIL), path.thickness[layer]
+        np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=per_blackbody)
+        np.expm1(per_blackbody, out=per_blackbody)
+        per_blackbody /= first_radiation
+        for system, species in enumerate(table.species):
+            row = emitted[system]
+            np.einsum("k,kg->g", weights[place], table.emission[system, stencil, part], out=row)
+            np.exp(row, out=row)
+            row -= shift[system, place]
+            row *= path.number_density[species][layer]
+        for coarse, row in zip(smooth[place], emitted[systems:], strict=True):
+            np.subtract(coarse[low + 1], coarse[low], out=row)
+            row *= fraction
+            row += coarse[low]
+            row /= per_blackbody
+        np.add.reduce(emitted, axis=0, out=total)
+        total *= per_blackbody
+        total *= thickness
+        optical_depth += total
+        absorbed = -np.expm1(-total)
+        np.multiply(radiance, 1 - absorbed, out=radiance)
+        # escape fraction times thickness; 1 in the limit of no depth
+        escaped = np.divide(absorbed, total, out=np.ones_like(total), where=total != 0)
+        escaped *= thickness
+        emitted *= escaped
+        radiance[: len(emitted)] += emitted
+    return radiance, optical_depth
+
+
+def _cold_bound(table, path, cold):
+    """Light that gas below the table could emit or absorb at most [W m-2 sr-1], taken at its lowest node."""
+    column = {
+        name: np.sum(values[cold] * path.thickness[cold]) for name, values in path.number_density.items()
+    }
+    lowest, hottest = table.temperature[0], path.temperature.max()
+    depth = np.zeros(len(table.grid))
+    blackbody = blackbody_radiance(table.grid.wavelength, lowest)
+    for rows, shift, species in zip(table.emission, table.shift, table.species, strict=True):
+        depth += column[species] * np.abs(np.exp(rows[0]) - np.exp(shift[0])) / blackbody
+    bright = blackbody_radiance(table.grid.wavelength, max(hottest, lowest))
+    return float(-np.trapezoid(depth * bright, table.grid.wavelength))
