@@ -133,6 +133,36 @@ def test_densities_of_a_linear_velocity_field(pipe, constant_gas):
         np.testing.assert_allclose(rows[row], value + zero, rtol=1e-6, atol=1e-5, err_msg=str(row))
 
 
+def test_the_limiter_adds_nothing_below_its_threshold_and_the_whole_excess_far_above(pipe, constant_gas):
+    # Added viscosity from the shear stress tau_zr = (mu + added) du_z/dr of the flow u_z = u0 + s r.
+    space = Space(pipe(2), (2, 2, 2, 1))
+    density, viscosity, size, shear = 2.0, 0.5, 1e-9, 1e-3
+    lines = property_lines(gas_properties(constant_gas, 1e3, 350.0), np.full_like(space.cells.r, 2000.0))
+    zero = np.zeros_like(space.cells.r)
+
+    def added(excess):
+        """Added viscosity over mu, and added conductivity over mu c_p, at C rho |u| h / mu - 1 = excess."""
+        speed = 100.0
+        limiter = (1 + excess) * viscosity / (density * speed * size)
+        inputs = [zero] * 12
+        inputs[0], inputs[2], inputs[6] = zero + speed / 100, zero + shear / 100, zero + np.log(2000.0)
+        inputs[8] = zero + 1.0
+        data = points(space, element_size=zero + size, viscosity_limiter=zero + limiter)
+        rows = np.stack(densities(inputs, lines, data)) / ROW_SCALE[:, None, None]
+        momentum = rows[2] / shear / viscosity - 1
+        heat = (rows[8] / 2000.0 - 3.0) / viscosity / 1000.0
+        np.testing.assert_allclose(heat, momentum, rtol=1e-6, atol=1e-12)
+        return float(momentum.mean())
+
+    # SMALL_SPEED adds 5e-7 to the speed of 100 m/s; 1e-12: round-off of the conductivity.
+    for below in (-1.0, -0.9, -0.5, -0.1, -1e-3):
+        assert added(below) == pytest.approx(0.0, abs=1e-12)
+    for above in (300.0, 3000.0):
+        assert added(above) == pytest.approx(above, rel=2e-3)  # 0.3 / 300 left at the first
+    # No kink: twice the excess adds four times as much just above the threshold.
+    assert added(2e-3) / added(1e-3) == pytest.approx(4.0, rel=1e-2)
+
+
 def test_heating_expands_the_gas(pipe, air):
     # R_c = div u + (rho'/rho) D T with u = 0: heated gas must flow out, D T = (T - T_old) / dt.
     space = Space(pipe(2), (2, 2, 2, 1))

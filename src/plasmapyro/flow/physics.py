@@ -48,6 +48,7 @@ REFERENCE_PRESSURE = 100.0  # [Pa]: unit of the gauge-pressure unknown
 # Row scales bring momentum [N m-3], energy [W m-3] and mass [kg m-3 s-1] to order one for the factorisation.
 ROW_SCALE = np.repeat([1e-1, 1e-1, 1e-6, 1e2], 3)
 SMALL_SPEED = 0.1  # [m/s]: smooths |u| at rest, so that its derivative exists
+LIMITER_ONSET = 0.3  # excess of C Re over 1 at which the limiter adds half of it
 IMAGINARY_STEP = 1e-30
 PROPERTY_NAMES = (
     "density",
@@ -103,15 +104,19 @@ def _on_line(line, temperature):
 
 
 def _limited(points, density, speed, viscosity):
-    """Viscosity added where the cell Reynolds number exceeds 1/C (smoothed positive part), C =
-    viscosity_limiter.
+    """Viscosity added where the cell Reynolds number exceeds 1/C, C = viscosity_limiter: with e = C Re - 1,
+
+        mu e^2 / (e + 0.3)  for e > 0, else exactly 0;
+
+    its slope is continuous, and far above the threshold it is the whole excess mu e.
 
     Only for the cold annular sheath that enters the chamber at Re ~ 2e4, the one part that is physically
     unsteady.
     """
     excess = points.viscosity_limiter * density * speed * points.element_size / viscosity - 1
-    switched_on = points.viscosity_limiter > 0
-    return np.where(switched_on, viscosity * 0.5 * (excess + np.sqrt(excess * excess + 0.1)), 0.0)
+    # The sign is decided by the real part, so that a complex step goes through.
+    positive = np.where(np.real(excess) > 0, excess, 0.0)
+    return viscosity * positive * positive / (positive + LIMITER_ONSET)
 
 
 def densities(inputs, lines, points):
