@@ -7,6 +7,7 @@ from plasmapyro.checks import positive
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.sightline import ray, sampling
+from plasmapyro.sightline.hemisphere import directions
 
 FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
 SURFACE_LENGTH = 2e-4  # [m], about the smallest cell on the probe
@@ -112,6 +113,57 @@ def chord(flow, *, angle, points):
     """
     inside = _inside(flow, angle, points)
     return _dataset(inside, angle=angle, exit_distance=float(inside["path_distance"][-1]))
+
+
+def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
+    """State of the gas along the rays that light the stagnation point.
+
+    The first ray is the one a mirror would send into the instrument: specular reflection turns the line of
+    sight by 180 degrees about the normal, which in an axisymmetric field is the same path. The others are
+    the directions of the hemispherical mean. Each ends at the boundary of the flow field.
+
+    Parameters
+    ----------
+    flow : Dataset
+        Contract 'flow', with the attribute `stagnation_point_z` [m].
+    mirror_angle : float [rad]
+        Between the line of sight of the instruments and the axis, 0 to pi/2.
+    directions_count : int
+        Rays of the hemispherical mean.
+    core_angle : float [rad]
+        As in `hemisphere.directions`.
+    points : int
+        Nodes per ray, >= 2.
+
+    Returns
+    -------
+    Dataset
+        Contract 'surface_view'; `ray_weight` is 0 for the mirrored ray, the others sum to 1.
+
+    Raises
+    ------
+    ValueError
+        As `chord` and `hemisphere.directions`.
+    """
+    angles, weights = directions(directions_count, core_angle)
+    angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
+    paths = [chord(flow, angle=angle, points=points) for angle in angles]
+
+    def stacked(name):
+        return np.array([path[name].values for path in paths])
+
+    return xr.Dataset(
+        {
+            "ray_angle": ("ray", angles),
+            "ray_weight": ("ray", weights),
+            "ray_distance": (("ray", "node"), stacked("path_distance")),
+            "ray_temperature": (("ray", "node"), stacked("temperature")),
+            "ray_pressure": (("ray", "node"), stacked("pressure")),
+            "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
+        },
+        {"species": list(SPECIES)},
+        attrs={"origin": "modelled", "title": "Gas that lights the stagnation point"},
+    )
 
 
 def _inside(flow, angle, points):
