@@ -135,6 +135,13 @@ def test_a_coarse_grid_is_refused_with_the_number_that_would_do(folder, capsys):
     assert not (folder / "x.nc").exists()
 
 
+def test_two_temperatures_are_refused(folder, capsys, sightline):
+    sightline["excitation_temperature"] = sightline.temperature + 500
+    io.write_text(neqair.compose(sightline), folder / "two.dat")
+    assert run(folder, "two.dat", "--out", "x.nc") == 2
+    assert "sightline must have one temperature" in capsys.readouterr().err
+
+
 def test_a_range_without_data_is_refused(folder, capsys):
     words = [str(folder / "path.nc"), "--out", str(folder / "x.nc"), "--wavelength-nm", "500", "600"]
     assert cli.main(["radiance", *words]) == 2

@@ -190,6 +190,9 @@ VARIABLES = {
     ),
     "spectrum_status": Variable("1", "status of the temperatures of the spectrum, see flag_meanings", -1, 9),
     # sight line
+    "excitation_temperature": Variable(
+        "K", "temperature of vibration, excitation and electrons where it is not the other", 100, 3e4
+    ),
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
     "radial_position": Variable("m", "distance from the jet axis", 0, 100),
@@ -335,6 +338,7 @@ DATASETS = {
         "temperature": ("path_distance",),
         "pressure": ("path_distance",),
         "number_density": ("species", "path_distance"),
+        "excitation_temperature?": ("path_distance",),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
     },

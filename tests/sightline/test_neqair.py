@@ -140,6 +140,18 @@ def test_the_layouts_are_those_of_their_versions(path):
     assert max(map(len, blocks)) <= 80
 
 
+@pytest.mark.parametrize("version", [14, 15])
+def test_two_temperatures_come_through(version):
+    text = BLOCKS.replace("8000.0    8000.0\n", "6500.0    6500.0\n")
+    found = neqair.parse(text)
+    assert found.temperature.values.tolist() == [8000.0, 8000.0, 7000.0, 7000.0]
+    assert found.excitation_temperature.values.tolist() == [6500.0, 6500.0, 7000.0, 7000.0]
+    assert float(found.pressure[0]) == pytest.approx(BOLTZMANN * (4.52e22 * 8000 + 1e21 * 6500))
+    contracts.check(contracts.label(found, "sightline"), "sightline")
+    again = neqair.parse(neqair.compose(found, version))
+    np.testing.assert_array_equal(again.excitation_temperature[[0, -1]], [6500.0, 7000.0])
+
+
 def test_an_unknown_version_is_refused(path):
     with pytest.raises(ValueError, match="version must be 14 or 15; got 13"):
         neqair.compose(path, 13)
@@ -170,7 +182,15 @@ def changed(text, old, new):
         (changed(BLOCKS, "  10.160", "  -0.160"), "line 24: x must increase; got 0 cm then -0.16 cm"),
         (changed(BLOCKS, "2.000000+14", "-2.00000+14"), "line 24: number densities must be >= 0 cm-3"),
         (changed(BLOCKS, "2.000000+14", "2.000000+16"), "line 24: the species add up to 6.6e\\+16 cm-3"),
-        (changed(BLOCKS, "8000.0    8000.0\n", "8000.0    9000.0\n"), "line 24: the temperatures must agree"),
+        (
+            changed(BLOCKS, "8000.0    8000.0\n", "8000.0    9000.0\n"),
+            "line 24: these .* TV = 8000 K and TE = 9000 K",
+        ),
+        (
+            changed(BLOCKS, "   8000.0    8000.0", "   8000.0    7000.0"),
+            "line 24: these .* T = 8000 K and TR = 7000",
+        ),
+        (changed(COLUMNS, "Tt", "Te"), "line 4: no translational temperature"),
         (changed(BLOCKS, "   7000.0", "  -7000.0"), "line 28: temperatures must be > 0 K; got -7000 K"),
         (
             changed(BLOCKS, "4.620000E+16    8000.0", "         nan    8000.0"),

@@ -52,6 +52,10 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
     response_wavelength, responses = _responses(band_response, wavelength_range)
+    if "excitation_temperature" in sightline:
+        raise ValueError(
+            "sightline must have one temperature (local thermal equilibrium); it has a second one"
+        )
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
     path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)

@@ -9,10 +9,12 @@ import xarray as xr
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas.species import SPECIES
 
+KNOWN = SPECIES
 VERSIONS = (14, 15)
 CENTIMETRE, PER_CUBIC_CENTIMETRE = 1e-2, 1e6  # [m], [m-3]
 ELECTRON_NAMES = {"E", "E-", "e", "e-"}
-TEMPERATURES = 4  # translational, rotational, vibrational, electronic
+HEAVY, EXCITED = ("T", "TT", "TR"), ("TV", "TE")  # titles: translation and rotation; vibration and electrons
+BLOCK_TEMPERATURES = ("T", "TR", "TV", "TE")
 PER_LINE = 4  # species symbols, and densities, of a line of the block layout
 TOTAL_RTOL = 0.01  # between the total density of a line and the sum of its species
 SAME_TEMPERATURE = 0.11  # [K]; the block layout rounds to 0.1 K
@@ -37,12 +39,12 @@ iiii rrrrrrr rrrrrrrrrrrrrr rrrrrrrrr rrrrrrrrr rrrrrrrrr rrrrrrrrre15.6,4f10.1
 
 @dataclass(frozen=True)
 class _Point:
-    """One grid point: line number, position [cm], total density or None, temperatures, densities [cm-3]."""
+    """One grid point: line number, position [cm], total density or None, temperatures by title, densities."""
 
     line: int
     position: float
     total: float | None
-    temperatures: list
+    temperatures: dict
     densities: list
 
 
@@ -62,20 +64,22 @@ def parse(text):
     Returns
     -------
     Dataset, contract 'sightline'
-        Species that the file does not list have density 0; pressure from the sum of densities.
+        Species that the file does not list have density 0; pressure from the densities and temperatures.
+        Where vibration and electrons differ from translation and rotation, with `excitation_temperature`.
 
     Raises
     ------
     ValueError
         One message with the number of the line: missing header, unknown or repeated species, no number where
         one is due, negative density, positions that do not increase, a total that is not the sum of the
-        species, four temperatures that differ, a file that ends too early.
+        species, temperatures that no two-temperature gas has, a file that ends too early.
 
     Notes
     -----
     Source: description and code of NEQAIR_DATA (D. Saunders, NASA Ames, CFD Utilities, 2013-2019), which
     writes both layouts, and the header of the files of version 14.
-    ASSUME: one temperature. Files in which translation, rotation, vibration and electrons differ are refused.
+    ASSUME: two temperatures at most; files in which rotation differs from translation or vibration from the
+    electrons are refused.
     """
     lines = text.splitlines()
     if not any(line.strip() for line in lines):
@@ -119,12 +123,14 @@ def compose(sightline, version=15):
         raise ValueError(f"version must be 14 or 15; got {version}")
     distance = (sightline["path_distance"].values - float(sightline["path_distance"][0])) / CENTIMETRE
     position = np.concatenate([[0.0], (distance[1:] + distance[:-1]) / 2, distance[-1:]])
-    temperature = sightline["temperature"].values
+    heavy = sightline["temperature"].values
+    excited = sightline.get("excitation_temperature", sightline["temperature"]).values
     names = [str(name) for name in sightline["species"].values]
     density = sightline["number_density"].values.T / PER_CUBIC_CENTIMETRE
     density = np.where(density < SMALLEST, 0.0, density)
-    layer = np.concatenate([[0], np.arange(len(temperature))])
-    rows = zip(position, density[layer].sum(axis=1), temperature[layer], density[layer], strict=True)
+    temperatures = np.column_stack([heavy, heavy, excited, excited])
+    layer = np.concatenate([[0], np.arange(len(heavy))])
+    rows = zip(position, density[layer].sum(axis=1), temperatures[layer], density[layer], strict=True)
     symbols = ["E-" if name == "e-" else name for name in names]
     return (_compose_blocks if version == 14 else _compose_columns)(symbols, rows)
 
@@ -136,8 +142,8 @@ def _compose_columns(symbols, rows):
         "# Line of sight in the column layout of NEQAIR 15; x [cm], densities [cm-3], temperatures [K]",
         f"{titles[0]:>4}" + "".join(f"{title:>16}" for title in titles[1:]),
     ]
-    for number, (position, total, temperature, density) in enumerate(rows, start=1):
-        values = [position, total, *[temperature] * TEMPERATURES, *density]
+    for number, (position, total, temperatures, density) in enumerate(rows, start=1):
+        values = [position, total, *temperatures, *density]
         lines.append(f"{number:4d}" + "".join(f" {value:15.8E}" for value in values))
     return "\n".join(lines) + "\n"
 
@@ -149,10 +155,9 @@ def _compose_blocks(symbols, rows):
     ]
     listed[0] = f"{listed[0]:<61}:Species Symbols."
     text = ["*" * 79 + "\n" + BLOCK_HEADER.format(symbols="\n".join(listed))]
-    for number, (position, total, temperature, density) in enumerate(rows, start=1):
-        text.append(
-            f"{number:5d}{position:15.7E}{total:15.7E}" + f"{temperature:10.1f}" * TEMPERATURES + "\n"
-        )
+    for number, (position, total, temperatures, density) in enumerate(rows, start=1):
+        text.append(f"{number:5d}{position:15.7E}{total:15.7E}")
+        text.append("".join(f"{temperature:10.1f}" for temperature in temperatures) + "\n")
         for first in range(0, len(density), PER_LINE):
             text.append("     " + "".join(f"{n:15.7E}" for n in density[first : first + PER_LINE]) + "\n")
         text.append("\n")
@@ -173,9 +178,9 @@ def _names(words, line):
     """Species in our spelling."""
     names = ["e-" if word in ELECTRON_NAMES else word for word in words]
     for name in names:
-        if name not in SPECIES:
+        if name not in KNOWN:
             raise ValueError(
-                f"line {line}: unknown species {name!r}; known are {', '.join(SPECIES)} (E- for electrons)"
+                f"line {line}: unknown species {name!r}; known are {', '.join(KNOWN)} (E- for electrons)"
             )
         if names.count(name) > 1:
             raise ValueError(f"line {line}: species {name!r} is listed twice")
@@ -195,9 +200,11 @@ def _columns(lines):
         raise ValueError(f"line {len(lines)}: the file ends before the line of column titles")
     at, titles = rows[0]
     upper = [title.upper() for title in titles]
-    hot = [k for k, title in enumerate(upper) if title in {"T", "TT", "TR", "TV", "TE"}]
+    hot = [k for k, title in enumerate(upper) if title in HEAVY + EXCITED]
     if not hot or hot != list(range(hot[0], hot[-1] + 1)) or "X" not in upper[: hot[0]]:
         raise ValueError(f"line {at}: column titles must be [n] x [ntot] T..., then the species")
+    if not set(upper) & set(HEAVY):
+        raise ValueError(f"line {at}: no translational temperature among the column titles")
     if set(upper[: hot[0]]) - {"N", "X", "NTOT"}:
         raise ValueError(f"line {at}: columns before the temperatures must be n, x and ntot")
     species = _names(titles[hot[-1] + 1 :], at)
@@ -209,7 +216,7 @@ def _columns(lines):
             raise ValueError(f"line {line}: {len(titles)} columns expected, {len(words)} found")
         values = [_number(word, line) for word in words]
         total = values[upper.index("NTOT")] if "NTOT" in upper[: hot[0]] else None
-        temperatures = values[hot[0] : hot[-1] + 1]
+        temperatures = {upper[k]: values[k] for k in hot}
         points.append(_Point(line, values[upper.index("X")], total, temperatures, values[hot[-1] + 1 :]))
     return species, points
 
@@ -239,7 +246,7 @@ def _block_points(lines, start, count):
         line, head = rows.pop(0)
         if head[0] == "0":
             return
-        if len(head) != 3 + TEMPERATURES:
+        if len(head) != 3 + len(BLOCK_TEMPERATURES):
             raise ValueError(
                 f"line {line}: number, x, total and 4 temperatures expected, {len(head)} words found"
             )
@@ -255,7 +262,8 @@ def _block_points(lines, start, count):
                     f"line {at}: {count - len(densities)} densities expected, {len(words)} found"
                 )
             densities += [_number(word, at) for word in words]
-        yield _Point(line, values[0], values[1], values[2:], densities)
+        temperatures = dict(zip(BLOCK_TEMPERATURES, values[2:], strict=True))
+        yield _Point(line, values[0], values[1], temperatures, densities)
     raise ValueError(f"line {len(lines)}: the file ends before the closing line of zeros")
 
 
@@ -265,13 +273,13 @@ def _check(point, before):
         raise ValueError(
             f"line {point.line}: x must increase; got {before.position:g} cm then {point.position:g} cm"
         )
-    if min(point.temperatures) <= 0:
-        raise ValueError(f"line {point.line}: temperatures must be > 0 K; got {min(point.temperatures):g} K")
-    if max(point.temperatures) - min(point.temperatures) > SAME_TEMPERATURE:
-        raise ValueError(
-            f"line {point.line}: the temperatures must agree (local thermal equilibrium);"
-            f" got {min(point.temperatures):g} to {max(point.temperatures):g} K"
-        )
+    for titles in (HEAVY, EXCITED):
+        found = {title: point.temperatures[title] for title in titles if title in point.temperatures}
+        if found and min(found.values()) <= 0:
+            raise ValueError(f"line {point.line}: temperatures must be > 0 K; got {min(found.values()):g} K")
+        if found and max(found.values()) - min(found.values()) > SAME_TEMPERATURE:
+            values = " and ".join(f"{title} = {value:g} K" for title, value in found.items())
+            raise ValueError(f"line {point.line}: these temperatures must agree; got {values}")
     if min(point.densities) < 0:
         raise ValueError(
             f"line {point.line}: number densities must be >= 0 cm-3; got {min(point.densities):g}"
@@ -289,17 +297,29 @@ def _sightline(species, points):
     inset = np.diff(edge).min() / 4
     distance = np.ravel(np.column_stack([edge[:-1] + inset, edge[1:] - inset]))
     distance[0], distance[-1] = edge[0], edge[-1]
-    temperature = np.repeat([point.temperatures[0] for point in points[1:]], 2)
-    density = np.zeros((len(SPECIES), len(distance)))
+    heavy = np.repeat([_first(point, HEAVY) for point in points[1:]], 2)
+    excited = np.repeat([_first(point, EXCITED + HEAVY) for point in points[1:]], 2)
+    names = [*SPECIES, *(name for name in species if name not in SPECIES)]
+    density = np.zeros((len(names), len(distance)))
     for k, name in enumerate(species):
         values = [point.densities[k] * PER_CUBIC_CENTIMETRE for point in points[1:]]
-        density[SPECIES.index(name)] = np.repeat(values, 2)
-    return xr.Dataset(
+        density[names.index(name)] = np.repeat(values, 2)
+    electrons = density[names.index("e-")]
+    pressure = BOLTZMANN * ((density.sum(axis=0) - electrons) * heavy + electrons * excited)
+    sightline = xr.Dataset(
         {
-            "temperature": ("path_distance", temperature),
-            "pressure": ("path_distance", density.sum(axis=0) * BOLTZMANN * temperature),
+            "temperature": ("path_distance", heavy),
+            "pressure": ("path_distance", pressure),
             "number_density": (("species", "path_distance"), density),
         },
-        {"path_distance": distance, "species": list(SPECIES)},
+        {"path_distance": distance, "species": names},
         attrs={"origin": "modelled", "title": "Line of sight read from NEQAIR-style text"},
     )
+    if np.abs(excited - heavy).max() > SAME_TEMPERATURE:
+        sightline["excitation_temperature"] = ("path_distance", excited)
+    return sightline
+
+
+def _first(point, titles):
+    """The first temperature that a point has of several [K]."""
+    return next(point.temperatures[title] for title in titles if title in point.temperatures)

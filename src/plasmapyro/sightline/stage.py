@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from plasmapyro.checks import positive
+from plasmapyro.checks import increasing, positive
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.sightline import ray, sampling
@@ -86,7 +86,12 @@ def line_of_sight(
         "pressure": _two(inside["pressure"][-1], chamber, laboratory_pressure, laboratory),
     }
     whole = {name: np.concatenate([inside[name], outside[name]]) for name in outside}
-    return _dataset(whole, angle=angle, exit_distance=leaves, window_distance=float(window_distance))
+    return _dataset(
+        whole,
+        angle=float(np.degrees(angle)),
+        exit_distance=leaves,
+        window_distance=float(window_distance),
+    )
 
 
 def chord(flow, *, angle, points):
@@ -112,7 +117,35 @@ def chord(flow, *, angle, points):
         As `line_of_sight`.
     """
     inside = _inside(flow, angle, points)
-    return _dataset(inside, angle=angle, exit_distance=float(inside["path_distance"][-1]))
+    return _dataset(inside, angle=float(np.degrees(angle)), exit_distance=float(inside["path_distance"][-1]))
+
+
+def equilibrium_sightline(path_distance, temperature, pressure):
+    """Sight line through given temperatures and pressures, in equilibrium at every point.
+
+    Parameters
+    ----------
+    path_distance : array_like (S,) [m]
+        Increasing, towards the observer.
+    temperature, pressure : array_like [K], [Pa]
+        Shape (S,), or one value for all points.
+
+    Returns
+    -------
+    Dataset
+        Contract 'sightline'.
+
+    Raises
+    ------
+    ValueError
+        Path that does not increase, or a state outside 200 to 20000 K.
+    """
+    distance = increasing("path_distance", path_distance, "m")
+    temperature = np.broadcast_to(positive("temperature", temperature, "K"), distance.shape)
+    pressure = np.broadcast_to(positive("pressure", pressure, "Pa"), distance.shape)
+    return _dataset(
+        {"path_distance": distance, "temperature": temperature.copy(), "pressure": pressure.copy()}
+    )
 
 
 def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
@@ -202,7 +235,7 @@ def _two(first, first_nodes, second, second_nodes):
     return np.concatenate([np.full(first_nodes.size, first), np.full(second_nodes.size, second)])
 
 
-def _dataset(arrays, *, angle, **attributes):
+def _dataset(arrays, **attributes):
     """Dataset of contract 'sightline' with the LTE composition added."""
     density = number_density(arrays["temperature"], arrays["pressure"])
     variables = {
@@ -212,5 +245,5 @@ def _dataset(arrays, *, angle, **attributes):
     return xr.Dataset(
         variables,
         {"path_distance": arrays["path_distance"], "species": list(SPECIES)},
-        attrs={"origin": "modelled", "angle": float(np.degrees(angle)), **attributes},
+        attrs={"origin": "modelled", **attributes},
     )
