@@ -103,6 +103,16 @@ VARIABLES = {
     "band_signal": Variable("W m-2 sr-1", "radiance of the gas weighted with the response", 0, 1e9),
     "band_signal_thin": Variable("W m-2 sr-1", "the same without absorption", 0, 1e9),
     "band_signal_gridless": Variable("W m-2 sr-1", "the same without absorption and without a grid", 0, 1e9),
+    "reflection": Variable("", "how the surface reflects: specular or diffuse"),
+    "incident_radiance": Variable(
+        RADIANCE, "radiance of the gas a perfect reflector would send back to the instrument"
+    ),
+    "incident_radiance_component": Variable(RADIANCE, "the same by radiating system, absorbed by all"),
+    "incident_radiance_slit": Variable(RADIANCE, "the same through a Gaussian slit"),
+    "incident_signal": Variable("W m-2 sr-1", "the same weighted with the response", 0, 1e9),
+    "ray_signal": Variable(
+        "W m-2 sr-1", "radiance arriving along the ray, weighted with the response", 0, 1e9
+    ),
     # instrument
     "responsivity_wide": Variable("1", "spectral response of the wide band over its peak", 0, 1),
     "responsivity_narrow": Variable("1", "spectral response of the narrow band over its peak", 0, 1),
@@ -181,10 +191,19 @@ VARIABLES = {
     ),
     "spectrum_status": Variable("1", "status of the temperatures of the spectrum, see flag_meanings", -1, 9),
     # sight line
+    "excitation_temperature": Variable(
+        "K", "temperature of vibration, excitation and electrons where it is not the other", 100, 3e4
+    ),
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
     "radial_position": Variable("m", "distance from the jet axis", 0, 100),
     "number_density": Variable("m-3", "number density", 0, 1e28),
+    "ray_angle": Variable("rad", "angle between the ray and the surface normal", 0, np.pi / 2),
+    "ray_weight": Variable("1", "share of the ray in the hemispherical mean; 0 for the mirrored ray", 0, 1),
+    "ray_distance": Variable("m", "distance from the surface along the ray", 0, 100),
+    "ray_temperature": Variable("K", "temperature along the ray", 100, 3e4),
+    "ray_pressure": Variable("Pa", "absolute pressure along the ray", 1, 1e7),
+    "ray_number_density": Variable("m-3", "number density along the ray", 0, 1e28),
     # claims
     "claim": Variable("", "short name of the claim"),
     "section": Variable("", "section of the paper"),
@@ -320,8 +339,42 @@ DATASETS = {
         "temperature": ("path_distance",),
         "pressure": ("path_distance",),
         "number_density": ("species", "path_distance"),
+        "excitation_temperature?": ("path_distance",),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
+    },
+    "surface_view": {
+        "species": ("species",),
+        "ray_angle": ("ray",),
+        "ray_weight": ("ray",),
+        "ray_distance": ("ray", "node"),
+        "ray_temperature": ("ray", "node"),
+        "ray_pressure": ("ray", "node"),
+        "ray_number_density": ("ray", "species", "node"),
+    },
+    "reflected_radiance": {
+        "wavelength": ("wavelength",),
+        "wavelength_slit": ("wavelength_slit",),
+        "component": ("component",),
+        "band": ("band",),
+        "reflection": ("reflection",),
+        "incident_radiance": ("reflection", "wavelength"),
+        "incident_radiance_component": ("reflection", "component", "wavelength"),
+        "incident_radiance_slit": ("reflection", "wavelength_slit"),
+        "incident_signal": ("reflection", "band"),
+        "ray_angle": ("ray",),
+        "ray_weight": ("ray",),
+        "ray_signal": ("ray", "band"),
+    },
+    "spectrum": {
+        "wavelength": ("wavelength",),
+        "component": ("component",),
+        "gas_radiance": ("wavelength",),
+        "gas_radiance_component": ("component", "wavelength"),
+        "optical_depth": ("wavelength",),
+        "wavelength_slit": ("wavelength_slit",),
+        "gas_radiance_slit": ("wavelength_slit",),
+        "gas_radiance_component_slit": ("component", "wavelength_slit"),
     },
     "radiation": {
         "wavelength": ("wavelength",),

@@ -1,4 +1,4 @@
-"""Reading and writing stage files. The only module that opens or creates netCDF."""
+"""Reading and writing files, whole or not at all. The only module that opens or creates netCDF."""
 
 import hashlib
 import json
@@ -11,6 +11,8 @@ import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.tables import ORIGINS, weakest
+
+NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
 def read(path, contract):
@@ -69,6 +71,42 @@ def write(dataset, path, contract, *, sources=(), config=None):
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def write_text(text, path):
+    """Store a text file, whole or not at all."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def read_text(path):
+    """Read a text file.
+
+    Raises
+    ------
+    ContractError
+        If there is no such file or it is not text; the message names it.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as fault:
+        reason = fault.strerror if isinstance(fault, OSError) else "not a text file"
+        raise contracts.ContractError(f"{path}: {reason}") from None
+
+
+def is_netcdf(path):
+    """Whether a file begins like netCDF (classic or HDF5); False if it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(4) in NETCDF_SIGNATURES
+    except OSError:
+        return False
 
 
 def _origin(path):

@@ -6,7 +6,7 @@ from plasmapyro import contracts
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas.species import CHARGE
 from plasmapyro.sightline import ray, sampling
-from plasmapyro.sightline.stage import chord, line_of_sight
+from plasmapyro.sightline.stage import chord, equilibrium_sightline, line_of_sight, surface_view
 
 FLOAT_RTOL = 1e-12  # thousands of eps
 NOSE, RADIUS, ANGLE = 0.871, 0.16, np.radians(35)
@@ -218,3 +218,36 @@ def test_a_field_without_a_nose_is_refused():
     del field.attrs["stagnation_point_z"]
     with pytest.raises(ValueError, match="flow lacks the attribute stagnation_point_z"):
         chord(field, angle=ANGLE, points=50)
+
+
+def test_the_mirrored_ray_is_the_line_of_sight_on_the_other_side():
+    view = surface_view(flow(jet), mirror_angle=ANGLE, directions_count=4, core_angle=0.08, points=50)
+    contracts.check(contracts.label(view, "surface_view"), "surface_view")
+    direct = chord(flow(jet), angle=ANGLE, points=50)
+    mirrored = view.isel(ray=0)
+    assert float(mirrored.ray_weight) == 0
+    np.testing.assert_array_equal(mirrored.ray_temperature, direct.temperature)
+    np.testing.assert_array_equal(mirrored.ray_distance, direct.path_distance)
+    np.testing.assert_array_equal(mirrored.ray_number_density, direct.number_density)
+
+
+def test_the_view_covers_the_hemisphere():
+    view = surface_view(flow(jet), mirror_angle=ANGLE, directions_count=4, core_angle=0.08, points=50)
+    assert float(view.ray_weight.sum()) == pytest.approx(1, rel=FLOAT_RTOL)
+    angle = view.ray_angle.values[1:]
+    assert (np.diff(angle) > 0).all() and angle[0] < 0.01 and angle[-1] > 1.2
+    # On a cylinder around the nose a ray ends at the back wall or at the outer radius.
+    end = np.minimum(NOSE / np.cos(angle), RADIUS / np.sin(angle))
+    assert view.ray_distance.values[1:, -1] == pytest.approx(end, rel=1e-9)
+
+
+def test_a_sight_line_can_be_made_from_arrays():
+    distance, temperature = [0.0, 0.1, 0.3], [300.0, 7000.0, 900.0]
+    path = equilibrium_sightline(distance, temperature, 5000.0)
+    contracts.check(contracts.label(path, "sightline"), "sightline")
+    density = path.number_density.sum("species").values
+    assert density == pytest.approx(5000 / (BOLTZMANN * np.array(temperature)), rel=1e-9)
+    with pytest.raises(ValueError, match="path_distance must increase strictly"):
+        equilibrium_sightline(distance[::-1], temperature, 5000.0)
+    with pytest.raises(ValueError, match="pressure must be > 0 Pa"):
+        equilibrium_sightline(distance, temperature, [5000.0, -1.0, 5000.0])

@@ -42,6 +42,12 @@ def test_the_main_job_plans_nine_conditions(project):
     assert jobs["flow"] == jobs["sightline"] == jobs["radiance"] == 9
 
 
+def test_the_light_on_the_surface_is_a_target_of_its_own(project):
+    assert "reflected_radiance" not in planned(snakemake(project, "--dry-run"))
+    jobs = planned(snakemake(project, "--dry-run", "results/reflection/90kW.nc"))
+    assert jobs["surface_view"] == jobs["reflected_radiance"] == 1
+
+
 def test_a_tenth_condition_is_one_more_file(project):
     first = (project / "config/conditions/90kW.yaml").read_text()
     (project / "config/conditions/95kW.yaml").write_text(first.replace("90", "95"))

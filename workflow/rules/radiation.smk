@@ -12,3 +12,20 @@ rule radiance:
         **config["radiation"],
     script:
         "../scripts/radiance.py"
+
+
+# Not part of the main job: results/reflection/{condition}.nc, about a minute each.
+rule reflected_radiance:
+    input:
+        view="results/surface_view/{condition}.nc",
+        response="results/instrument/response.nc",
+    output:
+        "results/reflection/{condition}.nc",
+    log:
+        "results/logs/reflected_radiance_{condition}.log",
+    benchmark:
+        "results/benchmarks/reflected_radiance_{condition}.tsv"
+    params:
+        **config["radiation"],
+    script:
+        "../scripts/reflected_radiance.py"

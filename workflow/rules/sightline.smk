@@ -11,3 +11,19 @@ rule sightline:
         **config["sightline"],
     script:
         "../scripts/sightline.py"
+
+
+rule surface_view:
+    input:
+        "results/flow/{condition}.nc",
+    output:
+        "results/surface_view/{condition}.nc",
+    log:
+        "results/logs/surface_view_{condition}.log",
+    benchmark:
+        "results/benchmarks/surface_view_{condition}.tsv"
+    params:
+        **config["reflection"],
+        angle_deg=config["sightline"]["angle_deg"],
+    script:
+        "../scripts/surface_view.py"

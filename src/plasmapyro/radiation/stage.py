@@ -7,12 +7,13 @@ from plasmapyro.checks import within
 from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, require_cover
 from plasmapyro.radiation.grid import log_grid
-from plasmapyro.radiation.path import gas_path, path_radiance
+from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
 from plasmapyro.tables import weakest
 
 BANDS = ("wide", "narrow")
+REFLECTIONS = ("specular", "diffuse")
 
 
 def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_points, slit_fwhm):
@@ -22,7 +23,8 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     ----------
     sightline : Dataset, contract 'sightline'
         The light travels from the first path point (the surface) to the last (the instrument).
-    band_response : Dataset, contract 'response'
+    band_response : Dataset, contract 'response', or None
+        Without it the result has no band signals and honours the contract 'spectrum' instead.
     wavelength_range : (shortest, longest) [m]
         Vacuum, within 650-1250 nm (the line tables), covering both bands.
     grid_points : int
@@ -50,10 +52,11 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     """
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
-    responses = [band_response[f"responsivity_{band}"].values for band in BANDS]
-    response_wavelength = band_response["wavelength"].values
-    for band, response in zip(BANDS, responses, strict=True):
-        require_cover(wavelength_range, response_wavelength, response, band)
+    response_wavelength, responses = _responses(band_response, wavelength_range)
+    if "excitation_temperature" in sightline:
+        raise ValueError(
+            "sightline must have one temperature (local thermal equilibrium); it has a second one"
+        )
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
     path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)
@@ -77,7 +80,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     def signal(spectrum):
         return ("band", [gridded_signal(wavelength, spectrum, response_wavelength, r) for r in responses])
 
-    return xr.Dataset(
+    radiation = xr.Dataset(
         {
             "gas_radiance": ("wavelength", total),
             "gas_radiance_component": (("component", "wavelength"), radiance),
@@ -93,7 +96,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
             "wavelength": wavelength,
             "wavelength_slit": view,
             "component": np.array(result.components, dtype=object),
-            "band": np.array(BANDS, dtype=object),
+            "band": np.array(BANDS[: len(responses)], dtype=object),
         },
         attrs={
             "title": "Spectral radiance of the gas along the line of sight",
@@ -102,3 +105,105 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
             "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
         },
     )
+    return radiation if responses else radiation.drop_dims("band")
+
+
+def reflected_radiance(view, band_response, *, wavelength_range, grid_points, slit_fwhm):
+    r"""Radiance with which the gas lights the stagnation point, as a mirror or a matt surface returns it.
+
+    .. math:: L^{g,s}_{specular} = L(\theta_m), \qquad
+              L^{g,s}_{diffuse} = \frac{1}{\pi}\int L(\theta) \cos\theta\, d\Omega = \sum_i w_i L(\theta_i)
+
+    A surface of emittance :math:`\varepsilon` sends :math:`(1 - \varepsilon) L^{g,s}` towards the instrument.
+
+    Parameters
+    ----------
+    view : Dataset, contract 'surface_view'
+        Rays from the surface outward; the light travels the other way.
+    band_response : Dataset, contract 'response'
+    wavelength_range, grid_points, slit_fwhm
+        As in `line_of_sight_radiance`.
+
+    Returns
+    -------
+    Dataset, contract 'reflected_radiance'
+        Specular and diffuse, by component, through the slit and in the bands, at the surface; and the band
+        signals of every ray.
+
+    Raises
+    ------
+    ValueError
+        If not exactly one ray has weight 0; else as `line_of_sight_radiance`.
+
+    Notes
+    -----
+    Source: Fagnani et al., equation of the radiance at the instrument, term :math:`L^{g,s}`, which the paper
+    neglects; Modest, Radiative Heat Transfer, 3rd ed., chapter 1.
+    ASSUME: the rays start dark at the boundary of the field: torch and chamber walls do not glow.
+    ASSUME: neighbours of the stagnation point within the measured spot see the same gas.
+    """
+    wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
+    weights = view["ray_weight"].values
+    if np.count_nonzero(weights == 0) != 1:
+        raise ValueError(f"exactly one ray must have weight 0; got {np.count_nonzero(weights == 0)}")
+    grid = log_grid(wavelength_range, grid_points)
+    response_wavelength, responses = _responses(band_response, wavelength_range)
+    lists = line_lists(grid)
+    components = (*(lines.component for lines in lists), *CONTINUA)
+    wavelength = grid.wavelength[::-1]
+    incident = np.zeros((len(REFLECTIONS), len(components), len(grid)))
+    signals = []
+    for ray, weight in enumerate(weights):
+        radiance = path_radiance(_towards_surface(view.isel(ray=ray)), lists, grid).radiance[:, ::-1]
+        incident[1 if weight else 0] += radiance * (weight or 1.0)
+        total = radiance.sum(axis=0)
+        signals.append([gridded_signal(wavelength, total, response_wavelength, r) for r in responses])
+
+    slit = slit_wavelengths(wavelength, slit_fwhm)
+    both = incident.sum(axis=1)
+    in_bands = [gridded_signal(wavelength, both, response_wavelength, r) for r in responses]
+    return xr.Dataset(
+        {
+            "incident_radiance": (("reflection", "wavelength"), both),
+            "incident_radiance_component": (("reflection", "component", "wavelength"), incident),
+            "incident_radiance_slit": (
+                ("reflection", "wavelength_slit"),
+                through_slit(wavelength, both, slit, slit_fwhm),
+            ),
+            "incident_signal": (("reflection", "band"), np.transpose(in_bands)),
+            "ray_angle": view["ray_angle"].variable,
+            "ray_weight": view["ray_weight"].variable,
+            "ray_signal": (("ray", "band"), signals),
+        },
+        coords={
+            "wavelength": wavelength,
+            "wavelength_slit": slit,
+            "component": np.array(components, dtype=object),
+            "band": np.array(BANDS, dtype=object),
+            "reflection": np.array(REFLECTIONS, dtype=object),
+        },
+        attrs={
+            "title": "Radiance of the gas that lights the stagnation point",
+            "slit_fwhm": float(slit_fwhm),
+            "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
+        },
+    )
+
+
+def _responses(band_response, wavelength_range):
+    """Wavelengths and responsivities of both bands, all of them within the range; none without a file."""
+    if band_response is None:
+        return None, []
+    wavelength = band_response["wavelength"].values
+    responses = [band_response[f"responsivity_{band}"].values for band in BANDS]
+    for band, response in zip(BANDS, responses, strict=True):
+        require_cover(wavelength_range, wavelength, response, band)
+    return wavelength, responses
+
+
+def _towards_surface(ray):
+    """Layers of a ray in the order of the light that comes down on the surface."""
+    distance = ray["ray_distance"].values[::-1]
+    species = [str(name) for name in ray["species"].values]
+    density = dict(zip(species, ray["ray_number_density"].values[:, ::-1], strict=True))
+    return gas_path(distance[0] - distance, ray["ray_temperature"].values[::-1], density)

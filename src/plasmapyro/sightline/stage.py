@@ -3,10 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from plasmapyro.checks import positive
+from plasmapyro.checks import increasing, positive
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.sightline import ray, sampling
+from plasmapyro.sightline.hemisphere import directions
 
 FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
 SURFACE_LENGTH = 2e-4  # [m], about the smallest cell on the probe
@@ -85,7 +86,12 @@ def line_of_sight(
         "pressure": _two(inside["pressure"][-1], chamber, laboratory_pressure, laboratory),
     }
     whole = {name: np.concatenate([inside[name], outside[name]]) for name in outside}
-    return _dataset(whole, angle=angle, exit_distance=leaves, window_distance=float(window_distance))
+    return _dataset(
+        whole,
+        angle=float(np.degrees(angle)),
+        exit_distance=leaves,
+        window_distance=float(window_distance),
+    )
 
 
 def chord(flow, *, angle, points):
@@ -111,7 +117,86 @@ def chord(flow, *, angle, points):
         As `line_of_sight`.
     """
     inside = _inside(flow, angle, points)
-    return _dataset(inside, angle=angle, exit_distance=float(inside["path_distance"][-1]))
+    return _dataset(inside, angle=float(np.degrees(angle)), exit_distance=float(inside["path_distance"][-1]))
+
+
+def equilibrium_sightline(path_distance, temperature, pressure):
+    """Sight line through given temperatures and pressures, in equilibrium at every point.
+
+    Parameters
+    ----------
+    path_distance : array_like (S,) [m]
+        Increasing, towards the observer.
+    temperature, pressure : array_like [K], [Pa]
+        Shape (S,), or one value for all points.
+
+    Returns
+    -------
+    Dataset
+        Contract 'sightline'.
+
+    Raises
+    ------
+    ValueError
+        Path that does not increase, or a state outside 200 to 20000 K.
+    """
+    distance = increasing("path_distance", path_distance, "m")
+    temperature = np.broadcast_to(positive("temperature", temperature, "K"), distance.shape)
+    pressure = np.broadcast_to(positive("pressure", pressure, "Pa"), distance.shape)
+    return _dataset(
+        {"path_distance": distance, "temperature": temperature.copy(), "pressure": pressure.copy()}
+    )
+
+
+def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
+    """State of the gas along the rays that light the stagnation point.
+
+    The first ray is the one a mirror would send into the instrument: specular reflection turns the line of
+    sight by 180 degrees about the normal, which in an axisymmetric field is the same path. The others are
+    the directions of the hemispherical mean. Each ends at the boundary of the flow field.
+
+    Parameters
+    ----------
+    flow : Dataset
+        Contract 'flow', with the attribute `stagnation_point_z` [m].
+    mirror_angle : float [rad]
+        Between the line of sight of the instruments and the axis, 0 to pi/2.
+    directions_count : int
+        Rays of the hemispherical mean.
+    core_angle : float [rad]
+        As in `hemisphere.directions`.
+    points : int
+        Nodes per ray, >= 2.
+
+    Returns
+    -------
+    Dataset
+        Contract 'surface_view'; `ray_weight` is 0 for the mirrored ray, the others sum to 1.
+
+    Raises
+    ------
+    ValueError
+        As `chord` and `hemisphere.directions`.
+    """
+    angles, weights = directions(directions_count, core_angle)
+    angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
+    paths = [chord(flow, angle=angle, points=points) for angle in angles]
+
+    def stacked(name):
+        return np.array([path[name].values for path in paths])
+
+    return xr.Dataset(
+        {
+            "ray_angle": ("ray", angles),
+            "ray_weight": ("ray", weights),
+            "ray_distance": (("ray", "node"), stacked("path_distance")),
+            "ray_temperature": (("ray", "node"), stacked("temperature")),
+            "ray_pressure": (("ray", "node"), stacked("pressure")),
+            "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
+        },
+        {"species": list(SPECIES)},
+        attrs={"origin": "modelled", "title": "Gas that lights the stagnation point"},
+    )
 
 
 def _inside(flow, angle, points):
@@ -150,7 +235,7 @@ def _two(first, first_nodes, second, second_nodes):
     return np.concatenate([np.full(first_nodes.size, first), np.full(second_nodes.size, second)])
 
 
-def _dataset(arrays, *, angle, **attributes):
+def _dataset(arrays, **attributes):
     """Dataset of contract 'sightline' with the LTE composition added."""
     density = number_density(arrays["temperature"], arrays["pressure"])
     variables = {
@@ -160,5 +245,5 @@ def _dataset(arrays, *, angle, **attributes):
     return xr.Dataset(
         variables,
         {"path_distance": arrays["path_distance"], "species": list(SPECIES)},
-        attrs={"origin": "modelled", "angle": float(np.degrees(angle)), **attributes},
+        attrs={"origin": "modelled", **attributes},
     )

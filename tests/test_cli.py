@@ -1,0 +1,216 @@
+"""The command line: what it writes, what it refuses, how it ends."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro import cli, io
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.species import SPECIES
+from plasmapyro.radiation.spectrum_text import parse_spectrum
+from plasmapyro.radiation.stage import line_of_sight_radiance
+from plasmapyro.sightline import neqair
+
+NARROW = ["--wavelength-nm", "770", "785", "--grid-points", "7000"]
+NINE_DIGITS = 1e-6  # of radiance: 1e-8 in temperature and density, times E/kT of about 15 and the layers
+
+
+@pytest.fixture
+def sightline():
+    temperature = np.array([2000.0, 7000.0, 8000.0, 3000.0])
+    return xr.Dataset(
+        {
+            "temperature": ("path_distance", temperature),
+            "pressure": ("path_distance", np.full(4, 5000.0)),
+            "number_density": (("species", "path_distance"), number_density(temperature, 5000.0).T),
+        },
+        {"path_distance": [0.0, 0.01, 0.1, 0.15], "species": list(SPECIES)},
+        attrs={"origin": "synthetic"},
+    )
+
+
+@pytest.fixture
+def folder(tmp_path, sightline):
+    io.write(sightline, tmp_path / "path.nc", "sightline")
+    io.write_text(neqair.compose(sightline), tmp_path / "LOS.dat")
+    wavelength = np.linspace(772e-9, 783e-9, 23)
+    shape = np.sin(np.pi * (wavelength - 772e-9) / 11e-9)
+    response = xr.Dataset(
+        {"responsivity_wide": ("wavelength", shape), "responsivity_narrow": ("wavelength", shape**2)},
+        {"wavelength": wavelength},
+    )
+    io.write(response, tmp_path / "response.nc", "response")
+    return tmp_path
+
+
+def run(folder, *arguments):
+    return cli.main(
+        ["radiance", *(str(folder / word) if "." in word else word for word in arguments), *NARROW]
+    )
+
+
+def test_a_netcdf_sight_line_gives_the_spectrum_of_the_library(folder, sightline):
+    assert run(folder, "path.nc", "--out", "spectrum.nc") == 0
+    found = io.read(folder / "spectrum.nc", "spectrum")
+    expected = line_of_sight_radiance(
+        sightline, None, wavelength_range=(770e-9, 785e-9), grid_points=7000, slit_fwhm=0.75e-9
+    )
+    np.testing.assert_array_equal(found.gas_radiance_component, expected.gas_radiance_component)
+    # The slit is 0.75 times 1e-9 m there and 0.75e-9 m here.
+    np.testing.assert_allclose(found.gas_radiance_slit, expected.gas_radiance_slit, rtol=1e-12)
+    assert "band_signal" not in found
+    assert found.attrs["origin"] == "synthetic"
+    assert '"grid_points": 7000' in found.attrs["configuration"]
+    assert found.attrs["sources"].endswith("path.nc")
+
+
+def test_text_and_netcdf_of_one_sight_line_give_one_spectrum(folder):
+    assert run(folder, "path.nc", "--out", "a.nc") == run(folder, "LOS.dat", "--out", "b.nc") == 0
+    from_netcdf, from_text = io.read(folder / "a.nc", "spectrum"), io.read(folder / "b.nc", "spectrum")
+    np.testing.assert_allclose(from_text.gas_radiance, from_netcdf.gas_radiance, rtol=NINE_DIGITS)
+
+
+def test_a_response_adds_the_band_signals(folder):
+    assert run(folder, "path.nc", "--out", "r.nc", "--response", "response.nc") == 0
+    found = io.read(folder / "r.nc", "radiation")
+    assert (found.band_signal > 0).all()
+
+
+def test_the_same_call_gives_the_same_bytes(folder):
+    for name in ("a.nc", "b.nc"):
+        assert run(folder, "path.nc", "--out", name) == 0
+    assert (folder / "a.nc").read_bytes() == (folder / "b.nc").read_bytes()
+
+
+def test_text_comes_out_as_well(folder):
+    texts = ["--spectrum-text", "intensity_scanned.out", "--line-of-sight-text", "LOS_out.dat"]
+    assert run(folder, "path.nc", "--out", "r.nc", *texts) == 0
+    found = io.read(folder / "r.nc", "spectrum")
+    wavelength, radiance = parse_spectrum((folder / "intensity_scanned.out").read_text())
+    np.testing.assert_allclose(wavelength, found.wavelength, rtol=1e-9)
+    np.testing.assert_allclose(radiance, found.gas_radiance, rtol=1e-8)
+    assert (folder / "LOS_out.dat").read_text() == (folder / "LOS.dat").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["missing.nc", "--out", "x.nc"], "missing.nc: No such file"),
+        (["cut.nc", "--out", "x.nc"], "cut.nc: not a readable netCDF file"),
+        (["cut.dat", "--out", "x.nc"], r"cut.dat: line \d+: "),
+        (["noise.dat", "--out", "x.nc"], "noise.dat: not a text file"),
+        (["response.nc", "--out", "x.nc"], "response.nc: not a valid 'sightline' dataset"),
+        (["path.nc", "--out", "path.nc"], "path.nc: is an input or another output"),
+        (["path.nc", "--out", "x.nc", "--spectrum-text", "x.nc"], "x.nc: is an input or another output"),
+        (["path.nc", "--out", "sub.folder"], "sub.folder: is a folder; name a file"),
+        (["path.nc", "--out", "x.nc", "--response", "path.nc"], "path.nc: not a valid 'response' dataset"),
+        (["path.nc", "--out", "x.nc", "--slit-fwhm-nm", "0"], "fwhm must be > 0 m"),
+        (["path.nc", "--out", "x.nc", "--slit-fwhm-nm", "50"], "slit fwhm must be below"),
+    ],
+)
+def test_bad_input_is_one_message_and_no_file(folder, capsys, arguments, message):
+    (folder / "cut.nc").write_bytes((folder / "path.nc").read_bytes()[:2000])
+    (folder / "cut.dat").write_text((folder / "LOS.dat").read_text()[:700])
+    (folder / "noise.dat").write_bytes(bytes(range(128, 256)) * 4)
+    (folder / "sub.folder").mkdir()
+    before = {path.name: path.stat().st_mtime_ns for path in folder.iterdir()}
+    assert run(folder, *arguments) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("plasmapyro: ") and "Traceback" not in said.err
+    assert re.search(message, said.err), said.err
+    assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir()} == before
+
+
+def test_a_coarse_grid_is_refused_with_the_number_that_would_do(folder, capsys):
+    assert run(folder, "path.nc", "--out", "x.nc", "--slit-fwhm-nm", "1") == 0
+    (folder / "x.nc").unlink()
+    coarse = [str(folder / "path.nc"), "--out", str(folder / "x.nc"), "--wavelength-nm", "770", "785"]
+    assert cli.main(["radiance", *coarse, "--grid-points", "500"]) == 2
+    assert "grid" in capsys.readouterr().err
+    assert not (folder / "x.nc").exists()
+
+
+def test_two_temperatures_are_refused(folder, capsys, sightline):
+    sightline["excitation_temperature"] = sightline.temperature + 500
+    io.write_text(neqair.compose(sightline), folder / "two.dat")
+    assert run(folder, "two.dat", "--out", "x.nc") == 2
+    assert "sightline must have one temperature" in capsys.readouterr().err
+
+
+def test_a_range_without_data_is_refused(folder, capsys):
+    words = [str(folder / "path.nc"), "--out", str(folder / "x.nc"), "--wavelength-nm", "500", "600"]
+    assert cli.main(["radiance", *words]) == 2
+    assert "wavelength_range must lie in [6.5e-07, 1.25e-06] m; got 5e-07 m" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["radiance"], ["radianze"], ["radiance", "a.nc", "--out", "b.nc", "--grid-points", "0"]]
+)
+def test_wrong_usage_ends_with_two(words, capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(words)
+    assert end.value.code == 2
+    assert "usage: plasmapyro" in capsys.readouterr().err
+
+
+def test_a_fault_of_ours_ends_with_one_and_says_so(folder, capsys, monkeypatch):
+    def broken(*arguments, **keywords):
+        raise RuntimeError("broken kernel")
+
+    monkeypatch.setattr(cli, "line_of_sight_radiance", broken)
+    assert run(folder, "path.nc", "--out", "x.nc") == 1
+    said = capsys.readouterr().err
+    assert "broken kernel" in said and "a fault of the program" in said
+    assert not (folder / "x.nc").exists()
+
+
+def test_stopping_it_leaves_nothing(folder, capsys, monkeypatch):
+    def stopped(*arguments, **keywords):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "line_of_sight_radiance", stopped)
+    assert run(folder, "path.nc", "--out", "x.nc") == 130
+    assert "stopped" in capsys.readouterr().err
+    assert not (folder / "x.nc").exists()
+
+
+def test_help_names_units_and_an_example(capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(["radiance", "--help"])
+    assert end.value.code == 0
+    said = capsys.readouterr().out
+    for words in ("[cm]", "[m-3]", "example:\n  plasmapyro radiance LOS.dat --out", "default: 160000", "nm"):
+        assert words in said
+
+
+def test_steps_are_told_on_a_terminal_only():
+    class Terminal:
+        text = ""
+
+        def __init__(self, is_terminal):
+            self.is_terminal = is_terminal
+
+        def isatty(self):
+            return self.is_terminal
+
+        def write(self, text):
+            self.text += text
+
+    for is_terminal in (True, False):
+        stream = Terminal(is_terminal)
+        cli.Progress(stream).step("reading")
+        assert ("s] reading\n" in stream.text) == is_terminal
+
+
+def test_the_package_installs_the_command():
+    code = (
+        "import sys; from plasmapyro.cli import main; sys.exit(main(['radiance', 'none', '--out', 'x.nc']))"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr == "plasmapyro: none: No such file or directory\n"
