@@ -135,11 +135,15 @@ def test_a_coarse_grid_is_refused_with_the_number_that_would_do(folder, capsys):
     assert not (folder / "x.nc").exists()
 
 
-def test_two_temperatures_are_refused(folder, capsys, sightline):
+def test_a_second_temperature_changes_the_light(folder, sightline):
     sightline["excitation_temperature"] = sightline.temperature + 500
     io.write_text(neqair.compose(sightline), folder / "two.dat")
-    assert run(folder, "two.dat", "--out", "x.nc") == 2
-    assert "sightline must have one temperature" in capsys.readouterr().err
+    assert run(folder, "two.dat", "--out", "two.nc") == 0
+    assert run(folder, "path.nc", "--out", "one.nc") == 0
+    hot, cold = (
+        float(io.read(folder / f"{name}.nc", "spectrum").gas_radiance.sum()) for name in ("two", "one")
+    )
+    assert hot > 1.2 * cold  # atoms gain by exp(E/kT * 0.08) with E/kT of 20, molecules less
 
 
 def test_a_range_without_data_is_refused(folder, capsys):

@@ -53,13 +53,15 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
     response_wavelength, responses = _responses(band_response, wavelength_range)
-    if "excitation_temperature" in sightline:
-        raise ValueError(
-            "sightline must have one temperature (local thermal equilibrium); it has a second one"
-        )
+    excitation = sightline.get("excitation_temperature")
     species = [str(name) for name in sightline["species"].values]
     density = dict(zip(species, sightline["number_density"].values, strict=True))
-    path = gas_path(sightline["path_distance"].values, sightline["temperature"].values, density)
+    path = gas_path(
+        sightline["path_distance"].values,
+        sightline["temperature"].values,
+        density,
+        excitation_temperature=None if excitation is None else excitation.values,
+    )
     lists = line_lists(grid, path.number_density)
     result = path_radiance(path, lists, grid)
 
@@ -148,7 +150,7 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
         raise ValueError(f"exactly one ray must have weight 0; got {np.count_nonzero(weights == 0)}")
     grid = log_grid(wavelength_range, grid_points)
     response_wavelength, responses = _responses(band_response, wavelength_range)
-    lists = line_lists(grid)
+    lists = line_lists(grid, view["species"].values.astype(str))
     components = (*(lines.component for lines in lists), *CONTINUA)
     wavelength = grid.wavelength[::-1]
     incident = np.zeros((len(REFLECTIONS), len(components), len(grid)))

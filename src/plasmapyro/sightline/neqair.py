@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
-from plasmapyro.gas.species import SPECIES
+from plasmapyro.gas.species import CARBON, SPECIES
 
-KNOWN = SPECIES
+KNOWN = (*SPECIES, *CARBON)
 VERSIONS = (14, 15)
 CENTIMETRE, PER_CUBIC_CENTIMETRE = 1e-2, 1e6  # [m], [m-3]
 ELECTRON_NAMES = {"E", "E-", "e", "e-"}
