@@ -68,9 +68,9 @@ VARIABLES = {
     "boundary_heat_flow": Variable("W", "conducted heat leaving through the boundary"),
     "mass_imbalance": Variable("1", "net mass outflow over gross mass outflow", -1, 1),
     "energy_imbalance": Variable("1", "net energy outflow minus Joule power, over Joule power", -1, 1),
-    "residual_norm": Variable("1", "norm of the scaled discrete residual", 0),
-    "velocity_change": Variable("m s-1", "largest velocity change of the step", 0),
-    "temperature_change": Variable("1", "largest relative temperature change of the step", 0),
+    "residual_norm": Variable("1", "norm of the discrete residual over that of gas at rest", 0),
+    "velocity_change": Variable("m s-1", "largest velocity change of the Newton step", 0),
+    "temperature_change": Variable("1", "largest relative temperature change of the Newton step", 0),
     "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
     # analysis
     "gas_signal": Variable("W m-2 sr-1", "band signal of the gas along the line of sight", 0, 1e9),

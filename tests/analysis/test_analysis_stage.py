@@ -45,7 +45,7 @@ def gas(signals, emittance=0.85):
         for name, pair in zip(names, signals, strict=True)
     }
     power = 1e3 * np.arange(1, 1 + len(signals))
-    return stage.gather(cases, numerical_power=power, emittance=[emittance] * len(signals))
+    return stage.gather(cases, numerical_power=power, emittance=np.broadcast_to(emittance, len(signals)))
 
 
 def blue_light(strength):
@@ -126,6 +126,25 @@ def test_visibility_is_one_half_where_gas_and_surface_are_equal():
     )
     assert result.visibility_factor.values[0, :, 1] == pytest.approx([0.5, 0.5], rel=1e-12)
     assert result.visibility_limit.values[0, 0] == pytest.approx([1237.0, 1237.0], rel=1e-9)
+
+
+def test_every_condition_has_its_own_emittance():
+    """Gas as bright as the surface at 1237 K, whose emittance differs by condition: half is visible."""
+    wide, narrow = band_signals(np.array(1237.0))
+    emittance = [0.85, 0.4]
+    result = stage.visibility(
+        gas([(share * wide, share * narrow) for share in emittance], emittance),
+        response(),
+        object_temperature=TRUTH,
+        visibility_level=[0.5],
+    )
+    np.testing.assert_allclose(result.visibility_factor.values[:, :, 1], 0.5, rtol=1e-12)
+    np.testing.assert_allclose(result.visibility_limit.values[0], 1237.0, rtol=1e-9)
+
+
+def test_results_carry_the_range_of_the_instrument():
+    for contract in ("apparent_temperature", "transient"):
+        assert made(contract).instrument_range.values.tolist() == [973.0, 2073.0]
 
 
 def test_error_limit_rises_as_the_emittance_falls_and_ends_at_the_colour_of_the_gas():

@@ -226,6 +226,14 @@ def test_exposures_that_hold_a_switch_are_not_used(spectrometer):
     assert np.isnan(spectrometer.spectrometer_temperature.sel(spectrum_time=[0.0, 50.0])).all()
 
 
+@pytest.mark.parametrize(("off", "expected"), [(50.25, status.STRADDLING), (50.75, status.VALID)])
+def test_an_exposure_holds_what_is_nearer_than_half_of_it(off, expected):
+    test = made()  # the exposure at 50 s lasts from 49.5 s to 50.5 s
+    test.attrs["plasma_off_time"] = off
+    found = correct_spectra(test, None, **{**SPECTROMETER, "draws": 2})
+    assert found.spectrum_status.sel(spectrum_time=50.0) == expected
+
+
 def test_normalised_curves_meet_at_the_pivot(spectrometer):
     frame = spectrometer.sel(spectrum_time=40.0)
     pivot = np.abs(PIXELS - 1030e-9) <= 1e-9

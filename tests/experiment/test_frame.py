@@ -27,6 +27,30 @@ def test_unusable_pixels_add_nothing_to_the_draws():
     assert (draws == 0).all()
 
 
+def test_uncertainty_is_half_the_central_interval_of_the_draws():
+    """Uniform draws: 0.683 of their half width, where a standard deviation would be 0.577 of it."""
+    count = 400
+    warmer = np.linspace(-10.0, 10.0, count)[:, None]
+    brighter = 0.1 * np.random.default_rng(3).permutation(np.linspace(-1, 1, count))[:, None]
+    clean = blackbody_radiance(WAVELENGTH, 1500.0)
+    factor = (1 + brighter) * blackbody_radiance(WAVELENGTH, 1500.0 + warmer) / clean - 1
+    found = fit_frame(
+        WAVELENGTH,
+        clean,
+        1e-9 * clean,
+        0 * clean,
+        np.ones(50, dtype=bool),
+        WAVELENGTH > 1020e-9,
+        (600.0, 3500.0),
+        0.0,
+        factor,
+        np.zeros((count, 1)),
+        np.random.default_rng(1),
+    )
+    spreads = [found.temperature_uncertainty, found.scaled_temperature_uncertainty, found.scale_uncertainty]
+    np.testing.assert_allclose(spreads, [6.827, 6.827, 0.06827], rtol=0.01)  # one draw in 400 is 0.4 %
+
+
 def test_failed_fit_gives_nothing_at_all():
     cold = blackbody_radiance(WAVELENGTH, 500.0)
     found = fit_frame(

@@ -64,6 +64,13 @@ def test_the_oxygen_triplet_towers_where_it_should(radiation):
     assert 0.001 < float(radiation.optical_depth.max()) < 0.1  # 0.002-0.015 in weaker jets at this pressure
 
 
+def test_optical_depth_stands_on_the_wavelengths_of_the_radiance(radiation):
+    # O I 777.194 nm in air, the strongest of the triplet; the range mirrored would put it at 776.9 nm.
+    for name in ("optical_depth", "gas_radiance"):
+        peak = float(radiation[name].idxmax("wavelength"))
+        assert peak == pytest.approx(777.408e-9, abs=0.02e-9), name  # Stark shift and grid: a few pm
+
+
 def test_first_positive_falls_off_behind_its_band_heads(radiation):
     # 2-0 head at 775.3 nm in air: the band degrades to the violet.
     molecule = radiation.gas_radiance_component_slit.sel(component="N2 1P")

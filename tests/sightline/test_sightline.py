@@ -97,6 +97,18 @@ def test_path_ends_at_the_first_of_several_boundaries():
     assert found == pytest.approx(0.1 / np.sin(ANGLE), rel=FLOAT_RTOL)
 
 
+def test_path_close_to_a_corner_does_not_end_on_the_edges_extended():
+    """The path passes the corner of a hole at 0.16 of the length of both edges that meet there."""
+    z, r, corner, _ = quadratic_mesh(60, 16)
+    cell_z, cell_r = NOSE / 60, RADIUS / 16
+    beside = (NOSE - 10 * cell_r / np.tan(ANGLE)) / cell_z - 50
+    assert 0.1 < beside < 0.18
+    middle_z, middle_r = z[corner].mean(axis=1) / cell_z, r[corner].mean(axis=1) / cell_r
+    hole = (middle_z > 45) & (middle_z < 50) & (middle_r > 7) & (middle_r < 10)
+    found = ray.exit_distance(z, r, corner[~hole], NOSE, ANGLE)
+    assert found == pytest.approx(LEAVES, rel=FLOAT_RTOL, abs=0)
+
+
 def test_path_along_the_axis_ends_at_the_back_wall():
     z, r, corner, _ = quadratic_mesh(30, 7)
     assert ray.exit_distance(z, r, corner, NOSE, 0.0) == pytest.approx(NOSE, rel=FLOAT_RTOL)
@@ -127,6 +139,18 @@ def test_line_of_sight_honours_the_contract_and_the_rule_beyond_the_field():
     assert path.pressure.values[laboratory] == pytest.approx(101325.0)
     assert path.attrs["exit_distance"] == pytest.approx(LEAVES, rel=FLOAT_RTOL)
     assert path.attrs["angle"] == pytest.approx(35.0, rel=FLOAT_RTOL)
+
+
+def test_gas_from_the_exit_to_the_window_is_in_the_state_of_the_exit():
+    def pressure(z, r):
+        return 4000 + 900 * z + 3000 * r
+
+    path = line_of_sight(flow(parabola, pressure), angle=ANGLE, points=60, **RULE)
+    chamber = path.sel(path_distance=slice(LEAVES * (1 + 1e-9), 0.8))
+    assert chamber.sizes["path_distance"] >= 3
+    there = ray.position(LEAVES, NOSE, ANGLE)
+    np.testing.assert_allclose(chamber.pressure, pressure(*there), rtol=FLOAT_RTOL)
+    np.testing.assert_allclose(chamber.temperature, parabola(*there), rtol=FLOAT_RTOL)
 
 
 def test_gas_is_neutral_and_ideal_everywhere():
@@ -251,3 +275,20 @@ def test_a_sight_line_can_be_made_from_arrays():
         equilibrium_sightline(distance[::-1], temperature, 5000.0)
     with pytest.raises(ValueError, match="pressure must be > 0 Pa"):
         equilibrium_sightline(distance, temperature, [5000.0, -1.0, 5000.0])
+
+
+@pytest.mark.parametrize("name", ["face_node", "face_midnode"])
+@pytest.mark.parametrize("wrong, shown", [(-1, "-1"), (9**9, "387420489")])
+def test_an_index_of_no_node_is_refused(name, wrong, shown):
+    field = flow(jet)
+    field[name].values[7, 2] = wrong
+    rule = rf"{name} must lie in \[0, 2024\] \(indices of nodes\); got {shown} at face 7, corner 2"
+    with pytest.raises(ValueError, match=rule):
+        chord(field, angle=ANGLE, points=50)
+
+
+def test_indices_that_are_no_integers_are_refused():
+    field = flow(jet)
+    field["face_node"] = field.face_node.astype(float)
+    with pytest.raises(ValueError, match="face_node must hold integers; got float64, 0 first"):
+        chord(field, angle=ANGLE, points=50)

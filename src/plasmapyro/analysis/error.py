@@ -32,8 +32,9 @@ def error_limit(object_temperature, error, level):
 
     Walks down from the highest temperature to the last one at which ``error <= level``, then
     interpolates linearly between the two samples that enclose the crossing. No reading counts as
-    an error above every level. The sign counts, as in the paper's curve ``e = 1 %``: in front of a
-    surface hotter than the colour of the gas the reading is too low, which is no crossing.
+    an infinite error: next to it the limit is the first sample with a reading. The sign counts, as
+    in the paper's curve ``e = 1 %``: in front of a surface hotter than the colour of the gas the
+    reading is too low, which is no crossing.
 
     Parameters
     ----------
@@ -69,6 +70,6 @@ def error_limit(object_temperature, error, level):
 
     above, below = pick(error, lower), pick(error, lower + 1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        part = np.where(np.isfinite(above), (above - level) / (above - below), 0.0)
+        part = np.where(np.isfinite(above), (above - level) / (above - below), 1.0)
     limit = temperature[lower] + part * (temperature[lower + 1] - temperature[lower])
     return np.where(status == 0, limit, np.nan), status

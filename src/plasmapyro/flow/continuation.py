@@ -4,6 +4,9 @@ Each step solves the induction equation for the present temperature (Picard), fr
 Lorentz force, and takes one Newton step of the implicit Euler equations with a local step dt = CFL h / (|u|
 + 200 m/s). The Courant number grows while the changes stay small and falls when they do not; at a large one
 the step is Newton's for the steady equations.
+
+Residuals are relative: divided by that of gas at rest under the feed, and the heating and force of the first
+step (`Problem.rest_residual`).
 """
 
 import logging
@@ -43,7 +46,8 @@ class Schedule:
     the new Joule heating and force in each step; at large Courant number the Picard map has a factor near
     -1, which 0.5-0.6 removes. Converged when the largest velocity change [m/s] and the largest relative
     temperature change are below their tolerances at
-    `converged_courant` or more; `converged_courant` = inf means: take exactly `steps` steps.
+    `converged_courant` or more; `converged_courant` = inf means: take exactly `steps` steps. `confirmed`: the
+    state after the converged step must pass the same test itself; the step that measures it is not taken.
     """
 
     first_courant: float
@@ -55,6 +59,7 @@ class Schedule:
     velocity_tolerance: float = 0.2
     temperature_tolerance: float = 2e-3
     converged_courant: float = 1000.0
+    confirmed: bool = False
 
     def reached_by(self, step):
         """Whether `step` shows a converged state."""
@@ -76,6 +81,8 @@ class Schedule:
 class Step:
     """What one pseudo-time step did; see the contract 'flow' for the first four numbers.
 
+    `residual` belongs to the state the step starts from, relative to gas at rest; the changes are those of
+    the full Newton step there.
     `rms_heat`, `rms_speed`: root mean square of the changes of ln T and of u/100 m/s over the nodes.
     """
 
@@ -118,11 +125,13 @@ def march(problem, state, power, schedule, label):
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
+    passed, scale = False, None
     for number in range(1, schedule.steps + 1):
         target, current = problem.couple(state, power)
         accelerate = courant >= ACCELERATED_COURANT
         relaxed = coupling is not None and not accelerate
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
+        scale = scale or problem.rest_residual(coupling)
         points = problem.points(state, coupling, courant)
         try:
             update, residual = problem.newton_update(state, points)
@@ -130,9 +139,12 @@ def march(problem, state, power, schedule, label):
             raise NotConverged(
                 f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"
             ) from None
+        residual /= scale
         step = _measured(space, update, residual, courant)
         steps.append(step)
         _watch(space, state, step, current, f"{label}: step {number}")
+        if passed and schedule.reached_by(step):
+            return _result(problem, state, power, steps)
         new = None
         if step.rms_heat <= REJECTED_LOG_TEMPERATURE and step.rms_speed <= REJECTED_VELOCITY:
             if accelerate:
@@ -148,7 +160,8 @@ def march(problem, state, power, schedule, label):
                 )
             continue
         state = new
-        if schedule.reached_by(step):
+        passed = schedule.reached_by(step)
+        if passed and not schedule.confirmed:
             return _result(problem, state, power, steps)
         courant = schedule.next_courant(step)
     if np.isfinite(schedule.converged_courant):

@@ -26,7 +26,8 @@ def to_dataset(problem, setup, result, balance):
     """Dataset of contract 'flow' for a converged Taylor-Hood solution.
 
     Nodes are the vertices of the mesh, then the midpoints of its edges. Pressure is linear on each triangle;
-    its values at the midpoints are the means of the ends.
+    its values at the midpoints are the means of the ends. The last entry of the history belongs to the
+    stored state.
     """
     mesh = problem.mesh
     axial, radial, temperature, gauge = problem.physical(result.state)

@@ -138,6 +138,18 @@ class Problem:
         rows = self._backflow(self.space.inputs(self._open, state))
         return inner + self.space.residual(self._open, np.stack(rows))
 
+    def rest_residual(self, coupling):
+        """Norm of the free steady residual of gas at rest at wall temperature and chamber pressure.
+
+        Boundary values are imposed, Joule heating and Lorentz force are those of `coupling`: feed, heating
+        and force with nothing to balance them. It is the scale that makes other residuals relative.
+        """
+        rest = np.zeros(self.space.size)
+        rest[self.space.field(LOG_TEMPERATURE)] = np.log(self.wall_temperature)
+        rest[self.fixed] = self.values[self.fixed]
+        residual = self.residual(rest, self.points(rest, coupling, np.inf))
+        return float(np.linalg.norm(residual[self.free]))
+
     def _backflow(self, inputs):
         return backflow_densities(inputs, self._open.normal, *self._outside)
 

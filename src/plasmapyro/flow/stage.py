@@ -96,7 +96,7 @@ def cold_start(
         Coefficient of the limiter that acts behind the torch exit, >= 0; see `physics`.
     velocity_tolerance : float [m s-1]
     temperature_tolerance : float [1]
-        Largest change in the last step.
+        Largest change that Newton's method would still make to the state that is returned.
     largest_step_count : int
 
     Returns
@@ -152,6 +152,7 @@ def cold_start(
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
+        confirmed=True,
     )
     return _finished(fine, setup, state, power, final, label)
 
@@ -224,6 +225,7 @@ def condition(
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
+        confirmed=True,
     )
     return _finished(problem, setup, state, power, final, label)
 

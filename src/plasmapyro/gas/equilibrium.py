@@ -64,7 +64,7 @@ def composition(temperature, pressure):
     Source: McBride, Zehe & Gordon, NASA/TP-2002-211556 (NASA-9 polynomials); element potentials as
     Reynolds, STANJAN (Stanford, 1986). ASSUME: no lowering of the ionisation energy (about 0.05 % of
     it at 0.05 bar). Deviation: Cantera's own `equilibrate` loses the charged species below about
-    2000 K: at 50 mbar it gives 1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 bar
+    2000 K: at 50 mbar it gives 1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 atm
     0.8 of them at 1900 K. From 2250 K all species agree to 2e-7, from 2500 K to 1e-10; the neutral
     ones do everywhere from 1250 K.
     """

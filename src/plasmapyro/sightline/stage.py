@@ -52,8 +52,8 @@ def line_of_sight(
     Raises
     ------
     ValueError
-        Distances out of order, a path that ends at a wall before the outer radius, or a state outside
-        200 to 20000 K.
+        Distances out of order, a path that ends at a wall before the outer radius, a state outside
+        200 to 20000 K, or `face_node` or `face_midnode` that do not hold indices of nodes.
 
     Notes
     -----
@@ -206,7 +206,7 @@ def _inside(flow, angle, points):
     except KeyError:
         raise ValueError("flow lacks the attribute stagnation_point_z [m], where the path starts") from None
     node_z, node_r = flow["node_z"].values, flow["node_r"].values
-    faces, middles = flow["face_node"].values, flow["face_midnode"].values
+    faces, middles = _indices(flow, "face_node"), _indices(flow, "face_midnode")
     end = ray.exit_distance(node_z, node_r, faces, nose, angle)
 
     def along(distance, *names):
@@ -228,6 +228,21 @@ def _inside(flow, angle, points):
         "temperature": temperature,
         "pressure": pressure,
     }
+
+
+def _indices(flow, name):
+    """Indices of nodes (face, 3), refused unless each is that of a node."""
+    values, last = flow[name].values, flow.sizes["node"] - 1
+    if values.dtype.kind not in "iu":
+        raise ValueError(f"{name} must hold integers; got {values.dtype}, {values.flat[0]:g} first")
+    wrong = np.argwhere((values < 0) | (values > last))
+    if wrong.size:
+        face, corner = wrong[0]
+        raise ValueError(
+            f"{name} must lie in [0, {last}] (indices of nodes); got {values[face, corner]}"
+            f" at face {face}, corner {corner}"
+        )
+    return values
 
 
 def _two(first, first_nodes, second, second_nodes):
