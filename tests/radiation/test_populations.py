@@ -117,6 +117,19 @@ def test_the_source_of_excited_atoms_is_the_black_body_of_their_excitation(
     assert source == pytest.approx(blackbody_radiance(grid.wavelength, 9000.0), rel=1e-10, abs=0)
 
 
+def test_free_electrons_have_the_temperature_of_the_excitation(systems, grid, equilibrium_densities):
+    # Stark widths and continua of hot electrons among cold atoms are those of gas hot altogether.
+    oxygen = next(lines for lines in systems if lines.component == "O I")
+    two = layers(equilibrium_densities, 2000.0, 9000.0, length=1e-5)
+    hot = layers(equilibrium_densities, 9000.0, length=1e-5)
+    stark = np.argmax(oxygen.stark_hwhm)
+    assert two.hwhm(oxygen, 0)[stark] == pytest.approx(hot.hwhm(oxygen, 0)[stark], rel=2e-3, abs=0)
+    continua = slice(-len(CONTINUA), None)
+    found = path_radiance(two, [oxygen], grid).radiance[continua]
+    expected = path_radiance(hot, [oxygen], grid).radiance[continua]
+    assert found == pytest.approx(expected, rel=1e-3, abs=0)  # thin
+
+
 def test_integrated_absorption_follows_from_the_level_populations(systems, equilibrium_densities):
     # A (n_l g_u/g_l - n_u)/8 pi c nu^2 with the populations typed out, against the engine's excess.
     lines = next(lines for lines in systems if lines.component == "N2 1P")
