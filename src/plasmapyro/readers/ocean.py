@@ -112,7 +112,7 @@ def clipped(counts):
 
 
 def _plain(line):
-    """A header line in lower case without accents (a letter lost to a wrong encoding is dropped)."""
+    """A header line without accents (a letter lost to a wrong encoding is dropped)."""
     return "".join(c for c in unicodedata.normalize("NFKD", line) if c.isascii() or c == "\u03bc").strip()
 
 
@@ -131,7 +131,7 @@ def _body(path, lines, begin, end):
     for line, row in rows:
         if len(row) != width:
             refuse(path, f"{len(row)} values where {width} are expected", "copy the file again", line)
-    signs = set().union(*(set(cell) for _, row in rows for cell in row))
+    signs = set("".join(lines[begin:end]))
     if "," in signs and "." in signs:
         refuse(path, "decimal commas and decimal points are mixed", "export with one of them", rows[0][0])
     decimal = "," if "," in signs else "."
@@ -148,12 +148,12 @@ def _body(path, lines, begin, end):
 
 def _fast(rows, decimal):
     """All cells at once; None if one of them needs the strict reader."""
-    words = "\n".join("\t".join(row) for _, row in rows).replace(decimal, ".")
     try:
-        flat = np.array(words.split(), dtype=float)
+        flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
     except ValueError:
         return None
-    return flat.reshape(len(rows), -1) if np.isfinite(flat).all() else None
+    table = np.array(flat).reshape(len(rows), -1)
+    return table if np.isfinite(table).all() else None
 
 
 def _slow(path, line, row, decimal):
