@@ -141,3 +141,18 @@ def test_settings_in_the_headers_must_not_contradict_the_description(tmp_path):
     )
     (message,) = check_test(place)
     assert "is 0.5, the headers of the spectra say 0.6" in message
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    import os
+
+    place = samples.spectra(samples.folder(tmp_path / "t", samples.SPECTRA), "jaz")
+    os.mkfifo(place / "spectrometer" / "frame_0009.txt")
+    (message,) = check_test(place)
+    assert "not a plain file" in message
+
+
+def test_a_spliced_spectrum_may_hold_more_than_its_header_promises(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_bytes(samples.spectrum("oceanview").replace(b"Spectrum: 24", b"Spectrum: 20"))
+    assert read_spectrum(path).wavelength.size == 24

@@ -258,3 +258,33 @@ def test_netcdf_folders_and_files_are_read_as_they_are(tmp_path):
     (stored / "test.yaml").unlink()
     (stored / "test.nc").write_bytes(b"not netcdf")
     assert "not a readable netCDF" in check_test(stored)[0]
+
+
+def test_a_netcdf_with_senseless_attributes_or_too_large_is_refused(tmp_path):
+    import netCDF4
+
+    path = tmp_path / "test.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("time", 5)
+        for name in ("time", "signal_wide", "signal_narrow"):
+            file.createVariable(name, "f8", ("time",))[:] = np.arange(5.0)
+            file[name].units = "s" if name == "time" else "A"
+        file["signal_wide"].scale_factor = "many"
+    assert len(check_test(path)) >= 1
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("time", 400_000_000)
+        file.createVariable("signal_wide", "f8", ("time",), zlib=True)
+    assert path.stat().st_size < 1e6
+    assert "the limit is" in check_test(path)[0]
+
+
+def test_absurd_numbers_and_names_end_in_words(tmp_path):
+    scaled = samples.CSV.replace("S1, unit: nA", "S1, unit: nA, scale: 1e308").replace("nA", "A")
+    found = check_test(samples.folder(tmp_path / "t", scaled, pyrometer__csv=samples.table()))
+    assert "infinite" in found[0]
+    for name in ('"a\\0b"', "x" * 5000, "/etc/passwd", "a/../../b"):
+        found = check_test(samples.folder(tmp_path / "u", f"pyrometer:\n  file: {name}\n"))
+        assert "inside the test folder" in found[0]
+    assert check_test("x" * 5000)
+    place = samples.folder(tmp_path / "v", samples.CSV, pyrometer__csv="a" * 6_000_000)
+    assert "6000000 characters" in check_test(place)[0]

@@ -7,7 +7,7 @@ import numpy as np
 
 from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines, refuse, require_end
 
-LARGEST = 256_000_000  # [byte]
+LARGEST = 96_000_000  # [byte]
 ITEMS = {  # letter -> (meaning, lowest, highest)
     "T": ("two-colour temperature", 0.0, 9999.0),
     "W": ("one-colour temperature, wide band", 0.0, 9999.0),

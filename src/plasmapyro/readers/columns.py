@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro.readers import units
 from plasmapyro.readers.text import MISSING, Refusal, fault, number, quote, read_lines, refuse, require_end
 
-LARGEST = 256_000_000  # [byte] of one table
+LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
@@ -255,15 +255,16 @@ def read_matrix(path, delimiter=None, decimal=None):
             "restore or remove the line",
             ragged[0],
         )
-    listing = {"header": header[1:]} | {line: row for line, row in cells.items()}
+    listing = {rows[0][0]: header[1:], **cells}
     decimal = decimal or _decimal(path, mark, listing, [rows[0][0]])
     numbers = {}
-    for line, row in [(rows[0][0], header[1:]), *cells.items()]:
+    for line, row in listing.items():
         values = [number(word, decimal) for word in row]
         if None in values:
             refuse(path, f"{quote(row[values.index(None)])} is not a number", "correct it", line)
-        numbers[line] = values
-    wavelength = np.array(numbers.pop(rows[0][0]))
+        numbers[line] = np.array(values)
+        row.clear()
+    wavelength = numbers.pop(rows[0][0])
     if np.isnan(wavelength).any():
         refuse(path, "a wavelength is missing in the header", "every column needs one", rows[0][0])
     table = np.array(list(numbers.values()))

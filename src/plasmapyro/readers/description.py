@@ -8,6 +8,7 @@ import yaml
 from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
 
 LARGEST = 64_000  # [byte] a description is a page of text
+LONGEST_NAME = 200
 DEEPEST = 12  # nested levels
 
 
@@ -78,6 +79,13 @@ def load(path):
     return values
 
 
+def _inside(name):
+    """Whether a name is short, printable, relative, and does not lead out of its folder."""
+    path = PurePath(name)
+    plain = 0 < len(name) <= LONGEST_NAME and name.isprintable()
+    return plain and not path.is_absolute() and ".." not in path.parts
+
+
 class Section:
     """One level of the description; every fault goes to a common list, and a good value comes out."""
 
@@ -131,9 +139,7 @@ class Section:
     def file(self, key, default=None, needed=False):
         """Name of a file in the folder: relative, and not leading out of it."""
         value = self.text(key, default, needed=needed)
-        if value is not None and (
-            PurePath(value).is_absolute() or ".." in PurePath(value).parts or not value
-        ):
+        if value is not None and not _inside(value):
             self.blame(
                 key, f"must name a file inside the test folder; got {quote(value)}", "move the file there"
             )

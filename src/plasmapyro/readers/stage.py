@@ -74,7 +74,12 @@ def sources(folder):
 
 
 def _read(folder):
-    folder = Path(folder)
+    # Absurd scales overflow to infinity, which the rules for a test then name.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _read_folder(Path(folder))
+
+
+def _read_folder(folder):
     try:
         if folder.is_file():
             return _sound(_stored(folder), folder)
@@ -92,10 +97,12 @@ def _read(folder):
         return _raw(folder, described)
     except contracts.ContractError as reason:
         return None, reason.messages if isinstance(reason, Refusal) else [str(reason)]
+    except OSError as reason:
+        return None, [fault(folder, f"cannot be read ({reason})", "check names and access rights")]
 
 
 def _stored(path):
-    return io.read(regular_file(path, LARGEST), "test")
+    return io.read(regular_file(path, LARGEST), "test", largest=LARGEST)
 
 
 def _sound(dataset, path):

@@ -11,6 +11,7 @@ NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3}
 MISSING = {"", "nan", "na", "n/a", "-", "--", "null", "none"}
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
+LONGEST_LINE = 5_000_000  # characters; a header of 50 000 wavelengths has a tenth of that
 SHOWN = 60  # characters of a cell that a message quotes
 
 
@@ -104,6 +105,9 @@ def read_lines(path, limit):
         refuse(path, "holds binary data, not text", "export the data as text")
     words = re.sub(r"\n\r(?!\n)|\r+\n|\r", "\n", words)  # OceanView ends its header lines with LF CR
     lines = words.split("\n")
+    longest = max(map(len, lines))
+    if longest > LONGEST_LINE:
+        refuse(path, f"holds a line of {longest} characters", "export it with one sample per line")
     ended = lines[-1] == ""
     return (lines[:-1] if ended else lines), ended
 
