@@ -4,7 +4,7 @@ import numpy as np
 
 from plasmapyro.checks import within
 
-LOWEST, HIGHEST = 170e-9, 2e-6  # [m] of the dispersion formula (230 nm to 1.69 um), with margins
+LOWEST, HIGHEST = 170e-9, 2.6e-6  # [m] of the dispersion formula (230 nm to 1.69 um), with margins
 ITERATIONS = 3  # each gains four digits
 
 
@@ -16,7 +16,7 @@ def air_index(wavelength):
     Parameters
     ----------
     wavelength : array_like [m]
-        In vacuum, 170 nm to 2 um; :math:`\sigma` is its inverse in um-1.
+        In vacuum, 170 nm to 2.6 um; :math:`\sigma` is its inverse in um-1.
 
     Returns
     -------
@@ -29,9 +29,10 @@ def air_index(wavelength):
 
     Notes
     -----
-    Source: P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1. Valid 230 nm to 1.69 um; extrapolated
-    to 170 nm, where spectrometers have pixels and no signal, it may be off by 1e-5 (0.002 nm). ASSUME: a laboratory differs from standard air by less than 5 % in density, which
-    moves a wavelength by less than 0.02 nm.
+    Source: P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1. Valid 230 nm to 1.69 um. Beyond, where
+    spectrometers have pixels and little signal, it is extrapolated: at 170 nm it may be off by 1e-5
+    (0.002 nm). ASSUME: a laboratory differs from standard air by less than 5 % in density, which moves a
+    wavelength by less than 0.02 nm.
     """
     squared = (1e-6 / within("wavelength", wavelength, LOWEST, HIGHEST, "m")) ** 2
     return 1 + 0.05792105 / (238.0185 - squared) + 0.00167917 / (57.362 - squared)

@@ -81,6 +81,10 @@ def test_linearity_dark_and_exposures_are_undone():
     np.testing.assert_allclose(found.calibration_factor.values[lit], 1 / GAIN[lit], rtol=DARK_RTOL)
     assert np.isnan(found.calibration_factor.values[~lit]).all()
     assert found.source_temperature == pytest.approx(2800, abs=1)
+    hotter = 2800 + float(found.source_temperature_uncertainty)
+    middle = WAVELENGTH[lit][lit.sum() // 2]
+    change = blackbody_radiance(middle, hotter) / blackbody_radiance(middle, 2800.0)
+    assert change == pytest.approx(1.01, abs=2e-4)  # the 1 % of the certificate
 
 
 def test_a_dark_current_that_drifts_is_measured_from_its_pattern():
