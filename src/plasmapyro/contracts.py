@@ -145,7 +145,16 @@ VARIABLES = {
     "calibration_factor_uncertainty": Variable(
         "1", "relative standard uncertainty of the factor from counting noise", 0, 1e6, nan_allowed=True
     ),
-    "pixel_status": Variable("1", "0 usable, 1 no signal, 2 saturated, 3 missing", 0, 3),
+    "calibration_factor_common": Variable(
+        "1", "relative standard uncertainty of the factor that all pixels share", 0, 1e6, nan_allowed=True
+    ),
+    "exposure_counts": Variable("count", "raw signal of each exposure of the source", nan_allowed=True),
+    "exposure_dark": Variable("count", "raw signal of the dark of each exposure", nan_allowed=True),
+    "exposure_time": Variable("s", "integration time of each exposure", 0, 1e5),
+    "dark_scale": Variable("1", "dark current in the exposure over that in its dark", 0, 100),
+    "source_radiance": Variable(RADIANCE, "spectral radiance of the source, certified", nan_allowed=True),
+    "source_radiance_uncertainty": Variable("1", "its relative standard uncertainty", 0, 1),
+    "pixel_status": Variable("1", "0 usable, 1 no signal, 2 saturated, 3 missing, 4 hot, 5 masked", 0, 5),
     # test folder
     "counts": Variable("count", "raw signal of the spectrometer", nan_allowed=True),
     "background_counts": Variable("count", "raw signal in the dark", nan_allowed=True),
@@ -433,7 +442,17 @@ DATASETS = {
         "calibration_counts": ("wavelength",),
         "calibration_background": ("wavelength",),
     },
+    "spectrometer_exposures": {
+        "wavelength": ("wavelength",),
+        "exposure_counts": ("exposure", "wavelength"),
+        "exposure_dark": ("exposure", "wavelength"),
+        "exposure_time": ("exposure",),
+        "source_radiance": ("wavelength",),
+        "source_radiance_uncertainty": ("wavelength",),
+    },
     "spectrometer_calibration": {
+        "calibration_factor_common?": ("wavelength",),
+        "dark_scale?": ("exposure",),
         **{
             name: ("wavelength",)
             for name in (

@@ -15,8 +15,15 @@ from plasmapyro.tables import ORIGINS, weakest
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
-def read(path, contract):
+def read(path, contract, *, largest=None):
     """Load a stage file and check it against its contract.
+
+    Parameters
+    ----------
+    path : path of the netCDF file
+    contract : name in `contracts.DATASETS`
+    largest : int [byte], or None
+        Refuse a file whose variables, unpacked, are larger; for files of unknown origin.
 
     Raises
     ------
@@ -24,10 +31,13 @@ def read(path, contract):
         If the file cannot be read as netCDF or breaches the contract; the message names the file.
     """
     try:
-        dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False)
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as stored:
+            if largest is not None and stored.nbytes > largest:
+                raise ValueError(f"holds {stored.nbytes / 1e6:.0f} MB, the limit is {largest / 1e6:.0f} MB")
+            dataset = stored.load()
     except FileNotFoundError:
         raise contracts.ContractError(f"{path}: no such file") from None
-    except (OSError, ValueError, RuntimeError) as fault:
+    except (OSError, ValueError, RuntimeError, TypeError, LookupError, AttributeError) as fault:
         raise contracts.ContractError(f"{path}: not a readable netCDF file ({fault})") from fault
     try:
         return contracts.check(dataset, contract)

@@ -66,6 +66,31 @@ def test_a_test_may_hold_one_instrument_and_ready_radiances(project):
     assert jobs["pyrometer_correction"] == jobs["figures_pyrometer"] == jobs["figures_both"] == 1
 
 
+def test_a_folder_of_raw_files_is_read_first(project):
+    (project / "config/tests/mine.yaml").write_text(
+        "data_folder: mydata\ninstruments: [pyrometer]\ncalibrated_spectra: true\n"
+    )
+    (project / "mydata").mkdir()
+    facts = ("injection_time: 0", "plasma_off_time: 9", "reference_window: [0, 3]", "emittance: 0.8")
+    facts += (
+        "emittance_uncertainty: 0.1",
+        "window_transmittance_pyrometer: 1",
+        "pyrometer_integration_time: 0.01",
+    )
+    (project / "mydata/test.yaml").write_text(
+        "attributes: {origin: measured, " + ", ".join(facts) + "}\npyrometer:\n  columns:\n"
+        "    time: {name: t, unit: s}\n    signal_wide: {name: a, unit: nA}\n"
+        "    signal_narrow: {name: b, unit: nA}\n"
+    )
+    (project / "mydata/pyrometer.csv").write_text("t,a,b\n" + "".join(f"{i},{i},{i}\n" for i in range(9)))
+    run = snakemake(project, "results/experiment/mine/test.nc")
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert (project / "results/experiment/mine/test.nc").exists()
+    assert planned(snakemake(project, "--dry-run"))["pyrometer_correction"] == 2
+    again = snakemake(project, "--dry-run", "results/experiment/mine/test.nc")
+    assert "Nothing to be done" in again.stdout + again.stderr
+
+
 def test_minimal_takes_two_conditions(project):
     assert planned(snakemake(project, "--dry-run", "--configfile", "config/minimal.yaml"))["flow"] == 2
 

@@ -1,5 +1,26 @@
+from pathlib import Path
+
+from plasmapyro.readers.stage import sources
+
+
 def test_file(wildcards):
-    return f"{TESTS[wildcards.test]['data_folder']}/test.nc"
+    folder = Path(TESTS[wildcards.test]["data_folder"])
+    raw = (folder / "test.yaml").exists()
+    return f"results/experiment/{wildcards.test}/test.nc" if raw else f"{folder}/test.nc"
+
+
+# Only for a folder of raw files, which test.yaml describes.
+rule read_test:
+    input:
+        lambda wildcards: sources(TESTS[wildcards.test]["data_folder"]),
+    output:
+        "results/experiment/{test}/test.nc",
+    log:
+        "results/logs/read_test_{test}.log",
+    params:
+        folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
+    script:
+        "../scripts/read_test.py"
 
 
 def spectrometer_calibration_of(wildcards):

@@ -5,7 +5,8 @@ import numpy as np
 from plasmapyro.checks import positive
 from plasmapyro.radiation.planck import blackbody_radiance
 
-USABLE, NO_SIGNAL, SATURATED, MISSING = 0, 1, 2, 3  # pixel status
+USABLE, NO_SIGNAL, SATURATED, MISSING, HOT, MASKED = range(6)  # pixel status
+STATUS_WORDS = "usable no_signal saturated missing hot masked"
 
 
 def pixel_status(counts, background, saturation, least_net):

@@ -5,9 +5,11 @@ import xarray as xr
 
 from plasmapyro import tables
 from plasmapyro.checks import increasing, positive
-from plasmapyro.instrument import calibration, spectrometer
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.instrument import calibration, raw_counts, spectrometer
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.response import sandwich_response, silicon_absorption
+from plasmapyro.instrument.shape import planck_shape
 
 BANDS = ("wide", "narrow")
 SLOPE_STEP = 1e-4  # relative half step of central differences: error 1e-8 of the slope
@@ -294,12 +296,131 @@ def spectrometer_calibration(
                 "wavelength",
                 status,
                 {
-                    "flag_values": np.arange(4, dtype="int8"),
-                    "flag_meanings": "usable no_signal saturated missing",
+                    "flag_values": np.arange(6, dtype="int8"),
+                    "flag_meanings": spectrometer.STATUS_WORDS,
                 },
             ),
             "source_temperature": temperature,
             "source_temperature_uncertainty": float(source_temperature_uncertainty),
+        },
+        {"wavelength": wavelength},
+    )
+
+
+def exposure_calibration(
+    exposures,
+    *,
+    linearity_coefficients,
+    linearity_uncertainty,
+    masked_pixels,
+    dim_range,
+    saturation_counts,
+    hot_threshold,
+    least_net_counts,
+    transmittance,
+    noise_block,
+):
+    r"""Calibration factor of a spectrometer from raw exposures of a certified source.
+
+    .. math:: f_\lambda = \tau_\lambda L^{source}_\lambda / \bar r_\lambda
+
+    with the mean linear rate of the exposures, each pixel from those in which it is usable.
+
+    Parameters
+    ----------
+    exposures : Dataset, contract 'spectrometer_exposures'
+    linearity_coefficients : (K,) floats [count^-k]
+        See `raw_counts.linear_signal`; (1,) for a linear detector.
+    linearity_uncertainty : float [1]
+        Relative standard uncertainty left after that.
+    masked_pixels : indices
+        Pixels that no light reaches and that settle after the bright ones; negative from the end.
+    dim_range : (2,) floats [m], or None
+        Wavelengths at which the source is dark enough to see the pattern of the dark current; None takes
+        each dark as it is.
+    saturation_counts : float [count]
+        Raw counts from here on are saturated.
+    hot_threshold : float [1]
+        Standard deviations by which a hot pixel exceeds its neighbours in the dark.
+    least_net_counts : float [count]
+        Net counts up to here are no signal.
+    transmittance : float or (W,) array [1]
+        Of what stood before the source and will not stand before the test: neutral-density filter, window.
+    noise_block : int
+        Pixels per noise estimate.
+
+    Returns
+    -------
+    Dataset, contract 'spectrometer_calibration'
+        `calibration_factor_uncertainty` is independent from pixel to pixel, `calibration_factor_common`
+        (source, linearity, dark) is not. `source_temperature` is that of the source's shape.
+
+    Raises
+    ------
+    ValueError
+        No usable pixel, or a dark without pattern.
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 9. Deviation: the paper subtracts one background and takes counts as
+    linear; the dark's scale, linearity and several exposures are ours.
+    """
+    wavelength = increasing("wavelength", exposures.wavelength.values, "m")
+    counts, dark = exposures.exposure_counts.values, exposures.exposure_dark.values
+    times = positive("exposure_time", exposures.exposure_time.values, "s")
+    dim = None if dim_range is None else (wavelength >= dim_range[0]) & (wavelength <= dim_range[1])
+    parts = [
+        raw_counts.net_rate(
+            light,
+            black,
+            integration_time=time,
+            coefficients=linearity_coefficients,
+            masked=masked_pixels,
+            dim=dim,
+            noise_block=noise_block,
+        )
+        for light, black, time in zip(counts, dark, times, strict=True)
+    ]
+    rates, noises, commons, scales = (np.array(part) for part in zip(*parts, strict=True))
+    status = spectrometer.pixel_status(counts, dark, saturation_counts, -np.inf)
+    weak = (status == spectrometer.USABLE) & ~(rates * times[:, None] > least_net_counts)
+    status[weak] = spectrometer.NO_SIGNAL
+    hot = np.stack([raw_counts.hot_pixels(black, hot_threshold) for black in dark])
+    status[hot & (status == spectrometer.USABLE)] = spectrometer.HOT
+    status[:, np.asarray(masked_pixels, dtype=int)] = spectrometer.MASKED
+    source = np.asarray(exposures.source_radiance.values, dtype=float)
+    status[:, ~np.isfinite(source)] = spectrometer.MISSING
+    usable = status == spectrometer.USABLE
+    rate, noise = raw_counts.combined(rates, noises, usable)
+    pixel = np.where(usable.any(axis=0), spectrometer.USABLE, status[0]).astype("int8")
+    if not usable.any():
+        words = spectrometer.STATUS_WORDS.split()
+        counted = ", ".join(
+            f"{np.sum(pixel == i)} {word}" for i, word in enumerate(words) if np.any(pixel == i)
+        )
+        raise ValueError(f"no usable pixel in the spectrometer calibration: {counted}")
+    drift = np.min(np.where(usable, commons, np.inf), axis=0)
+    source_uncertainty = exposures.source_radiance_uncertainty.values
+    common = np.sqrt(source_uncertainty**2 + linearity_uncertainty**2 + (drift / rate) ** 2)
+    lit = pixel == spectrometer.USABLE
+    seen = planck_shape(wavelength, np.where(lit, source, np.nan), (wavelength[0], wavelength[-1]))
+    middle = np.flatnonzero(lit)[lit.sum() // 2]
+    return xr.Dataset(
+        {
+            "calibration_factor": ("wavelength", source * transmittance / rate),
+            "calibration_factor_uncertainty": ("wavelength", noise / rate),
+            "calibration_factor_common": ("wavelength", np.where(lit, common, np.nan)),
+            "pixel_status": (
+                "wavelength",
+                pixel,
+                {"flag_values": np.arange(6, dtype="int8"), "flag_meanings": spectrometer.STATUS_WORDS},
+            ),
+            "dark_scale": ("exposure", scales),
+            "source_temperature": seen.temperature,
+            # dL/L = (c2 / lambda T) dT/T in Wien's limit
+            "source_temperature_uncertainty": float(
+                source_uncertainty[middle] * wavelength[middle] * seen.temperature**2 / SECOND_RADIATION
+            ),
         },
         {"wavelength": wavelength},
     )

@@ -1,0 +1,1 @@
+"""Files of a laboratory in, datasets of the contract 'test' out."""

@@ -1,0 +1,160 @@
+"""The file test.yaml: what the raw files of a test folder mean."""
+
+from difflib import get_close_matches
+from pathlib import PurePath
+
+import yaml
+
+from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
+
+LARGEST = 64_000  # [byte] a description is a page of text
+LONGEST_NAME = 200
+DEEPEST = 12  # nested levels
+
+
+class _Loader(yaml.BaseLoader):
+    """Words, lists and mappings only; no aliases, no repeated keys, bounded depth.
+
+    BaseLoader builds nothing but str, list and dict, and so leaves '10:00:00' the words they are, which
+    YAML 1.1 would turn into the number 36000.
+    """
+
+    depth = 0
+
+    def compose_node(self, parent, index):
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.MarkedYAMLError(
+                problem="aliases are not allowed", problem_mark=self.peek_event().start_mark
+            )
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise yaml.MarkedYAMLError(problem="nested too deeply", problem_mark=self.peek_event().start_mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def construct_mapping(self, node, deep=False):
+        seen = set()
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise yaml.MarkedYAMLError(problem="a key must be a word", problem_mark=key.start_mark)
+            if key.value in seen:
+                raise yaml.MarkedYAMLError(
+                    problem=f"key {key.value!r} stands twice", problem_mark=key.start_mark
+                )
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def load(path):
+    """Read test.yaml; return its mapping of words (every scalar is a str).
+
+    Raises
+    ------
+    Refusal
+        Not text, not YAML, not a mapping; the message names the line.
+    """
+    lines, _ = read_lines(path, LARGEST)
+    try:
+        values = yaml.load("\n".join(lines), Loader=_Loader)  # noqa: S506  a BaseLoader: words only
+    except yaml.MarkedYAMLError as reason:
+        line = reason.problem_mark.line + 1 if reason.problem_mark else None
+        raise Refusal(
+            [
+                fault(
+                    path,
+                    f"not readable as YAML ({reason.problem})",
+                    "compare with docs/your-own-data.md",
+                    line,
+                )
+            ]
+        ) from None
+    except (yaml.YAMLError, ValueError) as reason:
+        first = str(reason).splitlines()[0] if str(reason) else "unknown reason"
+        raise Refusal(
+            [fault(path, f"not readable as YAML ({first})", "compare with docs/your-own-data.md")]
+        ) from None
+    if not isinstance(values, dict):
+        raise Refusal([fault(path, "must hold keys and values", "compare with docs/your-own-data.md")])
+    return values
+
+
+def _inside(name):
+    """Whether a name is short, printable, relative, and does not lead out of its folder."""
+    path = PurePath(name)
+    plain = 0 < len(name) <= LONGEST_NAME and name.isprintable()
+    return plain and not path.is_absolute() and ".." not in path.parts
+
+
+class Section:
+    """One level of the description; every fault goes to a common list, and a good value comes out."""
+
+    def __init__(self, values, path, where, faults):
+        self.path, self.where, self.faults = path, where, faults
+        self.values = values if isinstance(values, dict) else {}
+        self.used = set()
+        if not isinstance(values, dict):
+            self.blame("", f"must hold keys and values; got {quote(values)}", "indent its keys below it")
+
+    def __contains__(self, key):
+        return key in self.values
+
+    def blame(self, key, what, remedy):
+        """Note a fault of a key."""
+        name = ".".join(part for part in (self.where, key) if part)
+        self.faults.append(fault(self.path, f"{name} {what}", remedy))
+
+    def raw(self, key, needed=False):
+        """The value as it stands, or None."""
+        self.used.add(key)
+        if needed and key not in self.values:
+            self.blame(key, "is missing", "add it")
+        return self.values.get(key)
+
+    def text(self, key, default=None, choices=None, needed=False):
+        """A word; one of `choices` if given."""
+        value = self.raw(key, needed)
+        if value is None:
+            return default
+        if not isinstance(value, str) or (choices and value not in choices):
+            rule = (
+                f"must be one of {', '.join(map(repr, choices))}" if choices else "must be one word or phrase"
+            )
+            self.blame(key, f"{rule}; got {quote(value)}", "correct it")
+            return default
+        return value
+
+    def number(self, key, default=None, above=None, needed=False):
+        """A finite number, larger than `above` if given."""
+        value = self.raw(key, needed)
+        if value is None:
+            return default
+        found = number(value) if isinstance(value, str) else None
+        if found is None or found != found or (above is not None and not found > above):
+            rule = "must be a number" if above is None else f"must be a number > {above:g}"
+            self.blame(key, f"{rule}; got {quote(value)}", "correct it")
+            return default
+        return found
+
+    def file(self, key, default=None, needed=False):
+        """Name of a file in the folder: relative, and not leading out of it."""
+        value = self.text(key, default, needed=needed)
+        if value is not None and not _inside(value):
+            self.blame(
+                key, f"must name a file inside the test folder; got {quote(value)}", "move the file there"
+            )
+            return None
+        return value
+
+    def section(self, key):
+        """The section below `key`."""
+        where = ".".join(part for part in (self.where, key) if part)
+        return Section(self.raw(key), self.path, where, self.faults)
+
+    def close(self):
+        """Note every key that nothing has asked for."""
+        for key in self.values:
+            if key not in self.used:
+                near = get_close_matches(str(key), self.used, n=1, cutoff=0.5)
+                hint = f"did you mean '{near[0]}'?" if near else f"valid here: {', '.join(sorted(self.used))}"
+                self.blame(str(key)[:60], "is not a known key", hint)

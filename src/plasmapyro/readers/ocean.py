@@ -1,0 +1,221 @@
+"""Spectra as Ocean Optics / Ocean Insight programs write them: SpectraSuite, OceanView, Jaz."""
+
+import re
+import unicodedata
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from plasmapyro.readers.text import number, quote, read_lines, refuse
+
+LARGEST = 8_000_000  # [byte] of one spectrum
+MOST_PIXELS = 65536
+FENCE = ">>>>>"
+HEADER_LINES = 100
+LEAST_CLIPPED = 5  # neighbours at exactly the highest value: no light does that, a converter does
+LEAST_CLIPPED_COUNTS = 4096.0  # below this a plateau can be rounding of a dark spectrum
+PER_SECOND = {"usec": 1e6, "\u03bcsec": 1e6, "us": 1e6, "msec": 1e3, "ms": 1e3, "sec": 1.0, "s": 1.0}
+MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+DATE = re.compile(
+    r"\b([A-Za-z]{3}) (\d{1,2}) (\d{1,2}):(\d{2}):(\d{2})(?: ([A-Za-z0-9+:-]{1,9}))? (\d{4})\b", re.ASCII
+)
+UNIT = re.compile(r"\(([^()\d]{1,6})\)")
+BODY = set("0123456789+-.,eE\t ")
+
+
+class Spectrum(NamedTuple):
+    """One file: wavelengths as the instrument gives them [m], columns of counts, and its settings.
+
+    Settings that the header does not state are None.
+    """
+
+    wavelength: np.ndarray
+    columns: dict
+    date: datetime | None
+    time_zone: str | None
+    integration_time: float | None
+    averages: int | None
+    instrument: str | None
+    dark_corrected: bool | None
+    linearised: bool | None
+
+
+def read_spectrum(path):
+    """Read one spectrum file.
+
+    The header is free text in the language of the program; only words common to the known languages are
+    looked for. The data stand between two lines that begin with '>>>>>' (OceanView: from the first to the
+    end of the file), in columns that a line of letters may name (Jaz: W D R S P).
+
+    Raises
+    ------
+    Refusal
+        Not such a file, or incomplete: fewer rows than the header promises, no end, a cell that is no number,
+        wavelengths that do not rise.
+    """
+    lines, ended = read_lines(path, LARGEST)
+    begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
+    if begin is None:
+        refuse(
+            path,
+            "no line '>>>>>Begin ... Data<<<<<': not a SpectraSuite, OceanView or Jaz file",
+            "export it from the program again, or move it out of the folder",
+        )
+    end = next((i for i in range(begin + 1, len(lines)) if lines[i].startswith(FENCE)), len(lines))
+    if end == len(lines) and not ended:
+        refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+    header = [_plain(line) for line in lines[:begin]]
+    wavelength, columns = _body(path, lines, begin + 1, end)
+    promised = _integer(header, "pixel")
+    if promised is not None and promised > wavelength.size:  # a spliced spectrum holds more
+        refuse(
+            path,
+            f"holds {wavelength.size} pixels, its header promises {promised}",
+            "copy the file again from the instrument",
+            end,
+        )
+    date, zone = _date(header)
+    return Spectrum(
+        wavelength,
+        columns,
+        date,
+        zone,
+        _integration_time(path, header),
+        _integer(header, "averag", "scans to", "promedi", "mittel", "moyenn"),
+        _after(header, "spectrom", "espectrom", "spektrom"),
+        _yes(header, "lectri", but="linear"),
+        _yes(header, "linear"),
+    )
+
+
+def clipped(counts):
+    """Which samples of raw spectra are cut off by the converter.
+
+    Parameters
+    ----------
+    counts : (..., W) array [count]
+
+    Returns
+    -------
+    (..., W) bool ndarray
+        True for samples at the highest value of their spectrum, if at least `LEAST_CLIPPED` neighbours share
+        it exactly and it exceeds `LEAST_CLIPPED_COUNTS`.
+    """
+    counts = np.asarray(counts, dtype=float)
+    top = np.max(counts, axis=-1, keepdims=True, initial=-np.inf, where=np.isfinite(counts))
+    at_top = (counts == top) & (top > LEAST_CLIPPED_COUNTS)
+    if counts.shape[-1] < LEAST_CLIPPED:
+        return np.zeros(counts.shape, dtype=bool)
+    runs = np.lib.stride_tricks.sliding_window_view(at_top, LEAST_CLIPPED, axis=-1).all(axis=-1)
+    return at_top & runs.any(axis=-1, keepdims=True)
+
+
+def _plain(line):
+    """A header line without accents (a letter lost to a wrong encoding is dropped)."""
+    return "".join(c for c in unicodedata.normalize("NFKD", line) if c.isascii() or c == "\u03bc").strip()
+
+
+def _body(path, lines, begin, end):
+    names = None
+    if begin < end and re.fullmatch(r"[A-Za-z]+(\s+[A-Za-z]+)+\s*", lines[begin]):
+        names, begin = lines[begin].split(), begin + 1
+        if len(set(names)) != len(names):
+            refuse(path, f"repeated column names {quote(' '.join(names))}", "export it again", begin)
+    rows = [(i, line.split()) for i, line in enumerate(lines[begin:end], begin + 1) if line.strip()]
+    if len(rows) < 2 or len(rows) > MOST_PIXELS:
+        refuse(path, f"holds {len(rows)} pixels", f"a spectrum has 2 to {MOST_PIXELS}", end)
+    width = len(names) if names else len(rows[0][1])
+    if width < 2:
+        refuse(path, "a row needs a wavelength and a value", "export it again", rows[0][0])
+    for line, row in rows:
+        if len(row) != width:
+            refuse(path, f"{len(row)} values where {width} are expected", "copy the file again", line)
+    signs = set("".join(lines[begin:end]))
+    if "," in signs and "." in signs:
+        refuse(path, "decimal commas and decimal points are mixed", "export with one of them", rows[0][0])
+    decimal = "," if "," in signs else "."
+    table = _fast(rows, decimal) if signs <= BODY else None
+    if table is None:
+        table = np.array([_slow(path, line, row, decimal) for line, row in rows])
+    rising = np.diff(table[:, 0]) > 0
+    if not rising.all():
+        where = int(np.argmin(rising)) + 1
+        refuse(path, "the wavelengths do not rise", "copy the file again", rows[where][0])
+    names = names or ["W", *(f"column {i}" for i in range(2, width + 1))]
+    return table[:, 0] * 1e-9, dict(zip(names[1:], table[:, 1:].T, strict=True))
+
+
+def _fast(rows, decimal):
+    """All cells at once; None if one of them needs the strict reader."""
+    try:
+        flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
+    except ValueError:
+        return None
+    table = np.array(flat).reshape(len(rows), -1)
+    return table if np.isfinite(table).all() else None
+
+
+def _slow(path, line, row, decimal):
+    values = [number(cell, decimal) for cell in row]
+    if None in values or values[0] != values[0]:
+        bad = row[values.index(None)] if None in values else row[0]
+        refuse(path, f"{quote(bad)} is not a number", "copy the file again, or correct the line", line)
+    return values
+
+
+def _after(header, *words):
+    """What follows the colon of the first header line that holds one of the words before it."""
+    for line in header:
+        key, colon, rest = line.partition(":")
+        if colon and any(word in key.lower() for word in words):
+            return rest.strip()
+    return None
+
+
+def _integer(header, *words):
+    for line in header:
+        key, colon, rest = line.partition(":")
+        match = re.match(r"\s*(\d{1,9})(?![\d.,])", rest, re.ASCII)
+        if colon and match and any(word in key.lower() for word in words):
+            return int(match.group(1))
+    return None
+
+
+def _yes(header, word, but=None):
+    for line in header:
+        key, colon, rest = line.partition(":")
+        if colon and word in key.lower() and not (but and but in key.lower()):
+            first = rest.strip()[:1].lower()
+            if first in {"y", "t", "s", "j", "o"}:
+                return True
+            if first in {"n", "f"}:
+                return False
+    return None
+
+
+def _integration_time(path, header):
+    for index, line in enumerate(header, 1):
+        key, colon, rest = line.partition(":")
+        unit = UNIT.search(key.lower())
+        if not colon or "integra" not in key.lower() or unit is None or unit.group(1) not in PER_SECOND:
+            continue
+        word = rest.split()[0] if rest.split() else ""
+        value = number(word, "," if "," in word else ".")
+        if value is None or not value > 0:
+            refuse(path, f"integration time {quote(rest)} is not a number > 0", "correct the header", index)
+        return value / PER_SECOND[unit.group(1)]
+    return None
+
+
+def _date(header):
+    for line in header:
+        match = DATE.search(line)
+        if match and match.group(1).lower() in MONTHS:
+            _, day, hour, minute, second, zone, year = match.groups()
+            try:
+                month = MONTHS.index(match.group(1).lower()) + 1
+                return datetime(int(year), month, int(day), int(hour), int(minute), int(second)), zone
+            except ValueError:
+                return None, None
+    return None, None

@@ -1,0 +1,378 @@
+"""The parts of a test folder, each from its section of test.yaml."""
+
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from plasmapyro.experiment.inputs import NUMBERS
+from plasmapyro.readers import burst, columns, ocean, tdms, units
+from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
+
+SIGNALS = ("signal_wide", "signal_narrow")
+TUNNEL = ("electric_power", "chamber_pressure", "mass_flow_rate")
+WORDS = ("title", "condition", "origin")
+MOST_SPECTRA = 20_000
+MOST_SAMPLES = 50_000_000  # of all spectra together: 400 MB
+SHIFT = 1e-12  # [m] spectra of one instrument agree in wavelength to their printed digits
+SPECTRUM_SUFFIXES = {".txt", ".jaz", ".tsv", ".dat"}
+REPORTED = 10
+
+
+def attributes(section):
+    """Attributes of the contract 'test': numbers in SI, the reference window, words."""
+    found = {}
+    for name in NUMBERS:
+        value = section.number(name)
+        if value is not None:
+            found[name] = value
+    for name in WORDS:
+        value = section.text(name)
+        if value is not None:
+            found[name] = value
+    window = section.raw("reference_window")
+    if window is not None:
+        values = [number(word) for word in window] if _words(window) else []
+        if len(values) != 2 or any(value is None or value != value for value in values):
+            section.blame("reference_window", f"must be [begin, end] in s; got {quote(window)}", "correct it")
+        else:
+            found["reference_window"] = values
+    section.close()
+    return found
+
+
+def table(folder, section, names, default):
+    """Columns of a CSV or TDMS file, SI, with 'time'; None if the description has faults."""
+    before = len(section.faults)
+    name = section.file("file", default)
+    kind = section.text("format", choices=("csv", "tdms"))
+    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
+    decimal = section.text("decimal", choices=(".", ","))
+    shift = section.number("zero", 0.0)
+    wanted = columns.wanted(section, ("time", *names))
+    section.close()
+    if len(section.faults) > before or name is None:
+        return None
+    path = Path(folder) / name
+    if kind == "tdms" or (kind is None and path.suffix.lower() == ".tdms"):
+        found = tdms.read_tdms(path, wanted)
+    else:
+        if "time" not in wanted:
+            section.blame("columns.time", "is missing", "name the column that holds the time")
+            return None
+        found = columns.read_table(path, wanted, delimiter, decimal)
+    found["time"] = _rising(path, found["time"]) - shift
+    return found
+
+
+def pyrometer(folder, section):
+    """Variables on `time`: both signals and, if the same file holds them, tunnel channels."""
+    if section.text("format", choices=("csv", "tdms", "marathon")) == "marathon":
+        return _marathon(folder, section)
+    return table(folder, section, (*SIGNALS, *TUNNEL), "pyrometer.csv")
+
+
+def spectrometer(folder, section):
+    """Variables on `spectrum_time` and `wavelength`, attributes, and notes; None after faults."""
+    before = len(section.faults)
+    place = section.file("folder", None if "file" in section else "spectrometer")
+    name = section.file("file")
+    quantity = section.text("quantity", needed=True, choices=("counts", "spectral_radiance"))
+    medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
+    limit = section.number("saturation_counts", above=0)
+    settings = {"quantity": quantity, "medium": medium, "saturation": limit}
+    if name is not None:
+        settings |= {
+            "unit": section.text("unit", needed=True),
+            "wavelength_unit": section.text("wavelength_unit", "nm"),
+            "time_unit": section.text("time_unit", "s"),
+            "delimiter": section.text("delimiter", choices=tuple(columns.DELIMITERS)),
+            "decimal": section.text("decimal", choices=(".", ",")),
+            "zero": section.number("zero", 0.0),
+            "background": section.file("background"),
+        }
+        _check_units(section, settings)
+    else:
+        settings |= {
+            "unit": section.text(
+                "unit", "count" if quantity == "counts" else None, needed=quantity != "counts"
+            ),
+            "wavelength_unit": "nm",
+            "column": section.text("column"),
+            "background": section.file("background"),
+            "time": _time_settings(section),
+        }
+        _check_units(section, settings)
+    section.close()
+    if len(section.faults) > before:
+        return None
+    if name is not None:
+        return _one_table(Path(folder) / name, folder, settings)
+    return _many_files(Path(folder) / place, folder, settings)
+
+
+def tunnel(folder, section, time):
+    """Tunnel channels of a file of their own, joined linearly onto `time`; NaN outside their record."""
+    found = table(folder, section, TUNNEL, "tunnel.csv")
+    if found is None:
+        return {}
+    own = found.pop("time")
+    return {name: np.interp(time, own, values, left=np.nan, right=np.nan) for name, values in found.items()}
+
+
+def _words(values):
+    return isinstance(values, list) and all(isinstance(value, str) for value in values)
+
+
+def _rising(path, time):
+    """`time` if it rises strictly; else Refusal, with the place."""
+    if np.isnan(time).any():
+        refuse(path, f"{int(np.isnan(time).sum())} samples have no time", "remove those lines")
+    steps = np.diff(time)
+    if (steps <= 0).any():
+        first = int(np.argmax(steps <= 0))
+        what = "stands twice" if steps[first] == 0 else "goes back"
+        refuse(
+            path,
+            f"the time {what}: sample {first + 2} is at {time[first + 1]:g} s after {time[first]:g} s",
+            "remove repeated lines, or log the time with more digits",
+        )
+    return time
+
+
+def _marathon(folder, section):
+    before = len(section.faults)
+    name = section.file("file", "pyrometer.log")
+    period = section.number("period", above=0)
+    zero = section.text("zero")
+    scale = section.number("ampere_per_unit", 1.0, above=0)
+    undo = section.raw("undo")
+    if undo is not None and (not _words(undo) or set(undo) - set(burst.UNDO)):
+        section.blame("undo", f"must be a list of {', '.join(burst.UNDO)}; got {quote(undo)}", "correct it")
+    section.close()
+    if len(section.faults) > before:
+        return None
+    path = Path(folder) / name
+    time, items = burst.read_log(path, period, zero)
+    wide, narrow = burst.detector_signals(path, items, undo) * scale
+    return {"time": time, "signal_wide": wide, "signal_narrow": narrow}
+
+
+def _check_units(section, settings):
+    names = {
+        "unit": settings["quantity"],
+        "wavelength_unit": "wavelength",
+        "time_unit": "spectrum_time",
+    }
+    for key, variable in names.items():
+        unit = settings.get(key)
+        if unit is not None and variable is not None and units.factor(unit, variable) is None:
+            section.blame(
+                key, f"{quote(unit)} is not a unit of {variable}", f"write one of {units.known(variable)}"
+            )
+
+
+def _time_settings(section):
+    """How the files of a folder get their times."""
+    time = section.section("time") if "time" in section else None
+    if time is None:
+        section.used.add("time")
+        section.blame(
+            "time", "is missing", "state `from: order` with `first` and `period`, or `from: date` with `zero`"
+        )
+        return None
+    source = time.text("from", choices=("order", "date"), needed=True)
+    found = {"from": source}
+    if source == "order":
+        found |= {
+            "first": time.number("first", needed=True),
+            "period": time.number("period", above=0, needed=True),
+        }
+    elif source == "date":
+        words = time.text("zero", needed=True)
+        try:
+            found["zero"] = datetime.fromisoformat(words) if words else None
+        except ValueError:
+            time.blame("zero", f"must be a date 'yyyy-mm-dd hh:mm:ss'; got {quote(words)}", "correct it")
+        if found.get("zero") is not None and found["zero"].tzinfo is not None:
+            time.blame("zero", "must not name a time zone: the files' own clock is meant", "remove it")
+        found["marks"] = time.text("marks", "end", choices=("begin", "middle", "end"))
+    time.close()
+    return found
+
+
+def _many_files(place, folder, settings):
+    if not place.is_dir():
+        refuse(place, "no such folder", "check `spectrometer.folder` in test.yaml")
+    background = settings["background"]
+    dark_path = Path(folder) / background if background else None
+    paths = sorted(
+        path
+        for path in place.iterdir()
+        if path.suffix.lower() in SPECTRUM_SUFFIXES
+        and not (dark_path and path.resolve() == dark_path.resolve())
+    )
+    if not paths or len(paths) > MOST_SPECTRA:
+        refuse(
+            place,
+            f"holds {len(paths)} spectrum files ({', '.join(sorted(SPECTRUM_SUFFIXES))})",
+            f"1 to {MOST_SPECTRA} can be read",
+        )
+    spectra, faults = _read_all(paths, settings)
+    dark = None
+    if dark_path is not None:
+        try:
+            dark = ocean.read_spectrum(dark_path)
+        except Refusal as reason:
+            faults += reason.messages
+    if faults:
+        more = [f"{place}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
+        raise Refusal(faults[:REPORTED] + more)
+    return _joined(paths, spectra, dark_path, dark, settings)
+
+
+def _read_all(paths, settings):
+    """Every spectrum, and every fault: also where a file differs from the first in what must be common."""
+    spectra, faults, first = [], [], None
+    for path in paths:
+        try:
+            spectrum = ocean.read_spectrum(path)
+            values = _column(path, spectrum, settings)
+            if first is not None:
+                _require_alike(path, spectrum, paths[0], first)
+        except Refusal as reason:
+            faults += reason.messages
+            continue
+        first = first or spectrum
+        if len(paths) * spectrum.wavelength.size > MOST_SAMPLES:
+            refuse(
+                path.parent,
+                f"holds more than {MOST_SAMPLES} samples",
+                "cut it to the test, or bin the pixels",
+            )
+        spectra.append((spectrum._replace(columns=spectrum.columns if first is spectrum else {}), values))
+    return spectra, faults
+
+
+def _column(path, spectrum, settings):
+    name = settings["column"]
+    if name is None:
+        name = next(iter(spectrum.columns)) if len(spectrum.columns) == 1 else None
+    if name is None:
+        name = {"counts": "S", "spectral_radiance": "P"}[settings["quantity"]]  # as a Jaz names them
+    if name not in spectrum.columns:
+        refuse(
+            path,
+            f"no column {quote(name)}",
+            f"state `column` in test.yaml: {', '.join(spectrum.columns)}",
+        )
+    return spectrum.columns[name]
+
+
+def _require_alike(path, spectrum, first_path, first):
+    if spectrum.wavelength.size != first.wavelength.size or not np.allclose(
+        spectrum.wavelength, first.wavelength, rtol=0, atol=SHIFT
+    ):
+        refuse(
+            path, f"other wavelengths than {first_path.name}", "put each instrument in a folder of its own"
+        )
+    for name in ("integration_time", "averages", "dark_corrected", "linearised"):
+        mine, its = getattr(spectrum, name), getattr(first, name)
+        if mine != its:
+            words = name.replace("_", " ")
+            refuse(
+                path,
+                f"{words} {mine}, but {its} in {first_path.name}",
+                "spectra of one test need common settings: split the folder",
+            )
+
+
+def _joined(paths, spectra, dark_path, dark, settings):
+    first = spectra[0][0]
+    values = np.stack([row for _, row in spectra]) * units.factor(settings["unit"], settings["quantity"])
+    result = {
+        "spectrum_time": _spectrum_times(paths, [spectrum for spectrum, _ in spectra], settings["time"]),
+        "wavelength": _vacuum(paths[0], first.wavelength, settings["medium"]),
+    }
+    attrs = {}
+    if first.integration_time is not None:
+        attrs["spectrometer_integration_time"] = first.integration_time
+    if settings["quantity"] == "counts":
+        lost = ocean.clipped(values)
+        if settings["saturation"] is not None:
+            lost |= values >= settings["saturation"]
+        attrs["clipped_samples"] = int(lost.sum())
+        values = np.where(lost, np.nan, values)
+        if dark is not None:
+            _require_alike(dark_path, dark, paths[0], first)
+            result["background_counts"] = _column(dark_path, dark, settings)
+        elif "D" in first.columns and settings["column"] in (None, "S"):
+            result["background_counts"] = first.columns["D"]
+    result[settings["quantity"]] = values
+    return result, attrs
+
+
+def _spectrum_times(paths, spectra, settings):
+    if settings["from"] == "order":
+        return settings["first"] + settings["period"] * np.arange(len(spectra))
+    faults = [
+        fault(path, "its header holds no date", "state the times by `from: order`")
+        for path, spectrum in zip(paths, spectra, strict=True)
+        if spectrum.date is None
+    ]
+    if len({spectrum.time_zone for spectrum in spectra}) > 1:
+        faults.append(
+            fault(paths[0].parent, "files of different time zones", "state the times by `from: order`")
+        )
+    if faults:
+        raise Refusal(faults[:REPORTED])
+    exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
+    middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
+    time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra]) + middle
+    return _rising(paths[0].parent, time)
+
+
+def _vacuum(path, wavelength, medium):
+    if medium == "vacuum":
+        return wavelength
+    if wavelength[0] < LOWEST or wavelength[-1] > HIGHEST / 1.001:
+        refuse(
+            path,
+            f"wavelengths {wavelength[0] * 1e9:g} to {wavelength[-1] * 1e9:g} nm: air is known from"
+            f" {LOWEST * 1e9:g} to {HIGHEST * 1e9:g} nm",
+            "check the unit, or state `wavelengths: vacuum`",
+        )
+    return vacuum_wavelength(wavelength)
+
+
+def _one_table(path, folder, settings):
+    """A table with a row per spectrum: time in the first column, wavelengths in the header of the others."""
+    time, pixels, values = columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+    order = np.argsort(pixels, kind="stable")
+    wavelength = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
+    if not (np.diff(wavelength) > 0).all():
+        refuse(path, "a wavelength stands twice in the header", "remove one of the columns", 1)
+    values = values[:, order] * units.factor(settings["unit"], settings["quantity"])
+    result = {
+        "spectrum_time": _rising(path, time * units.factor(settings["time_unit"], "spectrum_time"))
+        - settings["zero"],
+        "wavelength": _vacuum(path, wavelength, settings["medium"]),
+    }
+    attrs = {}
+    if settings["quantity"] == "counts":
+        lost = ocean.clipped(values)
+        if settings["saturation"] is not None:
+            lost |= values >= settings["saturation"]
+        attrs["clipped_samples"] = int(lost.sum())
+        values = np.where(lost, np.nan, values)
+        if settings["background"]:
+            dark_path = Path(folder) / settings["background"]
+            _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])
+            if dark_pixels.shape != pixels.shape or not np.array_equal(dark_pixels, pixels):
+                refuse(
+                    dark_path, f"other wavelengths than {path.name}", "use a dark of the same instrument", 1
+                )
+            result["background_counts"] = np.mean(dark, axis=0)[order]
+    result[settings["quantity"]] = values
+    return result, attrs

@@ -1,0 +1,87 @@
+"""LabVIEW TDMS files, through npTDMS (optional)."""
+
+import numpy as np
+
+from plasmapyro.readers.columns import to_si
+from plasmapyro.readers.text import quote, refuse, regular_file
+
+LARGEST = 1_000_000_000  # [byte]
+MOST_SAMPLES = 50_000_000  # of one channel
+
+
+def read_tdms(path, columns):
+    """Channels of a TDMS file in SI.
+
+    Parameters
+    ----------
+    path : path
+    columns : mapping of name -> `Column`
+        Column names are 'group/channel'. Without a column for time, the channels must be waveforms: their
+        start offset and increment give it.
+
+    Returns
+    -------
+    dict of name -> (N,) ndarray; 'time' included
+
+    Raises
+    ------
+    Refusal
+        npTDMS is not installed, the file is damaged, a channel is absent, or lengths and times differ.
+    """
+    try:
+        from nptdms import TdmsFile
+    except ImportError:
+        refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
+    path = regular_file(path, LARGEST)
+    # npTDMS trusts what the file says about itself: a damaged one can raise anything.
+    try:
+        with TdmsFile.open(path) as file:
+            channels = {f"{group.name}/{c.name}": c for group in file.groups() for c in group.channels()}
+            absent = [column.header for column in columns.values() if column.header not in channels]
+            if not absent and all(len(channels[c.header]) <= MOST_SAMPLES for c in columns.values()):
+                found = {name: _channel(path, columns[name], channels) for name in columns}
+            else:
+                found = None
+    except (ImportError, MemoryError):
+        raise
+    except Exception as reason:  # noqa: BLE001
+        if type(reason).__module__.startswith("plasmapyro"):
+            raise
+        refuse(path, f"is not a readable TDMS file ({quote(reason)})", "export it again from LabVIEW")
+    if absent:
+        listed = ", ".join(sorted(channels)[:10]) or "none"
+        refuse(path, f"no channel {', '.join(map(quote, absent))}", f"name one of those it holds: {listed}")
+    if found is None:
+        refuse(path, f"a channel holds more than {MOST_SAMPLES} samples", "cut it to the test")
+    return _joined(path, found)
+
+
+def _channel(path, column, channels):
+    channel = channels[column.header]
+    values = np.asarray(channel[:])
+    if values.dtype.kind not in "fiu" or values.ndim != 1 or not values.size:
+        refuse(path, f"channel {quote(column.header)} holds no numbers", "name a channel of numbers")
+    properties = channel.properties
+    values = to_si(path, column, values.astype(float), str(properties.get("unit_string", "")).strip() or None)
+    step = properties.get("wf_increment")
+    track = None
+    if step is not None:
+        track = float(properties.get("wf_start_offset", 0.0)) + float(step) * np.arange(values.size)
+    return values, track
+
+
+def _joined(path, found):
+    sizes = {values.size for values, _ in found.values()}
+    if len(sizes) > 1:
+        refuse(path, "the channels differ in length", "export channels of one and the same rate")
+    result = {name: values for name, (values, _) in found.items()}
+    if "time" not in result:
+        tracks = [track for _, track in found.values()]
+        if tracks[0] is None or any(t is None or not np.array_equal(t, tracks[0]) for t in tracks):
+            refuse(
+                path,
+                "the channels carry no common time (wf_increment)",
+                "name a time channel in test.yaml",
+            )
+        result["time"] = tracks[0]
+    return result

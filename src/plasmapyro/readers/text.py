@@ -1,0 +1,141 @@
+"""Text files of unknown origin: bounded size, tolerant decoding, strict numbers, clear refusals."""
+
+import codecs
+import math
+import re
+from pathlib import Path
+
+from plasmapyro.contracts import ContractError
+
+NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?", re.ASCII)
+MISSING = {"", "nan", "na", "n/a", "-", "--", "null", "none"}
+MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
+LONGEST_LINE = 5_000_000  # characters; a header of 50 000 wavelengths has a tenth of that
+SHOWN = 60  # characters of a cell that a message quotes
+
+
+class Refusal(ContractError):
+    """Files that cannot be read; `messages` holds one clear sentence per fault."""
+
+    def __init__(self, messages):
+        self.messages = list(messages)
+        super().__init__("\n".join(self.messages))
+
+
+def fault(path, what, remedy, line=None):
+    """The sentence for one fault: file, line, what is wrong, what to do."""
+    where = f"{path}, line {line}" if line else f"{path}"
+    return f"{where}: {what}; {remedy}"
+
+
+def refuse(path, what, remedy, line=None):
+    """Raise the Refusal of one fault (see `fault`)."""
+    raise Refusal([fault(path, what, remedy, line)])
+
+
+def quote(words):
+    """A piece of a file, shortened and printable, for a message."""
+    words = str(words)
+    return repr(words if len(words) <= SHOWN else words[:SHOWN] + "...")
+
+
+def regular_file(path, limit):
+    """Return `path` if it is a plain file of 1 to `limit` bytes; else Refusal.
+
+    A pipe or a device would block or never end, so nothing but plain files is opened.
+    """
+    path = Path(path)
+    try:
+        if not path.exists():
+            refuse(path, "no such file", "check the name in test.yaml, upper and lower case included")
+        if not path.is_file():
+            refuse(path, "not a plain file", "give the name of a file")
+        size = path.stat().st_size
+    except (OSError, ValueError) as reason:
+        refuse(quote(path), f"cannot be opened ({reason})", "check the name and the access rights")
+    if size == 0:
+        refuse(path, "is empty", "copy it again from the instrument")
+    if size > limit:
+        refuse(
+            path,
+            f"is {size / 1e6:.0f} MB large, the limit is {limit / 1e6:.0f} MB",
+            "split it, or cut it to the test",
+        )
+    return path
+
+
+def read_lines(path, limit):
+    """Lines of a text file, without line ends.
+
+    Parameters
+    ----------
+    path : path
+    limit : int
+        Largest size accepted [byte].
+
+    Returns
+    -------
+    (list of str, bool)
+        The lines, and whether the last one is ended by a line end.
+
+    Raises
+    ------
+    Refusal
+        If the file is absent, not plain, empty, too large, or not text.
+
+    Notes
+    -----
+    UTF-8 and UTF-16 with a byte order mark, UTF-8 without, else Windows-1252 letter by letter (Latin-1):
+    the old acquisition programs write in that of their country. Numbers are ASCII in all of them.
+    """
+    path = regular_file(path, limit)
+    try:
+        content = path.read_bytes()
+    except OSError as reason:
+        refuse(path, f"cannot be read ({reason})", "check the access rights")
+    encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
+    try:
+        words = content.decode(encoding or "utf-8")
+    except UnicodeDecodeError:
+        if encoding:
+            refuse(path, f"is broken {encoding} text", "export it again as UTF-8")
+        words = content.decode("latin-1")
+    if CONTROL.search(words):
+        refuse(path, "holds binary data, not text", "export the data as text")
+    words = re.sub(r"\n\r(?!\n)|\r+\n|\r", "\n", words)  # OceanView ends its header lines with LF CR
+    lines = words.split("\n")
+    longest = max(map(len, lines))
+    if longest > LONGEST_LINE:
+        refuse(path, f"holds a line of {longest} characters", "export it with one sample per line")
+    ended = lines[-1] == ""
+    return (lines[:-1] if ended else lines), ended
+
+
+def require_end(path, lines, ended):
+    """Refuse a table whose last line has no line end: its last number may have lost digits."""
+    if not ended:
+        refuse(
+            path,
+            "the last line has no end and may be cut off",
+            "add a line end if it is complete",
+            len(lines),
+        )
+
+
+def number(word, decimal="."):
+    """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
+
+    Strict on purpose: no thousands separators, no infinity, no underscores, no foreign digits.
+    """
+    word = word.strip()
+    if word.lower() in MISSING:
+        return math.nan
+    if decimal != ".":
+        if "." in word:
+            return None
+        word = word.replace(decimal, ".")
+    if not NUMBER.fullmatch(word):
+        return None
+    value = float(word)
+    return value if math.isfinite(value) else None
