@@ -26,7 +26,8 @@ class Refusal(ContractError):
 def fault(path, what, remedy, line=None):
     """The sentence for one fault: file, line, what is wrong, what to do."""
     where = f"{path}, line {line}" if line else f"{path}"
-    return f"{where}: {what}; {remedy}"
+    words = f"{where}: {what}; {remedy}"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in words)
 
 
 def refuse(path, what, remedy, line=None):
