@@ -1,4 +1,4 @@
-"""The examples of the radiation page run as they stand (the page on own data has its test with the readers)."""
+"""The example of the radiation page runs as it stands (the page on own data is tested with the readers)."""
 
 import re
 from pathlib import Path
