@@ -71,7 +71,7 @@ def moved_claims(found, reference):
 def tolerance_of(claim, value):
     """Absolute tolerance of a claim: a share of its value, or one step of the grid it is read off."""
     step = max((size for name, size in STEPS.items() if claim.startswith(name)), default=0.0)
-    return max(RELATIVE_TOLERANCE * abs(value), step)
+    return step if np.isnan(value) else max(RELATIVE_TOLERANCE * abs(value), step)
 
 
 def write_reference(found, reference):
