@@ -1,6 +1,6 @@
 from snakemake.utils import min_version
 
-from plasmapyro import configuration
+from plasmapyro import configuration, workspace
 
 min_version("9.0")
 
@@ -17,6 +17,20 @@ CONDITIONS = configuration.load_folder(
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
 configuration.check_together(config, CONDITIONS, TESTS)
+SETTINGS = [config, CONDITIONS, TESTS]
+if workflow.is_main_process:
+    DAMAGED, BUSY = workspace.begin("results", SETTINGS)
+    for path in DAMAGED:
+        logger.warning(f"{path} no longer had the bytes it was written with; it is computed again")
+else:
+    workspace.same_settings(SETTINGS)
+
+
+onstart:
+    workspace.require_free(BUSY)
+
+
+RESULTS = []  # what the main job leaves behind besides figures; each file of rules adds its own
 
 
 include: "workflow/rules/gas.smk"
@@ -35,4 +49,4 @@ rule all:
     default_target: True
     input:
         FIGURES,
-        "results/claims.md",
+        RESULTS,

@@ -4,15 +4,23 @@ import hashlib
 import json
 import logging
 import os
+import shutil
+import sys
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts
+from plasmapyro import contracts, workspace
 from plasmapyro.tables import ORIGINS, weakest
 
+REMEDY = "free space or give write permission and call again: finished files are kept"
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
+
+
+class StorageError(OSError):
+    """A file could not be written; the message says which, why, and what to do."""
 
 
 def read(path, contract, *, largest=None):
@@ -73,26 +81,50 @@ def write(dataset, path, contract, *, sources=(), config=None):
         variable.encoding = (
             {"_FillValue": None} if variable.dtype.kind != "f" else {"_FillValue": float("nan")}
         )
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        dataset.to_netcdf(part, engine="netcdf4")
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    store(path, lambda part: dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4"))
 
 
 def write_text(text, path):
-    """Store a text file, whole or not at all."""
+    """Store a text file, whole or not at all (errors as for `store`)."""
+    store(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+
+def store(path, writer):
+    """Store a file of any kind, whole or not at all.
+
+    Parameters
+    ----------
+    path : path of the file; its folder is made
+    writer : callable
+        Writes to the path it is given, a neighbour of `path` with the same suffix.
+
+    Raises
+    ------
+    StorageError
+        If the file cannot be written; the message says what to do, and an older file is as it was.
+    """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
+    part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        part.write_text(text, encoding="utf-8")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        writer(part)
+        workspace.unseal(path)
         os.replace(part, path)
+    except (OSError, RuntimeError) as fault:
+        raise StorageError(f"{path}: could not be written ({_reason(fault, path)}); {REMEDY}") from fault
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+    workspace.seal(path)
+
+
+def _reason(fault, path):
+    """What the system says of a failed write; the netCDF library only says 'HDF error'."""
+    try:
+        free = shutil.disk_usage(path.parent).free
+    except OSError:
+        return fault
+    return f"{fault}; {free / 1e6:.1f} MB are free there"
 
 
 def read_text(path):
@@ -133,7 +165,20 @@ def digest(path):
 
 
 def log_to(path):
-    """Send the log records and warnings of this process to `path`."""
+    """Send the log records, warnings and the last words of this process to `path`.
+
+    Faults that the package itself foresees end with their message alone, all others with a traceback.
+    """
     logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every basis it makes
     logging.captureWarnings(True)
+    sys.excepthook = _last_words
+
+
+def _last_words(kind, fault, trace):
+    foreseen = kind.__module__.partition(".")[0] == "plasmapyro"
+    logging.critical("%s", fault, exc_info=None if foreseen else (kind, fault, trace))
+    if foreseen:
+        sys.stderr.write(f"plasmapyro: {fault}\n")
+    else:
+        sys.__excepthook__(kind, fault, trace)

@@ -1,3 +1,9 @@
+RESULTS += expand(
+    "results/analysis/{name}.nc",
+    name=["gas_signal", "visibility", "apparent_temperature", "error_map", "transient", "surface_radiance"],
+)
+
+
 rule gas_signal:
     input:
         radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),

@@ -1,3 +1,6 @@
+RESULTS += ["results/claims.nc", "results/claims.md"]
+
+
 rule claims:
     input:
         sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),

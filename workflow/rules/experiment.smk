@@ -1,3 +1,10 @@
+RESULTS += [
+    f"results/experiment/{test}/{instrument}_correction.nc"
+    for test, settings in TESTS.items()
+    for instrument in settings["instruments"]
+]
+
+
 from pathlib import Path
 
 from plasmapyro.readers.stage import sources

@@ -1,4 +1,7 @@
 # One cold start at a reference condition; each power condition continues from it by itself.
+RESULTS += ["results/flow/start/reference.nc", *expand("results/flow/{condition}.nc", condition=CONDITIONS)]
+
+
 rule flow_start:
     input:
         "results/gas/air11.nc",

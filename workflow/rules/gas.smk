@@ -1,3 +1,6 @@
+RESULTS.append("results/gas/air11.nc")
+
+
 rule air_table:
     output:
         "results/gas/air11.nc",

@@ -1,3 +1,9 @@
+RESULTS += expand(
+    "results/instrument/{name}.nc",
+    name=["response", "ratio_curve", "calibration", "spectrometer_calibration"],
+)
+
+
 rule response:
     output:
         "results/instrument/response.nc",

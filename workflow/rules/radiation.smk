@@ -1,3 +1,6 @@
+RESULTS += expand("results/radiation/{condition}.nc", condition=CONDITIONS)
+
+
 rule radiance:
     input:
         sightline="results/sightline/{condition}.nc",

@@ -1,3 +1,6 @@
+RESULTS += expand("results/sightline/{condition}.nc", condition=CONDITIONS)
+
+
 rule sightline:
     input:
         "results/flow/{condition}.nc",

@@ -1,4 +1,13 @@
 # The synthetic twin: files as a laboratory would hand them over, made by code that shares nothing with the package.
+RESULTS += [config["instrument"]["calibration_points"], config["instrument"]["spectrometer_counts"]]
+RESULTS += [
+    f"results/twin/{test}/{name}.nc"
+    for test, settings in TESTS.items()
+    if "twin" in settings
+    for name in ["test", "truth"]
+]
+
+
 rule twin_calibration:
     input:
         response="results/instrument/response.nc",

@@ -1,7 +1,5 @@
 """Rule claims: each number or statement of the paper beside what this chain gives."""
 
-from pathlib import Path
-
 from plasmapyro import io
 from plasmapyro.claims.stage import as_markdown, claims_table
 
@@ -22,4 +20,4 @@ table = claims_table(
     spectra=io.read(given.spectrometer, "spectrometer_correction"),
 )
 io.write(table, snakemake.output.table, "claims", sources=given, config=dict(snakemake.params))
-Path(snakemake.output.text).write_text(as_markdown(table), encoding="utf-8")
+io.write_text(as_markdown(table), snakemake.output.text)

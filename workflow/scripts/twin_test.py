@@ -5,6 +5,8 @@ from pathlib import Path
 
 import xarray as xr
 
+from plasmapyro import workspace
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from twin import campaign
 
@@ -21,3 +23,5 @@ test, truth = campaign.record(
 origin = {"sources": snakemake.input, "configuration": dict(snakemake.params)}
 campaign.write(test, snakemake.output.test, **origin)
 campaign.write(truth, snakemake.output.truth, **origin)
+workspace.seal(snakemake.output.test)
+workspace.seal(snakemake.output.truth)

@@ -1,11 +1,15 @@
 """One look for all figures: size, type, colours by power, the mark of synthetic data, repeatable files."""
 
+from functools import partial
+
 import matplotlib
 
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+
+from plasmapyro import io
 
 COLUMN = (3.5, 2.8)  # one journal column [inch]
 BESIDE = (4.3, 2.8)  # the same with the legend beside the axes [inch]
@@ -62,5 +66,5 @@ def save(drawing, paths):
     """Write the figure to every path (format by suffix) without a date, and close it."""
     for path in paths:
         metadata = {"Date": None} if str(path).endswith(".svg") else {"Software": None}
-        drawing.savefig(path, metadata=metadata)
+        io.store(path, partial(drawing.savefig, metadata=metadata))
     plt.close(drawing)

@@ -1,0 +1,138 @@
+"""The folder of a run: one run at a time, files as they were written, one configuration to the end.
+
+Snakemake's own lock is off (`profiles/default`), because after `kill -9` it would ask for `--unlock`. Here
+the operating system holds the lock and drops it with the process that took it.
+"""
+
+import fcntl
+import hashlib
+import json
+import os
+from pathlib import Path
+
+SEALS = "PLASMAPYRO_SEALS"  # folder of the digests of all results; unset outside of a workflow
+SETTINGS = "PLASMAPYRO_SETTINGS"  # digest of the configuration that the run began with
+_held = []  # locks live as long as the process
+
+
+class WorkspaceError(RuntimeError):
+    """The folder of the run cannot be used now; the message says why and what to do."""
+
+
+def seal(path):
+    """Note the SHA-256 of a finished result, so that the next run sees whether it still has those bytes.
+
+    Does nothing outside of a workflow. The note of an older file goes first: a run cut off between the two
+    leaves a result without note, never a note of other bytes.
+    """
+    folder = os.environ.get(SEALS)
+    if not folder:
+        return
+    root, path = Path(folder).parent.resolve(), Path(path).resolve()
+    if path.is_relative_to(root):
+        note = Path(folder) / path.relative_to(root).with_name(path.name + ".sha256")
+        note.parent.mkdir(parents=True, exist_ok=True)
+        part = note.with_name(f"{note.name}.{os.getpid()}.part")
+        part.write_text(_digest(path), encoding="ascii")
+        os.replace(part, note)
+
+
+def unseal(path):
+    """Forget the note of a result that is about to be replaced."""
+    folder = os.environ.get(SEALS)
+    if folder:
+        root, path = Path(folder).parent.resolve(), Path(path).resolve()
+        if path.is_relative_to(root):
+            (Path(folder) / path.relative_to(root).with_name(path.name + ".sha256")).unlink(missing_ok=True)
+
+
+def begin(results, settings):
+    """Take the results folder for this run; to be called once, before the workflow looks at any result.
+
+    Parameters
+    ----------
+    results : path of the results folder
+    settings : anything that JSON can hold
+        All configuration of the run; its jobs refuse to work if it changes before the run ends.
+
+    Returns
+    -------
+    damaged : list of Path
+        Results that no longer had the bytes they were written with (a truncated file, a flipped bit). They
+        are removed, so that the workflow computes them again.
+    busy : bool
+        Another run holds the folder. Nothing was looked at then; a run must not start (see `require_free`).
+
+    Raises
+    ------
+    WorkspaceError
+        If the folder cannot be made or written to.
+    """
+    folder = Path(results) / ".seals"
+    os.environ[SEALS] = str(folder.resolve())
+    os.environ[SETTINGS] = _settings_digest(settings)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = open(folder / "lock", "a")  # noqa: SIM115 (held until the process ends)
+    except OSError as fault:
+        raise WorkspaceError(
+            f"{results}: cannot be written to ({fault.strerror}); give the folder write permission and space,"
+            " or run from a folder of your own"
+        ) from None
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        lock.close()
+        return [], True
+    _held.append(lock)
+    for part in Path(results).rglob(".*.part*"):
+        part.unlink()
+    return _remove_damaged(Path(results), folder), False
+
+
+def require_free(busy):
+    """Refuse to start beside another run.
+
+    Raises
+    ------
+    WorkspaceError
+    """
+    if busy:
+        raise WorkspaceError(
+            "another run is at work in this folder; wait until it has ended, then call again: nothing is lost"
+        )
+
+
+def same_settings(settings):
+    """Refuse a job whose configuration is not the one its run began with.
+
+    Raises
+    ------
+    WorkspaceError
+    """
+    if os.environ.get(SETTINGS, _settings_digest(settings)) != _settings_digest(settings):
+        raise WorkspaceError(
+            "the configuration was changed while the run was at work; call again: it goes on with the new one"
+        )
+
+
+def _remove_damaged(results, folder):
+    damaged = []
+    for note in sorted(folder.rglob("*.sha256")):
+        path = results / note.relative_to(folder).with_name(note.name.removesuffix(".sha256"))
+        if not path.exists():
+            note.unlink()
+        elif _digest(path) != note.read_text(encoding="ascii", errors="replace"):
+            path.unlink()
+            note.unlink()
+            damaged.append(path)
+    return damaged
+
+
+def _digest(path):
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _settings_digest(settings):
+    return hashlib.sha256(json.dumps(settings, sort_keys=True, default=str).encode()).hexdigest()

@@ -1,0 +1,114 @@
+"""One run at a time, damaged files are found, a changed configuration is noticed."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from plasmapyro import io, workspace
+
+
+@pytest.fixture
+def results(tmp_path, monkeypatch):
+    """A results folder, taken for this process; the environment and the locks are put back."""
+    monkeypatch.setenv(workspace.SEALS, "")
+    monkeypatch.setenv(workspace.SETTINGS, "")
+    monkeypatch.setattr(workspace, "_held", [])
+    folder = tmp_path / "results"
+    assert workspace.begin(folder, {"a": 1}) == ([], False)
+    yield folder
+    for lock in workspace._held:
+        lock.close()
+
+
+def release():
+    workspace._held.pop().close()
+
+
+def begin_elsewhere(folder):
+    """What another process gets that takes the same folder."""
+    code = f"from plasmapyro import workspace; print(workspace.begin({str(folder)!r}, 1)[1])"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip()
+
+
+def test_a_second_run_is_told_to_wait_until_the_first_has_ended(results):
+    assert begin_elsewhere(results) == "True"
+    release()
+    assert begin_elsewhere(results) == "False"
+
+
+def test_a_run_beside_another_is_refused():
+    workspace.require_free(False)
+    with pytest.raises(workspace.WorkspaceError, match="wait until it has ended"):
+        workspace.require_free(True)
+
+
+@pytest.mark.parametrize("place", [0, 5, -1])
+def test_a_flipped_bit_is_found_and_the_file_removed(results, place):
+    path = results / "a" / "b.md"
+    io.write_text("some result\n", path)
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1
+    path.write_bytes(content)
+    release()
+    assert workspace.begin(results, {}) == ([path], False)
+    assert not path.exists()
+
+
+def test_a_truncated_file_is_found(results):
+    path = results / "b.md"
+    io.write_text("some result\n", path)
+    os.truncate(path, 4)
+    release()
+    assert workspace.begin(results, {}) == ([path], False)
+
+
+def test_whole_files_and_files_of_others_stay(results):
+    io.write_text("some result\n", results / "b.md")
+    io.write_text("newer\n", results / "b.md")
+    (results / "note.txt").write_text("of the user")
+    release()
+    assert workspace.begin(results, {}) == ([], False)
+    assert (results / "b.md").read_text() == "newer\n" and (results / "note.txt").exists()
+
+
+def test_parts_of_a_killed_job_are_cleared_away(results):
+    part = results / ".x.123.part.nc"
+    part.write_bytes(b"half")
+    release()
+    workspace.begin(results, {})
+    assert not part.exists()
+
+
+def test_nothing_is_noted_outside_of_a_workflow(tmp_path, monkeypatch):
+    monkeypatch.delenv(workspace.SEALS, raising=False)
+    io.write_text("x", tmp_path / "x.md")
+    assert [path.name for path in tmp_path.rglob("*")] == ["x.md"]
+
+
+def test_a_job_refuses_a_configuration_that_its_run_did_not_begin_with(results):
+    workspace.same_settings({"a": 1})
+    with pytest.raises(workspace.WorkspaceError, match="changed while the run was at work"):
+        workspace.same_settings({"a": 2})
+
+
+def test_a_folder_that_cannot_be_made_is_refused_with_a_remedy(tmp_path, monkeypatch):
+    monkeypatch.setenv(workspace.SEALS, "")
+    monkeypatch.setenv(workspace.SETTINGS, "")
+    (tmp_path / "results").write_text("a file where the folder should be")
+    with pytest.raises(workspace.WorkspaceError, match="give the folder write permission"):
+        workspace.begin(tmp_path / "results", {})
+
+
+def test_a_failed_write_keeps_the_older_file_and_says_what_to_do(tmp_path):
+    path = tmp_path / "x.md"
+    io.write_text("old", path)
+
+    def full(part):
+        part.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(io.StorageError, match=r"No space left on device.*MB are free there\); free space"):
+        io.store(path, full)
+    assert [found.name for found in tmp_path.iterdir()] == ["x.md"] and path.read_text() == "old"
