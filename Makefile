@@ -1,17 +1,21 @@
 # make figures: everything the paper shows.  make test: everything that proves it.
 # make reproduce: two clean minimal runs, the same bytes.  make compare: the full run against committed numbers.
+# make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal test reproduce compare clean
+.PHONY: figures minimal report test reproduce compare faults clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
 
 minimal: .venv/installed
 	$(SNAKEMAKE) --configfile config/minimal.yaml
+
+report: .venv/installed
+	$(SNAKEMAKE) results/report.html
 
 test: .venv/installed
 	$(BIN)/ruff check .
@@ -24,6 +28,9 @@ reproduce: .venv/installed
 
 compare: figures
 	$(BIN)/python workflow/reproduce.py --results results
+
+faults: .venv/installed
+	$(BIN)/python workflow/faults.py
 
 .venv/installed: environment.lock pyproject.toml
 	$(PYTHON) -m venv .venv

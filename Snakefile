@@ -43,6 +43,7 @@ include: "workflow/rules/twin.smk"
 include: "workflow/rules/experiment.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/report.smk"
 
 
 rule all:

@@ -1,0 +1,122 @@
+"""What each figure shows, in words: its caption and, for who cannot see it, its alternative text."""
+
+# Beginning of the figure's file name -> (chapter, caption, alternative text). The longest match counts.
+FIGURES = {
+    "fig2a": (
+        "Instrument",
+        "Relative responses of the two bands of the pyrometer, modelled: layered silicon and an edge.",
+        "Two curves over wavelength: the wide band from 0.75 and the narrow band from 0.96 micrometre, both"
+        " falling off towards 1.15 micrometre.",
+    ),
+    "fig2b": (
+        "Instrument",
+        "Calibration: ratio of the two signals against the source temperature, with its interval.",
+        "The signal ratio falls with source temperature; the points lie on the fitted curve.",
+    ),
+    "fig3b": (
+        "Instrument",
+        "Calibration factor of the spectrometer over wavelength.",
+        "The factor rises steeply towards 1.03 micrometre, where the detector goes blind.",
+    ),
+    "fig4a": (
+        "Flow",
+        "Temperature of torch and jet, with the line of sight of the instruments.",
+        "Section of torch, chamber and probe coloured by temperature; a line at 35 degrees from the probe"
+        " through the jet.",
+    ),
+    "fig4b": (
+        "Flow",
+        "Temperature along the line of sight for each power.",
+        "Steep rise within some millimetres from the probe, a hot core, and a fall to the cold chamber;"
+        " higher for higher power.",
+    ),
+    "fig5": (
+        "Gas radiance",
+        "Spectral radiance of the gas at each power beside that of the surface, with the two bands.",
+        "Line spectra of the gas above smooth curves of the hot surface for several temperatures.",
+    ),
+    "fig6a": (
+        "Errors",
+        "Visibility factors of both bands against surface temperature.",
+        "S-shaped curves from near zero at low to one at high temperature, one per power and band.",
+    ),
+    "fig6b": (
+        "Errors",
+        "Surface temperature from which a band sees 90 and 99 % surface, against power.",
+        "Rising curves over power for two bands and two levels.",
+    ),
+    "fig7a": (
+        "Errors",
+        "Temperature that the pyrometer reads against the true one.",
+        "The readings lie far above the true temperature when that is low and join it when it is high.",
+    ),
+    "fig7b": (
+        "Errors",
+        "Relative error of the reading against the true temperature.",
+        "The error falls from large values to below one per cent, later for higher power.",
+    ),
+    "fig7c": (
+        "Errors",
+        "Surface temperature above which the gas adds less than 1 %, against emittance.",
+        "One falling curve per power: worse for low emittance and high power.",
+    ),
+    "fig7d": (
+        "Errors",
+        "A heating surface as the pyrometer would read it through the gas.",
+        "The reading starts far too high, falls, and joins the rising true temperature.",
+    ),
+    "fig8b": (
+        "Test",
+        "Emittance assumed for the sample.",
+        "Emittance over wavelength as one level line with its interval.",
+    ),
+    "fig9a": (
+        "Test",
+        "Signals of the two bands, as measured and after subtraction of the gas.",
+        "Two signals over time: a plateau of gas before the surface shines, a rise, and the cooling.",
+    ),
+    "fig9b": (
+        "Test",
+        "Measured and corrected temperature, with the spread of the corrected one.",
+        "The measured temperature is far too high while the sample heats; the corrected one rises smoothly.",
+    ),
+    "fig9c": (
+        "Test",
+        "Relative error of the measured temperature.",
+        "The error falls from tens of per cent to below one as the surface outshines the gas.",
+    ),
+    "fig10a": (
+        "Test",
+        "Reference spectrum of the gas beside simulated ones.",
+        "A measured line spectrum and two computed ones with the same lines.",
+    ),
+    "fig10b": (
+        "Test",
+        "Spectra at several times, normalised, with the fitted Planck curves.",
+        "Noisy lines fade and smooth Planck curves emerge as the sample heats.",
+    ),
+    "fig10c": (
+        "Test",
+        "Temperatures from pyrometer and spectrometer beside each other.",
+        "Both rise together after the start and agree at the plateau.",
+    ),
+}
+
+
+def describe(name):
+    """Chapter, caption and alternative text of a figure.
+
+    Parameters
+    ----------
+    name : str
+        File name without suffix.
+
+    Raises
+    ------
+    KeyError
+        If no entry fits; the message says where to add one.
+    """
+    fitting = [start for start in FIGURES if name.startswith(start)]
+    if not fitting:
+        raise KeyError(f"figure '{name}' has no words yet; add it to FIGURES in {__name__}")
+    return FIGURES[max(fitting, key=len)]

@@ -1,0 +1,143 @@
+"""The report: everything a run found, on one page that needs nothing but itself."""
+
+import json
+import re
+from importlib.metadata import PackageNotFoundError, version
+
+import jinja2
+import numpy as np
+
+from plasmapyro.report.captions import describe
+
+CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument", "Design"]
+PACKAGES = ("numpy", "scipy", "xarray", "netCDF4", "cantera", "scikit-fem", "netgen-mesher", "pymetis")
+
+
+def compose(figures, claims, corrections, diagnoses=(), timings=(), configuration=None):
+    """The whole report as HTML text.
+
+    Parameters
+    ----------
+    figures : list of (name, bytes)
+        File name without suffix, and the PNG.
+    claims : Dataset, contract 'claims'
+    corrections : list of (test, Dataset)
+        Name of the test and its file of contract 'pyrometer_correction' or 'spectrometer_correction'.
+    diagnoses : list of (test, html)
+        Name of the test and the page of its diagnosis.
+    timings : list of (name, dict)
+        Job, and the row of Snakemake's benchmark file (`s` [s], `max_rss` [MB], `cpu_time` [s]).
+    configuration : mapping, optional
+        Shown as it is.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    KeyError
+        If a figure has no words (see `captions`).
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("plasmapyro.report", "."),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    described = sorted(((name, *describe(name), picture) for name, picture in figures), key=_natural)
+    known = [(chapter, [rest for rest in described if rest[1] == chapter]) for chapter in CHAPTERS]
+    return environment.get_template("template.html").render(
+        chapters=[(chapter, shown) for chapter, shown in known if shown],
+        claims=_claim_rows(claims),
+        counts=_verdicts(claims),
+        tests=[_summary(name, corrected) for name, corrected in corrections],
+        diagnoses=diagnoses,
+        timings=_times(timings),
+        versions=_versions(claims),
+        configuration=json.dumps(configuration or {}, indent=1, default=str),
+        sources=claims.attrs.get("sources", "").splitlines(),
+    )
+
+
+def _natural(figure):
+    """Sorts fig9a before fig10a."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", figure[0])]
+
+
+def _claim_rows(claims):
+    for place in range(claims.sizes["claim"]):
+        row = claims.isel(claim=place)
+        words = {
+            name: str(row[name].values) for name in ("section", "statement", "printed", "verdict", "remark")
+        }
+        value = float(row.value)
+        words["here"] = "–" if np.isnan(value) else f"{value:.4g} {row.unit.values}".removesuffix(" 1")
+        words["kind"] = words["verdict"].split()[0]
+        words["synthetic"] = str(row.basis.values) == "synthetic"
+        yield words
+
+
+def _verdicts(claims):
+    """Verdict -> (from the simulation, on synthetic data)."""
+    first = [str(verdict).split()[0] for verdict in claims.verdict.values]
+    synthetic = claims.basis.values.astype(str) == "synthetic"
+    return {
+        word: (
+            sum(a == word and not b for a, b in zip(first, synthetic, strict=True)),
+            sum(a == word and b for a, b in zip(first, synthetic, strict=True)),
+        )
+        for word in sorted(set(first))
+    }
+
+
+def _summary(name, corrected):
+    """What a reader wants to know first of a corrected test."""
+    if "corrected_temperature" in corrected:
+        time, temperature = corrected["time"].values, corrected["corrected_temperature"].values
+        spread, instrument = corrected["corrected_temperature_uncertainty"].values, "pyrometer"
+    else:
+        time, temperature = corrected["spectrum_time"].values, corrected["scaled_temperature"].values
+        spread, instrument = corrected["scaled_temperature_uncertainty"].values, "spectrometer"
+    end = corrected.attrs.get("plasma_off_time", time[-1])
+    there = np.isfinite(temperature) & (time > corrected.attrs.get("injection_time", time[0])) & (time < end)
+    steady = there & (time > end - 0.1 * (end - time[there][0] if there.any() else 0.0))
+    return {
+        "name": name,
+        "instrument": instrument,
+        "origin": corrected.attrs.get("origin", ""),
+        "condition": corrected.attrs.get("condition", "–"),
+        "first": f"{time[there][0]:.1f} s" if there.any() else "–",
+        "steady": f"{np.median(temperature[steady]):.0f} K" if steady.any() else "–",
+        "spread": f"{np.nanmedian(spread[steady]):.0f} K" if steady.any() else "–",
+        "highest": f"{temperature[there].max():.0f} K" if there.any() else "–",
+    }
+
+
+def _times(timings):
+    """One row per rule: number of jobs, longest and total time, CPU time, largest memory."""
+    rules = {}
+    for name, row in timings:
+        rules.setdefault(name, []).append(row)
+    return [
+        {
+            "rule": name,
+            "jobs": len(rows),
+            "longest": f"{max(row['s'] for row in rows):.1f}",
+            "total": f"{sum(row['s'] for row in rows):.1f}",
+            "cpu": f"{sum(row['cpu_time'] for row in rows):.1f}",
+            "memory": f"{max(row['max_rss'] for row in rows):.0f}",
+        }
+        for name, rows in sorted(rules.items(), key=lambda item: -sum(row["s"] for row in item[1]))
+    ]
+
+
+def _versions(claims):
+    found = {"plasmapyro": claims.attrs.get("plasmapyro_version", "")}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

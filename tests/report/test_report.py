@@ -1,0 +1,143 @@
+"""The report as a reader meets it: in a real browser, at two widths, without a network."""
+
+import re
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro.report.captions import FIGURES, describe
+from plasmapyro.report.stage import compose
+
+PIXEL = (  # a PNG of one pixel
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+PHONE, DESKTOP = 390, 1280
+
+
+def claims():
+    text = {
+        "section": "4.1",
+        "statement": "a <b>bold</b> claim",
+        "unit": "K",
+        "printed": "10 K",
+        "remark": "none",
+    }
+    return xr.Dataset(
+        {
+            **{name: ("claim", [word, word]) for name, word in text.items()},
+            "verdict": ("claim", ["reproduced", "differs by +3 K"]),
+            "basis": ("claim", ["simulation", "synthetic"]),
+            "value": ("claim", [10.0, 13.0]),
+        },
+        {"claim": ["one", "two"]},
+        attrs={"sources": "abc  results/a.nc", "plasmapyro_version": "0"},
+    )
+
+
+def corrected():
+    time = np.arange(0.0, 100.0)
+    temperature = np.where(time < 20, np.nan, 1600.0)
+    return xr.Dataset(
+        {
+            "corrected_temperature": ("time", temperature),
+            "corrected_temperature_uncertainty": ("time", 0 * time + 23.0),
+        },
+        {"time": time},
+        {"injection_time": 0.0, "plasma_off_time": 90.0, "condition": "80kW", "origin": "synthetic"},
+    )
+
+
+@pytest.fixture(scope="module")
+def page():
+    timing = {"s": 2.0, "cpu_time": 1.5, "max_rss": 300.0}
+    return compose(
+        [("fig10a_reference_spectrum_x", PIXEL), ("fig9a_signals_x", PIXEL), ("fig7c_error_map", PIXEL)],
+        claims(),
+        [("mine", corrected())],
+        diagnoses=[("mine", "<p>verdict: <b>nothing wrong</b></p><script>document.title = 'x'</script>")],
+        timings=[("flow", timing), ("flow", {**timing, "s": 4.0})],
+        configuration={"key": "value"},
+    )
+
+
+def test_the_steady_temperature_and_the_first_value_are_those_of_the_data(page):
+    row = re.search(r"<td>mine</td>.*", page).group()
+    assert all(words in row for words in ("20.0 s", "1600 K", "23 K", "synthetic"))
+
+
+def test_words_of_a_user_are_not_taken_as_markup(page):
+    assert "a &lt;b&gt;bold&lt;/b&gt; claim" in page
+
+
+def test_jobs_of_one_rule_share_a_row(page):
+    row = re.search(r"<td>flow</td>.*", page).group()
+    assert all(f">{words}<" in row for words in ("2", "4.0", "6.0", "300"))
+
+
+def test_figures_stand_in_the_order_of_their_numbers(page):
+    assert page.index('id="fig9a') < page.index('id="fig10a')
+
+
+def test_a_figure_without_words_is_refused():
+    with pytest.raises(KeyError, match="'fig99' has no words yet"):
+        describe("fig99")
+
+
+def test_the_page_asks_for_nothing_from_outside(page):
+    assert not re.findall(r"""(?:src|href)=["'](?!#|data:)[^"']*""", page)
+    assert "http" not in re.sub(r"data:[^\"']*", "", page)
+
+
+def test_each_caption_and_alternative_text_says_something():
+    for chapter, caption, words in FIGURES.values():
+        assert chapter and len(caption) > 20 and len(words) > 20
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium, as large as a test asks for."""
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        pytest.skip("needs chromium and chromedriver (Debian: apt-get install chromium chromium-driver)")
+    selenium = pytest.importorskip("selenium.webdriver")
+    options = selenium.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for switch in ("headless", "no-sandbox", "disable-gpu", "disable-background-networking", "no-first-run"):
+        options.add_argument(f"--{switch}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = selenium.Chrome(options, selenium.ChromeService(shutil.which("chromedriver")))
+    yield driver
+    driver.quit()
+
+
+@pytest.mark.parametrize("width", [PHONE, DESKTOP])
+def test_a_browser_reads_and_clicks_through_the_page(page, browser, tmp_path, width):
+    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width == PHONE}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    browser.get((tmp_path / "report.html").as_uri())
+    assert "report" in browser.title
+    ask = browser.execute_script
+    assert ask("return document.documentElement.scrollWidth") <= width, "the page is wider than the screen"
+    pictures = ask("return [...document.images].map(i => [i.alt.length, i.complete && i.naturalWidth])")
+    assert len(pictures) == 3 and all(words > 20 and loaded for words, loaded in pictures)
+    for link in browser.find_elements("css selector", "nav a"):
+        link.click()
+        target = link.get_attribute("href").partition("#")[2]
+        place = ask("return document.getElementById(arguments[0]).getBoundingClientRect().top", target)
+        assert -1 <= place < 900, f"the link to {target} leads elsewhere"
+    for fold in browser.find_elements("css selector", "summary"):
+        ask("arguments[0].scrollIntoView({block: 'center'})", fold)
+        fold.click()
+    assert ask("return [...document.querySelectorAll('details')].every(d => d.open)")
+    assert "bold" in browser.find_element("id", "claims").text
+    asked = [entry["message"] for entry in browser.get_log("performance")]
+    assert not [message for message in asked if "requestWillBeSent" in message and '"url":"http' in message]
+    severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    assert not [entry for entry in severe if "sandboxed" not in entry["message"]], "errors on the console"
+    frame = browser.find_element("tag name", "iframe")
+    assert frame.get_attribute("sandbox") == "", "a page of a test may run scripts"
+    browser.switch_to.frame(frame)
+    assert "nothing wrong" in browser.find_element("tag name", "body").text
+    browser.switch_to.default_content()

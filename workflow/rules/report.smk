@@ -1,0 +1,24 @@
+# One page with all that a run found. Not part of the main job: `make report`, or ask for results/report.html.
+CORRECTIONS = [
+    (test, instrument) for test, settings in TESTS.items() for instrument in settings["instruments"]
+]
+
+
+rule report:
+    input:
+        figures=[figure for figure in FIGURES if figure.endswith(".png")],
+        corrections=[
+            f"results/experiment/{test}/{instrument}_correction.nc" for test, instrument in CORRECTIONS
+        ],
+        claims="results/claims.nc",
+        everything=RESULTS,
+    output:
+        "results/report.html",
+    log:
+        "results/logs/report.log",
+    params:
+        tests=[test for test, _ in CORRECTIONS],
+        rules=lambda wildcards: [rule.name for rule in workflow.rules],
+        configuration=config,
+    script:
+        "../scripts/report.py"
