@@ -1,5 +1,6 @@
 """Reading YAML configuration against a closed schema; says all that is wrong, where, and what was meant."""
 
+import re
 from difflib import get_close_matches
 from math import isfinite
 from pathlib import Path
@@ -8,13 +9,25 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError
 from jsonschema.validators import extend
 
+LARGEST_FILE = 1_000_000  # [byte]
+NAME = re.compile(
+    r"[A-Za-z0-9][A-Za-z0-9_.+-]*"
+)  # becomes part of file names and of patterns of the workflow
+
 
 class ConfigurationError(ValueError):
     """A configuration does not fit its schema; the message lists every fault."""
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe, and refuses a key that is given twice."""
+    """Safe; refuses a key that is given twice, and aliases, of which a short file can make a huge one."""
+
+    def compose_node(self, parent, index):
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.composer.ComposerError(
+                None, None, "aliases (*name) are not taken; write the value out", self.peek_event().start_mark
+            )
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node, deep=False):
         keys = [self.construct_object(key, deep=True) for key, _ in node.value]
@@ -28,7 +41,9 @@ class _Loader(yaml.SafeLoader):
 
 def _rising(_, count, instance, __):
     """Schema keyword `rising: n`: the first n numbers of a list increase strictly."""
-    head = instance[:count]
+    head = instance[:count] if isinstance(instance, list) else []
+    if not all(isinstance(number, int | float) for number in head):
+        return  # the keyword `type` says so
     if any(later <= earlier for earlier, later in zip(head, head[1:], strict=False)):
         yield ValidationError(f"{head} must rise")
 
@@ -42,11 +57,17 @@ def read(path):
     Raises
     ------
     ConfigurationError
-        If it is not YAML, or a key stands in it twice; the message names file and line.
+        If it is not YAML, is larger than a configuration can be, holds an alias, or a key stands in it
+        twice; the message names file and line.
     """
     try:
+        size = Path(path).stat().st_size
+        if size > LARGEST_FILE:
+            raise ValueError(f"it has {size} bytes, a configuration at most {LARGEST_FILE}")
         return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as fault:
+    except RecursionError:
+        raise ConfigurationError(f"{path}: not readable as YAML: nested too deeply") from None
+    except (OSError, ValueError, yaml.YAMLError) as fault:
         raise ConfigurationError(f"{path}: not readable as YAML: {fault}") from None
 
 
@@ -70,6 +91,12 @@ def load_folder(selection, schema, order=None):
     """
     folder, only = Path(selection["folder"]), selection["only"]
     found = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    odd = [name for name in found if not NAME.fullmatch(name)]
+    if odd:
+        raise ConfigurationError(
+            f"{folder / odd[0]}.yaml: the name of the file becomes part of other names; use letters, digits,"
+            " '_', '.', '+' and '-' only"
+        )
     missing = sorted(set(only) - set(found))
     if missing:
         near = get_close_matches(missing[0], found, n=1)
