@@ -1,12 +1,13 @@
 # make figures: everything the paper shows.  make test: everything that proves it.
 # make reproduce: two clean minimal runs, the same bytes.  make compare: the full run against committed numbers.
+# make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal report test reproduce compare faults clean
+.PHONY: figures minimal report test reproduce compare slurm faults clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -28,6 +29,9 @@ reproduce: .venv/installed
 
 compare: figures
 	$(BIN)/python workflow/reproduce.py --results results
+
+slurm: figures
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py
 
 faults: .venv/installed
 	$(BIN)/python workflow/faults.py

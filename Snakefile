@@ -46,6 +46,33 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 
 
+# On a cluster these run beside Snakemake: a queue would take longer than they do.
+localrules:
+    all,
+    response,
+    ratio_curve,
+    calibration,
+    spectrometer_calibration,
+    gas_signal,
+    visibility,
+    apparent_temperature,
+    error_map,
+    transient,
+    surface_radiance,
+    twin_calibration,
+    twin_test,
+    read_test,
+    claims,
+    report,
+    figures_instrument,
+    figures_flow,
+    figures_radiation,
+    figures_analysis,
+    figures_pyrometer,
+    figures_spectrometer,
+    figures_both,
+
+
 rule all:
     default_target: True
     input:

@@ -1,0 +1,57 @@
+"""Does a run through a real Slurm give the bytes of a local run?
+
+Starts Slurm on this machine (workflow/slurm/one_machine.sh; Debian: apt-get install slurm-wlm munge; as root), runs
+the workflow in a clean copy of the project through profiles/slurm, and compares every netCDF file with the results
+of the local run in results/.
+"""
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from reproduce import LEFT_OUT, ROOT, differing_files
+
+SLURM = ROOT / "workflow" / "slurm" / "one_machine.sh"
+
+
+def run_through_slurm(folder, configfile):
+    """Copy the project to `folder` and run it through the scheduler; return the seconds it took."""
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*LEFT_OUT))
+    command = [sys.executable, "-m", "snakemake", "--profile", "profiles/slurm"]
+    command += ["--configfile", configfile] if configfile else []
+    start = time.monotonic()
+    outcome = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if outcome.returncode:
+        sys.exit(f"the run through Slurm failed:\n{outcome.stdout[-6000:]}")
+    return time.monotonic() - start
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--configfile", help="as for Snakemake (default: the main job)")
+    parser.add_argument("--results", type=Path, default=ROOT / "results", help="of the local run")
+    options = parser.parse_args()
+    if not (options.results / "claims.nc").exists():
+        sys.exit(f"{options.results} holds no finished run to compare with; run it first")
+    with tempfile.TemporaryDirectory(prefix="plasmapyro-") as scratch:
+        subprocess.run([SLURM, "start", f"{scratch}/slurm"], check=True)
+        try:
+            seconds = run_through_slurm(Path(scratch) / "project", options.configfile)
+        finally:
+            subprocess.run([SLURM, "stop", f"{scratch}/slurm"], check=True)
+        different, count = differing_files(Path(scratch) / "project" / "results", options.results)
+    print(
+        f"through Slurm in {seconds:.0f} s: {count} netCDF files, {len(different)} differ from the local run"
+    )
+    print(*different, sep="\n", end="\n" if different else "")
+    sys.exit(1 if different or not count else 0)
+
+
+if __name__ == "__main__":
+    main()
