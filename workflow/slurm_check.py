@@ -1,8 +1,8 @@
 """Does a run through a real Slurm give the bytes of a local run?
 
-Starts Slurm on this machine (workflow/slurm/one_machine.sh; Debian: apt-get install slurm-wlm munge; as root), runs
-the workflow in a clean copy of the project through profiles/slurm, and compares every netCDF file with the results
-of the local run in results/.
+Starts Slurm on this machine (workflow/slurm/one_machine.sh; Debian: apt-get install slurm-wlm munge; as
+root), runs the workflow in a clean copy of the project through profiles/slurm, and compares every netCDF file
+with the results of the local run in results/.
 """
 
 import argparse
