@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.sparse import csc_array, csr_array, sparray
+from scipy.sparse import csc_array, csr_array
 
 from plasmapyro.checks import non_negative, positive
 from plasmapyro.constants import LIGHT_SPEED, PLANCK, SECOND_RADIATION
@@ -13,6 +13,8 @@ from plasmapyro.radiation.lines import LineList
 
 SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
+COARSENINGS = (1, 2, 4, 8, 16, 32)  # of the grid that places lines of great Lorentz width
+COARSE_WIDTH = 6.0  # coarse grid steps in the least Lorentz width placed there; 1e-9 of the peak
 BATCH = 8  # Fourier transforms taken together, as many as a processor's vector holds
 FEW_LINES = 0.05  # [1], of the grid points; fewer are gathered by line, more by grid point
 FAR_POINTS = 513  # of the axis on which far wings are smooth
@@ -81,15 +83,18 @@ def line_emission(lines, upper_population):
 
 @dataclass(frozen=True)
 class Spreader:
-    """A line list on one grid: B-spline weights (padded grid, lines), their frequencies, and far wings."""
+    """A line list on one grid: B-spline weights (padded grid, lines), their frequencies, and far wings.
+
+    `weights` and `deconvolution` hold one array for each of the first `COARSENINGS`.
+    """
 
     lines: LineList
     step: float
     first: int
     points: int
-    weights: sparray
+    weights: tuple
     frequency: np.ndarray
-    deconvolution: np.ndarray
+    deconvolution: tuple
     far_gather: csr_array
     far_kernel: np.ndarray
 
@@ -118,7 +123,8 @@ def prepare(lines, grid):
     Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
     Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
     """
-    length = next_fast_len(int(np.ceil(len(grid) * (1 + PADDING))), real=True)
+    coarsest = COARSENINGS[-1]
+    length = coarsest * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / coarsest)), real=True)
     first = (length - len(grid)) // 2
     place = np.log(lines.wavenumber / grid.wavenumber[0]) / grid.step + first
     inside = (place >= SPLINE_DEGREE) & (place <= length - 1 - SPLINE_DEGREE)
@@ -126,17 +132,27 @@ def prepare(lines, grid):
         raise ValueError(
             f"no line of {lines.component} within {1 / grid.wavenumber[-1]:g}-{1 / grid.wavenumber[0]:g} m"
         )
+    frequency = rfftfreq(length)
+    few = len(lines) < FEW_LINES * length
+    weights, deconvolution = [], []
+    for factor in COARSENINGS if few else COARSENINGS[:1]:
+        weights.append(
+            _spline_weights(place / factor, inside, length // factor, csc_array if few else csr_array)
+        )
+        known = frequency[: length // factor // 2 + 1] * factor
+        deconvolution.append(np.sinc(known) ** -(SPLINE_DEGREE + 1))
+    far = _far_wings(np.log(lines.wavenumber), inside, np.log(grid.wavenumber), length * grid.step)
+    return Spreader(lines, grid.step, first, len(grid), tuple(weights), frequency, tuple(deconvolution), *far)
+
+
+def _spline_weights(place, inside, length, gather):
+    """Weights (length, L) of the lines at their places on a periodic grid; none for those outside."""
     offset = (SPLINE_DEGREE + 1) / 2 - place[inside]
     start = np.ceil(-offset)
     values = _cardinal_spline(start + offset, SPLINE_DEGREE)
-    rows = start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]
+    rows = (start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]) % length
     columns = np.broadcast_to(np.flatnonzero(inside), rows.shape)
-    gather = csc_array if len(lines) < FEW_LINES * length else csr_array
-    weights = gather((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(lines)))
-    frequency = rfftfreq(length)
-    deconvolution = np.sinc(frequency) ** -(SPLINE_DEGREE + 1)
-    far = _far_wings(np.log(lines.wavenumber), inside, np.log(grid.wavenumber), length * grid.step)
-    return Spreader(lines, grid.step, first, len(grid), weights, frequency, deconvolution, *far)
+    return gather((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(place)))
 
 
 def _far_wings(position, inside, axis, period):
@@ -225,7 +241,8 @@ def spread(spreader, strength, hwhm, sigma):
     with far wings :math:`\delta_l / 4\pi \sinh^2 (x - x_l)/2`, those of a Lorentz profile in wavenumber.
 
     Lines enter the Fourier transform through B-splines, which are divided out; lines of different
-    Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width. No wing
+    Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width; great
+    widths leave only low frequencies and take a coarser grid. No wing
     is cut; what the periodicity of the transform adds to the far wings is taken off on a coarse axis.
 
     Parameters
@@ -251,14 +268,22 @@ def spread(spreader, strength, hwhm, sigma):
     nodes, share = _width_nodes(relative, sigma)
     steps = 2 * np.pi / spreader.step * spreader.frequency
     transform = np.zeros(len(steps), dtype=complex)
-    for first in range(0, len(nodes), BATCH):
-        batch = slice(first, first + BATCH)
-        placed = np.array([spreader.weights @ (strength * part) for part in share[batch]])
-        for node, part in zip(nodes[batch], rfft(placed), strict=True):
-            part *= np.exp(-node * steps)
-            transform += part
-    transform *= spreader.deconvolution * np.exp(-((sigma * steps) ** 2) / 2)
-    profile = irfft(transform, n=spreader.weights.shape[0])
+    coarse = np.searchsorted(
+        np.array(COARSENINGS[1 : len(spreader.weights)]) * COARSE_WIDTH * spreader.step, nodes
+    )
+    for level in np.unique(coarse):
+        weights, deconvolution = spreader.weights[level], spreader.deconvolution[level]
+        here, known = np.flatnonzero(coarse == level), slice(len(deconvolution))
+        total = np.zeros(len(deconvolution), dtype=complex)
+        for first in range(0, len(here), BATCH):
+            batch = here[first : first + BATCH]
+            placed = np.array([weights @ (strength * part) for part in share[batch]])
+            for node, part in zip(nodes[batch], rfft(placed), strict=True):
+                part *= np.exp(-node * steps[known])
+                total += part
+        transform[known] += total * deconvolution
+    transform *= np.exp(-((sigma * steps) ** 2) / 2)
+    profile = irfft(transform, n=spreader.weights[0].shape[0])
     near = profile[spreader.first : spreader.first + spreader.points] / spreader.step
     # einsum, not @: the bytes must not depend on the number of BLAS threads.
     far = np.einsum("fb,b->f", spreader.far_kernel, spreader.far_gather @ (strength * relative))
