@@ -188,11 +188,20 @@ def lorentz_hwhm(
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
     hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
-    width = lines.natural_hwhm
-    if lines.stark_hwhm.any():
-        width = width + lines.stark_hwhm * electron_density * hot**lines.stark_exponent
-    if lines.van_der_waals_hwhm.any():
-        width = width + lines.van_der_waals_hwhm * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
-    if lines.resonance_hwhm.any():
-        width = width + lines.resonance_hwhm * own_density
-    return width
+    natural, stark, neutral, resonance = (
+        _once(values)
+        for values in (lines.natural_hwhm, lines.stark_hwhm, lines.van_der_waals_hwhm, lines.resonance_hwhm)
+    )
+    width = natural
+    if stark.any():
+        width = width + stark * electron_density * hot**lines.stark_exponent
+    if neutral.any():
+        width = width + neutral * neutral_density * ratio**VAN_DER_WAALS_EXPONENT
+    if resonance.any():
+        width = width + resonance * own_density
+    return np.broadcast_to(width, len(lines))
+
+
+def _once(values):
+    """One element of an array that repeats a number (see `LineList`), else the array."""
+    return values[:1] if values.strides == (0,) else values

@@ -1,10 +1,12 @@
 """What a radiating system is to the engine: a list of lines with their levels and width coefficients."""
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
 from plasmapyro.checks import non_negative, positive
+from plasmapyro.constants import LIGHT_SPEED, PLANCK
 
 WIDTH_REFERENCE_TEMPERATURE = 1e4  # [K], of the Stark and van der Waals coefficients below
 VAN_DER_WAALS_EXPONENT = 0.3  # [1], mean speed to the power 3/5
@@ -124,6 +126,11 @@ class LineList:
 
     def __len__(self):
         return len(self.wavenumber)
+
+    @cached_property
+    def power(self):
+        r"""What one particle in the upper level emits, :math:`h c \tilde\nu A / 4\pi` (L,) [W sr-1]."""
+        return PLANCK * LIGHT_SPEED / (4 * np.pi) * self.wavenumber * self.einstein_a
 
     def select(self, keep):
         """Return the list of the lines where `keep` (boolean or index array over the lines) says so."""

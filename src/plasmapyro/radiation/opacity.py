@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from plasmapyro.checks import non_negative, positive
-from plasmapyro.constants import LIGHT_SPEED, PLANCK, SECOND_RADIATION
+from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.radiation.grid import points_for
 from plasmapyro.radiation.lines import LineList
 
@@ -15,15 +15,17 @@ SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
 COARSENINGS = (1, 2, 4, 8, 16, 32)  # of the grid that places lines of great Lorentz width
 COARSE_WIDTH = 6.0  # coarse grid steps in the least Lorentz width placed there; 1e-9 of the peak
+EQUAL_WIDTHS = 0.01  # [1]; where the widths of many lines differ by less, all take the middle one
 BATCH = 8  # Fourier transforms taken together, as many as a processor's vector holds
-FEW_LINES = 0.05  # [1], of the grid points; fewer are gathered by line, more by grid point
-FAR_POINTS = 513  # of the axis on which far wings are smooth
-FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; lines are gathered so for their far wings
+FEW_LINES = 0.05  # [1], of the grid points; fewer leave most points of the grid untouched
+FAR_CELLS = 512  # of the axis on which far wings are smooth
+FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; strengths are gathered so for their far wings
 FAR_LEAST = 1e-3  # [1]; nearer by, the far correction keeps its value at this distance, to 1e-6
 SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
 NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
+LEAST_SEPARATION = 1e-6  # [1], Doppler sigmas between two nodes; their difference keeps ten digits
 NARROW_RANGE = 0.01  # of widths on that scale; two nodes then keep the core to 1e-5 and the wing to 1e-4
-NODES_AT_LEAST, NODES_PER_RANGE = 4, 4.0  # keep core and wing to 1e-4 up to a width ratio of 1000
+NODES_AT_LEAST, NODES_PER_RANGE = 4, 3.5  # keep core and wing to 1e-4 up to a width ratio of 1000
 
 
 def boltzmann_population(energy, degeneracy, temperature, number_density, partition_function):
@@ -56,7 +58,9 @@ def boltzmann_population(energy, degeneracy, temperature, number_density, partit
     """
     temperature = positive("temperature", temperature, "K")
     number_density = non_negative("number_density", number_density, "m-3")
-    return number_density * degeneracy / partition_function * np.exp(-SECOND_RADIATION * energy / temperature)
+    per_state = np.exp(energy * (-SECOND_RADIATION / temperature))
+    per_state *= number_density / partition_function
+    return degeneracy * per_state
 
 
 def line_emission(lines, upper_population):
@@ -78,25 +82,34 @@ def line_emission(lines, upper_population):
     -----
     Source: definition of the Einstein coefficient; Laux et al. (2003), equation 2.
     """
-    return PLANCK * LIGHT_SPEED / (4 * np.pi) * lines.wavenumber * lines.einstein_a * upper_population
+    return lines.power * upper_population
 
 
 @dataclass(frozen=True)
 class Spreader:
-    """A line list on one grid: B-spline weights (padded grid, lines), their frequencies, and far wings.
+    """A line list on one grid: B-spline weights (points, lines), their frequencies, and far wings.
 
-    `weights` and `deconvolution` hold one array for each of the first `COARSENINGS`.
+    `weights`, the points of the padded grid `touched` by them and `deconvolution` hold one array for each of
+    the first `COARSENINGS`. `rate` (Q,) [1] is the angular frequency of the transforms, `wavelength` (P,) [m]
+    that of the padded grid. Far wings: gathering of the padded grid (B, P) and of the lines `outside` it
+    (C, outside) into bins, and the kernel from all bins to the far axis (F, B + C), which holds every
+    `far_cell`-th point of the grid.
     """
 
     lines: LineList
-    step: float
     first: int
     points: int
+    touched: tuple
     weights: tuple
-    frequency: np.ndarray
+    rate: np.ndarray
     deconvolution: tuple
-    far_gather: csr_array
+    wavelength: np.ndarray
+    outside: np.ndarray
+    far_inside: csr_array
+    far_outside: csr_array
     far_kernel: np.ndarray
+    far_cell: int
+    step: float
 
 
 def prepare(lines, grid):
@@ -126,7 +139,8 @@ def prepare(lines, grid):
     coarsest = COARSENINGS[-1]
     length = coarsest * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / coarsest)), real=True)
     first = (length - len(grid)) // 2
-    place = np.log(lines.wavenumber / grid.wavenumber[0]) / grid.step + first
+    position = np.log(lines.wavenumber / grid.wavenumber[0])
+    place = position / grid.step + first
     inside = (place >= SPLINE_DEGREE) & (place <= length - 1 - SPLINE_DEGREE)
     if not inside.any():
         raise ValueError(
@@ -134,53 +148,82 @@ def prepare(lines, grid):
         )
     frequency = rfftfreq(length)
     few = len(lines) < FEW_LINES * length
-    weights, deconvolution = [], []
+    touched, weights, deconvolution = [], [], []
     for factor in COARSENINGS if few else COARSENINGS[:1]:
-        weights.append(
-            _spline_weights(place / factor, inside, length // factor, csc_array if few else csr_array)
-        )
+        matrix = _spline_weights(place / factor, inside, length // factor)
+        touched.append(np.flatnonzero(np.diff(matrix.indptr)) if few else slice(None))
+        weights.append(matrix[touched[-1]])
         known = frequency[: length // factor // 2 + 1] * factor
-        deconvolution.append(np.sinc(known) ** -(SPLINE_DEGREE + 1))
-    far = _far_wings(np.log(lines.wavenumber), inside, np.log(grid.wavenumber), length * grid.step)
-    return Spreader(lines, grid.step, first, len(grid), tuple(weights), frequency, tuple(deconvolution), *far)
+        deconvolution.append(np.sinc(known) ** -(SPLINE_DEGREE + 1) / grid.step)
+    padded = (np.arange(length) - first) * grid.step
+    return Spreader(
+        lines,
+        first,
+        len(grid),
+        tuple(touched),
+        tuple(weights),
+        2 * np.pi / grid.step * frequency,
+        tuple(deconvolution),
+        np.exp(-padded) / grid.wavenumber[0],
+        np.flatnonzero(~inside),
+        *_far_wings(position[~inside], padded, len(grid), first),
+        grid.step,
+    )
 
 
-def _spline_weights(place, inside, length, gather):
+def _spline_weights(place, inside, length):
     """Weights (length, L) of the lines at their places on a periodic grid; none for those outside."""
     offset = (SPLINE_DEGREE + 1) / 2 - place[inside]
     start = np.ceil(-offset)
     values = _cardinal_spline(start + offset, SPLINE_DEGREE)
     rows = (start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]) % length
     columns = np.broadcast_to(np.flatnonzero(inside), rows.shape)
-    return gather((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(place)))
+    return csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(place)))
 
 
-def _far_wings(position, inside, axis, period):
-    """Gathering of lines into bins (2 bins, L) and the kernel from bins to the far axis (F, 2 bins).
+def _far_wings(outside, padded, points, first):
+    """Gathering of the padded grid and of the lines outside it, kernel and cell, as in `Spreader`.
 
-    Lines on the padded grid (first half of the bins) need the true wing minus the sum over their periodic
-    images, the others (second half) the true wing.
+    Lines on the padded grid need the true wing minus the sum over their periodic images, the others the
+    true wing.
     """
+    step = padded[1] - padded[0]
+    period, cell = len(padded) * step, -(-points // FAR_CELLS)
+    axis = padded[first] + step * cell * np.arange(-(-points // cell) + 1)
+    gather_inside, bins = _far_bins(padded)
+    distance = _far_distance(axis, bins)
+    # The far axis lies on the grid: no bin is a period away from it.
+    images = np.pi / (period * np.sin(np.pi * distance / period)) ** 2
+    kernel = _far_wing(distance) - images
+    gather_outside, bins = _far_bins(outside)
+    kernel = np.hstack([kernel, _far_wing(_far_distance(axis, bins))])
+    return gather_inside, gather_outside, kernel, cell
+
+
+def _far_wing(distance):
+    return 1 / (4 * np.pi * np.sinh(distance / 2) ** 2)
+
+
+def _far_distance(axis, bins):
+    distance = axis[:, None] - bins
+    return np.where(np.abs(distance) < FAR_LEAST, FAR_LEAST, distance)
+
+
+def _far_bins(position):
+    """Gathering of positions into bins, linearly (bins, P), and the places of the bins."""
+    if not len(position):
+        return csr_array((0, 0)), np.zeros(0)
     low = position.min() - FAR_BIN
-    count = int(np.ceil((position.max() - low) / FAR_BIN)) + 2
     place = (position - low) / FAR_BIN
-    below = place.astype(int)
-    row = below + np.where(inside, 0, count)
-    column = np.arange(len(position))
+    below, column = place.astype(int), np.arange(len(position))
     gather = csr_array(
         (
             np.concatenate([1 - (place - below), place - below]),
-            (np.concatenate([row, row + 1]), np.concatenate([column, column])),
+            (np.concatenate([below, below + 1]), np.concatenate([column, column])),
         ),
-        shape=(2 * count, len(position)),
+        shape=(below.max() + 2, len(position)),
     )
-    distance = np.linspace(axis[0], axis[-1], FAR_POINTS)[:, None] - (low + FAR_BIN * np.arange(count))
-    distance = np.where(np.abs(distance) < FAR_LEAST, FAR_LEAST, distance)
-    wing = 1 / (4 * np.pi * np.sinh(distance / 2) ** 2)
-    # No line of the padded grid is a period away from the grid: bins there are empty in the first half.
-    within = np.where(np.abs(distance) < period, distance, period / 2)
-    images = np.pi / (period * np.sin(np.pi * within / period)) ** 2
-    return gather, np.hstack([wing - images, wing])
+    return gather, low + FAR_BIN * np.arange(gather.shape[0])
 
 
 def _cardinal_spline(fraction, degree):
@@ -212,11 +255,9 @@ def require_resolution(grid, sigma, what):
 
 
 def _width_nodes(width, sigma):
-    """Chebyshev nodes of the Lorentz widths and each line's interpolation weights: (K,), (K, L)."""
-    low, high = np.arcsinh(np.array([width.min(), width.max()]) / (NODE_SCALE * sigma))
-    if high == low:
-        return width[:1], np.ones((1, len(width)))
-    count = 2 if high - low < NARROW_RANGE else int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
+    """Chebyshev nodes of the Lorentz widths and each width's interpolation weights: (K,), (K, L)."""
+    low, high = _on_width_scale((width.min(), width.max()), sigma)
+    count = int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
     angle = np.pi * (2 * np.arange(count) + 1) / (2 * count)
     nodes = (low + high) / 2 + (high - low) / 2 * np.cos(angle)
     distance = np.arcsinh(width / (NODE_SCALE * sigma)) - nodes[:, None]
@@ -231,6 +272,63 @@ def _width_nodes(width, sigma):
     return NODE_SCALE * sigma * np.sinh(nodes), share
 
 
+def _on_width_scale(width, sigma):
+    """Lorentz widths on the scale of the nodes."""
+    return np.arcsinh(np.array(width) / (NODE_SCALE * sigma))
+
+
+def _narrow_transform(spreader, placed, moment, widths, sigma):
+    """Transform of lines whose widths lie close together, without their Doppler profile (Q,).
+
+    Between two nodes the decay is linear in the width, so strength and strength times width suffice.
+    """
+    low, high = widths
+    half = max((high - low) / np.sqrt(8), LEAST_SEPARATION * sigma)  # Chebyshev nodes of the range
+    lower, upper = (low + high) / 2 - half, (low + high) / 2 + half
+    decay = np.exp(-lower * spreader.rate)
+    slope = (np.exp(-upper * spreader.rate) - decay) / (upper - lower)
+    transform, by_width = rfft(np.array([placed, moment]), overwrite_x=True)
+    transform *= decay - lower * slope
+    by_width *= slope
+    transform += by_width
+    transform *= spreader.deconvolution[0]
+    return transform
+
+
+def _place(spreader, level, strengths):
+    """Sets of strengths (N, L) on the padded grid of one coarsening (N, length)."""
+    placed = np.zeros((len(strengths), len(spreader.wavelength) // COARSENINGS[level]))
+    for row, strength in zip(placed, strengths, strict=True):
+        row[spreader.touched[level]] = spreader.weights[level] @ strength
+    return placed
+
+
+def _wide_transform(spreader, strength, relative, sigma, placed=None):
+    """Transform of lines of any widths, without their Doppler profile (Q,).
+
+    `relative` are the widths of the lines, or those at the points of the grid if the strengths are `placed`.
+    """
+    nodes, share = _width_nodes(relative, sigma)
+    limits = np.array(COARSENINGS[1 : len(spreader.weights)]) * COARSE_WIDTH * spreader.step
+    coarse = np.searchsorted(limits, nodes)
+    transform = np.zeros(len(spreader.rate), dtype=complex)
+    for level in np.unique(coarse):
+        deconvolution = spreader.deconvolution[level]
+        here, rate = np.flatnonzero(coarse == level), spreader.rate[: len(deconvolution)]
+        total = np.zeros(len(deconvolution), dtype=complex)
+        for batch in np.array_split(here, -(-len(here) // BATCH)):
+            if placed is None:
+                parts = _place(spreader, level, strength * share[batch])
+            else:
+                parts = share[batch] * placed
+            for node, part in zip(nodes[batch], rfft(parts, overwrite_x=True), strict=True):
+                part *= np.exp(-node * rate)
+                total += part
+        total *= deconvolution
+        transform[: len(rate)] += total
+    return transform
+
+
 def spread(spreader, strength, hwhm, sigma):
     r"""Sum of Voigt profiles on the grid, per unit of the logarithm of the wavenumber.
 
@@ -242,7 +340,8 @@ def spread(spreader, strength, hwhm, sigma):
 
     Lines enter the Fourier transform through B-splines, which are divided out; lines of different
     Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width; great
-    widths leave only low frequencies and take a coarser grid. No wing
+    widths leave only low frequencies and take a coarser grid. Where all lines have one width in wavenumber,
+    as in a band, the relative width is taken from the place on the grid. No wing
     is cut; what the periodicity of the transform adds to the far wings is taken off on a coarse axis.
 
     Parameters
@@ -264,28 +363,35 @@ def spread(spreader, strength, hwhm, sigma):
     -----
     Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`.
     """
-    relative = hwhm / spreader.lines.wavenumber
-    nodes, share = _width_nodes(relative, sigma)
-    steps = 2 * np.pi / spreader.step * spreader.frequency
-    transform = np.zeros(len(steps), dtype=complex)
-    coarse = np.searchsorted(
-        np.array(COARSENINGS[1 : len(spreader.weights)]) * COARSE_WIDTH * spreader.step, nodes
-    )
-    for level in np.unique(coarse):
-        weights, deconvolution = spreader.weights[level], spreader.deconvolution[level]
-        here, known = np.flatnonzero(coarse == level), slice(len(deconvolution))
-        total = np.zeros(len(deconvolution), dtype=complex)
-        for first in range(0, len(here), BATCH):
-            batch = here[first : first + BATCH]
-            placed = np.array([weights @ (strength * part) for part in share[batch]])
-            for node, part in zip(nodes[batch], rfft(placed), strict=True):
-                part *= np.exp(-node * steps[known])
-                total += part
-        transform[known] += total * deconvolution
-    transform *= np.exp(-((sigma * steps) ** 2) / 2)
-    profile = irfft(transform, n=spreader.weights[0].shape[0])
-    near = profile[spreader.first : spreader.first + spreader.points] / spreader.step
+    low, high = hwhm.min(), hwhm.max()
+    alike = high - low <= EQUAL_WIDTHS * high
+    if alike:
+        # Relative widths then follow the place on the grid, to the few steps that a B-spline covers.
+        placed, relative = _place(spreader, 0, [strength])[0], (low + high) / 2 * spreader.wavelength
+        moment = placed * relative
+    else:
+        placed, relative = None, hwhm / spreader.lines.wavenumber
+        moment = _place(spreader, 0, [strength * relative])[0]
+    widths = relative.min(), relative.max()
+    if np.ptp(_on_width_scale(widths, sigma)) < NARROW_RANGE:
+        placed = _place(spreader, 0, [strength])[0] if placed is None else placed
+        transform = _narrow_transform(spreader, placed, moment, widths, sigma)
+    else:
+        transform = _wide_transform(spreader, strength, relative, sigma, placed)
+    transform *= np.exp(-(sigma**2 / 2) * spreader.rate**2)
+    profile = irfft(transform, n=len(spreader.wavelength), overwrite_x=True)
+    near = profile[spreader.first : spreader.first + spreader.points]
+    near += _far_correction(spreader, moment, strength, hwhm)
+    return near
+
+
+def _far_correction(spreader, moment, strength, hwhm):
+    """What the far wings lack on the grid (G,), from strength times relative width on the padded grid."""
+    bins, outside = spreader.far_inside @ moment, spreader.outside
+    if len(outside):
+        product = strength[outside] * hwhm[outside] / spreader.lines.wavenumber[outside]
+        bins = np.concatenate([bins, spreader.far_outside @ product])
     # einsum, not @: the bytes must not depend on the number of BLAS threads.
-    far = np.einsum("fb,b->f", spreader.far_kernel, spreader.far_gather @ (strength * relative))
-    place = np.linspace(0, FAR_POINTS - 1, spreader.points)
-    return near + np.interp(place, np.arange(FAR_POINTS), far)
+    far = np.einsum("fb,b->f", spreader.far_kernel, bins)
+    fine = far[:-1, None] + np.diff(far)[:, None] * (np.arange(spreader.far_cell) / spreader.far_cell)
+    return fine.ravel()[: spreader.points]
