@@ -192,7 +192,7 @@ def test_help_names_units_and_an_example(capsys):
         assert words in said
 
 
-def test_steps_are_told_on_a_terminal_only():
+def test_steps_and_layers_are_told_on_a_terminal_only(folder):
     class Terminal:
         text = ""
 
@@ -205,10 +205,24 @@ def test_steps_are_told_on_a_terminal_only():
         def write(self, text):
             self.text += text
 
+        def flush(self):
+            pass
+
+    options = cli.parser().parse_args(
+        ["radiance", str(folder / "path.nc"), "--out", str(folder / "out.nc"), *NARROW]
+    )
     for is_terminal in (True, False):
         stream = Terminal(is_terminal)
-        cli.Progress(stream).step("reading")
-        assert ("s] reading\n" in stream.text) == is_terminal
+        cli.radiance(options, cli.Progress(stream))
+        assert bool(stream.text) == is_terminal
+        assert ("s] computing 4 layers on 7000 wavelengths" in stream.text) == is_terminal
+        counted = [
+            (int(a), int(b)) for a, b in re.findall(r"\r\[ *[\d.]+ s\] layer (\d+) of (\d+)", stream.text)
+        ]
+        layers = max(counted, default=(0, 0))[1]
+        assert counted == [(done + 1, layers) for done in range(layers)]
+        assert (1 <= layers <= 4) == is_terminal
+        assert (f"layer {layers} of {layers}\n" in stream.text) == is_terminal
 
 
 def test_the_package_installs_the_command():

@@ -41,6 +41,13 @@ class Progress:
         if self.stream.isatty():
             self.stream.write(f"[{time.monotonic() - self.start:5.1f} s] {message}\n")
 
+    def layer(self, done, total):
+        """One line that counts, written over itself."""
+        if self.stream.isatty():
+            end = "\n" if done == total else ""
+            self.stream.write(f"\r[{time.monotonic() - self.start:5.1f} s] layer {done} of {total}{end}")
+            self.stream.flush()
+
 
 def radiance(options, progress):
     """Run `plasmapyro radiance`: file in, files out."""
@@ -51,7 +58,7 @@ def radiance(options, progress):
     response = io.read(options.response, "response") if options.response else None
     progress.step(
         f"computing {sightline.sizes['path_distance']} layers on {options.grid_points} wavelengths,"
-        " some 0.05 s each per 100 000 wavelengths"
+        " without those too dark to count"
     )
     result = line_of_sight_radiance(
         sightline,
@@ -59,6 +66,7 @@ def radiance(options, progress):
         wavelength_range=[edge * NANOMETRE for edge in options.wavelength_nm],
         grid_points=options.grid_points,
         slit_fwhm=options.slit_fwhm_nm * NANOMETRE,
+        progress=progress.layer,
     )
     result.attrs["origin"] = weakest([result.attrs["origin"], sightline.attrs.get("origin", "modelled")])
     progress.step(f"writing {options.out}")

@@ -333,7 +333,7 @@ def surface_radiance(grid, emittance, temperature):
     return fraction("emittance", emittance) * blackbody_radiance(grid.wavelength, temperature)
 
 
-def path_radiance(path, line_lists, grid, *, boundary=None):
+def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
     r"""Spectral radiance at the end of a path; nothing enters at its start unless told.
 
     .. math:: j_\lambda = \tilde\nu \sum_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda, \qquad
@@ -353,6 +353,8 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
     grid : Grid
     boundary : (G,) [W m-2 sr-1 m-1], optional
         Radiance that enters at the start of the path (of a surface: `surface_radiance`).
+    progress : function (layers done, layers in all), optional
+        Called after each layer that is not too dark to count.
 
     Returns
     -------
@@ -401,13 +403,13 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
     hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
     if not path.equilibrium or (boundary is not None and np.any(boundary > hottest)):
         kept = np.ones_like(kept)
-    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
+    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress)
     gas = solution[0][: len(spreaders) + len(CONTINUA)]
     emerging = -np.trapezoid(gas.sum(axis=0), grid.wavelength)
     # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
     if bounds[~kept].sum() > max(NEGLIGIBLE * emerging, dark):
         kept = np.ones_like(kept)
-        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
+        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress)
     return PathRadiance(
         (
             *(lines.component for lines in line_lists),
@@ -432,14 +434,15 @@ def _require_resolution_of_light(temperature, systems, grid):
         require_resolution(grid, *min(narrowest))
 
 
-def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
+def _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress):
     """Radiance by component (C, G), thin radiance and depth (G,) from the kept parts of each layer."""
     gas = len(spreaders) + len(CONTINUA)
     radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
     if boundary is not None:
         radiance[gas] = boundary
     thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
-    for layer in np.flatnonzero(kept.any(axis=0)):
+    crossed = np.flatnonzero(kept.any(axis=0))
+    for done, layer in enumerate(crossed, start=1):
         temperature, thickness = path.temperature[layer], path.thickness[layer]
         blackbody = blackbody_radiance(grid.wavelength, path.electron_temperature[layer])
         emitted = np.zeros_like(radiance)
@@ -460,4 +463,6 @@ def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
         radiance, depth = cross_layer(radiance, emitted, (total + excess) / blackbody, thickness)
         thin_radiance += total * thickness
         optical_depth += depth
+        if progress is not None:
+            progress(done, len(crossed))
     return radiance, thin_radiance, optical_depth

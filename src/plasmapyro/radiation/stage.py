@@ -16,7 +16,9 @@ BANDS = ("wide", "narrow")
 REFLECTIONS = ("specular", "diffuse")
 
 
-def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_points, slit_fwhm):
+def line_of_sight_radiance(
+    sightline, band_response, *, wavelength_range, grid_points, slit_fwhm, progress=None
+):
     r"""Radiance of the gas along a sight line, by component, as seen from its far end.
 
     Parameters
@@ -31,6 +33,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         Of the logarithmic wavenumber grid; refused when too few for the Doppler widths.
     slit_fwhm : float [m]
         Of the Gaussian slit function of the coarse view.
+    progress : function (layers done, layers in all), optional
 
     Returns
     -------
@@ -63,7 +66,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         excitation_temperature=None if excitation is None else excitation.values,
     )
     lists = line_lists(grid, path.number_density)
-    result = path_radiance(path, lists, grid)
+    result = path_radiance(path, lists, grid, progress=progress)
 
     wavelength = grid.wavelength[::-1]
     radiance, thin = result.radiance[:, ::-1], result.thin_radiance[::-1]
