@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from plasmapyro.constants import BOHR_RADIUS
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation import nitric_oxide
+from plasmapyro.radiation.broadening import mean_square_radius
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR
 from plasmapyro.radiation.diatomic_states import RADIUS, rovibration, state_constants, tabulated_moments
 from plasmapyro.radiation.nitrogen import nitrogen_first_positive
@@ -130,3 +132,16 @@ def test_rydberg_bands_left_out_may_outshine_the_infrared_system(temperature, sh
     found = 10 / 2 * np.exp(-100 * SECOND * (upper - sigma) / temperature)
     found *= probability / decay * (upper - lower) / (sigma - 43966.0)
     assert found == pytest.approx(share, rel=0.1)
+
+
+def test_rydberg_bands_left_out_are_bounded_by_the_size_of_their_orbit():
+    """Cauchy-Schwarz: radial <3p|r|3d>^2 <= <3d|r^2|3d>, hydrogen-like below the ionisation limit of NO.
+
+    Limit 74721.7 cm-1 (Reiser et al., J. Chem. Phys. 89 (1988) 6150). Line strength by
+    A = 4 alpha^3 omega^3 / 3 * 2/5 R^2 in atomic units (Bethe and Salpeter 1957, section 63).
+    """
+    orbit = mean_square_radius(100 * (74721.7 - 62209.0), 2) / BOHR_RADIUS**2
+    energy = 12202.0 / 219474.63
+    sodium = 5.14e7 * 2.418884e-17 / (4 / 3 / 137.036**3 * energy**3 * 2 / 5)
+    assert sodium == pytest.approx(35, rel=0.01)
+    assert orbit / sodium == pytest.approx(3.4, rel=0.02)

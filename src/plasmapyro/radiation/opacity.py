@@ -16,7 +16,7 @@ PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half 
 COARSENINGS = (1, 2, 4, 8, 16, 32)  # of the grid that places lines of great Lorentz width
 COARSE_WIDTH = 6.0  # coarse grid steps in the least Lorentz width placed there; 1e-9 of the peak
 EQUAL_WIDTHS = 0.01  # [1]; where the widths of many lines differ by less, all take the middle one
-BATCH = 8  # Fourier transforms taken together, as many as a processor's vector holds
+BATCH = 2  # Fourier transforms taken together: a processor's vector holds them, the cache not many more
 FEW_LINES = 0.05  # [1], of the grid points; fewer leave most points of the grid untouched
 FAR_CELLS = 512  # of the axis on which far wings are smooth
 FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; strengths are gathered so for their far wings
@@ -277,30 +277,33 @@ def _on_width_scale(width, sigma):
     return np.arcsinh(np.array(width) / (NODE_SCALE * sigma))
 
 
-def _narrow_transform(spreader, placed, moment, widths, sigma):
+def _narrow_transform(spreader, placed, widths, sigma):
     """Transform of lines whose widths lie close together, without their Doppler profile (Q,).
 
-    Between two nodes the decay is linear in the width, so strength and strength times width suffice.
+    Between two nodes the decay is linear in the width, so strength and strength times width suffice: the
+    rows of `placed` (2, P), which is overwritten.
     """
     low, high = widths
     half = max((high - low) / np.sqrt(8), LEAST_SEPARATION * sigma)  # Chebyshev nodes of the range
     lower, upper = (low + high) / 2 - half, (low + high) / 2 + half
-    decay = np.exp(-lower * spreader.rate)
-    slope = (np.exp(-upper * spreader.rate) - decay) / (upper - lower)
-    transform, by_width = rfft(np.array([placed, moment]), overwrite_x=True)
-    transform *= decay - lower * slope
+    transform, by_width = rfft(placed, overwrite_x=True)
+    decay, slope = -lower * spreader.rate, -upper * spreader.rate
+    np.exp(decay, out=decay)
+    np.exp(slope, out=slope)
+    slope -= decay
+    slope /= upper - lower
     by_width *= slope
+    slope *= lower
+    decay -= slope
+    transform *= decay
     transform += by_width
     transform *= spreader.deconvolution[0]
     return transform
 
 
-def _place(spreader, level, strengths):
-    """Sets of strengths (N, L) on the padded grid of one coarsening (N, length)."""
-    placed = np.zeros((len(strengths), len(spreader.wavelength) // COARSENINGS[level]))
-    for row, strength in zip(placed, strengths, strict=True):
-        row[spreader.touched[level]] = spreader.weights[level] @ strength
-    return placed
+def _place(spreader, level, strength, placed):
+    """Strengths (L,) into an empty padded grid of one coarsening."""
+    placed[spreader.touched[level]] = spreader.weights[level] @ strength
 
 
 def _wide_transform(spreader, strength, relative, sigma, placed=None):
@@ -315,14 +318,16 @@ def _wide_transform(spreader, strength, relative, sigma, placed=None):
     for level in np.unique(coarse):
         deconvolution = spreader.deconvolution[level]
         here, rate = np.flatnonzero(coarse == level), spreader.rate[: len(deconvolution)]
-        total = np.zeros(len(deconvolution), dtype=complex)
+        total, decay = np.zeros(len(deconvolution), dtype=complex), np.empty(len(deconvolution))
         for batch in np.array_split(here, -(-len(here) // BATCH)):
             if placed is None:
-                parts = _place(spreader, level, strength * share[batch])
+                parts = np.zeros((len(batch), len(spreader.wavelength) // COARSENINGS[level]))
+                for part, weight in zip(parts, share[batch], strict=True):
+                    _place(spreader, level, strength * weight, part)
             else:
                 parts = share[batch] * placed
             for node, part in zip(nodes[batch], rfft(parts, overwrite_x=True), strict=True):
-                part *= np.exp(-node * rate)
+                part *= np.exp(np.multiply(rate, -node, out=decay), out=decay)
                 total += part
         total *= deconvolution
         transform[: len(rate)] += total
@@ -365,24 +370,28 @@ def spread(spreader, strength, hwhm, sigma):
     """
     low, high = hwhm.min(), hwhm.max()
     alike = high - low <= EQUAL_WIDTHS * high
+    # Strength, and strength times relative width; of many lines with one width that follows the place on the
+    # grid, to the few steps that a B-spline covers.
+    placed = np.zeros((2, len(spreader.wavelength)))
+    _place(spreader, 0, strength, placed[0])
     if alike:
-        # Relative widths then follow the place on the grid, to the few steps that a B-spline covers.
-        placed, relative = _place(spreader, 0, [strength])[0], (low + high) / 2 * spreader.wavelength
-        moment = placed * relative
+        relative = (low + high) / 2 * spreader.wavelength
+        np.multiply(placed[0], relative, out=placed[1])
     else:
-        placed, relative = None, hwhm / spreader.lines.wavenumber
-        moment = _place(spreader, 0, [strength * relative])[0]
+        relative = hwhm / spreader.lines.wavenumber
+        _place(spreader, 0, strength * relative, placed[1])
+    far = _far_correction(spreader, placed[1], strength, hwhm)
     widths = relative.min(), relative.max()
     if np.ptp(_on_width_scale(widths, sigma)) < NARROW_RANGE:
-        placed = _place(spreader, 0, [strength])[0] if placed is None else placed
-        transform = _narrow_transform(spreader, placed, moment, widths, sigma)
+        transform = _narrow_transform(spreader, placed, widths, sigma)
     else:
-        transform = _wide_transform(spreader, strength, relative, sigma, placed)
-    transform *= np.exp(-(sigma**2 / 2) * spreader.rate**2)
+        transform = _wide_transform(spreader, strength, relative, sigma, placed[0] if alike else None)
+    thermal = np.square(spreader.rate)
+    thermal *= -(sigma**2) / 2
+    transform *= np.exp(thermal, out=thermal)
     profile = irfft(transform, n=len(spreader.wavelength), overwrite_x=True)
-    near = profile[spreader.first : spreader.first + spreader.points]
-    near += _far_correction(spreader, moment, strength, hwhm)
-    return near
+    far += profile[spreader.first : spreader.first + spreader.points]
+    return far
 
 
 def _far_correction(spreader, moment, strength, hwhm):

@@ -53,7 +53,9 @@ def escape_fraction(optical_depth):
     Source: formal solution of the transfer equation in a uniform layer.
     """
     depth = np.asarray(optical_depth, dtype=float)
-    return np.divide(-np.expm1(-depth), depth, out=np.ones_like(depth), where=depth != 0)
+    absorbed = np.asarray(-depth)
+    np.negative(np.expm1(absorbed, out=absorbed), out=absorbed)
+    return np.divide(absorbed, depth, out=np.ones_like(depth), where=depth != 0)
 
 
 def cross_layer(radiance, emission_coefficient, absorption_coefficient, thickness):
@@ -84,4 +86,9 @@ def cross_layer(radiance, emission_coefficient, absorption_coefficient, thicknes
     """
     depth = absorption_coefficient * thickness
     escape = escape_fraction(depth)
-    return radiance * np.exp(-depth) + emission_coefficient * (thickness * escape), depth
+    # 1 - tau eta is exp(-tau) to the rounding of 1, without another exponential.
+    transmitted = depth * escape
+    behind = radiance * np.subtract(1, transmitted, out=transmitted)
+    escape *= thickness
+    behind += emission_coefficient * escape
+    return behind, depth
