@@ -302,7 +302,7 @@ def _narrow_transform(spreader, placed, widths, sigma):
 
 
 def _place(spreader, level, strength, placed):
-    """Strengths (L,) into an empty padded grid of one coarsening."""
+    """Strengths (L,) into a padded grid of one coarsening, empty or held by the same lines."""
     placed[spreader.touched[level]] = spreader.weights[level] @ strength
 
 
@@ -318,15 +318,17 @@ def _wide_transform(spreader, strength, relative, sigma, placed=None):
     for level in np.unique(coarse):
         deconvolution = spreader.deconvolution[level]
         here, rate = np.flatnonzero(coarse == level), spreader.rate[: len(deconvolution)]
+        # Kept from batch to batch: lines touch the same points in all, and clean memory is dear.
+        parts = np.zeros((min(BATCH, len(here)), len(spreader.wavelength) // COARSENINGS[level]))
         total, decay = np.zeros(len(deconvolution), dtype=complex), np.empty(len(deconvolution))
-        for batch in np.array_split(here, -(-len(here) // BATCH)):
+        for first in range(0, len(here), BATCH):
+            batch = here[first : first + BATCH]
             if placed is None:
-                parts = np.zeros((len(batch), len(spreader.wavelength) // COARSENINGS[level]))
-                for part, weight in zip(parts, share[batch], strict=True):
+                for part, weight in zip(parts, share[batch], strict=False):
                     _place(spreader, level, strength * weight, part)
             else:
-                parts = share[batch] * placed
-            for node, part in zip(nodes[batch], rfft(parts, overwrite_x=True), strict=True):
+                np.multiply(share[batch], placed, out=parts[: len(batch)])
+            for node, part in zip(nodes[batch], rfft(parts[: len(batch)]), strict=True):
                 part *= np.exp(np.multiply(rate, -node, out=decay), out=decay)
                 total += part
         total *= deconvolution
