@@ -35,6 +35,7 @@ RESULTS = []  # what the main job leaves behind besides figures; each file of ru
 
 include: "workflow/rules/gas.smk"
 include: "workflow/rules/flow.smk"
+include: "workflow/rules/cfd.smk"
 include: "workflow/rules/sightline.smk"
 include: "workflow/rules/instrument.smk"
 include: "workflow/rules/radiation.smk"
