@@ -146,7 +146,7 @@ def _sections(path, node, dimension, count):
             refuse(
                 path, f"holds cells of type {number} (polyhedra)", "export triangles, tetrahedra or bricks"
             )
-        for kind, block in blocks:
+        for _, block in blocks:
             if block.size and (block.min() < 0 or block.max() >= count):
                 refuse(path, f"a cell names node {block.max() + 1} of {count}", "the file is damaged")
         cells += [(kind, block) for kind, block in blocks if DIMENSION.get(kind, 1) == dimension]

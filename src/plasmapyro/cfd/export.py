@@ -12,8 +12,8 @@ SCALARS = ("temperature", "pressure", "joule_heating")
 def write_vtu(flow, path):
     """Write a flow field as a VTK XML unstructured grid (.vtu), whole or not at all.
 
-    Six-node triangles with x axial, y radial, z = 0 [m]; `temperature` [K], `pressure` [Pa], `velocity` [m s-1],
-    `joule_heating` [W m-3] at the nodes. The same flow gives the same bytes.
+    Six-node triangles with x axial, y radial, z = 0 [m]; `temperature` [K], `pressure` [Pa],
+    `velocity` [m s-1], `joule_heating` [W m-3] at the nodes. The same flow gives the same bytes.
 
     Parameters
     ----------

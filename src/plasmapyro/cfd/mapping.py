@@ -55,7 +55,7 @@ LARGEST_MISSING_SHARE = 0.01
 
 @dataclass(frozen=True)
 class Source:
-    """A quantity of the file: its name, or None for one `value` everywhere; SI = factor (v + add) + offset."""
+    """A quantity of the file: its name, or None for one `value` everywhere; SI = factor v + shift."""
 
     name: str | None
     value: float | None

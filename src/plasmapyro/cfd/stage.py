@@ -12,8 +12,8 @@ from plasmapyro.sightline.stage import FINE_SAMPLES, OUTER_POINTS, SURFACE_LENGT
 TEMPERATURE_RANGE = (100.0, 3e4)  # [K]
 PRESSURE_RANGE = (1.0, 1e7)  # [Pa]
 START_GAP = 1e-3  # [m]
-"""ASSUME: a field that begins within 1 mm of the origin begins at it (facets of a curved surface, an axis that
-the cells do not reach); the first state holds up to the origin."""
+"""ASSUME: a field that begins within 1 mm of the origin begins at it (facets of a curved surface, an axis
+that the cells do not reach); the first state holds up to the origin."""
 SAME_TEMPERATURE = 0.1  # [K]
 OTHER_TEMPERATURES = ("rotational_temperature", "vibrational_temperature", "electron_temperature")
 
@@ -82,8 +82,8 @@ def to_instrument(
     """
     if inside.attrs["path_end"] == "body":
         raise ValueError(
-            f"the instrument does not see the surface: the line of sight {inside.attrs['path_status']}; change"
-            " ray.direction, or state ray.gaps: gas if the hole is gas that the file does not hold"
+            f"the instrument does not see the surface: the line of sight {inside.attrs['path_status']};"
+            " change ray.direction, or state ray.gaps: gas if the hole is gas that the file does not hold"
         )
     leaves = float(inside["path_distance"][-1])
     if not leaves < window_distance < instrument_distance - WINDOW_THICKNESS:

@@ -51,7 +51,7 @@ def read_mesh(path):
             at[key.strip()] = (place, value.split())
     for key in ("NDIME", "NELEM", "NPOIN"):
         if key not in at or not at[key][1] or not at[key][1][0].isdigit():
-            refuse(path, f"has no line {key}= with a number", "give the mesh in SU2's own format (.su2)")
+            refuse(path, f"has no line {key}= with a number", "it may be cut off, or no SU2 mesh")
     dimension = int(at["NDIME"][1][0])
     points = np.array(_block(path, rows, at, "NPOIN", dimension, float), dtype=float)[:, :dimension]
     kinds = {}

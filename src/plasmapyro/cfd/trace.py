@@ -13,7 +13,7 @@ ROWS = 400  # samples located at a time
 
 @dataclass(frozen=True)
 class Ray:
-    """Origin [m] and unit direction in space; `axisymmetric`: mesh coordinates are (axial, distance from it)."""
+    """Origin [m] and unit direction in space; `axisymmetric`: mesh coordinates are (axial, radial)."""
 
     origin: np.ndarray
     direction: np.ndarray
@@ -39,8 +39,9 @@ class Crossings:
 def crossings(field, ray, reach):
     r"""Every simplex that the ray crosses, with the distances of entry and exit.
 
-    A barycentric coordinate along the ray is :math:`\lambda(t) = a + b t + c\,r(t)` with the distance from the
-    axis :math:`r(t)` in an axisymmetric field and c = 0 otherwise; the cell is crossed where all are >= 0.
+    A barycentric coordinate along the ray is :math:`\lambda(t) = a + b t + c\,r(t)` with the distance
+    from the axis :math:`r(t)` in an axisymmetric field and c = 0 otherwise; the cell is crossed where all
+    are >= 0.
 
     Parameters
     ----------
@@ -128,8 +129,11 @@ def _around(matrix, ray, reach):
     a = slope**2 - radial**2 * square
     b = start * slope - radial**2 * mixed
     c = start**2 - radial**2 * constant
+    # b^2 - a c, with the terms that cancel for an edge along the radius left out beforehand.
+    spread = start**2 * square - 2 * start * slope * mixed + slope**2 * constant
+    discriminant = radial**2 * (spread - radial**2 * (square * constant - mixed**2))
     with np.errstate(divide="ignore", invalid="ignore"):
-        q = -(b + np.copysign(np.sqrt(b**2 - a * c), b))
+        q = -(b + np.copysign(np.sqrt(discriminant), b))
         roots = np.concatenate([q / a, c / q], axis=1)
     roots = np.where(np.isfinite(roots), roots, 0.0).clip(0.0, reach)
     outer = np.broadcast_to([0.0, reach], (len(roots), 2))
@@ -201,9 +205,10 @@ def values_along(field, ray, found, distance, names):
     result = {}
     for name in names:
         value = field.values[name]
-        total = (weight * value[corner]).sum(axis=1)
-        for k, (i, j) in enumerate(edges):
-            bulge = value[middle[:, k]] - (value[corner[:, i]] + value[corner[:, j]]) / 2
-            total += np.where(middle[:, k] >= 0, 4 * weight[:, i] * weight[:, j] * bulge, 0.0)
+        with np.errstate(invalid="ignore"):  # infinite values of the file; the caller looks for them
+            total = (weight * value[corner]).sum(axis=1)
+            for k, (i, j) in enumerate(edges):
+                bulge = value[middle[:, k]] - (value[corner[:, i]] + value[corner[:, j]]) / 2
+                total += np.where(middle[:, k] >= 0, 4 * weight[:, i] * weight[:, j] * bulge, 0.0)
         result[name] = total
     return result
