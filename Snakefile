@@ -72,6 +72,10 @@ localrules:
     figures_pyrometer,
     figures_spectrometer,
     figures_both,
+    figures_sightline,
+    flow_vtu,
+    cfd_sightline,
+    cfd_surface_view,
 
 
 rule all:

@@ -154,6 +154,13 @@ def check_together(config, conditions, tests):
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     faults.append(_unknown("claims.test", config["claims"]["test"], tests))
+    drawn = config["figures"]["field_condition"]
+    computed = [name for name, case in conditions.items() if "cfd" not in case]
+    if computed and drawn in conditions and drawn not in computed:
+        faults.append(
+            f"figures.field_condition: '{drawn}' brings its own flow field (cfd), which is not drawn; name"
+            f" one of {', '.join(computed)}"
+        )
     lowest, highest = min(config["gas"]["pressure_mbar"]), max(config["gas"]["pressure_mbar"])
     cases = {"flow.start": config["flow"]["start"], **conditions}
     faults += [

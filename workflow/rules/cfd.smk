@@ -5,6 +5,7 @@ from plasmapyro.cfd.mapping import check_conditions, map_of
 
 CFD_CONDITIONS = check_conditions(CONDITIONS)
 COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
+RESULTS += expand("results/flow/{condition}.vtu", condition=COMPUTED)
 
 
 def one_of(names):

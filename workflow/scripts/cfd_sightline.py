@@ -1,4 +1,4 @@
-"""Rule cfd_sightline: state of the gas from the surface to the instrument, in a flow field of another program."""
+"""Rule cfd_sightline: state of the gas from the surface to the instrument, from a file of another program."""
 
 import numpy as np
 
