@@ -144,6 +144,12 @@ def test_a_condition_with_its_own_flow_field_is_not_computed_but_shown(project):
     assert jobs["figures_flow"] == jobs["flow_vtu"] == 1
 
 
+def test_its_light_on_the_surface_is_a_target_too(project):
+    jobs = planned(snakemake(project, "--dry-run", "results/reflection/mine.nc"))
+    assert jobs["cfd_surface_view"] == jobs["reflected_radiance"] == 1
+    assert "flow" not in jobs and "surface_view" not in jobs
+
+
 def test_its_sight_line_reaches_the_instrument(project):
     result = snakemake(project, "results/sightline/mine.nc")
     assert result.returncode == 0, result.stdout + result.stderr

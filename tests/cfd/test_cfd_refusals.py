@@ -3,6 +3,7 @@
 import re
 
 import cfd_samples as samples
+import numpy as np
 import pytest
 
 from plasmapyro import configuration
@@ -133,6 +134,27 @@ def test_su2_cell_that_names_no_point(tmp_path):
     cells = cells.copy()
     cells[3, 1] = 70
     assert "a cell names point 70 of 35" in su2(tmp_path, mesh=samples.su2_mesh(points, cells))
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["mixed_ascii.vtu", "mixed_appended_raw.vtu", "mixed_binary.vtk", "unstructured.cgns", "block.dat"],
+)
+def test_any_damage_gives_a_sight_line_or_one_message(tmp_path, name):
+    content = samples.tecplot_block().encode() if name == "block.dat" else (samples.FILES / name).read_bytes()
+    mapping = samples.settings(**(TECPLOT if name == "block.dat" else {}))
+    generator = np.random.default_rng(7)
+    for _ in range(12):
+        damaged = bytearray(content)
+        for place in generator.integers(0, len(content), 5):
+            damaged[place] = generator.integers(0, 256)
+        (tmp_path / name).write_bytes(damaged[: generator.integers(len(content) // 2, 2 * len(content))])
+        try:
+            line = sightline(tmp_path / name, mapping, points=30)
+        except ValueError as message:
+            assert str(message)
+        else:
+            assert np.isfinite(line.temperature).all()
 
 
 def test_su2_needs_its_mesh(tmp_path):

@@ -9,8 +9,9 @@ from plasmapyro.cfd import trace
 from plasmapyro.cfd.export import write_vtu
 from plasmapyro.cfd.grid import CORNERS_OF, DIMENSION, SIMPLICES, Field, simplices_of
 from plasmapyro.cfd.nodes import to_nodes
-from plasmapyro.cfd.stage import sightline, to_instrument
+from plasmapyro.cfd.stage import sightline, surface_view, to_instrument
 from plasmapyro.sightline.stage import line_of_sight
+from plasmapyro.sightline.stage import surface_view as direct_surface_view
 
 FLOAT_RTOL = 1e-10  # of a linear field; the ends of cells are widened by 1e-12
 WRITTEN = {
@@ -164,6 +165,26 @@ def test_our_own_flow_read_back_gives_the_same_sight_line(tmp_path):
     assert found.attrs["window_distance"] == direct.attrs["window_distance"]
     io.write(found, tmp_path / "line.nc", "sightline", sources=[tmp_path / "flow.vtu"])
     assert io.read(tmp_path / "line.nc", "sightline").sizes == direct.sizes
+
+
+def test_the_rays_that_light_the_surface_are_those_of_the_direct_way(tmp_path):
+    flow = samples.quadratic_flow(jet)
+    write_vtu(flow, tmp_path / "flow.vtu")
+    mapping = samples.settings(variables=WRITTEN, ray={"origin": [0.3, 0.0], "direction": [-1.0, 0.1]})
+    rule = {"mirror_angle": 0.6, "directions_count": 4, "core_angle": 0.1, "points": 40}
+    found = surface_view(tmp_path / "flow.vtu", mapping, **rule)
+    direct = direct_surface_view(flow, **rule)
+    for name in ("ray_angle", "ray_weight", "ray_distance", "ray_temperature", "ray_pressure"):
+        assert found[name].values == pytest.approx(direct[name].values, rel=1e-9, abs=1e-12)
+    assert found.ray_number_density.values == pytest.approx(direct.ray_number_density.values, rel=1e-6)
+    io.write(found, tmp_path / "view.nc", "surface_view")
+
+
+def test_only_the_stagnation_point_of_an_axisymmetric_field_is_lit():
+    rule = {"mirror_angle": 0.6, "directions_count": 4, "core_angle": 0.1, "points": 40}
+    mapping = samples.settings(ray={"origin": [0.29, 0.01]})
+    with pytest.raises(ValueError, match="at the stagnation point, on the axis"):
+        surface_view(samples.FILES / "mixed_ascii.vtu", mapping, **rule)
 
 
 def test_the_same_flow_gives_the_same_bytes(tmp_path):

@@ -31,6 +31,24 @@ rule cfd_sightline:
         "../scripts/cfd_sightline.py"
 
 
+rule cfd_surface_view:
+    input:
+        file=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"]["file"],
+        mesh=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"].get("mesh", []),
+    output:
+        "results/surface_view/{condition}.nc",
+    log:
+        "results/logs/cfd_surface_view_{condition}.log",
+    wildcard_constraints:
+        condition=one_of(CFD_CONDITIONS),
+    params:
+        **config["reflection"],
+        angle_deg=config["sightline"]["angle_deg"],
+        map=lambda wildcards: map_of(CONDITIONS[wildcards.condition]),
+    script:
+        "../scripts/cfd_surface_view.py"
+
+
 # One job for all, because opening a Python takes longer than writing a file.
 rule flow_vtu:
     input:

@@ -158,6 +158,7 @@ def _zone_field(zone, mapping, path, dimension):
     kept = [block for block in kept_cells(zone, dimension) if len(block[1])]
     if not kept:
         return None
+    _require_whole(zone, kept, len(points), path)
     values, in_cells = {}, {}
     for quantity, source in wanted_names(mapping).items():
         if source.name is not None and source.name not in zone.point_data and source.name in zone.cell_data:
@@ -173,6 +174,27 @@ def _zone_field(zone, mapping, path, dimension):
     return Field(points, simplices, middles, {name: values[name] for name in wanted_names(mapping)})
 
 
+def _require_whole(zone, kept, count, path):
+    """Refuse cells that name nodes, and data that belong to cells, that the zone does not have."""
+    for kind, connectivity, _ in kept:
+        bad = (connectivity < 0) | (connectivity >= count)
+        if bad.any():
+            cell = int(np.argmax(bad.any(axis=1)))
+            refuse(
+                path,
+                f"{kind} {cell + 1} of zone {zone.name!r} names node {connectivity[cell][bad[cell]][0] + 1}"
+                f" of {count}",
+                "the file is damaged; export it again",
+            )
+    cells = sum(len(connectivity) for _, connectivity in zone.cells)
+    for name, values in zone.cell_data.items():
+        found = sum(map(len, values)) if isinstance(values, list) else len(values)
+        if found != cells:
+            refuse(
+                path, f"{name} has {found} values for {cells} cells", "the file is damaged; export it again"
+            )
+
+
 def _of_cells(data, kept):
     """Values of the kept cells from those of all cells of the zone, in one array or one per kind."""
     whole = np.concatenate(data) if isinstance(data, list) else data
@@ -182,7 +204,11 @@ def _of_cells(data, kept):
 def _column(zone, name, quantity, path):
     """Values at nodes of a name in the file."""
     if name in zone.point_data:
-        return np.asarray(zone.point_data[name], dtype=float)
+        values = np.asarray(zone.point_data[name], dtype=float)
+        first = next(iter(zone.point_data.values()))
+        if len(values) != len(first):
+            refuse(path, f"{name} has {len(values)} values for {len(first)} nodes", "export the file again")
+        return values
     if name in zone.words:
         refuse(path, zone.words[name], "correct it, or name another column")
     known = [*zone.point_data, *zone.cell_data, *zone.words]

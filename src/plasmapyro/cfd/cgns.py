@@ -3,7 +3,7 @@
 import numpy as np
 
 from plasmapyro.cfd.grid import DIMENSION, Zone, block_cells
-from plasmapyro.readers.text import refuse, regular_file
+from plasmapyro.readers.text import Refusal, refuse, regular_file
 
 LARGEST = 8_000_000_000  # [byte]
 CELLS = {  # number in the standard -> kind, nodes
@@ -52,9 +52,9 @@ def read(path):
             bases = _labelled(file, "CGNSBase_t")
             dimension = int(_data(bases[0])[0]) if bases else 0
             zones = [_zone(path, node, dimension) for base in bases for node in _labelled(base, "Zone_t")]
-    except (OSError, KeyError, IndexError, ValueError, RuntimeError) as reason:
-        if hasattr(reason, "messages"):
-            raise
+    except Refusal:
+        raise
+    except Exception as reason:  # a damaged file lacks nodes anywhere in its tree
         words = " ".join(str(reason).split())
         refuse(
             path,
@@ -101,9 +101,7 @@ def _zone(path, node, dimension):
     zone = Zone(name, points)
     count = len(next(iter(points.values()))) if points else 0
     zone.cells = (
-        block_cells(coordinates[0].shape)
-        if structured and points
-        else _sections(path, node, dimension, count)
+        block_cells(coordinates[0].shape) if structured and points else _sections(path, node, dimension)
     )
     cell_count = sum(len(cells) for kind, cells in zone.cells if DIMENSION.get(kind) == dimension)
     for solution in _labelled(node, "FlowSolution_t"):
@@ -126,7 +124,7 @@ def _zone(path, node, dimension):
     return zone
 
 
-def _sections(path, node, dimension, count):
+def _sections(path, node, dimension):
     """Cells of an unstructured zone in the order of their numbers."""
     sections = sorted(
         _labelled(node, "Elements_t"), key=lambda part: int(_data(part["ElementRange"]).ravel()[0])
@@ -146,9 +144,6 @@ def _sections(path, node, dimension, count):
             refuse(
                 path, f"holds cells of type {number} (polyhedra)", "export triangles, tetrahedra or bricks"
             )
-        for _, block in blocks:
-            if block.size and (block.min() < 0 or block.max() >= count):
-                refuse(path, f"a cell names node {block.max() + 1} of {count}", "the file is damaged")
         cells += [(kind, block) for kind, block in blocks if DIMENSION.get(kind, 1) == dimension]
     return cells
 

@@ -1,11 +1,15 @@
 """The sight line of the instruments through a flow field of another program."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
 from plasmapyro.cfd import assemble, composition, trace
 from plasmapyro.cfd.mapping import parse
 from plasmapyro.checks import increasing, positive, within
+from plasmapyro.gas.species import SPECIES
+from plasmapyro.sightline.hemisphere import directions
 from plasmapyro.sightline.ray import spread
 from plasmapyro.sightline.stage import FINE_SAMPLES, OUTER_POINTS, SURFACE_LENGTH, WINDOW_THICKNESS
 
@@ -116,6 +120,65 @@ def to_instrument(
     whole = xr.concat([inside, last, outside], "path_distance", data_vars="minimal", join="exact")
     whole.attrs = {**inside.attrs, "window_distance": float(window_distance)}
     return whole
+
+
+def surface_view(path, settings, *, mesh=None, mirror_angle, directions_count, core_angle, points):
+    """Rays that light the stagnation point, through an axisymmetric field in a file.
+
+    Parameters
+    ----------
+    path, settings, mesh : as in `sightline`
+        The origin of the ray is the stagnation point, on the axis.
+    mirror_angle, directions_count, core_angle, points
+        As in `sightline.stage.surface_view`.
+
+    Returns
+    -------
+    Dataset, contract 'surface_view'
+
+    Raises
+    ------
+    Refusal, ValueError
+        As `sightline`; also another geometry, an origin off the axis, or a ray that meets a body.
+    """
+    mapping = parse(settings)
+    origin = mapping.ray.get("origin", [])
+    if mapping.geometry != "axisymmetric" or any(origin[1:]):
+        raise ValueError(
+            "the light on the surface is computed at the stagnation point, on the axis of an axisymmetric field"
+            f"; geometry is {mapping.geometry}, ray.origin {origin}"
+        )
+    field = assemble.build(assemble.read_zones(path, mapping, mesh), mapping, path)
+    free = replace(mapping, ray={"origin": origin})
+    angles, weights = directions(directions_count, core_angle)
+    angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
+    lines = []
+    for angle in angles:
+        arrays, attributes = _along_ray(field, free, points, angle)
+        lines.append(_dataset(arrays, free, attributes))
+        if attributes["path_end"] == "body":
+            raise ValueError(f"the ray at {np.degrees(angle):.4g} deg {attributes['path_status']}")
+    names = list(lines[0]["species"].values)
+    if names != list(SPECIES):
+        raise ValueError(
+            f"the light on the surface is computed for the species of air; got {', '.join(names)}"
+        )
+
+    def stacked(name):
+        return np.array([line[name].values for line in lines])
+
+    return xr.Dataset(
+        {
+            "ray_angle": ("ray", angles),
+            "ray_weight": ("ray", weights),
+            "ray_distance": (("ray", "node"), stacked("path_distance")),
+            "ray_temperature": (("ray", "node"), stacked("temperature")),
+            "ray_pressure": (("ray", "node"), stacked("pressure")),
+            "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
+        },
+        {"species": names},
+        attrs={"origin": "modelled", "title": "Gas that lights the stagnation point of a given flow field"},
+    )
 
 
 def _along_ray(field, mapping, points, angle):
