@@ -145,7 +145,7 @@ def surface_view(path, settings, *, mesh=None, mirror_angle, directions_count, c
     origin = mapping.ray.get("origin", [])
     if mapping.geometry != "axisymmetric" or any(origin[1:]):
         raise ValueError(
-            "the light on the surface is computed at the stagnation point, on the axis of an axisymmetric field"
+            "the light on the surface needs a stagnation point on the axis of an axisymmetric field"
             f"; geometry is {mapping.geometry}, ray.origin {origin}"
         )
     field = assemble.build(assemble.read_zones(path, mapping, mesh), mapping, path)
