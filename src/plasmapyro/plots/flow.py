@@ -272,7 +272,7 @@ def balances(flows, numerical_power, paths):
         upper.bar(place, share, bottom=bottom, color=colour, label=label, width=0.8)
         bottom += share
     upper.axhline(100, color="0.2", lw=0.7)
-    upper.set(ylabel="Share of Joule power [%]")
+    upper.set(ylabel="Share of Joule power [%]", ylim=(0, 106))
     upper.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     for name, label, offset in (("energy_imbalance", "energy", -0.2), ("mass_imbalance", "mass", 0.2)):
         values = [100 * float(flow[name]) for flow in flows.values()]
