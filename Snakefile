@@ -33,9 +33,9 @@ onstart:
 RESULTS = []  # what the main job leaves behind besides figures; each file of rules adds its own
 
 
+include: "workflow/rules/cfd.smk"
 include: "workflow/rules/gas.smk"
 include: "workflow/rules/flow.smk"
-include: "workflow/rules/cfd.smk"
 include: "workflow/rules/sightline.smk"
 include: "workflow/rules/instrument.smk"
 include: "workflow/rules/radiation.smk"

@@ -175,7 +175,7 @@ def test_without_computed_conditions_no_flow_is_computed(project):
         path.write_text(text.replace("95", path.stem.removesuffix("kW")))
     jobs = planned(snakemake(project, "--dry-run"))
     assert jobs["cfd_sightline"] == jobs["radiance"] == 10
-    assert not {"flow", "flow_start", "sightline", "figures_flow", "flow_vtu", "air_table"} & set(jobs)
+    assert not {"flow", "flow_start", "sightline", "figures_flow", "flow_vtu"} & set(jobs)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,9 @@
 """Our own flow as a file that ParaView and other programs open."""
 
-import os
-from pathlib import Path
-
 import meshio
 import numpy as np
+
+from plasmapyro import io
 
 SCALARS = ("temperature", "pressure", "joule_heating")
 
@@ -19,6 +18,11 @@ def write_vtu(flow, path):
     ----------
     flow : Dataset, contract 'flow'
     path : path of the file to write
+
+    Raises
+    ------
+    StorageError
+        If it cannot be written; see `io.store`.
     """
     flat = np.zeros(flow.sizes["node"])
     points = np.stack([flow["node_z"].values, flow["node_r"].values, flat], axis=1)
@@ -26,14 +30,7 @@ def write_vtu(flow, path):
     cells = np.concatenate([flow["face_node"].values, flow["face_midnode"].values], axis=1)
     data = {**{name: flow[name].values for name in SCALARS}, "velocity": velocity}
     mesh = meshio.Mesh(points, [("triangle6", cells.astype(np.int64))], point_data=data)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        meshio.vtu.write(str(part), mesh)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    io.store(path, lambda part: meshio.vtu.write(str(part), mesh))
 
 
 def write_vtus(flows, paths):
