@@ -72,6 +72,24 @@ def test_electrons_that_are_not_given_balance_the_ions():
     assert found.sum(axis=0) * BOLTZMANN * T == pytest.approx(P, rel=1e-12)
 
 
+@pytest.mark.parametrize("quantity", ["mass_fraction", "partial_density"])
+def test_electrons_balance_the_ions_by_number_not_by_mass(quantity):
+    rho = P * 14.007 * ATOMIC_MASS / (BOLTZMANN * T * 1.2)
+    scale = rho if quantity == "partial_density" else 1.0
+    values = {"N": 0.8 * scale, "N+": 0.2 * scale}
+    names, found = from_shares(
+        quantity,
+        {name: np.broadcast_to(value, 3) for name, value in values.items()},
+        temperature=T,
+        electron_temperature=None,
+        pressure=P,
+        density=None,
+        missing_share=0.01,
+    )
+    assert found[names.index("e-")] == pytest.approx(found[names.index("N+")], rel=1e-12)
+    assert found[names.index("N+")] == pytest.approx(0.25 * found[names.index("N")], rel=1e-4)
+
+
 def test_mass_fractions_without_density_use_the_pressure():
     names, found = shares("mass_fraction", N2=0.5, O=0.5)
     ratio = found[names.index("N2")] / found[names.index("O")]
@@ -180,6 +198,12 @@ def test_non_equilibrium_temperatures_are_passed_on(tmp_path):
     assert [float(word) for word in row[3:7]] == [4000, 4100, 6000, 6200]
     vibrational = two_temperatures(tmp_path, excitation="vibrational_temperature")
     assert list(vibrational.excitation_temperature.values) == [5000, 6000]
+    # The pressure of the electrons stays at their own temperature, whichever excites.
+    assert (vibrational.number_density.values == line.number_density.values).all()
+    electrons = line.number_density.sel(species="e-")
+    heavy = line.number_density.sum("species") - electrons
+    own = BOLTZMANN * (heavy * line.temperature + electrons * line.electron_temperature)
+    assert own.values == pytest.approx(line.pressure.values, rel=1e-12)
 
 
 def test_two_temperatures_and_equilibrium_contradict_each_other(tmp_path):

@@ -6,8 +6,10 @@ import pytest
 
 from plasmapyro import io
 from plasmapyro.cfd import trace
+from plasmapyro.cfd.assemble import _triangulated, build, read_zones
 from plasmapyro.cfd.export import write_vtu
-from plasmapyro.cfd.grid import CORNERS_OF, DIMENSION, SIMPLICES, Field, simplices_of
+from plasmapyro.cfd.grid import CORNERS_OF, DIMENSION, SIMPLICES, Field, Zone, simplices_of
+from plasmapyro.cfd.mapping import parse
 from plasmapyro.cfd.nodes import to_nodes
 from plasmapyro.cfd.stage import sightline, surface_view, to_instrument
 from plasmapyro.sightline.stage import line_of_sight
@@ -108,6 +110,64 @@ def test_a_linear_field_is_exact_along_any_ray(name):
     for end in distance[[0, -1]]:
         z, radius = ray.at(np.array([end]))[0]
         assert end == 0 or min(abs(z), abs(z - 0.3), abs(radius - 0.1)) < 1e-9
+
+
+def block(path=samples.FILES / "half_block.vtu"):
+    mapping = parse(samples.settings("three_dimensional"))
+    return build(read_zones(path, mapping), mapping, path)
+
+
+@pytest.mark.parametrize("kind", ["space", "axisymmetric"])
+def test_the_crossings_of_a_ray_add_up_to_its_length_in_the_field(kind):
+    """No cell is missed and none is counted twice, whatever the direction."""
+    generator = np.random.default_rng(11)
+    field = block() if kind == "space" else plane(13, 9, samples.temperature)
+    for _ in range(60):
+        origin = generator.uniform([0.01, 0.0, 0.0], [0.29, 0.06, 0.06])
+        direction = generator.normal(size=3)
+        ray = trace.Ray(origin, direction / np.linalg.norm(direction), kind == "axisymmetric")
+        found = trace.crossings(field, ray, 2.0)
+        parts = trace.stretches(found)
+        assert len(parts) == 1 and parts[0, 0] == 0
+        assert (found.leave - found.enter).sum() == pytest.approx(parts[0, 1], rel=1e-8)
+        end = ray.at(parts[0, 1:])[0]
+        walls = [abs(end[0]), abs(end[0] - 0.3), abs(end[1] - 0.1)]
+        walls += [abs(end[1]), abs(end[2]), abs(end[2] - 0.1)] if kind == "space" else []
+        assert min(walls) < 1e-9
+
+
+def test_quadratic_cells_of_several_zones_and_their_mirror_image_are_exact():
+    def parabola(x, y):
+        return 1000 + 4000 * x**2 - 3000 * x * y + 90000 * y**2
+
+    flow = samples.quadratic_flow(parabola, columns=6, rows=3)
+    cells = np.concatenate([flow.face_node.values, flow.face_midnode.values], axis=1)
+    left = flow.node_z.values[flow.face_node.values].mean(axis=1) < 0.15
+    data = {"x": flow.node_z.values, "y": flow.node_r.values, "T": flow.temperature.values}
+    data["p"] = np.full(len(data["x"]), 5000.0)
+    zones = [Zone(name, data, [("triangle6", cells[part])]) for name, part in (("a", left), ("b", ~left))]
+    mapping = parse(samples.settings("planar", mirror={"y": 0.0}))
+    field = build(zones, mapping, "zones")
+    ray = trace.Ray(np.array([0.01, -0.09, 0.0]), np.array([0.8, 0.6, 0.0]), False)
+    found = trace.crossings(field, ray, 1.0)
+    distance = np.linspace(*trace.stretches(found)[0], 200)
+    x, y, _ = ray.at(distance).T
+    assert y[0] < -0.08 and y[-1] > 0.09
+    values = trace.values_along(field, ray, found, distance, ["temperature"])["temperature"]
+    assert values == pytest.approx(parabola(x, np.abs(y)), rel=1e-9, abs=0)
+
+
+def test_scattered_cells_with_any_long_edge_are_dropped():
+    points = np.random.default_rng(4).uniform(size=(60, 3))
+    _, every = _triangulated(points, None, "points")
+    _, kept = _triangulated(points, 0.4, "points")
+
+    def longest(cells):
+        corner = points[cells]
+        return np.linalg.norm(corner[:, :, None] - corner[:, None], axis=3).max(axis=(1, 2))
+
+    assert 0 < len(kept) == (longest(every) <= 0.4).sum() < len(every)
+    assert longest(kept).max() <= 0.4
 
 
 def test_a_smooth_field_converges_with_the_second_power_of_the_cell():
