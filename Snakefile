@@ -1,6 +1,7 @@
 from snakemake.utils import min_version
 
 from plasmapyro import configuration, workspace
+from plasmapyro.cfd.mapping import check_conditions
 
 min_version("9.0")
 
@@ -17,6 +18,8 @@ CONDITIONS = configuration.load_folder(
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
 configuration.check_together(config, CONDITIONS, TESTS)
+CFD_CONDITIONS = check_conditions(CONDITIONS)
+COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
 SETTINGS = [config, CONDITIONS, TESTS]
 if workflow.is_main_process:
     DAMAGED, BUSY = workspace.begin("results", SETTINGS)

@@ -1,10 +1,8 @@
 # Conditions that bring the flow field of another program: only their line of sight is taken from it.
 import re
 
-from plasmapyro.cfd.mapping import check_conditions, map_of
+from plasmapyro.cfd.mapping import map_of
 
-CFD_CONDITIONS = check_conditions(CONDITIONS)
-COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
 RESULTS += expand("results/flow/{condition}.vtu", condition=COMPUTED)
 
 
