@@ -1,7 +1,6 @@
 from snakemake.utils import min_version
 
 from plasmapyro import configuration, workspace
-from plasmapyro.cfd.mapping import check_conditions
 
 min_version("9.0")
 
@@ -18,7 +17,11 @@ CONDITIONS = configuration.load_folder(
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
 configuration.check_together(config, CONDITIONS, TESTS)
-CFD_CONDITIONS = check_conditions(CONDITIONS)
+CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
+if CFD_CONDITIONS:  # the import takes 0.1 s, in every job
+    from plasmapyro.cfd.mapping import check_conditions
+
+    check_conditions(CONDITIONS)
 COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
 SETTINGS = [config, CONDITIONS, TESTS]
 if workflow.is_main_process:

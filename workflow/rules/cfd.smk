@@ -1,7 +1,7 @@
 # Conditions that bring the flow field of another program: only their line of sight is taken from it.
 import re
 
-from plasmapyro.cfd.mapping import map_of
+from plasmapyro.cfd import map_of
 
 RESULTS += expand("results/flow/{condition}.vtu", condition=COMPUTED)
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from plasmapyro.cfd import map_of
 from plasmapyro.configuration import ConfigurationError, check
 from plasmapyro.constants import AVOGADRO
 from plasmapyro.gas.species import CARBON, SPECIES
 from plasmapyro.readers.units import TO_SI, normalised
 
 SCHEMA = Path(__file__).with_name("map_schema.yaml")
-FILES = ("file", "mesh")
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 ZERO_CELSIUS = 273.15  # [K]
 TEMPERATURE = {"K": (1.0, 0.0), "kK": (1e3, 0.0), "degC": (1.0, ZERO_CELSIUS), "C": (1.0, ZERO_CELSIUS)}
@@ -84,11 +84,6 @@ class Mapping:
     missing_share: float
     ray: dict
     state: dict
-
-
-def map_of(condition):
-    """The map of a condition that brings its own flow field: its key `cfd` without the files."""
-    return {key: value for key, value in condition["cfd"].items() if key not in FILES}
 
 
 def check_conditions(conditions):
