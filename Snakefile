@@ -17,6 +17,12 @@ CONDITIONS = configuration.load_folder(
 TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
 configuration.check_together(config, CONDITIONS, TESTS)
+CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
+if CFD_CONDITIONS:  # the import takes 0.1 s, in every job
+    from plasmapyro.cfd.mapping import check_conditions
+
+    check_conditions(CONDITIONS)
+COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
 SETTINGS = [config, CONDITIONS, TESTS]
 if workflow.is_main_process:
     DAMAGED, BUSY = workspace.begin("results", SETTINGS)
@@ -33,6 +39,7 @@ onstart:
 RESULTS = []  # what the main job leaves behind besides figures; each file of rules adds its own
 
 
+include: "workflow/rules/cfd.smk"
 include: "workflow/rules/gas.smk"
 include: "workflow/rules/flow.smk"
 include: "workflow/rules/sightline.smk"
@@ -71,6 +78,10 @@ localrules:
     figures_pyrometer,
     figures_spectrometer,
     figures_both,
+    figures_sightline,
+    flow_vtu,
+    cfd_sightline,
+    cfd_surface_view,
 
 
 rule all:

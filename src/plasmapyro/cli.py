@@ -7,7 +7,9 @@ import traceback
 from pathlib import Path
 
 from plasmapyro import __doc__ as PACKAGE
-from plasmapyro import io
+from plasmapyro import configuration, io
+from plasmapyro.cfd.mapping import SCHEMA
+from plasmapyro.cfd.stage import sightline as cfd_sightline
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline import neqair
@@ -29,6 +31,21 @@ example:
   plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000
 
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+SIGHTLINE = """\
+Take the state of the gas along a line of sight from the flow field in FILE, as far as the field
+reaches, and write it as netCDF, which 'plasmapyro radiance' reads.
+
+FILE is a flow field of another program: VTK (.vtu, .vtk), Tecplot text, SU2 restart with its mesh,
+CGNS, a table of scattered points, a profile or a single state. MAP.yaml says what its names and
+units mean and where the line of sight starts; docs/your-own-cfd.md has an example for each."""
+SIGHTLINE_EXAMPLE = """\
+example:
+  plasmapyro sightline torch.vtu --map torch.yaml --out sightline.nc
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+MOST_POINTS = 5000
 
 
 class Progress:
@@ -82,6 +99,23 @@ def radiance(options, progress):
     progress.step("done")
 
 
+def sightline(options, progress):
+    """Run `plasmapyro sightline`: flow field in, sight line out."""
+    outputs = [Path(path) for path in (options.out, options.line_of_sight_text) if path]
+    _require_writable(outputs, [options.file, options.map, options.mesh])
+    settings = configuration.load(options.map, SCHEMA)
+    progress.step(f"reading {options.file}")
+    result = cfd_sightline(options.file, settings, points=options.points, mesh=options.mesh)
+    progress.step(f"the line of sight {result.attrs['path_status']}; writing {options.out}")
+    sources = [path for path in (options.file, options.mesh, options.map) if path]
+    io.write(result, options.out, "sightline", sources=sources, config={"cfd": settings})
+    if options.line_of_sight_text:
+        io.write_text(neqair.compose(result), options.line_of_sight_text)
+    if result.attrs["path_end"] == "body":
+        sys.stderr.write(f"plasmapyro: the line of sight {result.attrs['path_status']}\n")
+    progress.step("done")
+
+
 def _read_sightline(path):
     """Dataset of contract 'sightline' from netCDF or NEQAIR-style text."""
     if io.is_netcdf(path):
@@ -119,7 +153,38 @@ def parser():
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     _add_radiance(commands)
+    _add_sightline(commands)
     return top
+
+
+def _points(word):
+    number = int(word)
+    if not 20 <= number <= MOST_POINTS:
+        raise argparse.ArgumentTypeError(f"must lie in [20, {MOST_POINTS}]; got {number}")
+    return number
+
+
+def _add_sightline(commands):
+    command = commands.add_parser(
+        "sightline",
+        help="line of sight through a flow field of another program",
+        description=SIGHTLINE,
+        epilog=SIGHTLINE_EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=sightline)
+    command.add_argument("file", metavar="FILE", help="flow field")
+    command.add_argument("--map", required=True, metavar="MAP.yaml", help="what the file means")
+    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the sight line goes")
+    command.add_argument("--mesh", metavar="MESH.su2", help="mesh of an SU2 restart file")
+    command.add_argument(
+        "--points", type=_points, default=250, metavar="N", help="nodes along the path (default: 250)"
+    )
+    command.add_argument(
+        "--line-of-sight-text",
+        metavar="FILE",
+        help="write the sight line also as NEQAIR 15 reads it (LOS.dat)",
+    )
 
 
 def _add_radiance(commands):

@@ -154,13 +154,20 @@ def check_together(config, conditions, tests):
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     faults.append(_unknown("claims.test", config["claims"]["test"], tests))
+    drawn = config["figures"]["field_condition"]
+    computed = [name for name, case in conditions.items() if "cfd" not in case]
+    if computed and drawn in conditions and drawn not in computed:
+        faults.append(
+            f"figures.field_condition: '{drawn}' brings its own flow field (cfd), which is not drawn; name"
+            f" one of {', '.join(computed)}"
+        )
     lowest, highest = min(config["gas"]["pressure_mbar"]), max(config["gas"]["pressure_mbar"])
     cases = {"flow.start": config["flow"]["start"], **conditions}
     faults += [
         f"chamber_pressure_mbar of {name}: {case['chamber_pressure_mbar']} mbar lies outside"
         f" gas.pressure_mbar ({lowest} to {highest} mbar)"
         for name, case in cases.items()
-        if not lowest <= case["chamber_pressure_mbar"] <= highest
+        if "cfd" not in case and not lowest <= case["chamber_pressure_mbar"] <= highest
     ]
     if config["sightline"]["window_distance_mm"] >= config["sightline"]["instrument_distance_mm"]:
         faults.append("sightline: window_distance_mm must be less than instrument_distance_mm")

@@ -203,6 +203,9 @@ VARIABLES = {
     "excitation_temperature": Variable(
         "K", "temperature of vibration, excitation and electrons where it is not the other", 100, 3e4
     ),
+    "rotational_temperature": Variable("K", "temperature of molecular rotation, as given", 100, 3e4),
+    "vibrational_temperature": Variable("K", "temperature of molecular vibration, as given", 100, 3e4),
+    "electron_temperature": Variable("K", "temperature of the free electrons, as given", 100, 3e4),
     "path_distance": Variable("m", "distance from the surface along the line of sight", 0, 100),
     "axial_position": Variable("m", "axial position, 0 at the torch back wall", -100, 100),
     "radial_position": Variable("m", "distance from the jet axis", 0, 100),
@@ -349,6 +352,9 @@ DATASETS = {
         "pressure": ("path_distance",),
         "number_density": ("species", "path_distance"),
         "excitation_temperature?": ("path_distance",),
+        "rotational_temperature?": ("path_distance",),
+        "vibrational_temperature?": ("path_distance",),
+        "electron_temperature?": ("path_distance",),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
     },

@@ -21,7 +21,6 @@ FIGURES = [
             "fig2a_responses",
             "fig2b_calibration",
             "fig3b_spectrometer_factor",
-            "fig4a_temperature_field",
             "fig4b_line_of_sight",
             "fig5_spectral_radiance",
             "fig6a_visibility_factors",
@@ -31,6 +30,16 @@ FIGURES = [
             "fig7c_error_map",
             "fig7d_transient",
         ]
+    ),
+    *drawn(
+        [
+            "fig4a_temperature_field",
+            "flow_convergence",
+            "flow_balances",
+            *[f"flow_{condition}" for condition in COMPUTED],
+        ]
+        if COMPUTED
+        else []
     ),
     *[
         f"results/figures/{name}_{test}.{format}"
@@ -60,19 +69,36 @@ rule figures_instrument:
 
 rule figures_flow:
     input:
-        flow=f"results/flow/{config['figures']['field_condition']}.nc",
-        field_sightline=f"results/sightline/{config['figures']['field_condition']}.nc",
-        sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),
+        flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
+        sightlines=expand("results/sightline/{condition}.nc", condition=COMPUTED),
     output:
         temperature_field=drawn("fig4a_temperature_field"),
-        line_of_sight=drawn("fig4b_line_of_sight"),
+        convergence=drawn("flow_convergence"),
+        balances=drawn("flow_balances"),
+        fields=drawn([f"flow_{condition}" for condition in COMPUTED]),
     log:
         "results/logs/figures_flow.log",
+    params:
+        conditions=COMPUTED,
+        field_condition=config["figures"]["field_condition"],
+        numerical_power_kw=[CONDITIONS[name]["numerical_power_kw"] for name in COMPUTED],
+        formats=len(FORMATS),
+    script:
+        "../scripts/figures_flow.py"
+
+
+rule figures_sightline:
+    input:
+        sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),
+    output:
+        line_of_sight=drawn("fig4b_line_of_sight"),
+    log:
+        "results/logs/figures_sightline.log",
     params:
         conditions=list(CONDITIONS),
         numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
     script:
-        "../scripts/figures_flow.py"
+        "../scripts/figures_sightline.py"
 
 
 rule figures_radiation:

@@ -1,5 +1,6 @@
 # One cold start at a reference condition; each power condition continues from it by itself.
-RESULTS += ["results/flow/start/reference.nc", *expand("results/flow/{condition}.nc", condition=CONDITIONS)]
+if COMPUTED:
+    RESULTS += ["results/flow/start/reference.nc", *expand("results/flow/{condition}.nc", condition=COMPUTED)]
 
 
 rule flow_start:

@@ -10,6 +10,8 @@ rule sightline:
         "results/logs/sightline_{condition}.log",
     benchmark:
         "results/benchmarks/sightline_{condition}.tsv"
+    wildcard_constraints:
+        condition=one_of(COMPUTED),
     params:
         **config["sightline"],
     script:
@@ -25,6 +27,8 @@ rule surface_view:
         "results/logs/surface_view_{condition}.log",
     benchmark:
         "results/benchmarks/surface_view_{condition}.tsv"
+    wildcard_constraints:
+        condition=one_of(COMPUTED),
     params:
         **config["reflection"],
         angle_deg=config["sightline"]["angle_deg"],

@@ -1,9 +1,24 @@
 """Figures of the flow field and of what the line of sight crosses."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.tri import Triangulation
 
 from plasmapyro.plots import style
+
+PIXEL = 0.8  # [mm] of the fields drawn for every condition
+STREAM_EVERY = 4  # pixels between the samples that streamlines are drawn from
+STREAM_DENSITY = (0.9, 0.4)
+EXACT = {"interpolation": "none"}  # pixels as they are, several times faster
+SHORT_BAR = 0.85  # colour bars as long as the axes, which their aspect shrinks
+PARTS = {  # boundaries whose power the balance shows, and their colours
+    "outlet": ("jet, at the outlet", "#f28e2b"),
+    "back_wall": ("back wall", "#4e79a7"),
+    "probe": ("probe", "#59a14f"),
+    "tube_wall": ("tube wall", "#af7aa1"),
+    "others": ("other boundaries", "#9c9c9c"),
+}
 
 
 def temperature_field(flow, sightline, paths):
@@ -76,3 +91,210 @@ def line_of_sight(sightlines, numerical_power, paths):
     lower.set(xlim=(0, 1000), yscale="log", xlabel=r"Path distance $\zeta$ [mm]", ylabel="Pressure [kPa]")
     style.mark_origin(upper, *sightlines.values())
     style.save(drawing, paths)
+
+
+@dataclass(frozen=True)
+class _Raster:
+    """Pixels of the half plane: extent [mm], corner nodes and weights (pixels, 3), those inside."""
+
+    extent: tuple
+    nodes: np.ndarray
+    weight: np.ndarray
+    inside: np.ndarray
+
+    def image(self, values):
+        """Values (rows, columns) at the pixels, NaN outside the field."""
+        picture = np.full(self.inside.shape, np.nan)
+        picture[self.inside] = (values[self.nodes] * self.weight).sum(axis=1)
+        return picture
+
+
+def _raster(flow):
+    """Linear interpolation on the quarters of the triangles, at the middle of each pixel."""
+    z, r = flow.node_z.values * 1e3, flow.node_r.values * 1e3
+    mesh = Triangulation(z, r, _quarters(flow.face_node.values, flow.face_midnode.values))
+    extent = (z.min(), z.max(), 0.0, r.max())
+    columns, rows = (int(np.ceil(length / PIXEL)) for length in (extent[1] - extent[0], extent[3]))
+    column = extent[0] + (np.arange(columns) + 0.5) * (extent[1] - extent[0]) / columns
+    row = (np.arange(rows) + 0.5) * extent[3] / rows
+    x, y = np.meshgrid(column, row)
+    face = mesh.get_trifinder()(x, y)
+    inside = face >= 0
+    nodes = mesh.triangles[face[inside]]
+    corner_x, corner_y = z[nodes], r[nodes]
+    to_x, to_y = corner_x - x[inside][:, None], corner_y - y[inside][:, None]
+    ahead_x, ahead_y = np.roll(to_x, -1, axis=1), np.roll(to_y, -1, axis=1)
+    area = np.roll(to_x * ahead_y - to_y * ahead_x, -1, axis=1)
+    return _Raster(extent, nodes, area / area.sum(axis=1, keepdims=True), inside)
+
+
+def fields(flows, sightlines, paths):
+    """Temperature with line of sight and streamlines, Joule heating and axial velocity, one figure each.
+
+    Parameters
+    ----------
+    flows, sightlines : sequences of Dataset, contracts 'flow' and 'sightline'
+    paths : for each condition, paths of the files to write
+    """
+    raster = drawn = None
+    for flow, sightline, targets in zip(flows, sightlines, paths, strict=True):
+        if drawn is None or not _same_mesh(flow, drawn):
+            raster, drawn = _raster(flow), flow
+        _field(flow, sightline, raster, targets)
+
+
+def _same_mesh(flow, other):
+    return all(
+        np.array_equal(flow[name].values, other[name].values) for name in ("node_z", "node_r", "face_node")
+    )
+
+
+def _field(flow, sightline, raster, paths):
+    drawing, (upper, lower) = style.figure(size=(7.2, 4.5), nrows=2, sharex=True)
+    first, last, _, outer = raster.extent
+    whole = (first, last, -outer, outer)
+    temperature = raster.image(flow.temperature.values)
+    both = np.concatenate([temperature[::-1], temperature])
+    image = upper.imshow(both, extent=whole, origin="lower", cmap="inferno", vmin=300, **EXACT)
+    drawing.colorbar(image, ax=upper, label="Temperature [K]", pad=0.01, shrink=SHORT_BAR)
+    inside = sightline.path_distance.values <= sightline.attrs["exit_distance"]
+    upper.plot(
+        sightline.axial_position.values[inside] * 1e3,
+        sightline.radial_position.values[inside] * 1e3,
+        color="cyan",
+        lw=1,
+        ls="--",
+        label=r"line of sight $\zeta$",
+    )
+    _streamlines(upper, flow, raster)
+    upper.legend(loc="upper left", labelcolor="0.3")
+    power = float(flow.numerical_power) / 1e3
+    current = float(flow.coil_current)
+    title = f"air, {flow.chamber_pressure / 100:.0f} mbar, {power:g} kW; coil {current:.0f} A"
+    upper.set_title(title, loc="left", fontsize=8)
+    style.mark_origin(upper, flow)
+    heating = raster.image(flow.joule_heating.values / 1e6)
+    hot = lower.imshow(
+        heating, extent=(first, last, 0, outer), origin="lower", cmap="magma_r", vmin=0, **EXACT
+    )
+    speed = raster.image(flow.axial_velocity.values)[::-1]
+    largest = np.nanmax(np.abs(speed))
+    fast = lower.imshow(
+        speed,
+        extent=(first, last, -outer, 0),
+        origin="lower",
+        cmap="RdBu_r",
+        vmin=-largest,
+        vmax=largest,
+        **EXACT,
+    )
+    drawing.colorbar(fast, ax=lower, label="Axial velocity [m/s]", pad=0.01, shrink=SHORT_BAR)
+    drawing.colorbar(hot, ax=lower, label="Joule heating [W/cm$^3$]", pad=0.01, shrink=SHORT_BAR)
+    lower.axhline(0, color="0.3", lw=0.5)
+    for words, place in (("Joule heating", outer - 12), ("axial velocity", 12 - outer)):
+        lower.annotate(words, (15, place), va="center", fontsize=7, color="0.3")
+    for axes in (upper, lower):
+        axes.set(ylabel="Radial position $r$ [mm]", aspect="equal")
+        axes.set(xlim=(first - 10, last + 10), ylim=(-outer - 10, outer + 10))
+        axes.grid(False)
+    lower.set(xlabel="Axial position $z$ [mm]")
+    # The layout takes longer than the drawing: once for all files.
+    drawing.draw_without_rendering()
+    drawing.set_layout_engine("none")
+    style.save(drawing, paths)
+
+
+def _streamlines(axes, flow, raster):
+    """In the lower half, where the radial axis points down."""
+    first, last, _, outer = raster.extent
+    rows, columns = raster.inside.shape
+    column = first + (np.arange(columns) + 0.5) * (last - first) / columns
+    row = (np.arange(rows) + 0.5) * outer / rows
+    every = slice(None, None, STREAM_EVERY)
+    # Matplotlib leaves out masked places, so that no line crosses the probe.
+    along, outward = (
+        np.ma.masked_invalid(raster.image(flow[name].values)[every, every])
+        for name in ("axial_velocity", "radial_velocity")
+    )
+    axes.streamplot(
+        column[every],
+        -row[every][::-1],
+        along[::-1],
+        -outward[::-1],
+        density=STREAM_DENSITY,
+        color="white",
+        linewidth=0.4,
+        arrowsize=0.4,
+        broken_streamlines=False,
+    )
+
+
+def convergence(flows, numerical_power, paths):
+    """Change of velocity and temperature and residual of each step of the last part, one line per power.
+
+    Parameters
+    ----------
+    flows : mapping of condition -> Dataset, contract 'flow', rising power
+    numerical_power : sequence of float [W]
+    paths : paths of the files to write
+    """
+    drawing, panels = style.figure(size=(4.3, 5.0), nrows=3, sharex=True)
+    labels = style.case_labels(flows, numerical_power)
+    shown = {
+        "velocity_change": "Velocity change [m/s]",
+        "temperature_change": "Rel. temperature change",
+        "residual_norm": "Residual norm",
+    }
+    for flow, colour, label in zip(flows.values(), style.case_colours(len(labels)), labels, strict=True):
+        for axes, name in zip(panels, shown, strict=True):
+            values = flow[name].values
+            axes.plot(np.arange(1, len(values) + 1), values, color=colour, label=label, marker=".", ms=3)
+    for axes, label in zip(panels, shown.values(), strict=True):
+        axes.set(yscale="log", ylabel=label)
+    panels[-1].set(xlabel="Newton step of the last part of the way")
+    style.legend_beside(panels[1])
+    style.mark_origin(panels[0], *flows.values())
+    style.save(drawing, paths)
+
+
+def balances(flows, numerical_power, paths):
+    """Where the power goes, as shares of the Joule power, and what does not close.
+
+    Parameters
+    ----------
+    flows, numerical_power, paths : as in `convergence`
+    """
+    drawing, (upper, lower) = style.figure(size=(4.8, 3.9), nrows=2, sharex=True, height_ratios=(2, 1))
+    place = np.arange(len(flows))
+    shares = np.array([_shares(flow) for flow in flows.values()])
+    bottom = np.zeros(len(flows))
+    for (label, colour), share in zip(PARTS.values(), shares.T, strict=True):
+        upper.bar(place, share, bottom=bottom, color=colour, label=label, width=0.8)
+        bottom += share
+    upper.axhline(100, color="0.2", lw=0.7)
+    upper.set(ylabel="Share of Joule power [%]", ylim=(0, 106))
+    upper.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    for name, label, offset in (("energy_imbalance", "energy", -0.2), ("mass_imbalance", "mass", 0.2)):
+        values = [100 * float(flow[name]) for flow in flows.values()]
+        lower.bar(place + offset, values, width=0.35, label=label)
+    lower.axhline(0, color="0.2", lw=0.7)
+    lower.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    lower.set(ylabel="Imbalance [%]", xticks=place, xlabel="Numerical power")
+    lower.set_xticklabels(style.case_labels(flows, numerical_power), rotation=45)
+    style.mark_origin(upper, *flows.values())
+    style.save(drawing, paths)
+
+
+def _shares(flow):
+    """Power leaving through each of `PARTS` over the Joule power [%]."""
+    leaving = {
+        str(name): float(enthalpy + heat)
+        for name, enthalpy, heat in zip(
+            flow.boundary.values,
+            flow.boundary_enthalpy_flow.values,
+            flow.boundary_heat_flow.values,
+            strict=True,
+        )
+    }
+    named = [leaving.pop(name, 0.0) for name in list(PARTS)[:-1]]
+    return [100 * value / float(flow.numerical_power) for value in (*named, sum(leaving.values()))]

@@ -30,6 +30,23 @@ FIGURES = {
         "Steep rise within some millimetres from the probe, a hot core, and a fall to the cold chamber;"
         " higher for higher power.",
     ),
+    "flow_": (
+        "Flow",
+        "Computed field: temperature with line of sight and streamlines, Joule heating, axial velocity.",
+        "Two sections of torch, chamber and probe: a hot core with a recirculating ring near the back wall,"
+        " heated in a shell under the coil.",
+    ),
+    "flow_convergence": (
+        "Flow",
+        "How each flow converged: velocity and temperature change and residual of every Newton step.",
+        "Three panels of falling lines over the step number, one line per power.",
+    ),
+    "flow_balances": (
+        "Flow",
+        "Where the power goes, and what the balances of energy and mass leave open.",
+        "Stacked bars per power: about 70 % leaves with the jet, the rest to back wall and probe; below them"
+        " imbalances of some 0.1 %.",
+    ),
     "fig5": (
         "Gas radiance",
         "Spectral radiance of the gas at each power beside that of the surface, with the two bands.",

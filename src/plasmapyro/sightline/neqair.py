@@ -100,7 +100,8 @@ def compose(sightline, version=15):
     Parameters
     ----------
     sightline : Dataset, contract 'sightline'
-        Path from the far end of the light's way to the observer, as NEQAIR integrates.
+        Path from the far end of the light's way to the observer, as NEQAIR integrates. Rotational,
+        vibrational and electron temperatures are written where it has them.
     version : 14 or 15
         Blocks for version 14 and earlier (8 digits, temperatures to 0.1 K) or columns (9 digits).
 
@@ -128,7 +129,11 @@ def compose(sightline, version=15):
     names = [str(name) for name in sightline["species"].values]
     density = sightline["number_density"].values.T / PER_CUBIC_CENTIMETRE
     density = np.where(density < SMALLEST, 0.0, density)
-    temperatures = np.column_stack([heavy, heavy, excited, excited])
+    others = [
+        sightline.get(f"{name}_temperature", xr.DataArray(usual, dims="path_distance")).values
+        for name, usual in (("rotational", heavy), ("vibrational", excited), ("electron", excited))
+    ]
+    temperatures = np.column_stack([heavy, *others])
     layer = np.concatenate([[0], np.arange(len(heavy))])
     rows = zip(position, density[layer].sum(axis=1), temperatures[layer], density[layer], strict=True)
     symbols = ["E-" if name == "e-" else name for name in names]

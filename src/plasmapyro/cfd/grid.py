@@ -1,0 +1,165 @@
+"""Zones of a foreign grid, and their cells cut into triangles or tetrahedra."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+# Corners of each cell in the order of VTK, CGNS and Tecplot alike -> the simplices that fill it.
+SIMPLICES = {
+    "triangle": ((0, 1, 2),),
+    "quad": ((0, 1, 2), (0, 2, 3)),
+    "tetra": ((0, 1, 2, 3),),
+    "pyramid": ((0, 1, 2, 4), (0, 2, 3, 4)),
+    "wedge": ((0, 1, 2, 3), (1, 2, 3, 4), (2, 3, 4, 5)),
+    "hexahedron": (
+        (0, 1, 2, 6),
+        (0, 2, 3, 6),
+        (0, 3, 7, 6),
+        (0, 7, 4, 6),
+        (0, 4, 5, 6),
+        (0, 5, 1, 6),
+    ),
+    # A curved cell with middle nodes, cut at them.
+    "triangle6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "tetra10": (
+        (0, 4, 6, 7),
+        (4, 1, 5, 8),
+        (6, 5, 2, 9),
+        (7, 8, 9, 3),
+        (4, 6, 7, 8),
+        (4, 5, 6, 8),
+        (6, 5, 9, 8),
+        (6, 9, 7, 8),
+    ),
+}
+# ASSUME: of other cells with middle nodes the corners are used; the field is then linear between them.
+CORNERS_OF = {
+    "quad8": "quad",
+    "quad9": "quad",
+    "hexahedron20": "hexahedron",
+    "hexahedron24": "hexahedron",
+    "hexahedron27": "hexahedron",
+    "wedge15": "wedge",
+    "wedge18": "wedge",
+    "pyramid13": "pyramid",
+    "pyramid14": "pyramid",
+}
+CORNER_COUNT = {"quad": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
+DIMENSION = {
+    **dict.fromkeys(("triangle", "triangle6", "quad", "quad8", "quad9"), 2),
+    **dict.fromkeys(("tetra", "tetra10", "pyramid", "pyramid13", "pyramid14"), 3),
+    **dict.fromkeys(("wedge", "wedge15", "wedge18"), 3),
+    **dict.fromkeys(("hexahedron", "hexahedron20", "hexahedron24", "hexahedron27"), 3),
+}
+EDGES = {  # corners that each middle node of a quadratic cell lies between
+    "triangle6": ((0, 1), (1, 2), (2, 0)),
+    "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+}
+STRAIGHT = 1e-6  # middle nodes nearer to the middle of their edge than this part of its length
+FLAT = 1e-12  # simplices smaller than this part of the cube of their longest edge are nothing
+
+
+@dataclass
+class Zone:
+    """Part of a grid.
+
+    `cells` : list of (kind, connectivity (M, k)), kinds of VTK as meshio names them, indices from 0
+    `point_data` : name -> (N,), the coordinates among them
+    `cell_data` : name -> (cells of all kinds in their order,)
+    `words` : name of a column that holds words -> what is wrong with it
+    """
+
+    name: str
+    point_data: dict
+    cells: list = field(default_factory=list)
+    cell_data: dict = field(default_factory=dict)
+    words: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Field:
+    """Simplices with values at their nodes, in SI.
+
+    `points` (N, d) [m], `simplices` (M, d + 1), `middles` (M, edges) with -1 for cells without middle nodes,
+    `values` name -> (N,).
+    """
+
+    points: np.ndarray
+    simplices: np.ndarray
+    middles: np.ndarray
+    values: dict
+
+
+def kept_cells(zone, dimension):
+    """Cells of a zone of one dimension as (kind, connectivity, indices in the zone's cell data)."""
+    first = 0
+    for kind, connectivity in zone.cells:
+        index = np.arange(first, first + len(connectivity))
+        first += len(connectivity)
+        if DIMENSION.get(kind) == dimension:
+            yield kind, connectivity, index
+
+
+def block_cells(shape):
+    """Cells of a structured block of nodes; the last index of `shape` runs fastest."""
+    node = np.arange(np.prod(shape)).reshape(shape)
+    if len(shape) == 2:
+        corners = (node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1])
+        return [("quad", np.stack([corner.ravel() for corner in corners], axis=1))]
+    corners = [
+        part
+        for layer in (node[:-1], node[1:])
+        for part in (layer[:, :-1, :-1], layer[:, :-1, 1:], layer[:, 1:, 1:], layer[:, 1:, :-1])
+    ]
+    return [("hexahedron", np.stack([corner.ravel() for corner in corners], axis=1))]
+
+
+def simplices_of(kind, connectivity, points):
+    """Cut cells of one kind into simplices.
+
+    Parameters
+    ----------
+    kind : key of `DIMENSION`
+    connectivity : ndarray of int (M, k)
+    points : ndarray (N, d)
+
+    Returns
+    -------
+    tuple : simplices (S, d + 1), middles (S, edges) with -1 for none
+        Cells with straight edges and middle nodes stay whole; those with curved edges are cut at their middle
+        nodes. Simplices without volume (degenerate cells) are left out.
+    """
+    dimension = DIMENSION[kind]
+    edge_count = len(EDGES["triangle6" if dimension == 2 else "tetra10"])
+    if kind in CORNERS_OF:
+        kind = CORNERS_OF[kind]
+        connectivity = connectivity[:, : CORNER_COUNT[kind]]
+    whole = np.empty((0, dimension + 1), dtype=np.int64)
+    middles = np.empty((0, edge_count), dtype=np.int64)
+    if kind in EDGES:
+        straight = _straight(kind, connectivity, points)
+        whole, middles = connectivity[straight, : dimension + 1], connectivity[straight, dimension + 1 :]
+        connectivity = connectivity[~straight]
+    cut = np.concatenate([connectivity[:, list(corners)] for corners in SIMPLICES[kind]])
+    simplices = np.concatenate([whole, cut])
+    middles = np.concatenate([middles, np.full((len(cut), edge_count), -1)])
+    kept = _relative_volume(points, simplices) > FLAT
+    return simplices[kept], middles[kept]
+
+
+def _straight(kind, connectivity, points):
+    """Which quadratic cells have their middle nodes in the middle of straight edges."""
+    edges = EDGES[kind]
+    corner = points[connectivity]
+    start, end = corner[:, [a for a, _ in edges]], corner[:, [b for _, b in edges]]
+    off = np.linalg.norm(corner[:, -len(edges) :] - (start + end) / 2, axis=2)
+    return (off <= STRAIGHT * np.linalg.norm(end - start, axis=2)).all(axis=1)
+
+
+def _relative_volume(points, simplices):
+    """Volume (area) of simplices times d!, over the d-th power of their longest edge from corner 0."""
+    edges = points[simplices[:, 1:]] - points[simplices[:, :1]]
+    longest = np.linalg.norm(edges, axis=2).max(axis=1)
+    volume = np.abs(np.linalg.det(edges))
+    scale = np.where(longest > 0, longest, 1.0) ** edges.shape[2]
+    return np.where(longest > 0, volume / scale, 0.0)

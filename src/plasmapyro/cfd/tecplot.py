@@ -1,0 +1,191 @@
+"""Tecplot text files: FE and ordered zones, point by point or in blocks, values at nodes or in cells."""
+
+import re
+
+import numpy as np
+
+from plasmapyro.cfd.grid import Zone, block_cells
+from plasmapyro.readers.text import quote, read_lines, refuse
+
+LARGEST = 2_000_000_000  # [byte]
+CELLS = {
+    "TRIANGLE": ("triangle", 3),
+    "QUADRILATERAL": ("quad", 4),
+    "TETRAHEDRON": ("tetra", 4),
+    "BRICK": ("hexahedron", 8),
+    "LINESEG": ("line", 2),
+}
+RECORDS = re.compile(
+    r"^\s*(TITLE|FILETYPE|VARIABLES|ZONE|TEXT|GEOMETRY|CUSTOMLABELS|DATASETAUXDATA|VARAUXDATA|USERREC)\b",
+    re.I,
+)
+NUMERIC = re.compile(r"^\s*([-+.]?\d|[-+]?(nan|inf)\b|[-+]?\.\d)", re.I)
+SETTING = re.compile(r"""(\w+)\s*=\s*("[^"]*"|'[^']*'|\([^)]*\)|[^\s,]+)""")
+NAME = re.compile(r'"([^"]*)"|([^\s,"]+)')
+LOCATION = re.compile(r"(?:\[([\d,\s-]+)\]|(\d+))\s*=\s*(NODAL|CELLCENTERED)", re.I)
+FORTRAN_EXPONENT = re.compile(r"([\d.])[dD]([-+]?\d)")
+SHARED = ("VARSHARELIST", "CONNECTIVITYSHAREZONE", "PASSIVEVARLIST")
+
+
+def read(path):
+    """All zones of a Tecplot text file; the coordinates are among the point data, by their names.
+
+    Reads FEPOINT, FEBLOCK, DATAPACKING=POINT and BLOCK with VARLOCATION, and ordered zones; lines that begin
+    with # may stand anywhere. Zones of line segments are left out.
+
+    Raises
+    ------
+    Refusal
+        Binary or broken files, counts of nodes or cells that the data do not have, and zones that share data.
+
+    Notes
+    -----
+    Source: Tecplot 360 Data Format Guide, chapter ASCII data; and the two layouts that COOLFluiD writes.
+    """
+    lines, _ = read_lines(path, LARGEST)
+    names, zones = [], []
+    place = 0
+    while place < len(lines):
+        record = RECORDS.match(lines[place])
+        kind = record.group(1).upper() if record else None
+        if kind == "VARIABLES":
+            words, place = _header(lines, place)
+            names = [a or b for a, b in NAME.findall(words.partition("=")[2])]
+        elif kind == "ZONE":
+            start = place + 1
+            words, place = _header(lines, place)
+            if not names:
+                refuse(path, "a ZONE without VARIABLES before it", "export it with its header", start)
+            zone, place = _zone(path, names, words, lines, place, start, len(zones) + 1)
+            zones.append(zone)
+        elif NUMERIC.match(lines[place]):
+            refuse(path, "numbers stand before the first ZONE", "export it with its header", place + 1)
+        else:
+            place += 1
+    if not zones:
+        refuse(path, "holds no ZONE", "export it as Tecplot text (ASCII), not binary (.plt)")
+    return zones
+
+
+def _header(lines, place):
+    """Words of a record that may go on over several lines, and the place of the line after it."""
+    words = [lines[place]]
+    place += 1
+    while place < len(lines) and not NUMERIC.match(lines[place]) and not RECORDS.match(lines[place]):
+        if not lines[place].lstrip().startswith("#"):
+            words.append(lines[place])
+        place += 1
+    return " ".join(words), place
+
+
+def _zone(path, names, words, lines, place, start, number):
+    """One zone, and the place of the line after it."""
+    settings = {key.upper(): value.strip("\"'") for key, value in SETTING.findall(words)}
+    title = settings.get("T", f"zone {number}").strip()
+    shared = [key for key in SHARED if key in settings] + ["D"] * ("D" in settings)
+    if shared:
+        refuse(
+            path, f"zone {title!r} shares data ({shared[0]})", "export every zone with its own data", start
+        )
+    shape = settings.get("ZONETYPE", settings.get("ET", "ORDERED")).upper().removeprefix("FE")
+    packing = settings.get("DATAPACKING", settings.get("F", "POINT")).upper().removeprefix("FE")
+    if packing not in ("POINT", "BLOCK") or shape not in (*CELLS, "ORDERED"):
+        refuse(
+            path,
+            f"zone {title!r} is of kind {shape}, {packing}",
+            f"kinds that are read: {', '.join(CELLS)} and ordered, POINT or BLOCK",
+            start,
+        )
+    if shape == "ORDERED":
+        sizes = [_count(path, settings, (key,), start, title, 1) for key in "IJK"]
+        nodes, cells, per_cell = int(np.prod(sizes)), _ordered_cell_count(sizes), 0
+    else:
+        nodes = _count(path, settings, ("N", "NODES"), start, title)
+        cells = _count(path, settings, ("E", "ELEMENTS"), start, title)
+        per_cell = CELLS[shape][1]
+    in_cells = _cell_centred(settings.get("VARLOCATION", ""), len(names))
+    if in_cells and packing == "POINT":
+        refuse(path, f"zone {title!r} holds values in cells point by point", "export it in blocks", start)
+    numbers, place, last = _numbers(path, lines, place)
+    lengths = [cells if k in in_cells else nodes for k in range(len(names))]
+    wanted = sum(lengths) + cells * per_cell
+    if len(numbers) != wanted:
+        refuse(
+            path,
+            f"zone {title!r} needs {wanted} numbers ({nodes} nodes, {cells} cells, {len(names)} variables);"
+            f" {len(numbers)} stand there",
+            "the file is cut off, or the counts in its header are wrong",
+            last,
+        )
+    if packing == "POINT":
+        columns = numbers[: nodes * len(names)].reshape(nodes, len(names)).T
+    else:
+        columns = np.split(numbers[: sum(lengths)], np.cumsum(lengths)[:-1])
+    zone = Zone(title, {name: columns[k] for k, name in enumerate(names) if k not in in_cells})
+    zone.cell_data = {names[k]: columns[k] for k in sorted(in_cells)}
+    if shape == "ORDERED":
+        zone.cells = _ordered_cells(sizes)
+    else:
+        connectivity = numbers[sum(lengths) :].reshape(cells, per_cell)
+        bad = (connectivity < 1) | (connectivity > nodes) | (connectivity % 1 != 0)
+        if bad.any():
+            cell = int(np.argmax(bad.any(axis=1)))
+            refuse(
+                path,
+                f"cell {cell + 1} of zone {title!r} names node {connectivity[cell][bad[cell]][0]:g}"
+                f" of {nodes}",
+                "the node count in its header is wrong, or the file is damaged",
+                last,
+            )
+        zone.cells = [(CELLS[shape][0], connectivity.astype(np.int64) - 1)]
+    return zone, place
+
+
+def _count(path, settings, keys, start, title, default=None):
+    for key in keys:
+        if settings.get(key, "").isdigit():
+            return int(settings[key])
+    if default is None or any(key in settings for key in keys):
+        refuse(path, f"zone {title!r} has no {keys[0]}= with a number", "export it with its header", start)
+    return default
+
+
+def _cell_centred(location, count):
+    """Indices of the variables that VARLOCATION puts in cells."""
+    found = set()
+    for group, single, where in LOCATION.findall(location):
+        for part in (group or single).split(","):
+            first, _, last = part.partition("-")
+            span = range(int(first) - 1, int(last or first))
+            found = found | set(span) if where.upper() == "CELLCENTERED" else found - set(span)
+    return {k for k in found if k < count}
+
+
+def _numbers(path, lines, place):
+    """All numbers up to the next record, the place after them, and the number of their last line."""
+    part = []
+    while place < len(lines) and not RECORDS.match(lines[place]):
+        line = lines[place].strip()
+        if line and not line.startswith("#"):
+            part.append(place)
+        place += 1
+    text = " ".join(lines[k] for k in part).replace(",", " ")
+    if "*" in text:
+        text = re.sub(r"(\d+)\*(\S+)", lambda found: " ".join([found[2]] * int(found[1])), text)
+    last = part[-1] + 1 if part else place
+    try:
+        return np.array(FORTRAN_EXPONENT.sub(r"\1e\2", text).split(), dtype=float), place, last
+    except ValueError as reason:
+        word = str(reason).rpartition(": ")[2].strip("'")
+        line = next((k + 1 for k in part if word in lines[k]), last)
+        refuse(path, f"{quote(word)} is not a number", "correct it, or export the file again", line)
+
+
+def _ordered_cell_count(sizes):
+    return int(np.prod([max(size - 1, 1) for size in sizes]))
+
+
+def _ordered_cells(sizes):
+    """Quadrilaterals or hexahedra of a block of I x J x K nodes, I running fastest."""
+    used = [size for size in sizes if size > 1]
+    return block_cells(used[::-1]) if len(used) > 1 else []

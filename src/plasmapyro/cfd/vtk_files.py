@@ -1,0 +1,53 @@
+"""VTK files, legacy and XML, of unstructured and structured grids."""
+
+import meshio
+
+from plasmapyro.cfd.grid import Zone
+from plasmapyro.readers.text import refuse, regular_file
+
+LARGEST = 4_000_000_000  # [byte]
+READERS = {".vtu": meshio.vtu.read, ".vtk": meshio.vtk.read}
+COORDINATES = ("x", "y", "z")
+
+
+def read(path):
+    """Zones of a .vtu or .vtk file: one, with the coordinates x, y, z.
+
+    Vectors become name_x, name_y, name_z.
+
+    Raises
+    ------
+    Refusal
+        Another kind of VTK file, or one that is broken.
+    """
+    path = regular_file(path, LARGEST)
+    if path.suffix.lower() not in READERS:
+        refuse(
+            path, f"is no file that is read ({path.suffix})", "save it as .vtu (unstructured grid, one file)"
+        )
+    try:
+        mesh = READERS[path.suffix.lower()](str(path))
+    except Exception as reason:  # whatever a parser of other people's bytes runs into
+        words = " ".join(str(reason).split()) or type(reason).__name__
+        refuse(path, f"cannot be read as VTK ({words})", "it may be cut off; save it again as .vtu")
+    points = {name: mesh.points[:, k] for k, name in enumerate(COORDINATES[: mesh.points.shape[1]])}
+    cells = [(block.type, block.data) for block in mesh.cells]
+    zone = Zone(path.stem, {**_scalars(mesh.point_data), **points}, cells)
+    for name in mesh.cell_data:
+        parts = [_scalars({name: part}) for part in mesh.cell_data[name]]
+        for key in parts[0] if parts else ():
+            zone.cell_data[key] = [part[key] for part in parts]
+    return [zone]
+
+
+def _scalars(data):
+    """Columns of vectors as fields of their own."""
+    found = {}
+    for name, values in data.items():
+        if values.ndim == 1 or values.shape[1] == 1:
+            found[name] = values.reshape(len(values))
+        elif values.ndim == 2:
+            for k in range(values.shape[1]):
+                suffix = COORDINATES[k] if values.shape[1] <= 3 else str(k)
+                found[f"{name}_{suffix}"] = values[:, k]
+    return found

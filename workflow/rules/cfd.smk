@@ -1,0 +1,59 @@
+# Conditions that bring the flow field of another program: only their line of sight is taken from it.
+import re
+
+from plasmapyro.cfd import map_of
+
+RESULTS += expand("results/flow/{condition}.vtu", condition=COMPUTED)
+
+
+def one_of(names):
+    return "|".join(map(re.escape, names)) or "(?!)"
+
+
+rule cfd_sightline:
+    input:
+        file=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"]["file"],
+        mesh=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"].get("mesh", []),
+    output:
+        "results/sightline/{condition}.nc",
+    log:
+        "results/logs/cfd_sightline_{condition}.log",
+    benchmark:
+        "results/benchmarks/cfd_sightline_{condition}.tsv"
+    wildcard_constraints:
+        condition=one_of(CFD_CONDITIONS),
+    params:
+        **config["sightline"],
+        map=lambda wildcards: map_of(CONDITIONS[wildcards.condition]),
+    script:
+        "../scripts/cfd_sightline.py"
+
+
+rule cfd_surface_view:
+    input:
+        file=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"]["file"],
+        mesh=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"].get("mesh", []),
+    output:
+        "results/surface_view/{condition}.nc",
+    log:
+        "results/logs/cfd_surface_view_{condition}.log",
+    wildcard_constraints:
+        condition=one_of(CFD_CONDITIONS),
+    params:
+        **config["reflection"],
+        angle_deg=config["sightline"]["angle_deg"],
+        map=lambda wildcards: map_of(CONDITIONS[wildcards.condition]),
+    script:
+        "../scripts/cfd_surface_view.py"
+
+
+# One job for all, because opening a Python takes longer than writing a file.
+rule flow_vtu:
+    input:
+        expand("results/flow/{condition}.nc", condition=COMPUTED),
+    output:
+        expand("results/flow/{condition}.vtu", condition=COMPUTED),
+    log:
+        "results/logs/flow_vtu.log",
+    script:
+        "../scripts/flow_vtu.py"

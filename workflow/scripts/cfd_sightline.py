@@ -1,0 +1,23 @@
+"""Rule cfd_sightline: state of the gas from the surface to the instrument, from a file of another program."""
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.cfd.stage import sightline, to_instrument
+
+io.log_to(snakemake.log[0])
+keys = snakemake.params
+result = to_instrument(
+    sightline(
+        snakemake.input.file,
+        keys.map,
+        points=keys.points,
+        mesh=snakemake.input.mesh or None,
+        angle=np.radians(keys.angle_deg),
+    ),
+    window_distance=keys.window_distance_mm * 1e-3,
+    instrument_distance=keys.instrument_distance_mm * 1e-3,
+    laboratory_temperature=keys.laboratory_temperature_k,
+    laboratory_pressure=keys.laboratory_pressure_pa,
+)
+io.write(result, snakemake.output[0], "sightline", sources=snakemake.input, config=dict(keys))
