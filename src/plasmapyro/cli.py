@@ -4,10 +4,13 @@ import argparse
 import sys
 import time
 import traceback
-from pathlib import Path
+
+import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
 from plasmapyro import io
+from plasmapyro.commands import check, correct
+from plasmapyro.commands.outputs import require_writable
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline import neqair
@@ -16,6 +19,7 @@ from plasmapyro.tables import weakest
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 MOST_GRID_POINTS = 5_000_000  # 2 GB of memory
 NANOMETRE = 1e-9
+BAR_LENGTH, BAR_PERIOD = 30, 0.1  # characters; [s]
 
 RADIANCE = """\
 Compute the spectral radiance of the gas along a sight line, line by line and by component, with
@@ -41,11 +45,30 @@ class Progress:
         if self.stream.isatty():
             self.stream.write(f"[{time.monotonic() - self.start:5.1f} s] {message}\n")
 
+    def bar(self, message):
+        """A function (done, total) that draws a progress bar on a terminal, at most ten times a second."""
+        drawn = -np.inf
+
+        def report(done, total):
+            nonlocal drawn
+            now = time.monotonic()
+            if not self.stream.isatty() or (done < total and now - drawn < BAR_PERIOD):
+                return
+            drawn = now
+            filled = BAR_LENGTH * done // max(total, 1)
+            self.stream.write(
+                f"\r[{now - self.start:5.1f} s] {message} [{'#' * filled:<{BAR_LENGTH}}] {done} of {total}"
+                + "\n" * (done >= total)
+            )
+            self.stream.flush()
+
+        return report
+
 
 def radiance(options, progress):
     """Run `plasmapyro radiance`: file in, files out."""
     outputs = [options.out, options.spectrum_text, options.line_of_sight_text]
-    _require_writable([Path(path) for path in outputs if path], [options.sightline, options.response])
+    require_writable([path for path in outputs if path], [options.sightline, options.response])
     progress.step(f"reading {options.sightline}")
     sightline = _read_sightline(options.sightline)
     response = io.read(options.response, "response") if options.response else None
@@ -86,19 +109,6 @@ def _read_sightline(path):
         raise ValueError(f"{path}: {fault}") from None
 
 
-def _require_writable(outputs, inputs):
-    """Refuse before the work begins what could not be written after it."""
-    taken = {Path(path).resolve() for path in inputs if path}
-    for path in outputs:
-        if path.is_dir():
-            raise ValueError(f"{path}: is a folder; name a file")
-        if path.resolve() in taken:
-            raise ValueError(f"{path}: is an input or another output; nothing is overwritten")
-        taken.add(path.resolve())
-        if path.parent.exists() and not path.parent.is_dir():
-            raise ValueError(f"{path.parent}: is not a folder")
-
-
 def _grid_points(word):
     number = int(word)
     if not 0 < number <= MOST_GRID_POINTS:
@@ -111,6 +121,8 @@ def parser():
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     _add_radiance(commands)
+    check.add(commands)
+    correct.add(commands)
     return top
 
 

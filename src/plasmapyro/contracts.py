@@ -535,6 +535,14 @@ DATASETS = {
 }
 
 
+def _optional(contract):
+    return {f"{name.rstrip('?')}?": dims for name, dims in DATASETS[contract].items()}
+
+
+# What `plasmapyro correct` writes: of each instrument that the test holds.
+DATASETS["correction"] = _optional("pyrometer_correction") | _optional("spectrometer_correction")
+
+
 def _breaches_of(found, name, dims, rule):
     if found.dims != dims:
         yield f"{name}: dims {found.dims}, expected {dims}"

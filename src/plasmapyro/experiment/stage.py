@@ -145,6 +145,7 @@ def correct_spectra(
     noise_block,
     draws,
     seed,
+    report=None,
 ):
     """Corrected spectra of a test and the temperatures fitted to them.
 
@@ -171,6 +172,8 @@ def correct_spectra(
         Pixels per noise estimate.
     draws, seed : int
         Of the Monte Carlo uncertainties.
+    report : function (done, total), optional
+        Called as the fits go on.
 
     Returns
     -------
@@ -206,7 +209,8 @@ def correct_spectra(
     state = _spectrum_status(test, time, injected, usable & pivot, to_noise, least_signal_to_noise)
     factor_error, gas_level = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
     fits = np.full((time.size, len(FrameFit._fields)), np.nan)
-    for frame in np.flatnonzero(state == status.VALID):
+    frames = np.flatnonzero(state == status.VALID)
+    for done, frame in enumerate(frames, 1):
         fits[frame] = fit_frame(
             wavelength,
             corrected[frame],
@@ -220,6 +224,8 @@ def correct_spectra(
             gas_level,
             np.random.default_rng([seed, 1, frame]),
         )
+        if report is not None:
+            report(done, frames.size)
     found = FrameFit(*fits.T)
     # A spectrum that no black body in the range resembles holds no signal of one.
     state[(state == status.VALID) & np.isnan(found.temperature)] = status.NO_SIGNAL

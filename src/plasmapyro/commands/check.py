@@ -1,0 +1,96 @@
+"""`plasmapyro check`: everything that is wrong with a data folder, at once."""
+
+import argparse
+import sys
+
+import numpy as np
+
+from plasmapyro.experiment.inputs import instruments
+from plasmapyro.readers.stage import read_test
+from plasmapyro.readers.text import Refusal
+
+DESCRIPTION = """\
+Say everything that is wrong with the data of a test, at once: for each fault the file, the line or
+column, the rule it breaks and what to do. Nothing is written.
+
+TEST is a folder (test.yaml and the raw files it describes, or test.nc) or a netCDF file; what may stand
+in it is told in docs/your-own-data.md."""
+EXAMPLE = """\
+example:
+  plasmapyro check my_test
+
+exit status: 0 the data can be processed, 2 they cannot (the faults are listed), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "check",
+        help="say everything that is wrong with a data folder",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
+
+
+def run(options, progress):
+    """Run `plasmapyro check`.
+
+    Raises
+    ------
+    ValueError
+        With one line per fault.
+    """
+    progress.step(f"reading {options.test}")
+    try:
+        test = read_test(options.test)
+    except Refusal as refusal:
+        count = len(refusal.messages)
+        raise ValueError(
+            "\n".join([f"{count} fault{'s' * (count > 1)} in {options.test}", *refusal.messages])
+        ) from None
+    sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
+
+
+def contents(test):
+    """Lines that say what a test holds, for a person to compare with what was measured.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    list of str
+    """
+    lines = [f"  origin: {test.attrs['origin']}"]
+    if "pyrometer" in instruments(test):
+        lines.append(f"  pyrometer: {_clock(test.time.values, 'samples')}")
+        for name in ("signal_wide", "signal_narrow"):
+            values = test[name].values
+            lines.append(
+                f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} A,"
+                f" {int(np.isnan(values).sum())} missing"
+            )
+    if "spectrometer" in instruments(test):
+        name = "spectral_radiance" if "spectral_radiance" in test.variables else "counts"
+        values, pixels = test[name].values, test.wavelength.values * 1e9
+        lines += [
+            f"  spectrometer: {_clock(test.spectrum_time.values, 'spectra')}",
+            f"  wavelengths: {pixels.size} pixels, {pixels[0]:.2f} to {pixels[-1]:.2f} nm in vacuum",
+            f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {test[name].attrs['units']},"
+            f" {int(np.isnan(values).sum())} samples missing or saturated",
+        ]
+    begin, end = test.attrs["reference_window"]
+    lines.append(
+        f"  injection at {test.attrs['injection_time']:g} s, plasma off at"
+        f" {test.attrs['plasma_off_time']:g} s, reference window {begin:g} to {end:g} s"
+    )
+    return lines
+
+
+def _clock(time, what):
+    step = f", one per {np.median(np.diff(time)):.4g} s" if time.size > 1 else ""
+    return f"{time.size} {what}, {time[0]:g} to {time[-1]:g} s{step}"
