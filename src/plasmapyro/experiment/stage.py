@@ -208,6 +208,7 @@ def correct_spectra(
     to_noise = pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
     state = _spectrum_status(test, time, injected, usable & pivot, to_noise, least_signal_to_noise)
     factor_error, gas_level = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
+    trials = spectra.trial_curves(wavelength, temperature_range)
     fits = np.full((time.size, len(FrameFit._fields)), np.nan)
     frames = np.flatnonzero(state == status.VALID)
     for done, frame in enumerate(frames, 1):
@@ -218,6 +219,7 @@ def correct_spectra(
             gas[frame],
             usable[frame],
             pivot,
+            trials,
             temperature_range,
             gas_variation,
             factor_error,
