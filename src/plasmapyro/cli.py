@@ -45,6 +45,10 @@ class Progress:
         if self.stream.isatty():
             self.stream.write(f"[{time.monotonic() - self.start:5.1f} s] {message}\n")
 
+    def warn(self, message):
+        """Say something the user must know, on a terminal or not."""
+        self.stream.write(f"plasmapyro: warning: {message}\n")
+
     def bar(self, message):
         """A function (done, total) that draws a progress bar on a terminal, at most ten times a second."""
         drawn = -np.inf

@@ -158,6 +158,7 @@ VARIABLES = {
     # test folder
     "counts": Variable("count", "raw signal of the spectrometer", nan_allowed=True),
     "background_counts": Variable("count", "raw signal in the dark", nan_allowed=True),
+    "saturated": Variable("1", "1 where the converter of the spectrometer was at its limit", 0, 1),
     "spectral_radiance": Variable(RADIANCE, "measured spectral radiance, L_m", nan_allowed=True),
     "electric_power": Variable("W", "electric power of the torch", 0, 1e9, nan_allowed=True),
     # experiment
@@ -476,6 +477,7 @@ DATASETS = {
         "wavelength?": ("wavelength",),
         "spectral_radiance?": ("spectrum_time", "wavelength"),
         "counts?": ("spectrum_time", "wavelength"),
+        "saturated?": ("spectrum_time", "wavelength"),
         "background_counts?": ("wavelength",),
     },
     "pyrometer_correction": {

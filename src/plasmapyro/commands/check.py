@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 
+from plasmapyro.commands.correct import window_findings
 from plasmapyro.experiment.inputs import instruments
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
@@ -51,6 +52,8 @@ def run(options, progress):
         raise ValueError(
             "\n".join([f"{count} fault{'s' * (count > 1)} in {options.test}", *refusal.messages])
         ) from None
+    for words in window_findings(test).values():
+        progress.warn(words)
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
 
 

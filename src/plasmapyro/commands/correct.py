@@ -9,7 +9,7 @@ import xarray as xr
 
 from plasmapyro import io
 from plasmapyro.commands.outputs import require_writable
-from plasmapyro.experiment import status
+from plasmapyro.experiment import onset, status
 from plasmapyro.experiment.inputs import faults, instruments
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.readers.stage import read_test, sources
@@ -77,6 +77,12 @@ def add(commands):
         metavar=("BEGIN", "END"),
         help="[s] instead of the one the test states: plasma on, surface still dark",
     )
+    command.add_argument(
+        "--keep-window",
+        action="store_true",
+        help="go on although the surface already shows in the reference window (its light is then subtracted"
+        " as if it were gas)",
+    )
     number = command.add_argument_group("what is uncertain (standard, relative)")
     _option(number, "--signal-uncertainty", _share, 0.01, "of one pyrometer signal")
     _option(number, "--gas-variation", _share, 0.03, "of the gas radiance about that of the reference window")
@@ -128,6 +134,11 @@ def run(options, progress):
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
     calibrations = _calibrations(test, folder)
+    found = window_findings(test)
+    for words in found.values():
+        progress.warn(words)
+    if "surface" in found and not options.keep_window:
+        raise ValueError("choose another --reference-window, or go on with --keep-window")
     result = ESTIMATORS[options.estimator](test, calibrations, options, progress)
     progress.step(f"writing {options.out}")
     io.write(
@@ -196,6 +207,41 @@ def by_reference(test, calibrations, options, progress):
     return xr.merge(parts, combine_attrs="override", join="exact", compat="no_conflicts").assign_attrs(
         {name: value for part in parts for name, value in part.attrs.items()}
     )
+
+
+def window_findings(test):
+    """What speaks against the reference window of a test, as the pyrometer sees it.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    dict
+        'surface' or 'gas' -> a sentence with what to do; empty if the window is clean.
+    """
+    if "pyrometer" not in instruments(test):
+        return {}
+    window = test.attrs["reference_window"]
+    pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
+    found = onset.attributes("pyrometer", test.time.values, pair, window, test.attrs["plasma_off_time"])
+    word = found["pyrometer_reference_verdict"]
+    where = f"reference window {window[0]:g} to {window[1]:g} s"
+    if word == onset.SHOWS:
+        wide, narrow = (100 * share for share in found["pyrometer_reference_bias"])
+        begin, end = found.get("pyrometer_proposed_window", (None, None))
+        advice = f"try --reference-window {begin:g} {end:.3g}" if end else "let it begin or end earlier"
+        return {
+            "surface": f"{where}: the surface already shows: it adds about {wide:.2g} % to the mean of the"
+            f" wide and {narrow:.2g} % to that of the narrow band; {advice}"
+        }
+    if word == onset.DRIFTS:
+        return {
+            "gas": f"{where}: the gas drifts in it beyond its noise; a --gas-variation that covers"
+            " the drift, or a steadier part of the test, makes the uncertainties honest"
+        }
+    return {}
 
 
 ESTIMATORS = {"reference": by_reference}  # name -> function (test, calibrations, options, progress)

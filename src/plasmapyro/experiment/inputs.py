@@ -13,6 +13,7 @@ UNITS = {
     "spectral_radiance": "W m-2 sr-1 m-1",
     "counts": "count",
     "background_counts": "count",
+    "saturated": "1",
     "electric_power": "W",
     "chamber_pressure": "Pa",
     "mass_flow_rate": "kg s-1",
@@ -28,6 +29,10 @@ NUMBERS = {  # attribute -> (lowest, highest, unit)
     "pyrometer_integration_time": (0.0, np.inf, "s"),
     "spectrometer_integration_time": (0.0, np.inf, "s"),
     "spectrometer_fwhm": (0.0, 1e-6, "m"),
+    "signal_saturation_wide": (0.0, np.inf, "A"),
+    "signal_saturation_narrow": (0.0, np.inf, "A"),
+    "emittance_slope": (0.0, 10.0, "1"),
+    "emittance_slope_uncertainty": (0.0, 1.0, "1"),
 }
 ALWAYS = ("injection_time", "plasma_off_time", "emittance", "emittance_uncertainty")
 OF_INSTRUMENT = {
@@ -110,7 +115,7 @@ def _faults_of_variables(test, present):
 
 def _faults_of_attributes(test, present):
     needed = [*ALWAYS, *(name for instrument in present for name in OF_INSTRUMENT[instrument])]
-    for name in needed:
+    for name in [*needed, *(name for name in NUMBERS if name in test.attrs and name not in needed)]:
         low, high, unit = NUMBERS[name]
         value = test.attrs.get(name)
         if value is None:

@@ -304,6 +304,8 @@ def _joined(paths, spectra, dark_path, dark, settings):
             lost |= values >= settings["saturation"]
         attrs["clipped_samples"] = int(lost.sum())
         values = np.where(lost, np.nan, values)
+        if lost.any():
+            result["saturated"] = lost.astype("int8")
         if dark is not None:
             _require_alike(dark_path, dark, paths[0], first)
             result["background_counts"] = _column(dark_path, dark, settings)
@@ -366,6 +368,8 @@ def _one_table(path, folder, settings):
             lost |= values >= settings["saturation"]
         attrs["clipped_samples"] = int(lost.sum())
         values = np.where(lost, np.nan, values)
+        if lost.any():
+            result["saturated"] = lost.astype("int8")
         if settings["background"]:
             dark_path = Path(folder) / settings["background"]
             _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])
