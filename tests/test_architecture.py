@@ -16,7 +16,13 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "instrument": {"radiation"},
     "analysis": {"instrument", "radiation"},
     "experiment": {"instrument", "analysis", "radiation"},
-    "readers": {"contracts", "io", "experiment"},  # files in, datasets out: the one group that knows files
+    "readers": {
+        "contracts",
+        "io",
+        "experiment",
+        "instrument",
+        "radiation",
+    },  # files in, datasets out: the one group that knows files
     "claims": set(),
     "plots": {"contracts", "io"},
     "report": set(),

@@ -9,7 +9,7 @@ import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
 from plasmapyro import io
-from plasmapyro.commands import check, correct
+from plasmapyro.commands import calibrate, check, correct
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -127,6 +127,7 @@ def parser():
     _add_radiance(commands)
     check.add(commands)
     correct.add(commands)
+    calibrate.add(commands)
     return top
 
 

@@ -151,6 +151,10 @@ VARIABLES = {
     "exposure_counts": Variable("count", "raw signal of each exposure of the source", nan_allowed=True),
     "exposure_dark": Variable("count", "raw signal of the dark of each exposure", nan_allowed=True),
     "exposure_time": Variable("s", "integration time of each exposure", 0, 1e5),
+    "linearity_coefficient": Variable(
+        "1", "coefficient of counts^k in the relative response of the detector"
+    ),
+    "masked_pixel": Variable("1", "index of a pixel that no light reaches", -1e6, 1e6),
     "dark_scale": Variable("1", "dark current in the exposure over that in its dark", 0, 100),
     "source_radiance": Variable(RADIANCE, "spectral radiance of the source, certified", nan_allowed=True),
     "source_radiance_uncertainty": Variable("1", "its relative standard uncertainty", 0, 1),
@@ -454,6 +458,8 @@ DATASETS = {
     "spectrometer_calibration": {
         "calibration_factor_common?": ("wavelength",),
         "dark_scale?": ("exposure",),
+        "linearity_coefficient?": ("linearity_power",),
+        "masked_pixel?": ("masked",),
         **{
             name: ("wavelength",)
             for name in (

@@ -68,6 +68,13 @@ def test_the_proposed_window_is_clean_and_not_wasteful(rise):
         assert share < 0.06 and window[1] > 0.2 * rise
 
 
+def test_a_window_that_is_mostly_surface_is_found_as_well():
+    for end in (14.0, 20.0, 40.0):
+        found = onset.attributes("pyrometer", TIME, made(), (0.0, end), 60.0)
+        assert found["pyrometer_reference_verdict"] == onset.SHOWS
+        assert found["pyrometer_proposed_window"][1] < 10
+
+
 def test_no_surface_no_proposal():
     assert np.isnan(onset.onset(TIME, made(surface=0), 0.0, 60.0)[0])
     found = onset.attributes("pyrometer", TIME, made(surface=0), (0.0, 5.0), 60.0)

@@ -7,15 +7,17 @@ import numpy as np
 
 from plasmapyro.commands.correct import window_findings
 from plasmapyro.experiment.inputs import instruments
+from plasmapyro.readers.calibration import check_calibration, describes
+from plasmapyro.readers.calibration import instruments as instruments_calibrated
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
 
 DESCRIPTION = """\
-Say everything that is wrong with the data of a test, at once: for each fault the file, the line or
-column, the rule it breaks and what to do. Nothing is written.
+Say everything that is wrong with the data of a test or of a calibration, at once: for each fault the file,
+the line or column, the rule it breaks and what to do. Nothing is written.
 
 TEST is a folder (test.yaml and the raw files it describes, or test.nc) or a netCDF file; what may stand
-in it is told in docs/your-own-data.md."""
+in it is told in docs/your-own-data.md. A folder with calibration.yaml is checked as a calibration."""
 EXAMPLE = """\
 example:
   plasmapyro check my_test
@@ -45,16 +47,25 @@ def run(options, progress):
         With one line per fault.
     """
     progress.step(f"reading {options.test}")
+    if describes(options.test):
+        _refuse(options.test, check_calibration(options.test))
+        present = " and ".join(instruments_calibrated(options.test))
+        sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
+        return
     try:
         test = read_test(options.test)
     except Refusal as refusal:
-        count = len(refusal.messages)
-        raise ValueError(
-            "\n".join([f"{count} fault{'s' * (count > 1)} in {options.test}", *refusal.messages])
-        ) from None
+        _refuse(options.test, refusal.messages)
     for words in window_findings(test).values():
         progress.warn(words)
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
+
+
+def _refuse(place, messages):
+    """Raise ValueError with all messages, if there are any."""
+    if messages:
+        count = f"{len(messages)} fault{'s' * (len(messages) > 1)} in {place}"
+        raise ValueError("\n".join([count, *messages])) from None
 
 
 def contents(test):

@@ -151,7 +151,9 @@ def attributes(instrument, time, signals, window, end):
     """
     found = verdict(time, signals, window)
     first, proposed = onset(time, signals, window[0], end)
-    words = {f"{instrument}_reference_verdict": found.word}
+    # In a window that is mostly surface the growth has another shape: the growing windows see it begin.
+    within = found.word != UNKNOWN and first < window[1]
+    words = {f"{instrument}_reference_verdict": SHOWS if within else found.word}
     if found.word != UNKNOWN:
         words[f"{instrument}_reference_bias"] = [float(share) for share in found.bias]
     if np.isfinite(first):

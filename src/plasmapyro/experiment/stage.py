@@ -14,6 +14,7 @@ from plasmapyro.experiment.frame import (
     pivot_signal_to_noise,
 )
 from plasmapyro.instrument.calibration import require_rising
+from plasmapyro.instrument.raw_counts import above_baseline
 from plasmapyro.instrument.spectrometer import USABLE, local_noise, measured_radiance
 
 LOG = logging.getLogger(__name__)
@@ -310,9 +311,23 @@ def _radiance(test, calibration, saturation_counts):
         return np.where(good, test.spectral_radiance.values, np.nan), pixels, saturated
     raw = test.counts.values.astype(float)
     saturated |= raw >= saturation_counts
+    raw[saturated] = np.nan
+    background = test.background_counts.values
+    if "linearity_coefficient" in calibration:
+        # As the counts of the source were treated, so are these.
+        if test.attrs.get("counts_linearised") and calibration.sizes["linearity_power"] > 1:
+            raise ValueError(
+                "the counts of the test are linearised already, those of the calibration were not: switch the"
+                " correction off in the spectrometer's program, or calibrate with linearised counts"
+            )
+        masked = calibration.masked_pixel.values if "masked_pixel" in calibration else []
+        raw, background = (
+            above_baseline(values, calibration.linearity_coefficient.values, masked)
+            for values in (raw, background)
+        )
     radiance = measured_radiance(
-        np.where(saturated, np.nan, raw),
-        test.background_counts.values,
+        raw,
+        background,
         calibration.calibration_factor.values,
         test.attrs["spectrometer_integration_time"],
     )

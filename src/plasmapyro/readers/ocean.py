@@ -111,6 +111,22 @@ def clipped(counts):
     return at_top & runs.any(axis=-1, keepdims=True)
 
 
+def column_of(path, spectrum, settings):
+    """The column of a file that holds what `settings` (quantity, column or None) asks for."""
+    name = settings["column"]
+    if name is None:
+        name = next(iter(spectrum.columns)) if len(spectrum.columns) == 1 else None
+    if name is None:
+        name = {"counts": "S", "spectral_radiance": "P"}[settings["quantity"]]  # as a Jaz names them
+    if name not in spectrum.columns:
+        refuse(
+            path,
+            f"no column {quote(name)}",
+            f"state `column` in test.yaml: {', '.join(spectrum.columns)}",
+        )
+    return spectrum.columns[name]
+
+
 def _plain(line):
     """A header line without accents (a letter lost to a wrong encoding is dropped)."""
     return "".join(c for c in unicodedata.normalize("NFKD", line) if c.isascii() or c == "\u03bc").strip()
