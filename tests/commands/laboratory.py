@@ -136,3 +136,48 @@ def test_file(place, **parts):
     """Write the test as netCDF; return the path."""
     io.write(made(**parts), place, "test")
     return place
+
+
+TEST_YAML = """attributes:
+  title: an invented test, to try the program with
+  condition: 90kW
+  origin: synthetic
+  injection_time: 0.0
+  plasma_off_time: 50.0
+  reference_window: [0.0, 5.0]
+  emittance: 0.8
+  emittance_uncertainty: 0.05
+  window_transmittance_pyrometer: 0.9
+  window_transmittance_spectrometer: 0.9
+  pyrometer_integration_time: 0.01
+  spectrometer_fwhm: 4e-9
+pyrometer:
+  file: pyrometer.csv
+  columns:
+    time: {name: Time}
+    signal_wide: {name: S1}
+    signal_narrow: {name: S2}
+spectrometer:
+  folder: spectrometer
+  background: dark.txt
+  quantity: counts
+  time: {from: order, first: 2.0, period: 4.0}
+"""
+
+
+def test_folder(place):
+    """Write a test of known truth as raw files with test.yaml."""
+    (place / "spectrometer").mkdir(parents=True)
+    (place / "test.yaml").write_text(TEST_YAML)
+    test = made()
+    columns = zip(
+        test.time.values, *(test[n].values * 1e9 for n in ("signal_wide", "signal_narrow")), strict=True
+    )
+    rows = "".join(f"{t:.2f};{a:.4f};{b:.4f}\n" for t, a, b in columns)
+    (place / "pyrometer.csv").write_text("Time [s];S1 [nA];S2 [nA]\n" + rows)
+    for index, moment in enumerate(np.arange(2.0, 60.0, 4.0)):
+        light = EMITTANCE * blackbody_radiance(WAVELENGTH, temperature(moment)) + 3e8 * (moment <= 50)
+        name = f"spectrum_{index:03d}.txt"
+        (place / "spectrometer" / name).write_text(spectrum(raw(light, 0.5, 50 + index), 0.5))
+    (place / "dark.txt").write_text(spectrum(raw(0 * WAVELENGTH, 0.5, 9), 0.5))
+    return place

@@ -12,6 +12,7 @@ from plasmapyro.instrument.spectrometer import STATUS_WORDS
 from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
 from plasmapyro.readers.calibration import check_calibration, instruments, read_exposures, read_points
 from plasmapyro.readers.stage import sources
+from plasmapyro.tables import weakest
 
 RESPONSE = {  # the modelled MR1SB, as in config/config.yaml
     "silicon_table": "silicon_green_2008",
@@ -105,7 +106,7 @@ def run(options, progress):
             draws=2000,
             seed=1,
         )
-        result.attrs["origin"] = io.weakest([result.attrs["origin"], points.attrs["origin"]])
+        result.attrs["origin"] = weakest([result.attrs["origin"], points.attrs["origin"]])
         results |= {"response": response, "calibration": result}
         lines += _of_pyrometer(result)
     if "spectrometer" in present:
