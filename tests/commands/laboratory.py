@@ -13,8 +13,8 @@ from plasmapyro.refraction import vacuum_wavelength
 AIR = np.round(np.linspace(750.0, 1030.0, 150), 3)  # [nm]
 WAVELENGTH = vacuum_wavelength(AIR * 1e-9)
 GAIN = 2e-6  # [count s-1 / (W m-2 sr-1 m-1)]
-DARK, BASELINE = 700.0, 300.0  # [count]
-CURVE = (1.02, -1e-6, -5e-12)  # relative response of the detector
+DARK, BASELINE = 700.0, 2000.0  # [count]
+CURVE = (1.02, -8e-6, -5e-12)  # relative response of the detector
 FILTER = 0.5
 SENSITIVITY = 1e-6  # [A m2 sr W-1]
 EMITTANCE = 0.8
@@ -45,7 +45,7 @@ spectrometer:
   exposures:
     - {light: long.txt, dark: long_dark.txt}
     - {light: short.txt, dark: short_dark.txt}
-  linearity_coefficients: [1.02, -1e-6, -5e-12]
+  linearity_coefficients: [1.02, -8e-6, -5e-12]
   masked_pixels: [0, -1]
   filter_transmittance: 0.5
 """

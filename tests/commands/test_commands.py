@@ -66,10 +66,32 @@ def test_the_true_temperature_comes_out(shelf, tmp_path, capsys, name):
         late = found.spectrum_time.values > 20
         truth = laboratory.temperature(found.spectrum_time.values)[late]
         np.testing.assert_allclose(found.scaled_temperature[late], truth, rtol=2e-3)
-        np.testing.assert_allclose(found.apparent_emittance[late], laboratory.EMITTANCE, rtol=0.02)
+        np.testing.assert_allclose(found.apparent_emittance[late], laboratory.EMITTANCE, rtol=0.006)
         assert "spectrometer_temperature: " in said
     assert ("time" in found) == (name != "spectrometer.nc")
     assert found.attrs["origin"] == "synthetic" and '"estimator": "reference"' in found.attrs["configuration"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("filter_transmittance: 0.5", "filter_transmittance: 0.25", 0.5),
+        ("filter_transmittance: 0.5", "filter_transmittance: 0.5\n  window_transmittance: 0.8", 1 / 0.8),
+        ("temperature_k: 1700,", "temperature_k: 1700, emittance: 0.9,", 0.9),
+    ],
+)
+def test_what_stands_in_the_light_scales_the_factor(shelf, tmp_path, old, new, expected):
+    place = laboratory.calibration_folder(tmp_path / "raw")
+    words = (place / "calibration.yaml").read_text()
+    assert old in words
+    (place / "calibration.yaml").write_text(words.replace(old, new))
+    assert cli.main(["calibrate", str(place), "--out", str(tmp_path / "lab")]) == 0
+    found, plain = (
+        io.read(folder / "lab" / "spectrometer_calibration.nc", "spectrometer_calibration")
+        for folder in (tmp_path, shelf)
+    )
+    ratio = (found.calibration_factor / plain.calibration_factor).values[1:-1]
+    np.testing.assert_allclose(ratio, expected, rtol=1e-12)
 
 
 def test_leaving_the_linearity_out_would_be_seen(shelf, tmp_path):

@@ -331,6 +331,16 @@ def test_signals_at_the_limit_of_the_pyrometer_are_not_read(pyrometer):
     np.testing.assert_array_equal(found.corrected_temperature[~over], pyrometer.corrected_temperature[~over])
 
 
+def test_a_saturated_sample_does_not_enter_the_reference(pyrometer):
+    test = made()
+    values = test.signal_wide.values.copy()
+    values[np.searchsorted(TIME, 2.0)] = 1e-3
+    test["signal_wide"] = ("time", values, test.signal_wide.attrs)
+    test.attrs["signal_saturation_wide"] = 1e-3
+    found = correct_pyrometer(test, calibration(), **PYROMETER)
+    np.testing.assert_allclose(found.reference_signal, pyrometer.reference_signal, rtol=1e-12)
+
+
 def test_the_reference_window_is_judged(pyrometer):
     assert pyrometer.attrs["pyrometer_reference_verdict"] == "clean"
     # The surface jumps from 350 K at 6 s to 900 K just after, a tenth of the gas in the narrow band.

@@ -58,6 +58,11 @@ def test_a_gas_that_fades_is_no_surface():
     assert onset.verdict(TIME, fading, (0, 10)).word == onset.DRIFTS
 
 
+def test_a_gas_that_changes_its_colour_is_no_surface():
+    turning = made(surface=0) * np.exp(np.array([[-0.02], [0.02]]) * TIME)
+    assert onset.verdict(TIME, turning, (0, 10)).word == onset.DRIFTS
+
+
 @pytest.mark.parametrize("rise", [12.0, 15.0, 30.0])
 def test_the_proposed_window_is_clean_and_not_wasteful(rise):
     for seed in range(10):

@@ -327,12 +327,15 @@ def _radiance_of(folder, source, wavelength):
     r"""Radiance (W,) of the source and its relative standard uncertainty (W,).
 
     .. math:: u(L)/L = \frac{c_2}{\lambda T^2}\,u(T) \quad\text{(black body, Wien)}
+
+    Where that exceeds 1 the radiance is not known: NaN.
     """
     if "temperature" in source:
         kelvin = source["temperature"]
         slope = SECOND_RADIATION / (wavelength * kelvin**2)
         radiance = source["emittance"] * blackbody_radiance(wavelength, kelvin)
-        return radiance, np.minimum(slope * source["temperature_uncertainty"], 1.0)
+        uncertainty = slope * source["temperature_uncertainty"]
+        return np.where(uncertainty < 1, radiance, np.nan), np.minimum(uncertainty, 1.0)
     path = folder / source["certificate"]
     table = columns.read_table(path, source["columns"])
     points, value = table["wavelength"], table["spectral_radiance"]
