@@ -100,7 +100,7 @@ def test_a_folder_of_raw_calibration_files_is_read_first(project):
     config.write_text(words)
     targets = ["results/instrument/calibration.nc", "results/instrument/spectrometer_calibration.nc"]
     plan = snakemake(project, "-n", *targets).stdout
-    for rule in ("read_points", "read_exposures", "exposure_calibration"):
+    for rule in ("read_points", "read_exposures", "spectrometer_calibration"):
         assert re.search(rf"^{rule} +1$", plan, re.MULTILINE), plan
     assert "twin" not in plan
 
