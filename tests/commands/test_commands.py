@@ -179,6 +179,29 @@ def test_check_says_what_is_there(shelf, capsys):
     assert "calibrate the pyrometer and spectrometer" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda test: test.isel(time=slice(0, 100)),
+            "time ends at 20.75 s, the plasma at 50 s: is a file cut off",
+        ),
+        (lambda test: test.isel(time=slice(28, None)), "time begins at 3 s, the injection is at 0 s"),
+        (
+            lambda test: test.isel(time=np.r_[0:120, 180:256]),
+            "time has 1 gaps, the first from 25.75 to 41 s",
+        ),
+        (lambda test: test.assign(signal_wide=1e6 * test.signal_wide), "A, more than a photodiode gives"),
+        (lambda test: test.isel(spectrum_time=slice(0, 9)), "spectrum_time ends at 17 s"),
+    ],
+)
+def test_check_says_what_is_doubtful(tmp_path, capsys, change, message):
+    io.write(change(laboratory.made()), tmp_path / "test.nc", "test")
+    assert cli.main(["check", str(tmp_path / "test.nc")]) == 0
+    said = capsys.readouterr().err
+    assert message in said and said.startswith("plasmapyro: warning: ")
+
+
 def test_check_says_everything_that_is_wrong_at_once(shelf, tmp_path, capsys):
     test = laboratory.made()
     test.attrs["reference_window"], test.attrs["emittance"] = [5.0, 0.0], 1.2

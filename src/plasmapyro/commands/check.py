@@ -12,6 +12,9 @@ from plasmapyro.readers.calibration import instruments as instruments_calibrated
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
 
+LARGEST_SIGNAL = 1.0  # [A]
+LONG_GAP = 10  # times the usual step, or the second it may be
+
 DESCRIPTION = """\
 Say everything that is wrong with the data of a test or of a calibration, at once: for each fault the file,
 the line or column, the rule it breaks and what to do. Nothing is written.
@@ -56,7 +59,7 @@ def run(options, progress):
         test = read_test(options.test)
     except Refusal as refusal:
         _refuse(options.test, refusal.messages)
-    for words in window_findings(test).values():
+    for words in [*window_findings(test).values(), *doubts(test)]:
         progress.warn(words)
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
 
@@ -66,6 +69,44 @@ def _refuse(place, messages):
     if messages:
         count = f"{len(messages)} fault{'s' * (len(messages) > 1)} in {place}"
         raise ValueError("\n".join([count, *messages])) from None
+
+
+def doubts(test):
+    """Sentences about what may be right and rarely is, for a person to look at.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    list of str
+    """
+    found = []
+    begin, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    for axis, gap in (("time", 1.0), ("spectrum_time", test.attrs.get("spectrometer_integration_time", 1.0))):
+        if axis not in test.variables or not test[axis].size:
+            continue
+        time = test[axis].values
+        step = max(gap, 2 * float(np.median(np.diff(time))) if time.size > 1 else gap)
+        if time[-1] < off - step:
+            found.append(f"{axis} ends at {time[-1]:g} s, the plasma at {off:g} s: is a file cut off?")
+        if time[0] > begin + step:
+            found.append(
+                f"{axis} begins at {time[0]:g} s, the injection is at {begin:g} s: is the zero right?"
+            )
+        holes = np.flatnonzero(np.diff(time) > LONG_GAP * step)
+        if holes.size:
+            found.append(
+                f"{axis} has {holes.size} gaps, the first from {time[holes[0]]:g} to {time[holes[0] + 1]:g} s"
+            )
+    for name in ("signal_wide", "signal_narrow"):
+        if name in test.variables and np.nanmax(np.abs(test[name].values)) > LARGEST_SIGNAL:
+            found.append(
+                f"{name} reaches {np.nanmax(np.abs(test[name].values)):.3g} A, more than a photodiode gives:"
+                " is its unit right? (The ratio, and so the temperature, does not depend on it.)"
+            )
+    return found
 
 
 def contents(test):
