@@ -1,6 +1,7 @@
 """The command `plasmapyro`: one data set at a time, without a workflow."""
 
 import argparse
+import logging
 import sys
 import time
 import traceback
@@ -198,6 +199,8 @@ def main(arguments=None):
         Exit status: 0 done, 2 bad input or usage, 1 a fault of ours.
     """
     options = parser().parse_args(arguments)
+    # What the library logs, the commands say in their own words.
+    logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
     try:
         options.run(options, Progress(sys.stderr))
     except (ValueError, OSError) as fault:

@@ -125,6 +125,25 @@ def test_a_window_with_the_surface_in_it_is_refused_unless_wanted(shelf, tmp_pat
     assert (good.corrected_status == status.VALID).sum() > (kept.corrected_status == status.VALID).sum()
 
 
+def test_spectra_alone_judge_the_window_as_well(tmp_path, shelf, capsys):
+    test = laboratory.made(pyrometer=False)
+    times = np.arange(0.25, 60.0, 0.5)
+    light = laboratory.EMITTANCE * laboratory.blackbody_radiance(
+        laboratory.WAVELENGTH, laboratory.temperature(times)[:, None]
+    )
+    light += 3e8 * (times <= 50)[:, None]
+    counts = np.array([laboratory.raw(row, 0.5, 10 + i) for i, row in enumerate(light)])
+    test = test.drop_vars(["counts", "spectrum_time"]).assign_coords(spectrum_time=times)
+    test["counts"] = (("spectrum_time", "wavelength"), counts)
+    io.write(test, tmp_path / "test.nc", "test")
+    words = ["correct", str(tmp_path / "test.nc"), "--instrument", str(shelf / "lab"), "--draws", "3"]
+    assert cli.main([*words, "--out", str(tmp_path / "a.nc")]) == 0
+    capsys.readouterr()
+    late = ["--reference-window", "0", "12", "--reference-time", "3"]
+    assert cli.main([*words, "--out", str(tmp_path / "b.nc"), *late]) == 2
+    assert "% to that of the longer wavelengths; try --reference-window 0 " in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("test", "words", "message"),
     [

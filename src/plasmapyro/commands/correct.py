@@ -11,7 +11,7 @@ from plasmapyro import io
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.experiment import onset, status
 from plasmapyro.experiment.inputs import faults, instruments
-from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, halves
 from plasmapyro.readers.stage import read_test, sources
 
 NANOMETRE = 1e-9
@@ -210,7 +210,9 @@ def by_reference(test, calibrations, options, progress):
 
 
 def window_findings(test):
-    """What speaks against the reference window of a test, as the pyrometer sees it.
+    """What speaks against the reference window of a test.
+
+    The pyrometer is asked; without one the spectrometer, with two halves of its wavelengths as bands.
 
     Parameters
     ----------
@@ -221,20 +223,24 @@ def window_findings(test):
     dict
         'surface' or 'gas' -> a sentence with what to do; empty if the window is clean.
     """
-    if "pyrometer" not in instruments(test):
-        return {}
     window = test.attrs["reference_window"]
-    pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
-    found = onset.attributes("pyrometer", test.time.values, pair, window, test.attrs["plasma_off_time"])
-    word = found["pyrometer_reference_verdict"]
+    if "pyrometer" in instruments(test):
+        names, time = ("wide band", "narrow band"), test.time.values
+        pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
+    else:
+        names, time = ("shorter wavelengths", "longer wavelengths"), test.spectrum_time.values
+        ready = "spectral_radiance" in test.variables
+        pair = halves((test.spectral_radiance if ready else test.counts - test.background_counts).values)
+    found = onset.attributes("seen", time, pair, window, test.attrs["plasma_off_time"])
+    word = found["seen_reference_verdict"]
     where = f"reference window {window[0]:g} to {window[1]:g} s"
     if word == onset.SHOWS:
-        wide, narrow = (100 * share for share in found["pyrometer_reference_bias"])
-        begin, end = found.get("pyrometer_proposed_window", (None, None))
+        first, second = (100 * share for share in found["seen_reference_bias"])
+        begin, end = found.get("seen_proposed_window", (None, None))
         advice = f"try --reference-window {begin:g} {end:.3g}" if end else "let it begin or end earlier"
         return {
-            "surface": f"{where}: the surface already shows: it adds about {wide:.2g} % to the mean of the"
-            f" wide and {narrow:.2g} % to that of the narrow band; {advice}"
+            "surface": f"{where}: the surface already shows: it adds about {first:.2g} % to the mean of the"
+            f" {names[0]}, {second:.2g} % to that of the {names[1]}; {advice}"
         }
     if word == onset.DRIFTS:
         return {

@@ -263,7 +263,7 @@ def correct_spectra(
         },
         {"spectrum_time": time, "wavelength": wavelength},
         _carried(test)
-        | _window_attributes("spectrometer", test, time, _halves(radiance))
+        | _window_attributes("spectrometer", test, time, halves(radiance))
         | {
             "reference_time": float(time[_reference_index(test, reference_time)]),
             "normalisation_wavelength": float(normalisation_wavelength),
@@ -275,7 +275,7 @@ def _carried(test):
     return {name: test.attrs[name] for name in CARRIED if name in test.attrs}
 
 
-def _halves(radiance):
+def halves(radiance):
     """Mean radiance (2, S) of the pixels of shorter and of longer wavelength; NaN without a usable one."""
     good = np.isfinite(radiance)
     middle = np.searchsorted(np.cumsum(good.any(axis=0)), good.any(axis=0).sum() / 2)
