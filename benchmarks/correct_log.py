@@ -1,9 +1,10 @@
 """Time `plasmapyro correct` on a long log: 2 hours at 10 Hz with 3600 spectra of 2068 pixels.
 
-    python benchmarks/correct_log.py FOLDER [--hours 2] [--spectra 3600]
+    python benchmarks/correct_log.py FOLDER [--hours 2] [--spectra 3600] [--raw]
 
 Makes a synthetic test and both calibrations in FOLDER, corrects it with the command, writes the wall time,
-the CPU time and the peak memory of that command to FOLDER/correct_log.json and to standard output.
+the CPU time and the peak memory of that command to FOLDER/correct_log.json and to standard output. With
+--raw the test is a folder of raw files: a CSV and a text file per spectrum, as SpectraSuite writes it.
 """
 
 import argparse
@@ -141,15 +142,58 @@ def made(response, wavelength, hours, spectra):
     )
 
 
+def write_raw(test, folder):
+    """The test as test.yaml, pyrometer.csv and a text file per spectrum."""
+    (folder / "spectrometer").mkdir(parents=True, exist_ok=True)
+    attributes = {k: v for k, v in test.attrs.items() if k != "spectrometer_integration_time"}
+    time = test.spectrum_time.values
+    described = {
+        "attributes": attributes,
+        "pyrometer": {
+            "columns": {
+                "time": {"name": "t", "unit": "s"},
+                "signal_wide": {"name": "S1", "unit": "A"},
+                "signal_narrow": {"name": "S2", "unit": "A"},
+            }
+        },
+        "spectrometer": {
+            "quantity": "counts",
+            "background": "dark.txt",
+            "wavelengths": "vacuum",
+            "time": {"from": "order", "first": float(time[0]), "period": float(np.diff(time).mean())},
+        },
+    }
+    io.write_text(json.dumps(described, default=float), folder / "test.yaml")  # JSON is YAML
+    columns = (test[name].values for name in ("time", "signal_wide", "signal_narrow"))
+    rows = "".join(f"{t:.2f},{a:.8e},{b:.8e}\n" for t, a, b in zip(*columns, strict=True))
+    io.write_text("t,S1,S2\n" + rows, folder / "pyrometer.csv")
+    pixels = [f"{w * 1e9:.6f}" for w in test.wavelength.values]
+
+    def spectrum(counts, path):
+        body = "".join(f"{w}\t{c:.2f}\n" for w, c in zip(pixels, counts, strict=True))
+        head = f"SpectraSuite Data File\nIntegration Time (usec): {EXPOSURE * 1e6:.0f} (X)\n"
+        head += f"Number of Pixels in Processed Spectrum: {PIXELS}\n>>>>>Begin Processed Spectral Data<<<<<\n"
+        io.write_text(f"{head}{body}>>>>>End Processed Spectral Data<<<<<\n", path)
+
+    spectrum(test.background_counts.values, folder / "dark.txt")
+    for index, counts in enumerate(test.counts.values):
+        spectrum(counts, folder / "spectrometer" / f"{index:05d}.txt")
+
+
 def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("folder", type=Path)
     words.add_argument("--hours", type=float, default=2.0)
     words.add_argument("--spectra", type=int, default=3600)
+    words.add_argument("--raw", action="store_true")
     options = words.parse_args()
     (options.folder / "instrument").mkdir(parents=True, exist_ok=True)
     test = made(*instruments(options.folder / "instrument"), options.hours, options.spectra)
-    io.write(test, options.folder / "test.nc", "test")
+    place = options.folder / ("raw" if options.raw else "test.nc")
+    if options.raw:
+        write_raw(test, place)
+    else:
+        io.write(test, place, "test")
     sizes = dict(test.sizes)
     del test
     command = [
@@ -158,7 +202,7 @@ def main():
         "import sys; from plasmapyro.cli import main; sys.exit(main())",
         "correct",
     ]
-    command += [str(options.folder / "test.nc"), "--instrument", str(options.folder / "instrument")]
+    command += [str(place), "--instrument", str(options.folder / "instrument")]
     command += ["--out", str(options.folder / "corrected.nc"), "--saturation-counts", "1e9"]
     begin = time.perf_counter()
     subprocess.run(command, check=True)

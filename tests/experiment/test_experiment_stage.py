@@ -383,6 +383,20 @@ def test_calibration_on_other_pixels_is_refused():
         correct_spectra(test, calibrated.isel(wavelength=slice(1, None)), **SPECTROMETER)
 
 
+@pytest.mark.parametrize(("shift", "accepted"), [(5e-12, True), (2e-11, False)])
+def test_other_printed_digits_are_the_same_pixels(shift, accepted):
+    test, calibrated = counted()
+    moved = calibrated.assign_coords(wavelength=PIXELS + shift)
+    if accepted:
+        found = correct_spectra(test, moved, **{**SPECTROMETER, "draws": 2})
+        np.testing.assert_array_equal(found.wavelength, PIXELS)
+    else:
+        with pytest.raises(
+            ValueError, match="300 pixels from 750.020 to 1030.020 nm against 300 pixels from"
+        ):
+            correct_spectra(test, moved, **SPECTROMETER)
+
+
 def test_calibration_that_turns_over_is_refused():
     bent = calibration()
     bent["fit_coefficient"] = ("fit_power", [0.4, 0.12, -0.1])

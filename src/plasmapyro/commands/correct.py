@@ -11,7 +11,7 @@ from plasmapyro import io
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.experiment import onset, status
 from plasmapyro.experiment.inputs import faults, instruments
-from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, halves
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, halves, on_same_wavelengths
 from plasmapyro.readers.stage import read_test, sources
 
 NANOMETRE = 1e-9
@@ -293,7 +293,7 @@ def _calibrations(test, folder):
         if counted or path.exists():
             calibration = io.read(path, SPECTROMETER)
             # Radiances bring their own calibration; one of other pixels says nothing about them.
-            if counted or np.array_equal(calibration.wavelength, test.wavelength):
+            if counted or on_same_wavelengths(calibration, test):
                 found[SPECTROMETER] = calibration
     return found
 

@@ -19,6 +19,7 @@ from plasmapyro.instrument.spectrometer import USABLE, local_noise, measured_rad
 
 LOG = logging.getLogger(__name__)
 BANDS = ("wide", "narrow")
+SAME_PIXEL = 1e-11  # [m] programs print 2 to 4 digits of a nanometre; pixels are ten times as far apart
 CARRIED = (
     "title",
     "origin",
@@ -271,6 +272,17 @@ def correct_spectra(
     )
 
 
+def on_same_wavelengths(first, second):
+    """Whether two datasets hold the same pixels, up to the digits that programs print."""
+    mine, its = first.wavelength.values, second.wavelength.values
+    return mine.size == its.size and np.allclose(mine, its, rtol=0, atol=SAME_PIXEL)
+
+
+def _span(dataset):
+    values = dataset.wavelength.values * 1e9
+    return f"{values.size} pixels from {values[0]:.3f} to {values[-1]:.3f} nm"
+
+
 def _carried(test):
     return {name: test.attrs[name] for name in CARRIED if name in test.attrs}
 
@@ -301,8 +313,11 @@ def _radiance(test, calibration, saturation_counts):
             raise ValueError("the test holds counts: a spectrometer calibration is needed")
         pixels = np.full(test.sizes["wavelength"], USABLE, dtype="int8")
     else:
-        if not np.array_equal(calibration.wavelength.values, test.wavelength.values):
-            raise ValueError("the spectrometer calibration and the test are not on the same wavelengths")
+        if not on_same_wavelengths(calibration, test):
+            raise ValueError(
+                "the spectrometer calibration and the test are not on the same wavelengths:"
+                f" {_span(calibration)} against {_span(test)}"
+            )
         pixels = calibration.pixel_status.values.astype("int8")
     shape = test.sizes["spectrum_time"], test.sizes["wavelength"]
     saturated = test.saturated.values > 0 if "saturated" in test.variables else np.zeros(shape, dtype=bool)

@@ -138,7 +138,7 @@ def _body(path, lines, begin, end):
         names, begin = lines[begin].split(), begin + 1
         if len(set(names)) != len(names):
             refuse(path, f"repeated column names {quote(' '.join(names))}", "export it again", begin)
-    rows = [(i, line.split()) for i, line in enumerate(lines[begin:end], begin + 1) if line.strip()]
+    rows = [(i, row) for i, row in enumerate(map(str.split, lines[begin:end]), begin + 1) if row]
     if len(rows) < 2 or len(rows) > MOST_PIXELS:
         refuse(path, f"holds {len(rows)} pixels", f"a spectrum has 2 to {MOST_PIXELS}", end)
     width = len(names) if names else len(rows[0][1])
@@ -165,7 +165,10 @@ def _body(path, lines, begin, end):
 def _fast(rows, decimal):
     """All cells at once; None if one of them needs the strict reader."""
     try:
-        flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
+        if decimal == ".":
+            flat = [float(cell) for _, row in rows for cell in row]
+        else:
+            flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
     except ValueError:
         return None
     table = np.array(flat).reshape(len(rows), -1)
