@@ -94,6 +94,38 @@ def test_what_stands_in_the_light_scales_the_factor(shelf, tmp_path, old, new, e
     np.testing.assert_allclose(ratio, expected, rtol=1e-12)
 
 
+def line_lamp(place, shift=0.2):
+    """Files of a Hg(Ar) lamp whose lines [nm in air] lie off by `shift`, 1.2 nm wide."""
+    grid = np.linspace(380.0, 900.0, 1500)
+    lines = [435.833, 546.074, 696.543, 706.722, 738.398, 763.511, 826.452, 842.465]
+    light = sum(4000 * np.exp(-4 * np.log(2) * ((grid - line - shift) / 1.2) ** 2) for line in lines)
+    generator = np.random.default_rng(3)
+    for name, counts in (("lines", light), ("lines_dark", 0 * light)):
+        body = "".join(
+            f"{w:.3f}\t{c:.2f}\n"
+            for w, c in zip(grid, counts + 5 * generator.standard_normal(1500), strict=True)
+        )
+        words = laboratory.FILE.format(time=1e5, body=body).replace(": 150", ": 1500")
+        (place / f"{name}.txt").write_text(words)
+    described = place / "calibration.yaml"
+    described.write_text(
+        described.read_text() + "  line_lamp: {light: lines.txt, dark: lines_dark.txt, fwhm_nm: 1.3}\n"
+    )
+
+
+def test_a_line_lamp_tells_wavelengths_and_width(tmp_path, capsys):
+    place = laboratory.calibration_folder(tmp_path / "raw")
+    line_lamp(place)
+    assert cli.main(["calibrate", str(place), "--out", str(tmp_path / "lab")]) == 0
+    said = re.search(r"(\d+) lines of Hg and Ar, off by (\S+) nm .*width (\S+) nm", capsys.readouterr().out)
+    assert int(said.group(1)) >= 4
+    assert float(said.group(2)) == pytest.approx(0.2, abs=0.02)
+    assert float(said.group(3)) == pytest.approx(1.2, rel=0.05)
+    (place / "lines.txt").unlink()
+    assert cli.main(["check", str(place)]) == 2
+    assert "lines.txt: no such file" in capsys.readouterr().err
+
+
 def test_leaving_the_linearity_out_would_be_seen(shelf, tmp_path):
     """With the polynomial dropped from the calibration the level is off by some per cent."""
     path = shelf / "lab" / "spectrometer_calibration.nc"

@@ -8,9 +8,16 @@ import numpy as np
 
 from plasmapyro import io
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.instrument.line_lamp import find_lines
 from plasmapyro.instrument.spectrometer import STATUS_WORDS
 from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
-from plasmapyro.readers.calibration import check_calibration, instruments, read_exposures, read_points
+from plasmapyro.readers.calibration import (
+    check_calibration,
+    instruments,
+    read_exposures,
+    read_line_lamp,
+    read_points,
+)
 from plasmapyro.readers.stage import sources
 from plasmapyro.tables import weakest
 
@@ -23,6 +30,7 @@ RESPONSE = {  # the modelled MR1SB, as in config/config.yaml
     "long_wavelength_limit": 1150e-9,
     "wavelength_step": 0.5e-9,
 }
+LINE_SEARCH, LINE_TO_NOISE = 1e-9, 50.0  # [m] how far off a line may be; fainter lines are left out
 CURVE = np.arange(400.0, 4001.0, 10.0)  # [K] where the curves are tabulated
 
 DESCRIPTION = """\
@@ -118,7 +126,7 @@ def run(options, progress):
             noise_block=50,
         ).assign_attrs(origin=exposures.attrs["origin"])
         results["spectrometer_calibration"] = result
-        lines += _of_spectrometer(result)
+        lines += _of_spectrometer(result) + _of_lines(read_line_lamp(options.folder))
     settings = {k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response")}
     read = [*sources(options.folder), *([options.response] if options.response else [])]
     io.write_together(
@@ -138,6 +146,21 @@ def _of_pyrometer(result):
         f"  phi {phi:.4g} +- {own:.2g}; residuals: modelled curve up to"
         f" {100 * float(np.abs(result.model_residual).max()):.2g} %, quadratic up to"
         f" {100 * float(np.abs(result.fit_residual).max()):.2g} %",
+    ]
+
+
+def _of_lines(lamp):
+    """What the lines of a Hg(Ar) lamp say about wavelengths and width."""
+    if lamp is None:
+        return []
+    wavelength, net, width = lamp
+    found = find_lines(
+        wavelength, net, expected_fwhm=width, search=LINE_SEARCH, least_signal_to_noise=LINE_TO_NOISE
+    )
+    off = np.array([line.wavelength - line.certified for line in found]) * 1e9
+    return [
+        f"  wavelengths: {off.size} lines of Hg and Ar, off by {off.mean():+.3f} nm on average,"
+        f" {np.abs(off).max():.3f} nm at worst; width {np.median([line.fwhm for line in found]) * 1e9:.2f} nm"
     ]
 
 

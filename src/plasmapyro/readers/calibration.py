@@ -49,6 +49,8 @@ def check_calibration(folder):
     for read in [{"pyrometer": read_points, "spectrometer": read_exposures}[name] for name in present]:
         try:
             read(folder)
+            if read is read_exposures:
+                read_line_lamp(folder)
         except Refusal as reason:
             found += [message for message in reason.messages if message not in found]
     return found
@@ -135,6 +137,7 @@ def read_exposures(folder):
         if "source" not in section:
             section.blame("source", "is missing", "state `temperature_k`, or a `certificate` of a lamp")
     exposures = _exposures(section)
+    _line_lamp(section)
     section.close()
     if faults:
         raise Refusal(faults)
@@ -188,6 +191,47 @@ def read_exposures(folder):
         {"origin": origin, **detector},
     )
     return _checked(dataset, "spectrometer_exposures", path)
+
+
+def read_line_lamp(folder):
+    """Spectrum of a Hg(Ar) lamp, if calibration.yaml names one under `spectrometer.line_lamp`.
+
+    Returns
+    -------
+    (wavelength, net, fwhm), or None
+        (W,) [m] in vacuum; (W,) [count] without the dark, NaN where clipped; the stated rough width [m].
+
+    Raises
+    ------
+    Refusal
+        One sentence per fault.
+    """
+    values, faults = _described(folder)
+    section = description.Section(values, Path(folder) / NAME, "", faults).section("spectrometer")
+    lamp = _line_lamp(section)
+    if faults:
+        raise Refusal(faults)
+    if lamp is None:
+        return None
+    medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
+    settings = {"quantity": "counts", "column": section.text("column")}
+    paths = [Path(folder) / lamp[key] for key in ("light", "dark")]
+    light, dark = (ocean.read_spectrum(path) for path in paths)
+    require_alike(paths[1], dark, paths[0], light)
+    rows = [ocean.column_of(path, one, settings) for path, one in zip(paths, (light, dark), strict=True)]
+    net = np.where(ocean.clipped(rows[0]), np.nan, rows[0] - rows[1])
+    return vacuum(paths[0], light.wavelength, medium), net, lamp["fwhm"]
+
+
+def _line_lamp(section):
+    if "line_lamp" not in section:
+        return None
+    lamp = section.section("line_lamp")
+    found = {key: lamp.file(key, needed=True) for key in ("light", "dark")}
+    width = lamp.number("fwhm_nm", above=0, needed=True)
+    found["fwhm"] = None if width is None else width * 1e-9
+    lamp.close()
+    return found
 
 
 def _described(folder):
