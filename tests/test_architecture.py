@@ -16,11 +16,28 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "instrument": {"radiation"},
     "analysis": {"instrument", "radiation"},
     "experiment": {"instrument", "analysis", "radiation"},
-    "readers": {"contracts", "io", "experiment"},  # files in, datasets out: the one group that knows files
+    "readers": {
+        "contracts",
+        "io",
+        "experiment",
+        "instrument",
+        "radiation",
+    },  # files in, datasets out: the one group that knows files
     "claims": set(),
     "plots": {"contracts", "io"},
     "report": set(),
     "cfd": {"gas", "sightline", "readers", "configuration", "io"},  # files of other programs in, ours out
+    "commands": {  # behind the command line
+        "io",
+        "contracts",
+        "configuration",
+        "cfd",
+        "experiment",
+        "instrument",
+        "radiation",
+        "readers",
+        "sightline",
+    },
 }
 BANNED_IN_PHYSICS = {"snakemake", "yaml", "matplotlib"}
 SCRIPT_LINES = 30

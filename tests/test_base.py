@@ -21,6 +21,13 @@ def sightline():
     )
 
 
+def surface():
+    return xr.Dataset(
+        {"surface_radiance": (("object_temperature", "wavelength"), [[1.0, 2.0]])},
+        {"object_temperature": [1000.0], "wavelength": [8e-7, 9e-7]},
+    )
+
+
 def test_round_trip_is_identical(tmp_path):
     io.write(sightline(), tmp_path / "a.nc", "sightline")
     first = io.read(tmp_path / "a.nc", "sightline")
@@ -59,6 +66,17 @@ def test_impossible_value_is_refused_before_anything_is_written(tmp_path):
     with pytest.raises(contracts.ContractError, match="temperature: -350 K outside"):
         io.write(bad, tmp_path / "a.nc", "sightline")
     assert not list(tmp_path.iterdir())
+
+
+def test_files_written_together_are_all_there_or_none(tmp_path):
+    good = {"surface_radiance": (surface(), tmp_path / "b.nc")}
+    bad = sightline()
+    bad["temperature"] = -bad.temperature
+    with pytest.raises(contracts.ContractError):
+        io.write_together(good | {"sightline": (bad, tmp_path / "a.nc")})
+    assert not list(tmp_path.iterdir())
+    io.write_together(good | {"sightline": (sightline(), tmp_path / "a.nc")})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "b.nc"]
 
 
 def test_a_source_weakens_the_origin_for_good(tmp_path):

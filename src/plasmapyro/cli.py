@@ -1,51 +1,18 @@
 """The command `plasmapyro`: one data set at a time, without a workflow."""
 
 import argparse
+import logging
 import sys
 import time
 import traceback
-from pathlib import Path
+
+import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
-from plasmapyro import configuration, io
-from plasmapyro.cfd.mapping import SCHEMA
-from plasmapyro.cfd.stage import sightline as cfd_sightline
-from plasmapyro.radiation.spectrum_text import compose_spectrum
-from plasmapyro.radiation.stage import line_of_sight_radiance
-from plasmapyro.sightline import neqair
-from plasmapyro.tables import weakest
+from plasmapyro.commands import calibrate, check, correct, radiance, sightline
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-MOST_GRID_POINTS = 5_000_000  # 2 GB of memory
-NANOMETRE = 1e-9
-
-RADIANCE = """\
-Compute the spectral radiance of the gas along a sight line, line by line and by component, with
-its optical depth and its view through a slit, and write it as netCDF.
-
-SIGHTLINE is a netCDF file (path_distance [m], species, temperature [K], pressure [Pa],
-number_density [m-3]) or a line-of-sight text file as NEQAIR reads it (x [cm], densities [cm-3],
-temperatures [K]; versions 14 and 15). The light travels from its first point to its last."""
-RADIANCE_EXAMPLE = """\
-example:
-  plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
-
-
-SIGHTLINE = """\
-Take the state of the gas along a line of sight from the flow field in FILE, as far as the field
-reaches, and write it as netCDF, which 'plasmapyro radiance' reads.
-
-FILE is a flow field of another program: VTK (.vtu, .vtk), Tecplot text, SU2 restart with its mesh,
-CGNS, a table of scattered points, a profile or a single state. MAP.yaml says what its names and
-units mean and where the line of sight starts; docs/your-own-cfd.md has an example for each."""
-SIGHTLINE_EXAMPLE = """\
-example:
-  plasmapyro sightline torch.vtu --map torch.yaml --out sightline.nc
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
-MOST_POINTS = 5000
+BAR_LENGTH, BAR_PERIOD = 30, 0.1  # characters; [s]
 
 
 class Progress:
@@ -58,186 +25,37 @@ class Progress:
         if self.stream.isatty():
             self.stream.write(f"[{time.monotonic() - self.start:5.1f} s] {message}\n")
 
-    def layer(self, done, total):
-        """One line that counts, written over itself."""
-        if self.stream.isatty():
-            end = "\n" if done == total else ""
-            self.stream.write(f"\r[{time.monotonic() - self.start:5.1f} s] layer {done} of {total}{end}")
+    def warn(self, message):
+        """Say something the user must know, on a terminal or not."""
+        self.stream.write(f"plasmapyro: warning: {message}\n")
+
+    def bar(self, message):
+        """A function (done, total) that draws a progress bar on a terminal, at most ten times a second."""
+        drawn = -np.inf
+
+        def report(done, total):
+            nonlocal drawn
+            now = time.monotonic()
+            if not self.stream.isatty() or (done < total and now - drawn < BAR_PERIOD):
+                return
+            drawn = now
+            filled = BAR_LENGTH * done // max(total, 1)
+            self.stream.write(
+                f"\r[{now - self.start:5.1f} s] {message} [{'#' * filled:<{BAR_LENGTH}}] {done} of {total}"
+                + "\n" * (done >= total)
+            )
             self.stream.flush()
 
-
-def radiance(options, progress):
-    """Run `plasmapyro radiance`: file in, files out."""
-    outputs = [options.out, options.spectrum_text, options.line_of_sight_text]
-    _require_writable([Path(path) for path in outputs if path], [options.sightline, options.response])
-    progress.step(f"reading {options.sightline}")
-    sightline = _read_sightline(options.sightline)
-    response = io.read(options.response, "response") if options.response else None
-    progress.step(
-        f"computing {sightline.sizes['path_distance']} layers on {options.grid_points} wavelengths,"
-        " without those too dark to count"
-    )
-    result = line_of_sight_radiance(
-        sightline,
-        response,
-        wavelength_range=[edge * NANOMETRE for edge in options.wavelength_nm],
-        grid_points=options.grid_points,
-        slit_fwhm=options.slit_fwhm_nm * NANOMETRE,
-        progress=progress.layer,
-    )
-    result.attrs["origin"] = weakest([result.attrs["origin"], sightline.attrs.get("origin", "modelled")])
-    progress.step(f"writing {options.out}")
-    sources = [path for path in (options.sightline, options.response) if path]
-    settings = {name: getattr(options, name) for name in ("wavelength_nm", "grid_points", "slit_fwhm_nm")}
-    contract = "radiation" if response is not None else "spectrum"
-    io.write(result, options.out, contract, sources=sources, config={"radiation": settings})
-    if options.spectrum_text:
-        text = compose_spectrum(result["wavelength"].values, result["gas_radiance"].values)
-        io.write_text(text, options.spectrum_text)
-    if options.line_of_sight_text:
-        io.write_text(neqair.compose(sightline), options.line_of_sight_text)
-    progress.step("done")
-
-
-def sightline(options, progress):
-    """Run `plasmapyro sightline`: flow field in, sight line out."""
-    outputs = [Path(path) for path in (options.out, options.line_of_sight_text) if path]
-    _require_writable(outputs, [options.file, options.map, options.mesh])
-    settings = configuration.load(options.map, SCHEMA)
-    progress.step(f"reading {options.file}")
-    result = cfd_sightline(options.file, settings, points=options.points, mesh=options.mesh)
-    progress.step(f"the line of sight {result.attrs['path_status']}; writing {options.out}")
-    sources = [path for path in (options.file, options.mesh, options.map) if path]
-    io.write(result, options.out, "sightline", sources=sources, config={"cfd": settings})
-    if options.line_of_sight_text:
-        io.write_text(neqair.compose(result), options.line_of_sight_text)
-    if result.attrs["path_end"] == "body":
-        sys.stderr.write(f"plasmapyro: the line of sight {result.attrs['path_status']}\n")
-    progress.step("done")
-
-
-def _read_sightline(path):
-    """Dataset of contract 'sightline' from netCDF or NEQAIR-style text."""
-    if io.is_netcdf(path):
-        return io.read(path, "sightline")
-    try:
-        return neqair.parse(io.read_text(path))
-    except io.contracts.ContractError:
-        raise
-    except ValueError as fault:
-        raise ValueError(f"{path}: {fault}") from None
-
-
-def _require_writable(outputs, inputs):
-    """Refuse before the work begins what could not be written after it."""
-    taken = {Path(path).resolve() for path in inputs if path}
-    for path in outputs:
-        if path.is_dir():
-            raise ValueError(f"{path}: is a folder; name a file")
-        if path.resolve() in taken:
-            raise ValueError(f"{path}: is an input or another output; nothing is overwritten")
-        taken.add(path.resolve())
-        if path.parent.exists() and not path.parent.is_dir():
-            raise ValueError(f"{path.parent}: is not a folder")
-
-
-def _grid_points(word):
-    number = int(word)
-    if not 0 < number <= MOST_GRID_POINTS:
-        raise argparse.ArgumentTypeError(f"must lie in [1, {MOST_GRID_POINTS}]; got {number}")
-    return number
+        return report
 
 
 def parser():
     """The argument parser of all subcommands; each sets `run`, a function (options, progress)."""
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    _add_radiance(commands)
-    _add_sightline(commands)
+    for command in (check, calibrate, correct, sightline, radiance):
+        command.add(commands)
     return top
-
-
-def _points(word):
-    number = int(word)
-    if not 20 <= number <= MOST_POINTS:
-        raise argparse.ArgumentTypeError(f"must lie in [20, {MOST_POINTS}]; got {number}")
-    return number
-
-
-def _add_sightline(commands):
-    command = commands.add_parser(
-        "sightline",
-        help="line of sight through a flow field of another program",
-        description=SIGHTLINE,
-        epilog=SIGHTLINE_EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=sightline)
-    command.add_argument("file", metavar="FILE", help="flow field")
-    command.add_argument("--map", required=True, metavar="MAP.yaml", help="what the file means")
-    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the sight line goes")
-    command.add_argument("--mesh", metavar="MESH.su2", help="mesh of an SU2 restart file")
-    command.add_argument(
-        "--points", type=_points, default=250, metavar="N", help="nodes along the path (default: 250)"
-    )
-    command.add_argument(
-        "--line-of-sight-text",
-        metavar="FILE",
-        help="write the sight line also as NEQAIR 15 reads it (LOS.dat)",
-    )
-
-
-def _add_radiance(commands):
-    command = commands.add_parser(
-        "radiance",
-        help="spectral radiance of the gas along a sight line",
-        description=RADIANCE,
-        epilog=RADIANCE_EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=radiance)
-    command.add_argument("sightline", metavar="SIGHTLINE", help="sight line, netCDF or NEQAIR-style text")
-    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the spectrum goes")
-    command.add_argument(
-        "--wavelength-nm",
-        nargs=2,
-        type=float,
-        default=[700.0, 1200.0],
-        metavar=("FIRST", "LAST"),
-        help="range in vacuum, within 650 to 1250 nm (default: 700 1200)",
-    )
-    command.add_argument(
-        "--grid-points",
-        type=_grid_points,
-        default=160_000,
-        metavar="N",
-        help="points of the logarithmic wavenumber grid; too few for the line widths are refused with the"
-        " number that would do (default: 160000, enough for 700 to 1200 nm)",
-    )
-    command.add_argument(
-        "--slit-fwhm-nm",
-        type=float,
-        default=0.75,
-        metavar="WIDTH",
-        help="full width at half maximum of the Gaussian slit (default: 0.75 nm)",
-    )
-    command.add_argument(
-        "--response",
-        metavar="FILE.nc",
-        help="responses of two pyrometer bands (wavelength [m], responsivity_wide, responsivity_narrow [1]),"
-        " as results/instrument/response.nc; without it the result holds no band signals",
-    )
-    command.add_argument(
-        "--spectrum-text",
-        metavar="FILE",
-        help="write the spectrum also as text: wavelength [Angstrom], radiance [W cm-2 sr-1 um-1] and its"
-        " integral",
-    )
-    command.add_argument(
-        "--line-of-sight-text",
-        metavar="FILE",
-        help="write the sight line also as NEQAIR 15 reads it (LOS.dat)",
-    )
 
 
 def main(arguments=None):
@@ -254,6 +72,8 @@ def main(arguments=None):
         Exit status: 0 done, 2 bad input or usage, 1 a fault of ours.
     """
     options = parser().parse_args(arguments)
+    # What the library logs, the commands say in their own words.
+    logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
     try:
         options.run(options, Progress(sys.stderr))
     except (ValueError, OSError) as fault:

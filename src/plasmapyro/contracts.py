@@ -151,6 +151,10 @@ VARIABLES = {
     "exposure_counts": Variable("count", "raw signal of each exposure of the source", nan_allowed=True),
     "exposure_dark": Variable("count", "raw signal of the dark of each exposure", nan_allowed=True),
     "exposure_time": Variable("s", "integration time of each exposure", 0, 1e5),
+    "linearity_coefficient": Variable(
+        "1", "coefficient of counts^k in the relative response of the detector"
+    ),
+    "masked_pixel": Variable("1", "index of a pixel that no light reaches", -1e6, 1e6),
     "dark_scale": Variable("1", "dark current in the exposure over that in its dark", 0, 100),
     "source_radiance": Variable(RADIANCE, "spectral radiance of the source, certified", nan_allowed=True),
     "source_radiance_uncertainty": Variable("1", "its relative standard uncertainty", 0, 1),
@@ -158,6 +162,7 @@ VARIABLES = {
     # test folder
     "counts": Variable("count", "raw signal of the spectrometer", nan_allowed=True),
     "background_counts": Variable("count", "raw signal in the dark", nan_allowed=True),
+    "saturated": Variable("1", "1 where the converter of the spectrometer was at its limit", 0, 1),
     "spectral_radiance": Variable(RADIANCE, "measured spectral radiance, L_m", nan_allowed=True),
     "electric_power": Variable("W", "electric power of the torch", 0, 1e9, nan_allowed=True),
     # experiment
@@ -459,6 +464,8 @@ DATASETS = {
     "spectrometer_calibration": {
         "calibration_factor_common?": ("wavelength",),
         "dark_scale?": ("exposure",),
+        "linearity_coefficient?": ("linearity_power",),
+        "masked_pixel?": ("masked",),
         **{
             name: ("wavelength",)
             for name in (
@@ -482,6 +489,7 @@ DATASETS = {
         "wavelength?": ("wavelength",),
         "spectral_radiance?": ("spectrum_time", "wavelength"),
         "counts?": ("spectrum_time", "wavelength"),
+        "saturated?": ("spectrum_time", "wavelength"),
         "background_counts?": ("wavelength",),
     },
     "pyrometer_correction": {
@@ -539,6 +547,14 @@ DATASETS = {
         },
     },
 }
+
+
+def _optional(contract):
+    return {f"{name.rstrip('?')}?": dims for name, dims in DATASETS[contract].items()}
+
+
+# What `plasmapyro correct` writes: of each instrument that the test holds.
+DATASETS["correction"] = _optional("pyrometer_correction") | _optional("spectrometer_correction")
 
 
 def _breaches_of(found, name, dims, rule):

@@ -66,6 +66,37 @@ def write(dataset, path, contract, *, sources=(), config=None):
     sources : paths of the files it was made from; their SHA-256 are stored
     config : mapping of the configuration values it depends on, stored as JSON
     """
+    write_together({contract: (dataset, path)}, sources=sources, config=config)
+
+
+def write_together(datasets, *, sources=(), config=None):
+    """Store several stage files of one origin, all of them or none (see `write`).
+
+    Parameters
+    ----------
+    datasets : mapping of contract -> (Dataset, path)
+    sources, config : as in `write`
+    """
+    ready = [
+        (path, _labelled(dataset, contract, sources, config))
+        for contract, (dataset, path) in datasets.items()
+    ]
+
+    def store_from(index):
+        path, dataset = ready[index]
+
+        def writer(part):
+            dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4")
+            if index + 1 < len(ready):  # no part takes its place before the last one is written
+                store_from(index + 1)
+
+        store(path, writer)
+
+    store_from(0)
+
+
+def _labelled(dataset, contract, sources, config):
+    """A checked copy of a dataset with the attributes of a stage file."""
     dataset = contracts.check(contracts.label(dataset, contract), contract)
     origins = [dataset.attrs.get("origin", "modelled"), *(_origin(source) for source in sources)]
     dataset.attrs = {
@@ -81,7 +112,7 @@ def write(dataset, path, contract, *, sources=(), config=None):
         variable.encoding = (
             {"_FillValue": None} if variable.dtype.kind != "f" else {"_FillValue": float("nan")}
         )
-    store(path, lambda part: dataset.to_netcdf(part, engine="netcdf4", format="NETCDF4"))
+    return dataset
 
 
 def write_text(text, path):

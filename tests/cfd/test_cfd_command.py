@@ -75,7 +75,7 @@ def test_a_body_in_the_way_is_said(tmp_path, capsys):
     )
     (tmp_path / "map.yaml").write_text(yaml.safe_dump(mapping))
     assert run(tmp_path, "flow.dat", "--map", "map.yaml", "--out", "a.nc") == 0
-    assert "plasmapyro: the line of sight stops at a body 100.5 mm" in capsys.readouterr().err
+    assert "plasmapyro: warning: the line of sight stops at a body 100.5 mm" in capsys.readouterr().err
     assert io.read(tmp_path / "a.nc", "sightline").attrs["path_end"] == "body"
 
 

@@ -23,7 +23,11 @@ def pair(temperature, narrow=1.0):
     return np.stack([ratio * narrow, np.full(ratio.size, narrow)])
 
 
-def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True):
+def measured(signals, saturated=False, slope=1.0):
+    return read_measured(signals, np.full(signals.shape[1], saturated), slope, COEFFICIENT, FIT, INSTRUMENT)
+
+
+def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True, saturated=False, slope=1.0):
     clean = signals - gas
     shape = clean.shape
     return read_corrected(
@@ -31,6 +35,8 @@ def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True):
         clean,
         np.full(shape, uncertainty),
         np.full(shape[1], injected),
+        np.full(shape[1], saturated),
+        slope,
         COEFFICIENT,
         FIT,
         INSTRUMENT,
@@ -40,14 +46,14 @@ def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True):
 
 
 def test_known_temperatures_come_back():
-    temperature, state = read_measured(pair([1000.0, 1500.0, 1900.0]), COEFFICIENT, FIT, INSTRUMENT)
+    temperature, state = measured(pair([1000.0, 1500.0, 1900.0]))
     np.testing.assert_allclose(temperature, [1000, 1500, 1900], rtol=1e-12)
     assert state.tolist() == [status.VALID, status.VALID, status.EXTRAPOLATED]
 
 
 def test_every_absent_reading_says_why():
     signals = np.array([[0.1, 5.0, np.nan, -1.0], [1.0, 1.0, 1.0, 1.0]])
-    temperature, state = read_measured(signals, COEFFICIENT, FIT, INSTRUMENT)
+    temperature, state = measured(signals)
     assert np.isnan(temperature).all()
     assert state.tolist() == [status.BELOW, status.ABOVE, status.MISSING, status.NO_SIGNAL]
 
@@ -80,11 +86,27 @@ def test_reasons_have_their_order():
     assert (state == status.NOT_INJECTED).all() and np.isnan(temperature).all()
 
 
-def spread_of(signals, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, draws=10000):
+def test_a_saturated_sample_has_no_temperature_and_says_so():
+    for read in (measured, corrected):
+        temperature, state = read(pair([1200.0]), saturated=True)
+        assert np.isnan(temperature[0]) and state[0] == status.SATURATED
+
+
+def test_a_selective_surface_is_read_with_its_slope():
+    selective = pair([1200.0, 1500.0]) * np.array([[1.04], [1.0]])
+    for read in (measured, corrected):
+        np.testing.assert_allclose(read(selective, slope=1.04)[0], [1200, 1500], rtol=1e-12)
+        assert (read(selective)[0] > np.array([1240, 1540])).all()  # d ln T / d ln ratio is about 1
+
+
+def spread_of(
+    signals, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, draws=10000, slope=(1, 0)
+):
     return temperature_uncertainty(
         signals,
         np.broadcast_to(gas, signals.shape),
         np.full(signals.shape, gas_uncertainty),
+        *slope,
         COEFFICIENT,
         covariance,
         FIT,
@@ -124,6 +146,13 @@ def test_monte_carlo_agrees_with_linear_propagation(part):
     settings = {"covariance": 0 * COVARIANCE} | part
     found = spread_of(pair([1400.0]) + gas[:, None], gas[:, None], **settings)
     assert found[0] == pytest.approx(linear(1400.0, gas, **settings), rel=MONTE_CARLO_RTOL)
+
+
+def test_an_uncertain_slope_counts_as_an_uncertain_ratio():
+    calm = {"u": 0.0, "covariance": 0 * COVARIANCE}
+    found = spread_of(pair([1400.0]) * np.array([[1.05], [1.0]]), 0.0, slope=(1.05, 0.021), **calm)
+    expected = linear(1400.0, np.zeros(2), **{**calm, "u": 0.02 / np.sqrt(2)})  # 2 % of the ratio
+    assert found[0] == pytest.approx(expected, rel=MONTE_CARLO_RTOL)
 
 
 def test_gas_of_the_colour_of_the_surface_cancels_when_it_varies():

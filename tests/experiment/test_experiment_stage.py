@@ -300,6 +300,58 @@ def test_saturated_pixels_are_left_out():
     np.testing.assert_allclose(found.scaled_temperature[late], truth(FRAMES)[late], rtol=5e-4)
 
 
+def test_a_spectrum_with_a_saturated_pivot_says_so():
+    test, calibrated = counted()
+    values = test.counts.values.copy()
+    values[-1, -3:] = 65535.0
+    test["counts"] = (test.counts.dims, values, test.counts.attrs)
+    found = correct_spectra(test, calibrated, **SPECTROMETER)
+    assert found.spectrum_status[-1] == status.SATURATED and np.isnan(found.scaled_temperature[-1])
+    assert found.spectrum_status[-2] == status.VALID
+
+
+def test_what_the_reader_found_saturated_is_not_used(spectrometer):
+    test = made()
+    lost = np.zeros(test.spectral_radiance.shape, dtype="int8")
+    lost[-1] = 1
+    test["saturated"] = (test.spectral_radiance.dims, lost, {"units": "1"})
+    found = correct_spectra(test, None, **SPECTROMETER)
+    assert found.spectrum_status[-1] == status.SATURATED
+    np.testing.assert_array_equal(found.scaled_temperature[:-1], spectrometer.scaled_temperature[:-1])
+
+
+def test_signals_at_the_limit_of_the_pyrometer_are_not_read(pyrometer):
+    test = made()
+    limit = float(test.signal_wide.max()) * 0.9
+    test.attrs["signal_saturation_wide"] = limit
+    found = correct_pyrometer(test, calibration(), **PYROMETER)
+    over = test.signal_wide.values >= limit
+    assert over.any() and (found.measured_status[over] == status.SATURATED).all()
+    assert (found.corrected_status[over & (TIME >= 0)] == status.SATURATED).all()
+    np.testing.assert_array_equal(found.corrected_temperature[~over], pyrometer.corrected_temperature[~over])
+
+
+def test_a_saturated_sample_does_not_enter_the_reference(pyrometer):
+    test = made()
+    values = test.signal_wide.values.copy()
+    values[np.searchsorted(TIME, 2.0)] = 1e-3
+    test["signal_wide"] = ("time", values, test.signal_wide.attrs)
+    test.attrs["signal_saturation_wide"] = 1e-3
+    found = correct_pyrometer(test, calibration(), **PYROMETER)
+    np.testing.assert_allclose(found.reference_signal, pyrometer.reference_signal, rtol=1e-12)
+
+
+def test_the_reference_window_is_judged(pyrometer):
+    assert pyrometer.attrs["pyrometer_reference_verdict"] == "clean"
+    # The surface jumps from 350 K at 6 s to 900 K just after, a tenth of the gas in the narrow band.
+    assert 6 < pyrometer.attrs["pyrometer_surface_onset"] < 9
+    late = made()
+    late.attrs["reference_window"] = [0.0, 12.0]
+    found = correct_pyrometer(late, calibration(), **PYROMETER)
+    assert found.attrs["pyrometer_reference_verdict"] == "surface_shows"
+    assert found.attrs["pyrometer_proposed_window"][1] < 6
+
+
 def test_same_seed_same_result(pyrometer, spectrometer):
     xr.testing.assert_identical(pyrometer, correct_pyrometer(made(), calibration(), **PYROMETER))
     xr.testing.assert_identical(spectrometer, correct_spectra(made(), None, **SPECTROMETER))
@@ -329,6 +381,20 @@ def test_calibration_on_other_pixels_is_refused():
     test, calibrated = counted()
     with pytest.raises(ValueError, match="not on the same wavelengths"):
         correct_spectra(test, calibrated.isel(wavelength=slice(1, None)), **SPECTROMETER)
+
+
+@pytest.mark.parametrize(("shift", "accepted"), [(5e-12, True), (2e-11, False)])
+def test_other_printed_digits_are_the_same_pixels(shift, accepted):
+    test, calibrated = counted()
+    moved = calibrated.assign_coords(wavelength=PIXELS + shift)
+    if accepted:
+        found = correct_spectra(test, moved, **{**SPECTROMETER, "draws": 2})
+        np.testing.assert_array_equal(found.wavelength, PIXELS)
+    else:
+        with pytest.raises(
+            ValueError, match="300 pixels from 750.020 to 1030.020 nm against 300 pixels from"
+        ):
+            correct_spectra(test, moved, **SPECTROMETER)
 
 
 def test_calibration_that_turns_over_is_refused():

@@ -5,9 +5,12 @@ import pytest
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.experiment.frame import factor_errors, fit_frame, fitted_curve
+from plasmapyro.experiment.spectra import trial_curves
 from plasmapyro.radiation.planck import blackbody_radiance
 
 WAVELENGTH = np.linspace(750e-9, 1030e-9, 50)
+RANGE = (600.0, 3500.0)
+TRIALS = trial_curves(WAVELENGTH, RANGE)
 MANY = 20000
 
 
@@ -41,7 +44,8 @@ def test_uncertainty_is_half_the_central_interval_of_the_draws():
         0 * clean,
         np.ones(50, dtype=bool),
         WAVELENGTH > 1020e-9,
-        (600.0, 3500.0),
+        TRIALS,
+        RANGE,
         0.0,
         factor,
         np.zeros((count, 1)),
@@ -60,7 +64,8 @@ def test_failed_fit_gives_nothing_at_all():
         0 * cold,
         np.ones(50, dtype=bool),
         WAVELENGTH > 1020e-9,
-        (600.0, 3500.0),
+        TRIALS,
+        RANGE,
         0.0,
         np.zeros((10, 1)),
         np.zeros((10, 1)),

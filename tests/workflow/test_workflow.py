@@ -91,6 +91,20 @@ def test_a_folder_of_raw_files_is_read_first(project):
     assert "Nothing to be done" in again.stdout + again.stderr
 
 
+def test_a_folder_of_raw_calibration_files_is_read_first(project):
+    shutil.copytree(ROOT / "docs" / "example" / "calibration", project / "lamp")
+    config = project / "config" / "config.yaml"
+    words = config.read_text()
+    for key in ("calibration_points", "spectrometer_counts"):
+        words = re.sub(rf"{key}: \S+", f"{key}: lamp", words)
+    config.write_text(words)
+    targets = ["results/instrument/calibration.nc", "results/instrument/spectrometer_calibration.nc"]
+    plan = snakemake(project, "-n", *targets).stdout
+    for rule in ("read_points", "read_exposures", "spectrometer_calibration"):
+        assert re.search(rf"^{rule} +1$", plan, re.MULTILINE), plan
+    assert "twin" not in plan
+
+
 def test_minimal_takes_two_conditions(project):
     assert planned(snakemake(project, "--dry-run", "--configfile", "config/minimal.yaml"))["flow"] == 2
 

@@ -1,7 +1,12 @@
+from plasmapyro.readers.stage import sources as raw_files
+
 RESULTS += expand(
     "results/instrument/{name}.nc",
     name=["response", "ratio_curve", "calibration", "spectrometer_calibration"],
 )
+
+POINTS = config["instrument"]["calibration_points"]
+EXPOSURES = config["instrument"]["spectrometer_counts"]
 
 
 rule response:
@@ -28,10 +33,25 @@ rule ratio_curve:
         "../scripts/ratio_curve.py"
 
 
+# Only for a folder of raw files, which calibration.yaml describes.
+rule read_points:
+    input:
+        lambda wildcards: raw_files(POINTS),
+    output:
+        "results/instrument/calibration_points.nc",
+    log:
+        "results/logs/read_points.log",
+    localrule: True
+    params:
+        folder=POINTS,
+    script:
+        "../scripts/read_points.py"
+
+
 rule calibration:
     input:
         response="results/instrument/response.nc",
-        points=config["instrument"]["calibration_points"],
+        points=POINTS if POINTS.endswith(".nc") else "results/instrument/calibration_points.nc",
     output:
         "results/instrument/calibration.nc",
     log:
@@ -42,14 +62,44 @@ rule calibration:
         "../scripts/calibration.py"
 
 
-rule spectrometer_calibration:
-    input:
-        config["instrument"]["spectrometer_counts"],
-    output:
-        "results/instrument/spectrometer_calibration.nc",
-    log:
-        "results/logs/spectrometer_calibration.log",
-    params:
-        **config["instrument"]["spectrometer"],
-    script:
-        "../scripts/spectrometer_calibration.py"
+if EXPOSURES.endswith(".nc"):
+
+    rule spectrometer_calibration:
+        input:
+            EXPOSURES,
+        output:
+            "results/instrument/spectrometer_calibration.nc",
+        log:
+            "results/logs/spectrometer_calibration.log",
+        params:
+            **config["instrument"]["spectrometer"],
+        script:
+            "../scripts/spectrometer_calibration.py"
+
+else:
+
+    # A folder of raw files, which calibration.yaml describes.
+    rule read_exposures:
+        input:
+            raw_files(EXPOSURES),
+        output:
+            "results/instrument/spectrometer_exposures.nc",
+        log:
+            "results/logs/read_exposures.log",
+        localrule: True
+        params:
+            folder=EXPOSURES,
+        script:
+            "../scripts/read_exposures.py"
+
+    rule spectrometer_calibration:
+        input:
+            "results/instrument/spectrometer_exposures.nc",
+        output:
+            "results/instrument/spectrometer_calibration.nc",
+        log:
+            "results/logs/spectrometer_calibration.log",
+        params:
+            **config["instrument"]["spectrometer"],
+        script:
+            "../scripts/exposure_calibration.py"

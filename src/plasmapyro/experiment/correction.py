@@ -2,19 +2,30 @@
 
 import numpy as np
 
-from plasmapyro.experiment.status import GAS_DOMINATED, MISSING, NO_SIGNAL, NOT_INJECTED, WITH_VALUE
+from plasmapyro.experiment.status import (
+    GAS_DOMINATED,
+    MISSING,
+    NO_SIGNAL,
+    NOT_INJECTED,
+    SATURATED,
+    WITH_VALUE,
+)
 from plasmapyro.instrument.calibration import invert_quadratic, invert_quadratic_freely, spread
 from plasmapyro.instrument.pyrometer import signal_ratio
 
 BLOCK = 512  # samples whose draws are held at once
+LEAST_SLOPE = 0.01  # of a draw: emittances are > 0
 
 
-def read_measured(signals, coefficient, fit_range, instrument_range):
+def read_measured(signals, saturated, slope, coefficient, fit_range, instrument_range):
     """Temperature the pyrometer reads from its signals as they are.
 
     Parameters
     ----------
     signals : (2, t) array [A], wide and narrow, NaN where missing
+    saturated : (t,) bool array
+    slope : float [1]
+        Emittance of the surface in the wide band over that in the narrow one; the ratio is divided by it.
     coefficient : (3,) array [1]
     fit_range, instrument_range : (2,) arrays [K]
 
@@ -26,13 +37,14 @@ def read_measured(signals, coefficient, fit_range, instrument_range):
 
     Notes
     -----
-    Source: Fagnani et al., sec. 5.2.
+    Source: Fagnani et al., sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
     """
-    ratio = signal_ratio(*signals)
+    ratio = signal_ratio(*signals) / slope
     temperature, status = invert_quadratic(ratio, coefficient, fit_range, instrument_range)
     status[np.isnan(ratio)] = NO_SIGNAL
+    status[saturated] = SATURATED
     status[np.isnan(signals).any(axis=0)] = MISSING
-    return temperature, status
+    return np.where(np.isin(status, WITH_VALUE), temperature, np.nan), status
 
 
 def read_corrected(
@@ -40,6 +52,8 @@ def read_corrected(
     corrected,
     uncertainty,
     injected,
+    saturated,
+    slope,
     coefficient,
     fit_range,
     instrument_range,
@@ -52,7 +66,8 @@ def read_corrected(
     ----------
     signals, corrected, uncertainty : (2, t) arrays [A]
         Measured signals, corrected ones, and the uncertainty of these.
-    injected : (t,) bool array
+    injected, saturated : (t,) bool arrays
+    slope : float [1], as in `read_measured`
     coefficient : (3,) array [1]
     fit_range, instrument_range : (2,) arrays [K]
     detection_level : float [1]
@@ -65,7 +80,7 @@ def read_corrected(
     temperature : (t,) ndarray [K]
         NaN unless the status is valid, extrapolated or gas dominated.
     status : (t,) int8 ndarray, see `status.MEANINGS`
-        The first that holds: not injected, missing, no signal, below or above the range, gas
+        The first that holds: not injected, missing, saturated, no signal, below or above the range, gas
         dominated, extrapolated, valid.
 
     Notes
@@ -73,11 +88,12 @@ def read_corrected(
     Source: Fagnani et al., sec. 5.2.
     """
     detected = (corrected > detection_level * uncertainty).all(axis=0)
-    ratio = np.where(detected, signal_ratio(*corrected), np.nan)
+    ratio = np.where(detected, signal_ratio(*corrected), np.nan) / slope
     temperature, status = invert_quadratic(ratio, coefficient, fit_range, instrument_range)
     share = np.where(detected, corrected, np.nan) / signals
     status[(share < least_share).any(axis=0) & np.isfinite(temperature)] = GAS_DOMINATED
     status[~detected] = NO_SIGNAL
+    status[saturated] = SATURATED
     status[np.isnan(corrected).any(axis=0)] = MISSING
     status[~injected] = NOT_INJECTED
     return np.where(np.isin(status, WITH_VALUE), temperature, np.nan), status
@@ -87,6 +103,8 @@ def temperature_uncertainty(
     signals,
     gas,
     gas_uncertainty,
+    slope,
+    slope_uncertainty,
     coefficient,
     covariance,
     fit_range,
@@ -105,6 +123,7 @@ def temperature_uncertainty(
     signals : (2, t) array [A], measured
     gas : (2, t) array [A], reference signals, 0 where nothing is taken away
     gas_uncertainty : (2, t) array [A], of the reference mean
+    slope, slope_uncertainty : float [1], as in `read_measured`; the uncertainty is absolute
     coefficient, covariance : (3,), (3, 3) arrays [1]
     fit_range : (2,) array [K]
     signal_uncertainty, gas_variation : float [1], relative
@@ -125,6 +144,8 @@ def temperature_uncertainty(
     fits = generator.multivariate_normal(coefficient, covariance, size=draws)[:, None, :]
     level = gas_variation * generator.standard_normal((draws, 1))
     offset = generator.standard_normal((2, draws, 1))
+    if slope_uncertainty > 0:
+        slope = np.maximum(slope + slope_uncertainty * generator.standard_normal((draws, 1)), LEAST_SLOPE)
     result = np.full(signals.shape[1], np.nan)
     for first in range(0, signals.shape[1], BLOCK):
         part = slice(first, first + BLOCK)
@@ -135,7 +156,7 @@ def temperature_uncertainty(
             - gas_uncertainty[band, part] * offset[band]
             for band in (0, 1)
         )
-        result[part] = spread(_ranked_temperature(wide, narrow, fits, fit_range))
+        result[part] = spread(_ranked_temperature(wide / slope, narrow, fits, fit_range))
     return result
 
 

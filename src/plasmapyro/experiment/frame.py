@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plasmapyro.experiment.spectra import fit_normalised, fit_scaled, normalised
+from plasmapyro.experiment.curves import fit_normalised_near, fit_scaled_near, local_curves
+from plasmapyro.experiment.spectra import fit_normalised, fit_scaled, nearest_trial, normalised
 from plasmapyro.instrument.calibration import spread
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -77,6 +78,7 @@ def fit_frame(
     gas,
     usable,
     pivot,
+    trials,
     temperature_range,
     gas_variation,
     factor_error,
@@ -95,6 +97,7 @@ def fit_frame(
     gas : (W,) array [W m-2 sr-1 m-1]
         Reference spectrum that was taken away, 0 if none was.
     usable, pivot : (W,) bool arrays
+    trials : pair as from `spectra.trial_curves`
     temperature_range : (2,) floats [K]
     gas_variation : float [1]
         Enters the weights of the scaled fit: pixels with strong gas lines count less.
@@ -113,19 +116,39 @@ def fit_frame(
     Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step) and 5.3.
     """
     mask, weight = usable[None], np.hypot(noise, gas_variation * gas)[None]
-    (best,) = fit_normalised(wavelength, corrected[None], mask, pivot, temperature_range)
-    (scaled,), (scale,) = fit_scaled(wavelength, corrected[None], weight, mask, temperature_range)
-    if np.isnan(best) or np.isnan(scaled):
+    start = nearest_trial(trials, corrected, weight[0], usable)
+    (scaled,), (scale,) = fit_scaled(wavelength, corrected[None], weight, mask, temperature_range, start)
+    if np.isnan(scaled):
         return FrameFit()
-    own = np.nan_to_num(noise) * generator.standard_normal((gas_level.shape[0], wavelength.size))
-    drawn = corrected * (1 + factor_error) + own - gas_level * gas
-    every = np.broadcast_to(mask, drawn.shape)
-    start = np.ones(drawn.shape[0])
-    temperatures = fit_normalised(wavelength, drawn, every, pivot, temperature_range, start * best)
-    scaled_ones, scales = fit_scaled(
-        wavelength, drawn, np.broadcast_to(weight, drawn.shape), every, temperature_range, start * scaled
-    )
+    begin = np.array([scaled])
+    (best,) = fit_normalised(wavelength, corrected[None], mask, pivot, temperature_range, begin)
+    if np.isnan(best):
+        return FrameFit()
+    drawn = np.where(usable, corrected, 0.0) * (1 + factor_error)
+    drawn += np.where(usable, noise, 0.0) * generator.standard_normal(drawn.shape)
+    drawn -= gas_level * np.where(usable, gas, 0.0)
+    curves = local_curves(wavelength, best)
+    temperatures = fit_normalised_near(curves, drawn, usable, pivot, best)
+    far = _beyond(temperatures, temperature_range)
+    # Draws that leave the table are fitted without it.
+    if far.size:
+        every, begin = np.broadcast_to(mask, (far.size, usable.size)), np.full(far.size, best)
+        temperatures[far] = fit_normalised(wavelength, drawn[far], every, pivot, temperature_range, begin)
+    scaled_ones, scales = fit_scaled_near(curves, drawn, weight[0], usable, best)
+    far = _beyond(scaled_ones, temperature_range)
+    if far.size:
+        every, weights = (np.broadcast_to(row, (far.size, usable.size)) for row in (mask, weight))
+        begin = np.full(far.size, scaled)
+        scaled_ones[far], scales[far] = fit_scaled(
+            wavelength, drawn[far], weights, every, temperature_range, begin
+        )
     return FrameFit(best, spread(temperatures), scaled, spread(scaled_ones), scale, spread(scales))
+
+
+def _beyond(temperature, temperature_range):
+    """Indices of the temperatures that are none, or outside the range."""
+    low, high = temperature_range
+    return np.flatnonzero(~((temperature >= low) & (temperature <= high)))
 
 
 def fitted_curve(wavelength, temperature, usable, pivot):

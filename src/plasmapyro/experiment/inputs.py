@@ -13,21 +13,35 @@ UNITS = {
     "spectral_radiance": "W m-2 sr-1 m-1",
     "counts": "count",
     "background_counts": "count",
+    "saturated": "1",
     "electric_power": "W",
     "chamber_pressure": "Pa",
     "mass_flow_rate": "kg s-1",
 }
+PLAUSIBLE = {  # magnitudes of samples that are not 0: no instrument gives others, a wrong unit may
+    "time": (0.0, 1e9),
+    "spectrum_time": (0.0, 1e9),
+    "signal_wide": (1e-30, 1e6),
+    "signal_narrow": (1e-30, 1e6),
+    "spectral_radiance": (1e-30, 1e25),
+    "counts": (1e-30, 1e12),
+    "background_counts": (1e-30, 1e12),
+}
 AXES = ("time", "spectrum_time", "wavelength")
 NUMBERS = {  # attribute -> (lowest, highest, unit)
-    "injection_time": (-np.inf, np.inf, "s"),
-    "plasma_off_time": (-np.inf, np.inf, "s"),
+    "injection_time": (-1e9, 1e9, "s"),
+    "plasma_off_time": (-1e9, 1e9, "s"),
     "emittance": (0.0, 1.0, "1"),
     "emittance_uncertainty": (0.0, 1.0, "1"),
     "window_transmittance_pyrometer": (0.0, 1.0, "1"),
     "window_transmittance_spectrometer": (0.0, 1.0, "1"),
-    "pyrometer_integration_time": (0.0, np.inf, "s"),
-    "spectrometer_integration_time": (0.0, np.inf, "s"),
+    "pyrometer_integration_time": (0.0, 1e6, "s"),
+    "spectrometer_integration_time": (0.0, 1e6, "s"),
     "spectrometer_fwhm": (0.0, 1e-6, "m"),
+    "signal_saturation_wide": (0.0, np.inf, "A"),
+    "signal_saturation_narrow": (0.0, np.inf, "A"),
+    "emittance_slope": (0.0, 10.0, "1"),
+    "emittance_slope_uncertainty": (0.0, 1.0, "1"),
 }
 ALWAYS = ("injection_time", "plasma_off_time", "emittance", "emittance_uncertainty")
 OF_INSTRUMENT = {
@@ -106,11 +120,20 @@ def _faults_of_variables(test, present):
             yield f"{name}: must increase strictly, without NaN"
         elif np.isnan(values).all():
             yield f"{name}: holds no sample"
+        elif name in PLAUSIBLE:
+            low, high = PLAUSIBLE[name]
+            size = np.abs(values[np.isfinite(values) & (values != 0)])
+            wrong = size[(size < low) | (size > high)]
+            if wrong.size:
+                yield (
+                    f"{name}: {wrong.size} samples are beyond {low:g} to {high:g} {unit}, the first is"
+                    f" {wrong[0]:g} {unit}: a wrong unit, or a damaged file"
+                )
 
 
 def _faults_of_attributes(test, present):
     needed = [*ALWAYS, *(name for instrument in present for name in OF_INSTRUMENT[instrument])]
-    for name in needed:
+    for name in [*needed, *(name for name in NUMBERS if name in test.attrs and name not in needed)]:
         low, high, unit = NUMBERS[name]
         value = test.attrs.get(name)
         if value is None:

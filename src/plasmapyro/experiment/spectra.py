@@ -57,6 +57,34 @@ def _pivot_mean(values, usable, pivot):
     return np.where((count > 0) & (mean > 0), mean, np.nan)
 
 
+def trial_curves(wavelength, temperature_range):
+    """Temperatures (N,) [K], equidistant in 1/T, and their black bodies (N, W), for `nearest_trial`."""
+    low, high = temperature_range
+    temperature = 1 / np.linspace(1 / high, 1 / low, STARTS)
+    return temperature, blackbody_radiance(wavelength, temperature[:, None])
+
+
+def nearest_trial(trials, radiance, noise, usable):
+    """Trial temperature whose curve, with a free scale, lies closest to a spectrum.
+
+    Parameters
+    ----------
+    trials : pair as from `trial_curves`
+    radiance, noise : (W,) arrays [W m-2 sr-1 m-1]
+    usable : (W,) bool array
+
+    Returns
+    -------
+    (1,) ndarray [K]
+    """
+    temperature, curves = trials
+    weight = np.where(usable, 1 / np.where(usable, noise, 1.0) ** 2, 0.0)
+    product = np.einsum("nw,w->n", curves, weight * np.where(usable, radiance, 0.0))
+    power = np.einsum("nw,nw,w->n", curves, curves, weight)
+    gain = np.sign(product) * _ratio(product**2, power)  # of the misfit, by the best scale
+    return temperature[[np.argmax(gain)]]
+
+
 def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start=None):
     r"""Temperature whose normalised Planck curve lies closest to the normalised spectrum.
 

@@ -1,9 +1,11 @@
 """Stages of a test: corrected temperatures of the pyrometer and of the spectrometer."""
 
+import logging
+
 import numpy as np
 import xarray as xr
 
-from plasmapyro.experiment import correction, inputs, signals, spectra, status
+from plasmapyro.experiment import correction, inputs, onset, signals, spectra, status
 from plasmapyro.experiment.frame import (
     FrameFit,
     factor_errors,
@@ -12,9 +14,12 @@ from plasmapyro.experiment.frame import (
     pivot_signal_to_noise,
 )
 from plasmapyro.instrument.calibration import require_rising
+from plasmapyro.instrument.raw_counts import above_baseline
 from plasmapyro.instrument.spectrometer import USABLE, local_noise, measured_radiance
 
+LOG = logging.getLogger(__name__)
 BANDS = ("wide", "narrow")
+SAME_PIXEL = 1e-11  # [m] programs print 2 to 4 digits of a nanometre; pixels are ten times as far apart
 CARRIED = (
     "title",
     "origin",
@@ -64,7 +69,11 @@ def correct_pyrometer(
     time = test.time.values
     raw = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float)
     injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
-    means = [signals.reference_signal(time, row, test.attrs["reference_window"]) for row in raw]
+    limits = [test.attrs.get(f"signal_saturation_{band}", np.inf) for band in BANDS]
+    saturated = (raw >= np.array(limits)[:, None]).any(axis=0)
+    slope = float(test.attrs.get("emittance_slope", 1.0))
+    sound = np.where(saturated, np.nan, raw)
+    means = [signals.reference_signal(time, row, test.attrs["reference_window"]) for row in sound]
     reference, reference_uncertainty = np.array(means).T
     corrected = signals.corrected_signal(raw, reference, injected, shining)
     uncertainty = signals.corrected_signal_uncertainty(
@@ -72,9 +81,9 @@ def correct_pyrometer(
     )
     fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
     require_rising(*fit)
-    measured_temperature, measured_status = correction.read_measured(raw, *fit)
+    measured_temperature, measured_status = correction.read_measured(raw, saturated, slope, *fit)
     corrected_temperature, corrected_status = correction.read_corrected(
-        raw, corrected, uncertainty, injected, *fit, detection_level, least_surface_share
+        raw, corrected, uncertainty, injected, saturated, slope, *fit, detection_level, least_surface_share
     )
 
     def monte_carlo(gas, gas_uncertainty, temperature, stream):
@@ -82,6 +91,8 @@ def correct_pyrometer(
             raw,
             gas,
             gas_uncertainty,
+            slope,
+            float(test.attrs.get("emittance_slope_uncertainty", 0.0)),
             fit[0],
             calibration.fit_covariance.values,
             fit[1],
@@ -127,7 +138,7 @@ def correct_pyrometer(
             "fit_range": calibration.fit_range,
         },
         {"time": time, "band": list(BANDS)},
-        _carried(test),
+        _carried(test) | _window_attributes("pyrometer", test, time, sound),
     )
 
 
@@ -145,6 +156,7 @@ def correct_spectra(
     noise_block,
     draws,
     seed,
+    report=None,
 ):
     """Corrected spectra of a test and the temperatures fitted to them.
 
@@ -171,6 +183,8 @@ def correct_spectra(
         Pixels per noise estimate.
     draws, seed : int
         Of the Monte Carlo uncertainties.
+    report : function (done, total), optional
+        Called as the fits go on.
 
     Returns
     -------
@@ -189,7 +203,7 @@ def correct_spectra(
     """
     test = inputs.require(test, "spectrometer")
     time, wavelength = test.spectrum_time.values, test.wavelength.values
-    radiance, pixels = _radiance(test, spectrometer_calibration, saturation_counts)
+    radiance, pixels, saturated = _radiance(test, spectrometer_calibration, saturation_counts)
     reference = radiance[_reference_index(test, reference_time)]
     injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
     corrected = signals.corrected_signal(radiance.T, reference, injected, shining).T
@@ -204,9 +218,12 @@ def correct_spectra(
         )
     to_noise = pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
     state = _spectrum_status(test, time, injected, usable & pivot, to_noise, least_signal_to_noise)
+    state[(state == status.MISSING) & saturated[:, pivot].any(axis=1)] = status.SATURATED
     factor_error, gas_level = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
+    trials = spectra.trial_curves(wavelength, temperature_range)
     fits = np.full((time.size, len(FrameFit._fields)), np.nan)
-    for frame in np.flatnonzero(state == status.VALID):
+    frames = np.flatnonzero(state == status.VALID)
+    for done, frame in enumerate(frames, 1):
         fits[frame] = fit_frame(
             wavelength,
             corrected[frame],
@@ -214,12 +231,15 @@ def correct_spectra(
             gas[frame],
             usable[frame],
             pivot,
+            trials,
             temperature_range,
             gas_variation,
             factor_error,
             gas_level,
             np.random.default_rng([seed, 1, frame]),
         )
+        if report is not None:
+            report(done, frames.size)
     found = FrameFit(*fits.T)
     # A spectrum that no black body in the range resembles holds no signal of one.
     state[(state == status.VALID) & np.isnan(found.temperature)] = status.NO_SIGNAL
@@ -244,6 +264,7 @@ def correct_spectra(
         },
         {"spectrum_time": time, "wavelength": wavelength},
         _carried(test)
+        | _window_attributes("spectrometer", test, time, halves(radiance))
         | {
             "reference_time": float(time[_reference_index(test, reference_time)]),
             "normalisation_wavelength": float(normalisation_wavelength),
@@ -251,30 +272,81 @@ def correct_spectra(
     )
 
 
+def on_same_wavelengths(first, second):
+    """Whether two datasets hold the same pixels, up to the digits that programs print."""
+    mine, its = first.wavelength.values, second.wavelength.values
+    return mine.size == its.size and np.allclose(mine, its, rtol=0, atol=SAME_PIXEL)
+
+
+def _span(dataset):
+    values = dataset.wavelength.values * 1e9
+    return f"{values.size} pixels from {values[0]:.3f} to {values[-1]:.3f} nm"
+
+
 def _carried(test):
     return {name: test.attrs[name] for name in CARRIED if name in test.attrs}
 
 
+def halves(radiance):
+    """Mean radiance (2, S) of the pixels of shorter and of longer wavelength; NaN without a usable one."""
+    good = np.isfinite(radiance)
+    middle = np.searchsorted(np.cumsum(good.any(axis=0)), good.any(axis=0).sum() / 2)
+    parts = [slice(None, middle), slice(middle, None)]
+    count = np.array([good[:, part].sum(axis=1) for part in parts])
+    total = np.array([np.where(good[:, part], radiance[:, part], 0.0).sum(axis=1) for part in parts])
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _window_attributes(instrument, test, time, pair):
+    """What the program finds in the reference window (see `onset.attributes`); also logged if amiss."""
+    window = test.attrs["reference_window"]
+    found = onset.attributes(instrument, time, pair, window, test.attrs["plasma_off_time"])
+    if found[f"{instrument}_reference_verdict"] in (onset.SHOWS, onset.DRIFTS):
+        LOG.warning("%s: reference window %g to %g s: %s", instrument, *window, found)
+    return found
+
+
 def _radiance(test, calibration, saturation_counts):
-    """Radiance (S, W) of a test, NaN where unusable, and the status (W,) of the pixels."""
+    """Radiance (S, W), NaN where unusable; status (W,) of the pixels; where the converter clipped (S, W)."""
     if calibration is None:
         if "spectral_radiance" not in test.variables:
             raise ValueError("the test holds counts: a spectrometer calibration is needed")
         pixels = np.full(test.sizes["wavelength"], USABLE, dtype="int8")
     else:
-        if not np.array_equal(calibration.wavelength.values, test.wavelength.values):
-            raise ValueError("the spectrometer calibration and the test are not on the same wavelengths")
+        if not on_same_wavelengths(calibration, test):
+            raise ValueError(
+                "the spectrometer calibration and the test are not on the same wavelengths:"
+                f" {_span(calibration)} against {_span(test)}"
+            )
         pixels = calibration.pixel_status.values.astype("int8")
+    shape = test.sizes["spectrum_time"], test.sizes["wavelength"]
+    saturated = test.saturated.values > 0 if "saturated" in test.variables else np.zeros(shape, dtype=bool)
     if "spectral_radiance" in test.variables:
-        return np.where(pixels == USABLE, test.spectral_radiance.values, np.nan), pixels
+        good = (pixels == USABLE) & ~saturated
+        return np.where(good, test.spectral_radiance.values, np.nan), pixels, saturated
     raw = test.counts.values.astype(float)
+    saturated |= raw >= saturation_counts
+    raw[saturated] = np.nan
+    background = test.background_counts.values
+    if "linearity_coefficient" in calibration:
+        # As the counts of the source were treated, so are these.
+        if test.attrs.get("counts_linearised") and calibration.sizes["linearity_power"] > 1:
+            raise ValueError(
+                "the counts of the test are linearised already, those of the calibration were not: switch the"
+                " correction off in the spectrometer's program, or calibrate with linearised counts"
+            )
+        masked = calibration.masked_pixel.values if "masked_pixel" in calibration else []
+        raw, background = (
+            above_baseline(values, calibration.linearity_coefficient.values, masked)
+            for values in (raw, background)
+        )
     radiance = measured_radiance(
-        np.where(raw < saturation_counts, raw, np.nan),
-        test.background_counts.values,
+        raw,
+        background,
         calibration.calibration_factor.values,
         test.attrs["spectrometer_integration_time"],
     )
-    return radiance, pixels
+    return radiance, pixels, saturated
 
 
 def _reference_index(test, reference_time):

@@ -9,6 +9,7 @@ NO_SIGNAL = 4  # what the surface adds cannot be told from zero
 GAS_DOMINATED = 5  # the gas gives more than the allowed share of a signal
 NOT_INJECTED = 6  # no sample in view
 STRADDLING = 7  # the exposure holds the injection or the end of the plasma
+SATURATED = 8  # the detector or its converter was at its limit
 
 WITH_VALUE = (VALID, EXTRAPOLATED, GAS_DOMINATED)  # all others go with NaN
 
@@ -22,6 +23,7 @@ MEANINGS = {
     GAS_DOMINATED: "gas_dominated",
     NOT_INJECTED: "not_injected",
     STRADDLING: "straddling",
+    SATURATED: "saturated",
 }
 
 

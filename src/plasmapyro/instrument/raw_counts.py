@@ -159,7 +159,7 @@ def net_rate(light, dark, *, integration_time, coefficients, masked, dim, noise_
     integration_time : float [s]
         Of both.
     coefficients : as in `linear_signal`
-    masked : indices of pixels that no light reaches
+    masked : indices of pixels that no light reaches; empty: the baseline is left to the dark
     dim : (W,) bool array, or None
         Pixels for `dark_scale`; None takes the dark as it is.
     noise_block : int
@@ -172,13 +172,28 @@ def net_rate(light, dark, *, integration_time, coefficients, masked, dim, noise_
         that from the dark scale, common to all; the scale [1].
     """
     time = float(positive("integration_time", integration_time, "s"))
-    above, below = (
-        linear_signal(np.asarray(values, dtype=float) - baseline(values, masked), coefficients)
-        for values in (light, dark)
-    )
+    above, below = (above_baseline(values, coefficients, masked) for values in (light, dark))
     scale, uncertainty = (1.0, 0.0) if dim is None else dark_scale(above, below, dim)
     rate = (above - scale * below) / time
     return rate, local_noise(rate, noise_block), np.abs(uncertainty * below / time), scale
+
+
+def above_baseline(counts, coefficients, masked):
+    """Linear signal (..., W) [count] above the electrical baseline, dark charge included.
+
+    Parameters
+    ----------
+    counts : (..., W) array [count], raw
+    coefficients : as in `linear_signal`
+    masked : indices of pixels that no light reaches
+        Empty: no baseline is taken off; light less dark still loses it, the linearity sees it as signal.
+
+    Returns
+    -------
+    (..., W) ndarray [count]
+    """
+    counts = np.asarray(counts, dtype=float)
+    return linear_signal(counts - baseline(counts, masked) if len(masked) else counts, coefficients)
 
 
 def combined(rates, noise, usable):

@@ -307,6 +307,38 @@ def spectrometer_calibration(
     )
 
 
+def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise_block):
+    """`exposure_calibration` with the facts of the detector that a calibration folder states.
+
+    Parameters
+    ----------
+    exposures : Dataset, contract 'spectrometer_exposures'
+        With the attributes `linearity_coefficients`, `linearity_uncertainty`, `hot_threshold`,
+        `transmittance` and perhaps `masked_pixels`, `dim_range` [m], `saturation_counts`.
+    saturation_counts : float [count]
+        Where the exposures state none.
+    least_net_counts : float [count]
+    noise_block : int
+
+    Returns
+    -------
+    Dataset, contract 'spectrometer_calibration'
+    """
+    facts = exposures.attrs
+    return exposure_calibration(
+        exposures,
+        linearity_coefficients=np.atleast_1d(facts["linearity_coefficients"]),
+        linearity_uncertainty=float(facts["linearity_uncertainty"]),
+        masked_pixels=np.atleast_1d(facts.get("masked_pixels", np.array([], dtype=int))),
+        dim_range=facts.get("dim_range"),
+        saturation_counts=float(facts.get("saturation_counts", saturation_counts)),
+        hot_threshold=float(facts["hot_threshold"]),
+        least_net_counts=least_net_counts,
+        transmittance=float(facts["transmittance"]),
+        noise_block=noise_block,
+    )
+
+
 def exposure_calibration(
     exposures,
     *,
@@ -416,6 +448,8 @@ def exposure_calibration(
                 {"flag_values": np.arange(6, dtype="int8"), "flag_meanings": spectrometer.STATUS_WORDS},
             ),
             "dark_scale": ("exposure", scales),
+            "linearity_coefficient": ("linearity_power", np.asarray(linearity_coefficients, dtype=float)),
+            **({"masked_pixel": ("masked", list(masked_pixels))} if len(masked_pixels) else {}),
             "source_temperature": seen.temperature,
             # dL/L = (c2 / lambda T) dT/T in Wien's limit
             "source_temperature_uncertainty": float(

@@ -64,14 +64,18 @@ def to_si(path, column, values, stated, line=None):
             f"state its `unit` in test.yaml: {units.known(column.name)}",
             line,
         )
-    if stated and column.unit and units.factor(stated, column.name) != units.factor(column.unit, column.name):
+    if stated and column.unit and _conversion(stated, column) != _conversion(column.unit, column):
         refuse(
             path,
             f"column {quote(column.header)} says {quote(stated)}, test.yaml says {quote(column.unit)}",
             "correct the one that is wrong",
             line,
         )
-    return values * (units.factor(unit, column.name) * column.scale)
+    return values * (units.factor(unit, column.name) * column.scale) + units.offset(unit)
+
+
+def _conversion(unit, column):
+    return units.factor(unit, column.name), units.offset(unit)
 
 
 def read_table(path, columns, delimiter=None, decimal=None):

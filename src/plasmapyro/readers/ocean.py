@@ -111,6 +111,22 @@ def clipped(counts):
     return at_top & runs.any(axis=-1, keepdims=True)
 
 
+def column_of(path, spectrum, settings):
+    """The column of a file that holds what `settings` (quantity, column or None) asks for."""
+    name = settings["column"]
+    if name is None:
+        name = next(iter(spectrum.columns)) if len(spectrum.columns) == 1 else None
+    if name is None:
+        name = {"counts": "S", "spectral_radiance": "P"}[settings["quantity"]]  # as a Jaz names them
+    if name not in spectrum.columns:
+        refuse(
+            path,
+            f"no column {quote(name)}",
+            f"state `column` in test.yaml: {', '.join(spectrum.columns)}",
+        )
+    return spectrum.columns[name]
+
+
 def _plain(line):
     """A header line without accents (a letter lost to a wrong encoding is dropped)."""
     return "".join(c for c in unicodedata.normalize("NFKD", line) if c.isascii() or c == "\u03bc").strip()
@@ -122,7 +138,7 @@ def _body(path, lines, begin, end):
         names, begin = lines[begin].split(), begin + 1
         if len(set(names)) != len(names):
             refuse(path, f"repeated column names {quote(' '.join(names))}", "export it again", begin)
-    rows = [(i, line.split()) for i, line in enumerate(lines[begin:end], begin + 1) if line.strip()]
+    rows = [(i, row) for i, row in enumerate(map(str.split, lines[begin:end]), begin + 1) if row]
     if len(rows) < 2 or len(rows) > MOST_PIXELS:
         refuse(path, f"holds {len(rows)} pixels", f"a spectrum has 2 to {MOST_PIXELS}", end)
     width = len(names) if names else len(rows[0][1])
@@ -149,7 +165,10 @@ def _body(path, lines, begin, end):
 def _fast(rows, decimal):
     """All cells at once; None if one of them needs the strict reader."""
     try:
-        flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
+        if decimal == ".":
+            flat = [float(cell) for _, row in rows for cell in row]
+        else:
+            flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
     except ValueError:
         return None
     table = np.array(flat).reshape(len(rows), -1)

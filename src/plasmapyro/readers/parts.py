@@ -238,9 +238,9 @@ def _read_all(paths, settings):
     for path in paths:
         try:
             spectrum = ocean.read_spectrum(path)
-            values = _column(path, spectrum, settings)
+            values = ocean.column_of(path, spectrum, settings)
             if first is not None:
-                _require_alike(path, spectrum, paths[0], first)
+                require_alike(path, spectrum, paths[0], first)
         except Refusal as reason:
             faults += reason.messages
             continue
@@ -255,29 +255,18 @@ def _read_all(paths, settings):
     return spectra, faults
 
 
-def _column(path, spectrum, settings):
-    name = settings["column"]
-    if name is None:
-        name = next(iter(spectrum.columns)) if len(spectrum.columns) == 1 else None
-    if name is None:
-        name = {"counts": "S", "spectral_radiance": "P"}[settings["quantity"]]  # as a Jaz names them
-    if name not in spectrum.columns:
-        refuse(
-            path,
-            f"no column {quote(name)}",
-            f"state `column` in test.yaml: {', '.join(spectrum.columns)}",
-        )
-    return spectrum.columns[name]
+SETTINGS = ("integration_time", "averages", "dark_corrected", "linearised")
 
 
-def _require_alike(path, spectrum, first_path, first):
+def require_alike(path, spectrum, first_path, first, settings=SETTINGS):
+    """Refuse a spectrum of other wavelengths than the first, or of other settings."""
     if spectrum.wavelength.size != first.wavelength.size or not np.allclose(
         spectrum.wavelength, first.wavelength, rtol=0, atol=SHIFT
     ):
         refuse(
             path, f"other wavelengths than {first_path.name}", "put each instrument in a folder of its own"
         )
-    for name in ("integration_time", "averages", "dark_corrected", "linearised"):
+    for name in settings:
         mine, its = getattr(spectrum, name), getattr(first, name)
         if mine != its:
             words = name.replace("_", " ")
@@ -293,20 +282,24 @@ def _joined(paths, spectra, dark_path, dark, settings):
     values = np.stack([row for _, row in spectra]) * units.factor(settings["unit"], settings["quantity"])
     result = {
         "spectrum_time": _spectrum_times(paths, [spectrum for spectrum, _ in spectra], settings["time"]),
-        "wavelength": _vacuum(paths[0], first.wavelength, settings["medium"]),
+        "wavelength": vacuum(paths[0], first.wavelength, settings["medium"]),
     }
     attrs = {}
     if first.integration_time is not None:
         attrs["spectrometer_integration_time"] = first.integration_time
+    if first.linearised is not None:
+        attrs["counts_linearised"] = int(first.linearised)
     if settings["quantity"] == "counts":
         lost = ocean.clipped(values)
         if settings["saturation"] is not None:
             lost |= values >= settings["saturation"]
         attrs["clipped_samples"] = int(lost.sum())
         values = np.where(lost, np.nan, values)
+        if lost.any():
+            result["saturated"] = lost.astype("int8")
         if dark is not None:
-            _require_alike(dark_path, dark, paths[0], first)
-            result["background_counts"] = _column(dark_path, dark, settings)
+            require_alike(dark_path, dark, paths[0], first)
+            result["background_counts"] = ocean.column_of(dark_path, dark, settings)
         elif "D" in first.columns and settings["column"] in (None, "S"):
             result["background_counts"] = first.columns["D"]
     result[settings["quantity"]] = values
@@ -333,7 +326,8 @@ def _spectrum_times(paths, spectra, settings):
     return _rising(paths[0].parent, time)
 
 
-def _vacuum(path, wavelength, medium):
+def vacuum(path, wavelength, medium):
+    """Wavelengths [m] in vacuum of those in a medium, air or vacuum."""
     if medium == "vacuum":
         return wavelength
     if wavelength[0] < LOWEST or wavelength[-1] > HIGHEST / 1.001:
@@ -357,7 +351,7 @@ def _one_table(path, folder, settings):
     result = {
         "spectrum_time": _rising(path, time * units.factor(settings["time_unit"], "spectrum_time"))
         - settings["zero"],
-        "wavelength": _vacuum(path, wavelength, settings["medium"]),
+        "wavelength": vacuum(path, wavelength, settings["medium"]),
     }
     attrs = {}
     if settings["quantity"] == "counts":
@@ -366,6 +360,8 @@ def _one_table(path, folder, settings):
             lost |= values >= settings["saturation"]
         attrs["clipped_samples"] = int(lost.sum())
         values = np.where(lost, np.nan, values)
+        if lost.any():
+            result["saturated"] = lost.astype("int8")
         if settings["background"]:
             dark_path = Path(folder) / settings["background"]
             _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])

@@ -1,5 +1,8 @@
 """LabVIEW TDMS files, through npTDMS (optional)."""
 
+import logging
+from contextlib import contextmanager
+
 import numpy as np
 
 from plasmapyro.readers.columns import to_si
@@ -35,25 +38,50 @@ def read_tdms(path, columns):
     path = regular_file(path, LARGEST)
     # npTDMS trusts what the file says about itself: a damaged one can raise anything.
     try:
-        with TdmsFile.open(path) as file:
+        with _complaints() as complaints, open(path, "rb") as stream, TdmsFile.open(stream) as file:
             channels = {f"{group.name}/{c.name}": c for group in file.groups() for c in group.channels()}
             absent = [column.header for column in columns.values() if column.header not in channels]
             if not absent and all(len(channels[c.header]) <= MOST_SAMPLES for c in columns.values()):
                 found = {name: _channel(path, columns[name], channels) for name in columns}
             else:
                 found = None
-    except (ImportError, MemoryError):
+    except ImportError:
         raise
     except Exception as reason:  # noqa: BLE001
         if type(reason).__module__.startswith("plasmapyro"):
             raise
         refuse(path, f"is not a readable TDMS file ({quote(reason)})", "export it again from LabVIEW")
+    if complaints:
+        refuse(
+            path,
+            f"is damaged or cut off ({quote(complaints[0])})",
+            "copy it again; if the log was interrupted, open and save it in LabVIEW",
+        )
     if absent:
         listed = ", ".join(sorted(channels)[:10]) or "none"
         refuse(path, f"no channel {', '.join(map(quote, absent))}", f"name one of those it holds: {listed}")
     if found is None:
         refuse(path, f"a channel holds more than {MOST_SAMPLES} samples", "cut it to the test")
     return _joined(path, found)
+
+
+@contextmanager
+def _complaints():
+    """Collects what npTDMS only warns of: it reads on with what is left of a damaged file."""
+    found = []
+
+    class Listener(logging.Handler):
+        def emit(self, record):
+            found.append(record.getMessage())
+
+    listener, log = Listener(logging.WARNING), logging.getLogger("nptdms")
+    log.addHandler(listener)
+    before, log.propagate = log.propagate, False
+    try:
+        yield found
+    finally:
+        log.removeHandler(listener)
+        log.propagate = before
 
 
 def _channel(path, column, channels):

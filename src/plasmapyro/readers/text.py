@@ -104,7 +104,8 @@ def read_lines(path, limit):
         words = content.decode("latin-1")
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
-    words = re.sub(r"\n\r(?!\n)|\r+\n|\r", "\n", words)  # OceanView ends its header lines with LF CR
+    if "\r" in words:
+        words = re.sub(r"\n\r(?!\n)|\r+\n|\r", "\n", words)  # OceanView ends its header lines with LF CR
     lines = words.split("\n")
     longest = max(map(len, lines))
     if longest > LONGEST_LINE:

@@ -9,6 +9,7 @@ TO_SI = {  # SI unit -> {unit as written, normalised: factor}
     "W": {"W": 1.0, "kW": 1e3, "MW": 1e6},
     "Pa": {"Pa": 1.0, "hPa": 1e2, "mbar": 1e2, "kPa": 1e3, "bar": 1e5, "Torr": 101325 / 760},
     "kg s-1": {"kg s-1": 1.0, "kg/s": 1.0, "g s-1": 1e-3, "g/s": 1e-3, "mg/s": 1e-6, "g/min": 1e-3 / 60},
+    "K": {"K": 1.0, "degC": 1.0, "C": 1.0, "\u00b0C": 1.0},
     "m": {"m": 1.0, "um": 1e-6, "nm": 1e-9, "Angstrom": 1e-10},
     "count": {"count": 1.0, "counts": 1.0},
     RADIANCE: {
@@ -24,6 +25,7 @@ TO_SI = {  # SI unit -> {unit as written, normalised: factor}
         "uW/cm2/sr/nm": 1e7,
     },
 }
+OFFSET = {"degC": 273.15, "C": 273.15, "\u00b0C": 273.15}  # added after the factor
 
 
 def normalised(unit):
@@ -35,6 +37,11 @@ def normalised(unit):
 def factor(unit, name):
     """Factor from `unit` to the SI unit of the variable `name`; None if that is not a unit of it."""
     return TO_SI[VARIABLES[name].units].get(normalised(unit))
+
+
+def offset(unit):
+    """What is added to a value in `unit`, after the factor, to be in SI."""
+    return OFFSET.get(normalised(unit), 0.0)
 
 
 def known(name):

@@ -1,0 +1,181 @@
+"""`plasmapyro calibrate`: from raw calibration files to what `plasmapyro correct` needs."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.commands.outputs import require_writable
+from plasmapyro.instrument.line_lamp import find_lines
+from plasmapyro.instrument.spectrometer import STATUS_WORDS
+from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
+from plasmapyro.readers.calibration import (
+    check_calibration,
+    instruments,
+    read_exposures,
+    read_line_lamp,
+    read_points,
+)
+from plasmapyro.readers.stage import sources
+from plasmapyro.tables import weakest
+
+RESPONSE = {  # the modelled MR1SB, as in config/config.yaml
+    "silicon_table": "silicon_green_2008",
+    "top_thickness": 200e-6,
+    "bottom_thickness": 400e-6,
+    "short_wavelength_edge": 750e-9,
+    "edge_sigma": 5e-9,
+    "long_wavelength_limit": 1150e-9,
+    "wavelength_step": 0.5e-9,
+}
+LINE_SEARCH, LINE_TO_NOISE = 1e-9, 50.0  # [m] how far off a line may be; fainter lines are left out
+CURVE = np.arange(400.0, 4001.0, 10.0)  # [K] where the curves are tabulated
+
+DESCRIPTION = """\
+Turn raw calibration files into the calibration of a pyrometer, a spectrometer, or both.
+
+FOLDER holds calibration.yaml, which names the raw files (docs/spectrometer-calibration.md): for the pyrometer
+a table of source temperatures and both signals; for the spectrometer light and dark exposures of a black body
+or a certified lamp, with the detector's non-linearity, masked pixels, filters and window."""
+EXAMPLE = """\
+example:
+  plasmapyro calibrate lamp_2026 --out lab
+  plasmapyro correct my_test --instrument lab --out temperature.nc
+
+writes calibration.nc and response.nc (pyrometer), spectrometer_calibration.nc (spectrometer) into the folder
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "calibrate",
+        help="calibrate pyrometer and spectrometer from raw files",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("folder", metavar="FOLDER", help="holds calibration.yaml and the files it names")
+    command.add_argument("--out", required=True, metavar="FOLDER", help="where the calibration goes")
+    command.add_argument(
+        "--response",
+        metavar="FILE.nc",
+        help="responses of both bands, as results/instrument/response.nc (default: modelled, of the MR1SB)",
+    )
+    for flag, default, words in (
+        ("--source-temperature-uncertainty-k", 3.0, "of the black body before the pyrometer, standard [K]"),
+        ("--signal-uncertainty", 0.01, "of one pyrometer signal, relative, standard"),
+        ("--least-net-counts", 50.0, "net counts up to here are no signal"),
+        (
+            "--saturation-counts",
+            65000.0,
+            "raw counts from here on are saturated, if calibration.yaml says nothing",
+        ),
+    ):
+        command.add_argument(
+            flag, type=float, default=default, metavar="X", help=f"{words} (default: {default:g})"
+        )
+    command.add_argument(
+        "--instrument-range-k",
+        nargs=2,
+        type=float,
+        default=[973.0, 2073.0],
+        metavar=("LOW", "HIGH"),
+        help="lowest and highest temperature the pyrometer reads (default: 973 2073)",
+    )
+
+
+def run(options, progress):
+    """Run `plasmapyro calibrate`: folder in, files out, and a summary."""
+    out = Path(options.out)
+    names = {"pyrometer": ["response.nc", "calibration.nc"], "spectrometer": ["spectrometer_calibration.nc"]}
+    progress.step(f"reading {options.folder}")
+    found = check_calibration(options.folder)
+    if found:
+        raise ValueError("\n".join(found))
+    present = instruments(options.folder)
+    files = [name for instrument in present for name in names[instrument]]
+    require_writable([out / name for name in files], [options.folder, options.response])
+    results, lines = {}, []
+    if "pyrometer" in present:
+        response = io.read(options.response, "response") if options.response else band_response(**RESPONSE)
+        points = read_points(options.folder)
+        result = pyrometer_calibration(
+            response,
+            points,
+            source_temperature_uncertainty=options.source_temperature_uncertainty_k,
+            signal_uncertainty=options.signal_uncertainty,
+            instrument_range=options.instrument_range_k,
+            calibration_temperature=CURVE,
+            draws=2000,
+            seed=1,
+        )
+        result.attrs["origin"] = weakest([result.attrs["origin"], points.attrs["origin"]])
+        results |= {"response": response, "calibration": result}
+        lines += _of_pyrometer(result)
+    if "spectrometer" in present:
+        exposures = read_exposures(options.folder)
+        result = calibrate_exposures(
+            exposures,
+            saturation_counts=options.saturation_counts,
+            least_net_counts=options.least_net_counts,
+            noise_block=50,
+        ).assign_attrs(origin=exposures.attrs["origin"])
+        results["spectrometer_calibration"] = result
+        lines += _of_spectrometer(result) + _of_lines(read_line_lamp(options.folder))
+    settings = {k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response")}
+    read = [*sources(options.folder), *([options.response] if options.response else [])]
+    io.write_together(
+        {name: (dataset, out / f"{name}.nc") for name, dataset in results.items()},
+        sources=read,
+        config={"calibrate": settings},
+    )
+    sys.stdout.write("\n".join(lines) + "\n")
+    progress.step("done")
+
+
+def _of_pyrometer(result):
+    low, high = result.fit_range.values
+    phi, own = float(result.sensitivity_ratio), float(result.sensitivity_ratio_uncertainty)
+    return [
+        f"pyrometer: {result.source_temperature.size} points, {low:g} to {high:g} K (beyond: extrapolated)",
+        f"  phi {phi:.4g} +- {own:.2g}; residuals: modelled curve up to"
+        f" {100 * float(np.abs(result.model_residual).max()):.2g} %, quadratic up to"
+        f" {100 * float(np.abs(result.fit_residual).max()):.2g} %",
+    ]
+
+
+def _of_lines(lamp):
+    """What the lines of a Hg(Ar) lamp say about wavelengths and width."""
+    if lamp is None:
+        return []
+    wavelength, net, width = lamp
+    found = find_lines(
+        wavelength, net, expected_fwhm=width, search=LINE_SEARCH, least_signal_to_noise=LINE_TO_NOISE
+    )
+    off = np.array([line.wavelength - line.certified for line in found]) * 1e9
+    return [
+        f"  wavelengths: {off.size} lines of Hg and Ar, off by {off.mean():+.3f} nm on average,"
+        f" {np.abs(off).max():.3f} nm at worst; width {np.median([line.fwhm for line in found]) * 1e9:.2f} nm"
+    ]
+
+
+def _of_spectrometer(result):
+    status = result.pixel_status.values
+    counted = ", ".join(
+        f"{int((status == code).sum())} {word}"
+        for code, word in enumerate(STATUS_WORDS.split())
+        if (status == code).any()
+    )
+    noise, common = (
+        100 * float(np.nanmedian(result[name]))
+        for name in ("calibration_factor_uncertainty", "calibration_factor_common")
+    )
+    return [
+        f"spectrometer: {status.size} pixels: {counted}",
+        f"  uncertainty of the factor: {noise:.2g} % from noise, {common:.2g} % common to all (medians)",
+    ]

@@ -1,0 +1,151 @@
+"""`plasmapyro check`: everything that is wrong with a data folder, at once."""
+
+import argparse
+import sys
+
+import numpy as np
+
+from plasmapyro.commands.correct import window_findings
+from plasmapyro.experiment.inputs import instruments
+from plasmapyro.readers.calibration import check_calibration, describes
+from plasmapyro.readers.calibration import instruments as instruments_calibrated
+from plasmapyro.readers.stage import read_test
+from plasmapyro.readers.text import Refusal
+
+LARGEST_SIGNAL = 1.0  # [A]
+LONG_GAP = 10  # times the usual step, or the second it may be
+
+DESCRIPTION = """\
+Say everything that is wrong with the data of a test or of a calibration, at once: for each fault the file,
+the line or column, the rule it breaks and what to do. Nothing is written.
+
+TEST is a folder (test.yaml and the raw files it describes, or test.nc) or a netCDF file; what may stand
+in it is told in docs/your-own-data.md. A folder with calibration.yaml is checked as a calibration."""
+EXAMPLE = """\
+example:
+  plasmapyro check my_test
+
+exit status: 0 the data can be processed, 2 they cannot (the faults are listed), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "check",
+        help="say everything that is wrong with a data folder",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
+
+
+def run(options, progress):
+    """Run `plasmapyro check`.
+
+    Raises
+    ------
+    ValueError
+        With one line per fault.
+    """
+    progress.step(f"reading {options.test}")
+    if describes(options.test):
+        _refuse(options.test, check_calibration(options.test))
+        present = " and ".join(instruments_calibrated(options.test))
+        sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
+        return
+    try:
+        test = read_test(options.test)
+    except Refusal as refusal:
+        _refuse(options.test, refusal.messages)
+    for words in [*window_findings(test).values(), *doubts(test)]:
+        progress.warn(words)
+    sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
+
+
+def _refuse(place, messages):
+    """Raise ValueError with all messages, if there are any."""
+    if messages:
+        count = f"{len(messages)} fault{'s' * (len(messages) > 1)} in {place}"
+        raise ValueError("\n".join([count, *messages])) from None
+
+
+def doubts(test):
+    """Sentences about what may be right and rarely is, for a person to look at.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    list of str
+    """
+    found = []
+    begin, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    for axis, gap in (("time", 1.0), ("spectrum_time", test.attrs.get("spectrometer_integration_time", 1.0))):
+        if axis not in test.variables or not test[axis].size:
+            continue
+        time = test[axis].values
+        step = max(gap, 2 * float(np.median(np.diff(time))) if time.size > 1 else gap)
+        if time[-1] < off - step:
+            found.append(f"{axis} ends at {time[-1]:g} s, the plasma at {off:g} s: is a file cut off?")
+        if time[0] > begin + step:
+            found.append(
+                f"{axis} begins at {time[0]:g} s, the injection is at {begin:g} s: is the zero right?"
+            )
+        holes = np.flatnonzero(np.diff(time) > LONG_GAP * step)
+        if holes.size:
+            found.append(
+                f"{axis} has {holes.size} gaps, the first from {time[holes[0]]:g} to {time[holes[0] + 1]:g} s"
+            )
+    for name in ("signal_wide", "signal_narrow"):
+        if name in test.variables and np.nanmax(np.abs(test[name].values)) > LARGEST_SIGNAL:
+            found.append(
+                f"{name} reaches {np.nanmax(np.abs(test[name].values)):.3g} A, more than a photodiode gives:"
+                " is its unit right? (The ratio, and so the temperature, does not depend on it.)"
+            )
+    return found
+
+
+def contents(test):
+    """Lines that say what a test holds, for a person to compare with what was measured.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    list of str
+    """
+    lines = [f"  origin: {test.attrs['origin']}"]
+    if "pyrometer" in instruments(test):
+        lines.append(f"  pyrometer: {_clock(test.time.values, 'samples')}")
+        for name in ("signal_wide", "signal_narrow"):
+            values = test[name].values
+            lines.append(
+                f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} A,"
+                f" {int(np.isnan(values).sum())} missing"
+            )
+    if "spectrometer" in instruments(test):
+        name = "spectral_radiance" if "spectral_radiance" in test.variables else "counts"
+        values, pixels = test[name].values, test.wavelength.values * 1e9
+        lines += [
+            f"  spectrometer: {_clock(test.spectrum_time.values, 'spectra')}",
+            f"  wavelengths: {pixels.size} pixels, {pixels[0]:.2f} to {pixels[-1]:.2f} nm in vacuum",
+            f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {test[name].attrs['units']},"
+            f" {int(np.isnan(values).sum())} samples missing or saturated",
+        ]
+    begin, end = test.attrs["reference_window"]
+    lines.append(
+        f"  injection at {test.attrs['injection_time']:g} s, plasma off at"
+        f" {test.attrs['plasma_off_time']:g} s, reference window {begin:g} to {end:g} s"
+    )
+    return lines
+
+
+def _clock(time, what):
+    step = f", one per {np.median(np.diff(time)):.4g} s" if time.size > 1 else ""
+    return f"{time.size} {what}, {time[0]:g} to {time[-1]:g} s{step}"

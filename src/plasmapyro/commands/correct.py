@@ -1,0 +1,333 @@
+"""`plasmapyro correct`: surface temperatures of one data set, without a workflow."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro import io
+from plasmapyro.commands.outputs import require_writable
+from plasmapyro.experiment import onset, status
+from plasmapyro.experiment.inputs import faults, instruments
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, halves, on_same_wavelengths
+from plasmapyro.readers.stage import read_test, sources
+
+NANOMETRE = 1e-9
+PYROMETER, SPECTROMETER = (
+    "calibration",
+    "spectrometer_calibration",
+)  # files of the instrument folder, contracts
+
+DESCRIPTION = """\
+Take the light of the plasma out of the signals of a test and give the temperature of the surface with its
+standard uncertainty and, for each sample, whether to trust it.
+
+The method (--estimator reference) is the one of the paper: what both instruments see in the reference
+window, when the plasma shines and the sample is still dark, is subtracted until the plasma is switched off.
+The two-colour temperature follows from the ratio of the corrected signals, the spectrometer's from fits of
+Planck's law to the corrected spectra. Pyrometer and spectrometer may each be absent.
+
+TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
+`plasmapyro check`."""
+EXAMPLE = """\
+examples:
+  plasmapyro correct my_test --instrument results/instrument --out temperature.nc
+  plasmapyro correct my_test --instrument lab --out t.nc --gas-variation 0.05 --reference-window 0 4
+
+what comes out (netCDF):
+  measured_temperature, corrected_temperature      [K] of the pyrometer, before and after, against `time`
+  spectrometer_temperature, scaled_temperature     [K] of the spectra, against `spectrum_time`
+  ..._uncertainty                                  [K] standard uncertainties (68 %)
+  ..._status                                       valid, no_signal, gas_dominated, ...: see flag_meanings
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "correct",
+        help="corrected surface temperatures of one test",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
+    command.add_argument(
+        "--instrument",
+        required=True,
+        metavar="FOLDER",
+        help="holds calibration.nc (needed for pyrometer signals) and spectrometer_calibration.nc (needed for"
+        " counts), as results/instrument or the --out of `plasmapyro calibrate`",
+    )
+    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the temperatures go")
+    command.add_argument(
+        "--estimator",
+        choices=sorted(ESTIMATORS),
+        default="reference",
+        help="how the gas is taken out (default: reference, as in the paper)",
+    )
+    command.add_argument(
+        "--reference-window",
+        nargs=2,
+        type=float,
+        metavar=("BEGIN", "END"),
+        help="[s] instead of the one the test states: plasma on, surface still dark",
+    )
+    command.add_argument(
+        "--keep-window",
+        action="store_true",
+        help="go on although the surface already shows in the reference window (its light is then subtracted"
+        " as if it were gas)",
+    )
+    number = command.add_argument_group("what is uncertain (standard, relative)")
+    _option(number, "--signal-uncertainty", _share, 0.01, "of one pyrometer signal")
+    _option(number, "--gas-variation", _share, 0.03, "of the gas radiance about that of the reference window")
+    number.add_argument(
+        "--draws", type=_count, default=None, metavar="N", help="Monte Carlo draws (default: 400 and 100)"
+    )
+    _option(number, "--seed", _seed, 2, "of the Monte Carlo draws: the same seed, the same result")
+    when = command.add_argument_group("when a temperature is given")
+    _option(when, "--detection-level", _positive, 2.0, "uncertainties that a corrected signal must exceed")
+    _option(when, "--least-surface-share", _share, 0.5, "of the surface in a signal, else gas_dominated")
+    _option(when, "--least-signal-to-noise", _positive, 10.0, "of a spectrum at the pivot")
+    fit = command.add_argument_group("fits to the spectra")
+    fit.add_argument(
+        "--reference-time",
+        type=float,
+        metavar="S",
+        help="the exposure nearest to it is the reference spectrum (default: middle of the window)",
+    )
+    _option(fit, "--normalisation-nm", _positive, 1030.0, "pivot wavelength of the normalised fit, in vacuum")
+    fit.add_argument(
+        "--normalisation-half-width-nm",
+        type=_positive,
+        metavar="X",
+        help="pixels this near are averaged there (default: half the spectrometer's FWHM)",
+    )
+    fit.add_argument(
+        "--temperature-range-k",
+        nargs=2,
+        type=_positive,
+        default=[600.0, 3500.0],
+        metavar=("LOW", "HIGH"),
+        help="where the fits look (default: 600 3500)",
+    )
+    _option(fit, "--saturation-counts", _positive, 65000.0, "raw counts from here on are saturated")
+    _option(fit, "--noise-block-pixels", _count, 50, "pixels per estimate of the noise")
+
+
+def run(options, progress):
+    """Run `plasmapyro correct`: test in, file out, and a summary."""
+    folder = Path(options.instrument)
+    require_writable([options.out], [options.test, folder])
+    if not folder.is_dir():
+        raise ValueError(f"{folder}: no such folder; name the one that holds {PYROMETER}.nc")
+    progress.step(f"reading {options.test}")
+    test = read_test(options.test)
+    if options.reference_window:
+        test.attrs["reference_window"] = list(options.reference_window)
+    found = faults(test)
+    if found:
+        raise ValueError(f"{options.test}: " + "\n".join(found))
+    calibrations = _calibrations(test, folder)
+    found = window_findings(test)
+    for words in found.values():
+        progress.warn(words)
+    if "surface" in found and not options.keep_window:
+        raise ValueError("choose another --reference-window, or go on with --keep-window")
+    result = ESTIMATORS[options.estimator](test, calibrations, options, progress)
+    progress.step(f"writing {options.out}")
+    io.write(
+        result,
+        options.out,
+        "correction",
+        sources=[*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)],
+        config={"correct": _settings(options)},
+    )
+    sys.stdout.write("\n".join(summary(result)) + "\n")
+    progress.step("done")
+
+
+def by_reference(test, calibrations, options, progress):
+    """Correction with a constant reference, as in the paper, of each instrument the test holds.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    calibrations : mapping of contract name -> Dataset, what the instrument folder holds
+    options : Namespace of the command line
+    progress : `cli.Progress`
+
+    Returns
+    -------
+    Dataset, contract 'correction'
+    """
+    parts = []
+    if "pyrometer" in instruments(test):
+        progress.step(f"correcting {test.sizes['time']} samples of the pyrometer")
+        parts.append(
+            correct_pyrometer(
+                test,
+                calibrations[PYROMETER],
+                signal_uncertainty=options.signal_uncertainty,
+                gas_variation=options.gas_variation,
+                detection_level=options.detection_level,
+                least_surface_share=options.least_surface_share,
+                draws=options.draws or 400,
+                seed=options.seed,
+            )
+        )
+    if "spectrometer" in instruments(test):
+        middle, half = np.mean(test.attrs["reference_window"]), test.attrs["spectrometer_fwhm"] / 2
+        parts.append(
+            correct_spectra(
+                test,
+                calibrations.get(SPECTROMETER),
+                reference_time=middle if options.reference_time is None else options.reference_time,
+                normalisation_wavelength=options.normalisation_nm * NANOMETRE,
+                normalisation_half_width=(
+                    options.normalisation_half_width_nm * NANOMETRE
+                    if options.normalisation_half_width_nm
+                    else half
+                ),
+                temperature_range=options.temperature_range_k,
+                saturation_counts=options.saturation_counts,
+                gas_variation=options.gas_variation,
+                least_signal_to_noise=options.least_signal_to_noise,
+                noise_block=options.noise_block_pixels,
+                draws=options.draws or 100,
+                seed=options.seed,
+                report=progress.bar("fitting spectra"),
+            )
+        )
+    return xr.merge(parts, combine_attrs="override", join="exact", compat="no_conflicts").assign_attrs(
+        {name: value for part in parts for name, value in part.attrs.items()}
+    )
+
+
+def window_findings(test):
+    """What speaks against the reference window of a test.
+
+    The pyrometer is asked; without one the spectrometer, with two halves of its wavelengths as bands.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+
+    Returns
+    -------
+    dict
+        'surface' or 'gas' -> a sentence with what to do; empty if the window is clean.
+    """
+    window = test.attrs["reference_window"]
+    if "pyrometer" in instruments(test):
+        names, time = ("wide band", "narrow band"), test.time.values
+        pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
+    else:
+        names, time = ("shorter wavelengths", "longer wavelengths"), test.spectrum_time.values
+        ready = "spectral_radiance" in test.variables
+        pair = halves((test.spectral_radiance if ready else test.counts - test.background_counts).values)
+    found = onset.attributes("seen", time, pair, window, test.attrs["plasma_off_time"])
+    word = found["seen_reference_verdict"]
+    where = f"reference window {window[0]:g} to {window[1]:g} s"
+    if word == onset.SHOWS:
+        first, second = (100 * share for share in found["seen_reference_bias"])
+        begin, end = found.get("seen_proposed_window", (None, None))
+        advice = f"try --reference-window {begin:g} {end:.3g}" if end else "let it begin or end earlier"
+        return {
+            "surface": f"{where}: the surface already shows: it adds about {first:.2g} % to the mean of the"
+            f" {names[0]}, {second:.2g} % to that of the {names[1]}; {advice}"
+        }
+    if word == onset.DRIFTS:
+        return {
+            "gas": f"{where}: the gas drifts in it beyond its noise; a --gas-variation that covers"
+            " the drift, or a steadier part of the test, makes the uncertainties honest"
+        }
+    return {}
+
+
+ESTIMATORS = {"reference": by_reference}  # name -> function (test, calibrations, options, progress)
+
+
+def summary(result):
+    """Lines that say what came out: for each instrument, how many samples of which status, and when."""
+    lines = []
+    for name, axis, state in (
+        ("corrected_temperature", "time", "corrected_status"),
+        ("spectrometer_temperature", "spectrum_time", "spectrum_status"),
+    ):
+        if name not in result:
+            continue
+        values, states, time = result[name].values, result[state].values, result[axis].values
+        counted = ", ".join(
+            f"{int((states == code).sum())} {word}"
+            for code, word in status.MEANINGS.items()
+            if (states == code).any()
+        )
+        lines.append(f"{name}: {counted}")
+        good = np.flatnonzero(np.isin(states, (status.VALID, status.EXTRAPOLATED)))
+        if good.size:
+            first, hottest = good[0], good[np.nanargmax(values[good])]
+            lines.append(
+                f"  first at {time[first]:g} s: {_with(result, name, first)}; highest at {time[hottest]:g} s:"
+                f" {_with(result, name, hottest)}"
+            )
+    return lines
+
+
+def _with(result, name, index):
+    return f"{result[name].values[index]:.1f} +- {result[name + '_uncertainty'].values[index]:.1f} K"
+
+
+def _calibrations(test, folder):
+    """Calibrations (contract name -> Dataset) that the test needs or can use."""
+    found = {}
+    if "pyrometer" in instruments(test):
+        found[PYROMETER] = io.read(folder / f"{PYROMETER}.nc", PYROMETER)
+    if "spectrometer" in instruments(test):
+        path, counted = folder / f"{SPECTROMETER}.nc", "spectral_radiance" not in test.variables
+        if counted or path.exists():
+            calibration = io.read(path, SPECTROMETER)
+            # Radiances bring their own calibration; one of other pixels says nothing about them.
+            if counted or on_same_wavelengths(calibration, test):
+                found[SPECTROMETER] = calibration
+    return found
+
+
+def _settings(options):
+    skipped = {"run", "test", "instrument", "out"}
+    return {name: value for name, value in vars(options).items() if name not in skipped}
+
+
+def _option(group, flag, kind, default, words):
+    group.add_argument(flag, type=kind, default=default, metavar="X", help=f"{words} (default: {default:g})")
+
+
+def _number(word, rule, holds, kind=float):
+    try:
+        value = kind(word)
+    except ValueError:
+        value = None
+    if value is None or not holds(value):
+        raise argparse.ArgumentTypeError(f"{rule}; got {word!r}")
+    return value
+
+
+def _positive(word):
+    return _number(word, "must be a number > 0", lambda value: 0 < value < np.inf)
+
+
+def _share(word):
+    return _number(word, "must be a number from 0 to 1", lambda value: 0 <= value <= 1)
+
+
+def _count(word):
+    return _number(word, "must be a whole number from 3 to 100000", lambda value: 3 <= value <= 100_000, int)
+
+
+def _seed(word):
+    return _number(word, "must be a whole number >= 0", lambda value: value >= 0, int)

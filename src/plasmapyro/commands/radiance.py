@@ -1,0 +1,132 @@
+"""`plasmapyro radiance`: the gas's light along a sight line."""
+
+import argparse
+
+from plasmapyro import contracts, io
+from plasmapyro.commands.outputs import require_writable
+from plasmapyro.radiation.spectrum_text import compose_spectrum
+from plasmapyro.radiation.stage import line_of_sight_radiance
+from plasmapyro.sightline import neqair
+from plasmapyro.tables import weakest
+
+MOST_GRID_POINTS = 5_000_000  # 2 GB of memory
+NANOMETRE = 1e-9
+
+DESCRIPTION = """\
+Compute the spectral radiance of the gas along a sight line, line by line and by component, with
+its optical depth and its view through a slit, and write it as netCDF.
+
+SIGHTLINE is a netCDF file (path_distance [m], species, temperature [K], pressure [Pa],
+number_density [m-3]) or a line-of-sight text file as NEQAIR reads it (x [cm], densities [cm-3],
+temperatures [K]; versions 14 and 15). The light travels from its first point to its last."""
+EXAMPLE = """\
+example:
+  plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "radiance",
+        help="spectral radiance of the gas along a sight line",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("sightline", metavar="SIGHTLINE", help="sight line, netCDF or NEQAIR-style text")
+    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the spectrum goes")
+    command.add_argument(
+        "--wavelength-nm",
+        nargs=2,
+        type=float,
+        default=[700.0, 1200.0],
+        metavar=("FIRST", "LAST"),
+        help="range in vacuum, within 650 to 1250 nm (default: 700 1200)",
+    )
+    command.add_argument(
+        "--grid-points",
+        type=_grid_points,
+        default=160_000,
+        metavar="N",
+        help="points of the logarithmic wavenumber grid; too few for the line widths are refused with the"
+        " number that would do (default: 160000, enough for 700 to 1200 nm)",
+    )
+    command.add_argument(
+        "--slit-fwhm-nm",
+        type=float,
+        default=0.75,
+        metavar="WIDTH",
+        help="full width at half maximum of the Gaussian slit (default: 0.75 nm)",
+    )
+    command.add_argument(
+        "--response",
+        metavar="FILE.nc",
+        help="responses of two pyrometer bands (wavelength [m], responsivity_wide, responsivity_narrow [1]),"
+        " as results/instrument/response.nc; without it the result holds no band signals",
+    )
+    command.add_argument(
+        "--spectrum-text",
+        metavar="FILE",
+        help="write the spectrum also as text: wavelength [Angstrom], radiance [W cm-2 sr-1 um-1] and its"
+        " integral",
+    )
+    command.add_argument(
+        "--line-of-sight-text",
+        metavar="FILE",
+        help="write the sight line also as NEQAIR 15 reads it (LOS.dat)",
+    )
+
+
+def _grid_points(word):
+    number = int(word)
+    if not 0 < number <= MOST_GRID_POINTS:
+        raise argparse.ArgumentTypeError(f"must lie in [1, {MOST_GRID_POINTS}]; got {number}")
+    return number
+
+
+def run(options, progress):
+    """Run `plasmapyro radiance`: file in, files out."""
+    outputs = [options.out, options.spectrum_text, options.line_of_sight_text]
+    require_writable([path for path in outputs if path], [options.sightline, options.response])
+    progress.step(f"reading {options.sightline}")
+    sightline = _read_sightline(options.sightline)
+    response = io.read(options.response, "response") if options.response else None
+    progress.step(
+        f"computing {sightline.sizes['path_distance']} layers on {options.grid_points} wavelengths,"
+        " without those too dark to count"
+    )
+    result = line_of_sight_radiance(
+        sightline,
+        response,
+        wavelength_range=[edge * NANOMETRE for edge in options.wavelength_nm],
+        grid_points=options.grid_points,
+        slit_fwhm=options.slit_fwhm_nm * NANOMETRE,
+        progress=progress.bar("layers"),
+    )
+    result.attrs["origin"] = weakest([result.attrs["origin"], sightline.attrs.get("origin", "modelled")])
+    progress.step(f"writing {options.out}")
+    sources = [path for path in (options.sightline, options.response) if path]
+    settings = {name: getattr(options, name) for name in ("wavelength_nm", "grid_points", "slit_fwhm_nm")}
+    contract = "radiation" if response is not None else "spectrum"
+    io.write(result, options.out, contract, sources=sources, config={"radiation": settings})
+    if options.spectrum_text:
+        text = compose_spectrum(result["wavelength"].values, result["gas_radiance"].values)
+        io.write_text(text, options.spectrum_text)
+    if options.line_of_sight_text:
+        io.write_text(neqair.compose(sightline), options.line_of_sight_text)
+    progress.step("done")
+
+
+def _read_sightline(path):
+    """Dataset of contract 'sightline' from netCDF or NEQAIR-style text."""
+    if io.is_netcdf(path):
+        return io.read(path, "sightline")
+    try:
+        return neqair.parse(io.read_text(path))
+    except contracts.ContractError:
+        raise
+    except ValueError as fault:
+        raise ValueError(f"{path}: {fault}") from None

@@ -1,0 +1,163 @@
+"""Does the surface already show in the reference window, and from when on?"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+LEAST_SAMPLES = 8  # in a window; fewer tell no trend from scatter
+SIGNIFICANT = 4.0  # standard deviations; reached by chance in 1 of 16 000 windows
+ABSENT = 2.0  # standard deviations below which a trend is taken as none
+POWER = 3  # of time: light of a heating surface grows faster than the square
+CANDIDATES = 60  # ends of windows that are tried
+LASTING = 3  # windows in a row that must show the surface
+PROPOSED = 0.6  # of the way to the onset: the growth is then 0.6^POWER, a fifth of what is just seen
+
+CLEAN, DRIFTS, SHOWS, UNKNOWN = "clean", "gas_drifts", "surface_shows", "too_few_samples"
+
+
+class Trend(NamedTuple):
+    """Growth of a signal over a window."""
+
+    growth: float  # from begin to end, unit of the signal
+    deviations: float  # growth over its standard uncertainty
+    bias: float  # what the growth adds to the mean of the window
+
+
+class Verdict(NamedTuple):
+    """What a window holds besides a constant gas."""
+
+    word: str  # CLEAN, DRIFTS, SHOWS or UNKNOWN
+    bias: tuple  # (2,) share of the growth in the mean of each band
+
+
+def trend(time, values, window):
+    r"""Least-squares growth as a power of time, its uncertainty widened for flicker.
+
+    .. math:: S = a + b u^3, \quad u = \frac{t - t_0}{t_1 - t_0}, \qquad
+              u^2(b) = \frac{s^2}{\sum (u^3 - \overline{u^3})^2}\,\frac{1 + r_1}{1 - r_1}
+
+    with the lag-one correlation r_1 (>= 0) of the residuals.
+
+    Parameters
+    ----------
+    time, values : (n,) arrays, without NaN, n >= `LEAST_SAMPLES`
+    window : (2,) floats [s]
+
+    Returns
+    -------
+    Trend
+    """
+    growing = ((time - window[0]) / (window[1] - window[0])) ** POWER
+    centred, rest = growing - growing.mean(), values - values.mean()
+    power = np.sum(centred**2)
+    growth = np.sum(centred * rest) / power
+    rest = rest - growth * centred
+    noise = np.sum(rest**2)
+    memory = np.clip(np.sum(rest[1:] * rest[:-1]) / noise, 0.0, 0.99) if noise > 0 else 0.0
+    uncertainty = np.sqrt(noise / (time.size - 2) / power * (1 + memory) / (1 - memory))
+    floor = np.finfo(float).eps * np.abs(values).max() / np.sqrt(power)  # a signal without any noise
+    return Trend(float(growth), float(growth / max(uncertainty, floor)), float(growth * growing.mean()))
+
+
+def verdict(time, signals, window):
+    """Whether a window holds the gas alone.
+
+    A surface adds light to both bands in another ratio than the gas. A gas that brightens as a whole
+    leaves the ratio alone, and so does its flicker: the ratio is the sharper test.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    signals : (2, t) array, NaN where missing
+    window : (2,) floats [s]
+
+    Returns
+    -------
+    Verdict
+
+    Notes
+    -----
+    Deviation: the paper chooses its window by eye.
+    """
+    inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signals).all(axis=0)
+    inside &= (signals > 0).all(axis=0)
+    if inside.sum() < LEAST_SAMPLES:
+        return Verdict(UNKNOWN, (np.nan, np.nan))
+    time, (wide, narrow) = time[inside], signals[:, inside]
+    bands = [trend(time, row, window) for row in (wide, narrow)]
+    ratio = abs(trend(time, np.log(wide / narrow), window).deviations)
+    levels = [band.deviations for band in bands]
+    bias = tuple(float(band.bias / row.mean()) for band, row in zip(bands, (wide, narrow), strict=True))
+    changed = ratio > SIGNIFICANT and max(levels) > ABSENT
+    rising = min(levels) > SIGNIFICANT and ratio > ABSENT
+    if (changed or rising) and min(levels) > -SIGNIFICANT:
+        return Verdict(SHOWS, bias)
+    if max(ratio, *np.abs(levels)) > SIGNIFICANT:
+        return Verdict(DRIFTS, bias)
+    return Verdict(CLEAN, bias)
+
+
+def onset(time, signals, begin, end):
+    """First time at which the surface shows, in windows that grow from `begin`.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    signals : (2, t) array
+    begin, end : float [s]
+        Begin of the reference window; last time to look at (plasma off).
+
+    Returns
+    -------
+    onset : float [s]
+        NaN if it never shows.
+    window : (2,) list of floats [s], or None
+        Proposed: up to `PROPOSED` of the way to the onset; None if no onset is found, or too few samples
+        would remain.
+    """
+    ends = time[(time > begin) & (time <= end)]
+    if ends.size < LEAST_SAMPLES:
+        return np.nan, None
+    ends = ends[LEAST_SAMPLES - 1 :] if time[time >= begin][0] > begin else ends[LEAST_SAMPLES - 2 :]
+    picks = np.unique(np.geomspace(1, ends.size, CANDIDATES).astype(int)) - 1
+    shown = 0
+    for index, stop in enumerate(ends[picks]):
+        shown = shown + 1 if verdict(time, signals, (begin, stop)).word == SHOWS else 0
+        if shown == LASTING:
+            first = float(ends[picks[index - LASTING + 1]])
+            proposed = [float(begin), float(begin + PROPOSED * (first - begin))]
+            held = ((time >= proposed[0]) & (time <= proposed[1])).sum()
+            return first, proposed if held >= LEAST_SAMPLES else None
+    return np.nan, None
+
+
+def attributes(instrument, time, signals, window, end):
+    """Attributes that tell of the reference window of one instrument.
+
+    Parameters
+    ----------
+    instrument : str
+        Begins their names.
+    time : (t,) array [s]
+    signals : (2, t) array
+    window : (2,) floats [s]
+    end : float [s], plasma off
+
+    Returns
+    -------
+    dict
+        `<instrument>_reference_verdict`; `_reference_bias` [1] (wide, narrow) if there are samples enough;
+        `_surface_onset` [s] and `_proposed_window` [s, s] if the surface shows at all.
+    """
+    found = verdict(time, signals, window)
+    first, proposed = onset(time, signals, window[0], end)
+    # In a window that is mostly surface the growth has another shape: the growing windows see it begin.
+    within = found.word != UNKNOWN and first < window[1]
+    words = {f"{instrument}_reference_verdict": SHOWS if within else found.word}
+    if found.word != UNKNOWN:
+        words[f"{instrument}_reference_bias"] = [float(share) for share in found.bias]
+    if np.isfinite(first):
+        words[f"{instrument}_surface_onset"] = first
+    if proposed is not None:
+        words[f"{instrument}_proposed_window"] = proposed
+    return words

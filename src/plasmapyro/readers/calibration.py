@@ -1,0 +1,390 @@
+"""A calibration folder: what calibration.yaml says about raw files of the pyrometer and the spectrometer."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro import contracts
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.instrument.raw_counts import certified_source
+from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.readers import columns, description, ocean
+from plasmapyro.readers.parts import require_alike, vacuum
+from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.tables import ORIGINS
+
+NAME = "calibration.yaml"
+GUIDE = "see docs/spectrometer-calibration.md"
+POINTS = ("source_temperature", "signal_wide", "signal_narrow")
+MOST_EXPOSURES = 200
+REPORTED = 10
+
+
+def describes(folder):
+    """Whether a folder holds a description of calibration files."""
+    return (Path(folder) / NAME).is_file()
+
+
+def instruments(folder):
+    """Names of the instruments that calibration.yaml describes.
+
+    Raises
+    ------
+    Refusal
+        No such folder, no such file, or not YAML.
+    """
+    return [name for name in ("pyrometer", "spectrometer") if name in _described(folder)[0]]
+
+
+def check_calibration(folder):
+    """Everything that is wrong with a calibration folder, at once; an empty list if nothing is."""
+    try:
+        present = instruments(folder)
+        if not present:
+            return [fault(Path(folder) / NAME, "describes neither a pyrometer nor a spectrometer", GUIDE)]
+    except Refusal as reason:
+        return reason.messages
+    found = []
+    for read in [{"pyrometer": read_points, "spectrometer": read_exposures}[name] for name in present]:
+        try:
+            read(folder)
+            if read is read_exposures:
+                read_line_lamp(folder)
+        except Refusal as reason:
+            found += [message for message in reason.messages if message not in found]
+    return found
+
+
+def read_points(folder):
+    """Calibration points of the pyrometer.
+
+    Parameters
+    ----------
+    folder : path
+        Holds calibration.yaml and the table it names under `pyrometer`.
+
+    Returns
+    -------
+    Dataset, contract 'calibration_points'
+
+    Raises
+    ------
+    Refusal
+        One sentence per fault.
+    """
+    values, faults = _described(folder)
+    top = description.Section(values, Path(folder) / NAME, "", faults)
+    origin = _origin(top)
+    section = _wanted_section(top, "pyrometer", "spectrometer")
+    name = section.file("file", "calibration_points.csv")
+    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
+    decimal = section.text("decimal", choices=(".", ","))
+    wanted = columns.wanted(section, POINTS)
+    for absent in set(POINTS) - set(wanted):
+        section.blame(f"columns.{absent}", "is missing", "name the column that holds it")
+    section.close()
+    if faults:
+        raise Refusal(faults)
+    path = Path(folder) / name
+    found = columns.read_table(path, wanted, delimiter, decimal)
+    bad = {key: np.flatnonzero(~(row > 0)) for key, row in found.items()}
+    messages = [
+        fault(
+            path,
+            f"row {rows[0] + 1} of the data: {key} is {found[key][rows[0]]:g}, must be > 0",
+            "correct it",
+        )
+        for key, rows in bad.items()
+        if rows.size
+    ]
+    if messages:
+        raise Refusal(messages)
+    dataset = xr.Dataset({key: ("calibration_point", found[key]) for key in POINTS}, attrs={"origin": origin})
+    return _checked(dataset, "calibration_points", path)
+
+
+def read_exposures(folder):
+    """Raw exposures of a source in front of the spectrometer, with what its radiance is certified to be.
+
+    Parameters
+    ----------
+    folder : path
+        Holds calibration.yaml and the files it names under `spectrometer`.
+
+    Returns
+    -------
+    Dataset, contract 'spectrometer_exposures'
+        Attributes: `linearity_coefficients`, `linearity_uncertainty`, `masked_pixels`, `dim_range` [m],
+        `hot_threshold`, `transmittance` and, where stated, `saturation_counts`: as in `exposure_calibration`.
+
+    Raises
+    ------
+    Refusal
+        One sentence per fault.
+    """
+    values, faults = _described(folder)
+    folder, path = Path(folder), Path(folder) / NAME
+    top = description.Section(values, path, "", faults)
+    origin = _origin(top)
+    section = _wanted_section(top, "spectrometer", "pyrometer")
+    medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
+    column = section.text("column")
+    detector = _detector(section)
+    source = _source(section.section("source")) if "source" in section else None
+    if source is None:
+        section.used.add("source")
+        if "source" not in section:
+            section.blame("source", "is missing", "state `temperature_k`, or a `certificate` of a lamp")
+    exposures = _exposures(section)
+    _line_lamp(section)
+    section.close()
+    if faults:
+        raise Refusal(faults)
+    settings = {"quantity": "counts", "column": column}
+    spectra, lights, darks, times = [], [], [], []
+    for exposure in exposures:
+        try:
+            pair = [ocean.read_spectrum(folder / exposure[key]) for key in ("light", "dark")]
+            times.append(_integration_time(folder, exposure, pair))
+            rows = [
+                ocean.column_of(folder / exposure[key], one, settings)
+                for key, one in zip(("light", "dark"), pair, strict=True)
+            ]
+            first = spectra[0] if spectra else pair[0]
+            for key, one in zip(("light", "dark"), pair, strict=True):
+                require_alike(folder / exposure[key], one, folder / exposures[0]["light"], first, ())
+        except Refusal as reason:
+            faults += reason.messages
+            continue
+        if any(one.linearised for one in pair) and len(detector["linearity_coefficients"]) > 1:
+            faults.append(
+                fault(
+                    folder / exposure["light"],
+                    "is linearised already by the spectrometer's program",
+                    "remove linearity_coefficients, or switch that correction off",
+                )
+            )
+        spectra.append(pair[0])
+        lights.append(rows[0])
+        darks.append(rows[1])
+    if faults:
+        raise Refusal(faults[:REPORTED])
+    wavelength = vacuum(folder / exposures[0]["light"], spectra[0].wavelength, medium)
+    pixels = detector.get("masked_pixels", [])
+    if any(not -wavelength.size <= pixel < wavelength.size for pixel in pixels):
+        refuse(path, f"masked_pixels: not all of {pixels} exist among {wavelength.size}", "correct them")
+    lost = ocean.clipped(np.array([*lights, *darks]))
+    if lost.any():  # the plateau is the limit of the converter, for all exposures of this detector
+        plateau = float(np.array([*lights, *darks])[lost].min())
+        detector["saturation_counts"] = min(plateau, detector.get("saturation_counts", plateau))
+    radiance, uncertainty = _radiance_of(folder, source, wavelength)
+    dataset = xr.Dataset(
+        {
+            "exposure_counts": (("exposure", "wavelength"), np.array(lights)),
+            "exposure_dark": (("exposure", "wavelength"), np.array(darks)),
+            "exposure_time": ("exposure", times),
+            "source_radiance": ("wavelength", radiance),
+            "source_radiance_uncertainty": ("wavelength", uncertainty),
+        },
+        {"wavelength": wavelength},
+        {"origin": origin, **detector},
+    )
+    return _checked(dataset, "spectrometer_exposures", path)
+
+
+def read_line_lamp(folder):
+    """Spectrum of a Hg(Ar) lamp, if calibration.yaml names one under `spectrometer.line_lamp`.
+
+    Returns
+    -------
+    (wavelength, net, fwhm), or None
+        (W,) [m] in vacuum; (W,) [count] without the dark, NaN where clipped; the stated rough width [m].
+
+    Raises
+    ------
+    Refusal
+        One sentence per fault.
+    """
+    values, faults = _described(folder)
+    section = description.Section(values, Path(folder) / NAME, "", faults).section("spectrometer")
+    lamp = _line_lamp(section)
+    if faults:
+        raise Refusal(faults)
+    if lamp is None:
+        return None
+    medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
+    settings = {"quantity": "counts", "column": section.text("column")}
+    paths = [Path(folder) / lamp[key] for key in ("light", "dark")]
+    light, dark = (ocean.read_spectrum(path) for path in paths)
+    require_alike(paths[1], dark, paths[0], light)
+    rows = [ocean.column_of(path, one, settings) for path, one in zip(paths, (light, dark), strict=True)]
+    net = np.where(ocean.clipped(rows[0]), np.nan, rows[0] - rows[1])
+    return vacuum(paths[0], light.wavelength, medium), net, lamp["fwhm"]
+
+
+def _line_lamp(section):
+    if "line_lamp" not in section:
+        return None
+    lamp = section.section("line_lamp")
+    found = {key: lamp.file(key, needed=True) for key in ("light", "dark")}
+    width = lamp.number("fwhm_nm", above=0, needed=True)
+    found["fwhm"] = None if width is None else width * 1e-9
+    lamp.close()
+    return found
+
+
+def _described(folder):
+    """Values of calibration.yaml and an empty list for faults."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        refuse(folder, "no such folder", "check its name")
+    return description.load(folder / NAME), []
+
+
+def _origin(top):
+    origin = top.text("origin", choices=ORIGINS, needed=True)
+    top.text("title")
+    return origin
+
+
+def _wanted_section(top, wanted, other):
+    top.used |= {wanted, other}
+    top.close()
+    if wanted not in top:
+        top.blame(wanted, "is missing", f"describe its calibration; {GUIDE}")
+        raise Refusal(top.faults)
+    return top.section(wanted)
+
+
+def _checked(dataset, contract, path):
+    try:
+        return contracts.check(contracts.label(dataset, contract), contract)
+    except contracts.ContractError as reason:
+        raise Refusal([f"{path}: {reason}"]) from None
+
+
+def _numbers(section, key, kind=float):
+    """A list of numbers, or None; faults are noted."""
+    words = section.raw(key)
+    if words is None:
+        return None
+    words = words if isinstance(words, list) else [words]
+    values = [number(word) if isinstance(word, str) else None for word in words]
+    if not values or any(value is None or value != value or kind(value) != value for value in values):
+        rule = "whole numbers" if kind is int else "numbers"
+        section.blame(key, f"must be a list of {rule}; got {quote(words)}", "correct it")
+        return None
+    return [kind(value) for value in values]
+
+
+def _share(section, key, default):
+    value = section.number(key, default, above=0)
+    if value > 1:
+        section.blame(key, f"must be at most 1; got {value:g}", "state it as a fraction")
+    return value
+
+
+def _detector(section):
+    """Attributes that describe the detector and what stood in the light."""
+    found = {
+        "linearity_coefficients": _numbers(section, "linearity_coefficients") or [1.0],
+        "linearity_uncertainty": section.number("linearity_uncertainty", 0.0),
+        "hot_threshold": section.number("hot_threshold", 8.0, above=0),
+        # The filter dims only the source, the window only the test.
+        "transmittance": _share(section, "filter_transmittance", 1.0)
+        / _share(section, "window_transmittance", 1.0),
+    }
+    if not 0 <= found["linearity_uncertainty"] < 1:
+        section.blame("linearity_uncertainty", "must lie in 0 to 1", "state it as a fraction")
+    masked = _numbers(section, "masked_pixels", int)
+    if masked:
+        found["masked_pixels"] = masked
+    dim = _numbers(section, "dim_range_nm")
+    if dim is not None:
+        if len(dim) != 2 or not 0 < dim[0] < dim[1]:
+            section.blame("dim_range_nm", f"must be [short, long] in nm; got {dim}", "correct it")
+        found["dim_range"] = [edge * 1e-9 for edge in dim]
+    limit = section.number("saturation_counts", above=0)
+    if limit is not None:
+        found["saturation_counts"] = limit
+    return found
+
+
+def _source(section):
+    """The source: a black body of known temperature or a table of certified radiance."""
+    found = {}
+    if "temperature_k" in section or "certificate" not in section:
+        found["temperature"] = section.number("temperature_k", above=200, needed=True)
+        found["temperature_uncertainty"] = section.number("temperature_uncertainty_k", needed=True)
+        found["emittance"] = _share(section, "emittance", 1.0)
+        if found["temperature"] is not None and found["temperature"] > 1e4:
+            section.blame("temperature_k", "must be at most 10000 K", "correct it")
+        if (found["temperature_uncertainty"] or 0) < 0:
+            section.blame("temperature_uncertainty_k", "must be >= 0", "correct it")
+    else:
+        found["certificate"] = section.file("certificate")
+        found["uncertainty"] = section.number("uncertainty", above=0, needed=True)
+        if (found["uncertainty"] or 0) >= 1:
+            section.blame("uncertainty", "must be below 1", "state it as a fraction")
+        found["columns"] = columns.wanted(section, ("wavelength", "spectral_radiance"))
+        found["medium"] = section.text("wavelengths", "air", choices=("air", "vacuum"))
+        for name in {"wavelength", "spectral_radiance"} - set(found["columns"]):
+            section.blame(f"columns.{name}", "is missing", "name the column that holds it")
+    section.close()
+    return found
+
+
+def _exposures(section):
+    words = section.raw("exposures", needed=True)
+    if words is None:
+        return []
+    if not isinstance(words, list) or not 0 < len(words) <= MOST_EXPOSURES:
+        section.blame("exposures", f"must be a list of 1 to {MOST_EXPOSURES} exposures", GUIDE)
+        return []
+    found = []
+    for index, values in enumerate(words):
+        one = description.Section(values, section.path, f"spectrometer.exposures[{index}]", section.faults)
+        found.append({key: one.file(key, needed=True) for key in ("light", "dark")})
+        found[-1]["integration_time"] = one.number("integration_time", above=0)
+        one.close()
+    return found
+
+
+def _integration_time(folder, exposure, pair):
+    """Integration time [s] of an exposure and its dark; they must agree."""
+    stated = {exposure["integration_time"], *(one.integration_time for one in pair)} - {None}
+    path = folder / exposure["light"]
+    if not stated:
+        refuse(path, "its header states no integration time", "state `integration_time` [s] of the exposure")
+    if max(stated) > min(stated) * (1 + 1e-6):
+        listed = " and ".join(f"{value:g} s" for value in sorted(stated))
+        refuse(
+            path,
+            f"integration times differ between it, {exposure['dark']} and {NAME}: {listed}",
+            "match them",
+        )
+    return min(stated)
+
+
+def _radiance_of(folder, source, wavelength):
+    r"""Radiance (W,) of the source and its relative standard uncertainty (W,).
+
+    .. math:: u(L)/L = \frac{c_2}{\lambda T^2}\,u(T) \quad\text{(black body, Wien)}
+
+    Where that exceeds 1 the radiance is not known: NaN.
+    """
+    if "temperature" in source:
+        kelvin = source["temperature"]
+        slope = SECOND_RADIATION / (wavelength * kelvin**2)
+        radiance = source["emittance"] * blackbody_radiance(wavelength, kelvin)
+        uncertainty = slope * source["temperature_uncertainty"]
+        return np.where(uncertainty < 1, radiance, np.nan), np.minimum(uncertainty, 1.0)
+    path = folder / source["certificate"]
+    table = columns.read_table(path, source["columns"])
+    points, value = table["wavelength"], table["spectral_radiance"]
+    if points.size < 2 or not (np.diff(points) > 0).all() or not (value > 0).all():
+        refuse(path, "needs two rows or more, rising wavelengths and radiances > 0", "correct the table")
+    points = vacuum(path, points, source["medium"])
+    radiance = certified_source(wavelength, points, value)
+    return radiance, np.full(wavelength.size, source["uncertainty"])
