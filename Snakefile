@@ -41,6 +41,7 @@ include: "workflow/rules/radiation.smk"
 include: "workflow/rules/analysis.smk"
 include: "workflow/rules/twin.smk"
 include: "workflow/rules/experiment.smk"
+include: "workflow/rules/design.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
@@ -57,6 +58,8 @@ localrules:
     visibility,
     apparent_temperature,
     error_map,
+    reflection_map,
+    trust,
     transient,
     surface_radiance,
     twin_calibration,
@@ -71,6 +74,7 @@ localrules:
     figures_pyrometer,
     figures_spectrometer,
     figures_both,
+    figures_design,
 
 
 rule all:
@@ -78,3 +82,4 @@ rule all:
     input:
         FIGURES,
         RESULTS,
+        expand("results/design/trust_{condition}.md", condition=CONDITIONS),
