@@ -82,4 +82,3 @@ rule all:
     input:
         FIGURES,
         RESULTS,
-        expand("results/design/trust_{condition}.md", condition=CONDITIONS),

@@ -1,5 +1,7 @@
 # Which bands see least of the gas, samples that mirror it, and from when on a reading can be trusted.
 AIR_PATH_MM = config["sightline"]["instrument_distance_mm"] - config["sightline"]["window_distance_mm"]
+RESULTS += [f"results/design/{name}.nc" for name in ("gas_spectra", "band_design", "reflection", "trust")]
+RESULTS += expand("results/design/trust_{condition}.md", condition=CONDITIONS)
 DESIGN = {name: value for name, value in config["design"].items() if name not in ("reflection", "trust")}
 
 
