@@ -83,7 +83,7 @@ FIGURES = {
     "design_shelf": (
         "Design",
         "Temperature above which the gas shifts a pyrometer by less than 1 %, by power.",
-        "A coloured table of pyrometers and powers; single bands near 1.2 micrometre are the least disturbed.",
+        "A coloured table of pyrometers and powers; bands near 1.2 micrometre are the least disturbed.",
     ),
     "reflecting_samples": (
         "Design",
