@@ -48,6 +48,7 @@ include: "workflow/rules/radiation.smk"
 include: "workflow/rules/analysis.smk"
 include: "workflow/rules/twin.smk"
 include: "workflow/rules/experiment.smk"
+include: "workflow/rules/design.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
@@ -64,6 +65,8 @@ localrules:
     visibility,
     apparent_temperature,
     error_map,
+    reflection_map,
+    trust,
     transient,
     surface_radiance,
     twin_calibration,
@@ -82,6 +85,7 @@ localrules:
     flow_vtu,
     cfd_sightline,
     cfd_surface_view,
+    figures_design,
 
 
 rule all:

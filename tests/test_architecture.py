@@ -15,6 +15,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "radiation": {"gas"},
     "instrument": {"radiation"},
     "analysis": {"instrument", "radiation"},
+    "design": {"gas", "sightline", "radiation", "instrument", "analysis"},
     "experiment": {"instrument", "analysis", "radiation"},
     "readers": {
         "contracts",

@@ -9,7 +9,7 @@ import traceback
 import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
-from plasmapyro.commands import calibrate, check, correct, radiance, sightline
+from plasmapyro.commands import calibrate, check, correct, radiance, sightline, trust
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 BAR_LENGTH, BAR_PERIOD = 30, 0.1  # characters; [s]
@@ -53,7 +53,7 @@ def parser():
     """The argument parser of all subcommands; each sets `run`, a function (options, progress)."""
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (check, calibrate, correct, sightline, radiance):
+    for command in (check, calibrate, correct, trust, sightline, radiance):
         command.add(commands)
     return top
 

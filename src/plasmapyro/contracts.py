@@ -113,6 +113,60 @@ VARIABLES = {
     "ray_signal": Variable(
         "W m-2 sr-1", "radiance arriving along the ray, weighted with the response", 0, 1e9
     ),
+    "surface": Variable("", "how the sample returns the light of the gas"),
+    "correction": Variable("", "what was subtracted from the signals"),
+    "neglect_limit": Variable(
+        "K",
+        "surface temperature above which neglecting the reflection costs less than the tolerance",
+        100,
+        1e4,
+        True,
+    ),
+    # design
+    "state": Variable("", "temperature of the gas: as computed, colder, hotter"),
+    "binned_radiance": Variable(
+        RADIANCE, "mean spectral radiance of the gas in the bin, line of sight", -1.0
+    ),
+    "incident_binned": Variable(RADIANCE, "mean radiance a perfect reflector would send back", -1.0),
+    "wavelength_edge": Variable("m", "edges of the bins, in vacuum", 1e-7, 2e-5),
+    "design": Variable("", "pyrometer"),
+    "design_kind": Variable("", "how the pyrometer was found"),
+    "design_detector": Variable("", "its detector"),
+    "design_shape": Variable("", "shape of its bands"),
+    "error_source": Variable("", "source of error"),
+    "perturbation": Variable("", "change of the gas"),
+    "band_centre": Variable("m", "middle of the band", 1e-7, 2e-5, nan_allowed=True),
+    "band_width": Variable("m", "full width at half maximum of the band", 0, 2e-5, nan_allowed=True),
+    "band_weight": Variable("1", "weight of the logarithm of the band's signal", nan_allowed=True),
+    "total_error": Variable("1", "root mean square of the total relative error", 0, 10, nan_allowed=True),
+    "error_by_source": Variable(
+        "1", "root mean square of the relative error by source", 0, 1e6, nan_allowed=True
+    ),
+    "ratio_sensitivity": Variable("1", "relative change of the reading's ratio per that of T", 0, 1e3, True),
+    "design_score": Variable("1", "what the search minimised", 0, 100, nan_allowed=True),
+    "design_limit": Variable(
+        "K", "temperature above which the gas error stays below the level", 100, 1e4, True
+    ),
+    "design_gain": Variable("K", "by how much that lies below the reference's", -1e4, 1e4, nan_allowed=True),
+    "gain_change": Variable("1", "gain in the changed gas over the gain", -1e4, 1e4, nan_allowed=True),
+    "map_limit": Variable("K", "the same temperature over the emittance", 100, 1e4, nan_allowed=True),
+    "candidate_sensitivity": Variable("1", "sensitivity of the pair's ratio to the temperature", 0, 1e3),
+    "candidate_limit": Variable(
+        "K", "mean over the conditions of the pair's temperature limit", 100, 1e4, True
+    ),
+    "candidate_score": Variable(
+        "1", "what the search minimises; one detector only", 0, 100, nan_allowed=True
+    ),
+    "candidate_on_front": Variable("1", "1 on the Pareto front", 0, 1),
+    "candidate_centre": Variable("m", "middles of the pair's bands", 1e-7, 2e-5),
+    "candidate_width": Variable("m", "widths of the pair's bands", 0, 2e-5),
+    "setup": Variable("", "instrument with or without a second measurement"),
+    "trust_level": Variable("1", "size of the relative error", 0, 1),
+    "trust_temperature": Variable(
+        "K", "temperature from which the error stays below the level", 100, 1e4, True
+    ),
+    "trust_time": Variable("s", "time after injection at which it is reached", 0, 1e6, nan_allowed=True),
+    "own_uncertainty": Variable("1", "relative standard uncertainty without gas", 0, 10, nan_allowed=True),
     # instrument
     "responsivity_wide": Variable("1", "spectral response of the wide band over its peak", 0, 1),
     "responsivity_narrow": Variable("1", "spectral response of the narrow band over its peak", 0, 1),
@@ -385,6 +439,64 @@ DATASETS = {
         "ray_angle": ("ray",),
         "ray_weight": ("ray",),
         "ray_signal": ("ray", "band"),
+    },
+    "reflection": {
+        **{
+            name: (name,)
+            for name in ("surface", "correction", "condition", "emittance", "object_temperature")
+        },
+        "reflection": ("reflection",),
+        "band": ("band",),
+        "relative_error": ("surface", "correction", "condition", "emittance", "object_temperature"),
+        **{
+            name: ("surface", "correction", "condition", "emittance")
+            for name in ("error_limit", "limit_status", "neglect_limit")
+        },
+        "incident_signal": ("condition", "reflection", "band"),
+        "gas_signal": ("condition", "band"),
+        "numerical_power": ("condition",),
+    },
+    "gas_spectra": {
+        **{name: (name,) for name in ("condition", "state", "component", "reflection", "wavelength")},
+        "binned_radiance": ("condition", "state", "component", "wavelength"),
+        "incident_binned": ("condition", "reflection", "wavelength"),
+        "wavelength_edge": ("edge",),
+        "component_uncertainty": ("component",),
+        "numerical_power": ("condition",),
+    },
+    "band_design": {
+        **{name: (name,) for name in ("design", "error_source", "perturbation", "condition", "emittance")},
+        **{
+            name: ("design",)
+            for name in (
+                "design_kind",
+                "design_detector",
+                "design_shape",
+                "total_error",
+                "ratio_sensitivity",
+                "design_score",
+            )
+        },
+        **{name: ("design", "design_band") for name in ("band_centre", "band_width", "band_weight")},
+        "error_by_source": ("design", "error_source"),
+        **{name: ("design", "condition") for name in ("design_limit", "design_gain")},
+        "gain_change": ("design", "perturbation", "condition"),
+        "map_limit": ("design", "condition", "emittance"),
+        **{
+            name: ("candidate",)
+            for name in ("candidate_sensitivity", "candidate_limit", "candidate_score", "candidate_on_front")
+        },
+        **{name: ("candidate", "pair") for name in ("candidate_centre", "candidate_width")},
+        "numerical_power": ("condition",),
+    },
+    "trust": {
+        **{name: (name,) for name in ("condition", "setup", "trust_level", "surface")},
+        **{
+            name: ("condition", "surface", "setup", "trust_level")
+            for name in ("trust_temperature", "trust_time")
+        },
+        "own_uncertainty": ("setup",),
+        "numerical_power": ("condition",),
     },
     "spectrum": {
         "wavelength": ("wavelength",),

@@ -29,6 +29,12 @@ FIGURES = [
             "fig7b_relative_error",
             "fig7c_error_map",
             "fig7d_transient",
+            "design_bands",
+            "design_trade_off",
+            "design_error_maps",
+            "design_shelf",
+            "reflecting_samples",
+            "trust",
         ]
     ),
     *drawn(
@@ -180,3 +186,26 @@ rule figures_both:
         "results/logs/figures_both_{test}.log",
     script:
         "../scripts/figures_both.py"
+
+
+rule figures_design:
+    input:
+        spectra="results/design/gas_spectra.nc",
+        designs="results/design/band_design.nc",
+        surface="results/analysis/surface_radiance.nc",
+        reflection="results/design/reflection.nc",
+        trust="results/design/trust.nc",
+    output:
+        bands=drawn("design_bands"),
+        trade_off=drawn("design_trade_off"),
+        error_maps=drawn("design_error_maps"),
+        shelf=drawn("design_shelf"),
+        reflecting_samples=drawn("reflecting_samples"),
+        trust=drawn("trust"),
+    log:
+        "results/logs/figures_design.log",
+    params:
+        field_condition=config["figures"]["field_condition"],
+        shown=list(CONDITIONS)[:: max(1, len(CONDITIONS) // 3)],
+    script:
+        "../scripts/figures_design.py"

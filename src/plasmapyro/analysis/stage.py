@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.analysis.error import error_limit, relative_error
+from plasmapyro.analysis.reflection import reflected
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
@@ -246,3 +247,115 @@ def _read(gas, response, curve, emittance, temperature):
     gas_wide, gas_narrow = (gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS)
     ratio = float(curve.sensitivity_ratio) * (emittance * wide + gas_wide) / (emittance * narrow + gas_narrow)
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
+
+
+SURFACES = {"no reflection": None, "mirror": 0.0, "mixed": 0.5, "matt": 1.0}  # share of diffuse reflection
+CORRECTIONS = ("none", "line of sight", "reference")
+
+
+def reflection_map(
+    gas, spectra, response, curve, *, object_temperature, emittance, error_level, gas_variation, tolerance_k
+):
+    r"""Error maps of samples that reflect the gas, before and after two corrections.
+
+    .. math:: S = \varepsilon B(T) + G
+              + (1 - \varepsilon)\,[(1 - m)\,S^{g,s}_{specular} + m\,S^{g,s}_{diffuse}]
+
+    The corrections subtract the gas of the line of sight alone (known from a simulation or a view past the
+    sample: the reflection stays), or the reference measured on the cold sample itself, reflection included,
+    which then is wrong by `gas_variation`.
+
+    Parameters
+    ----------
+    gas : Dataset, contract 'gas_signal'
+    spectra : Dataset, contract 'gas_spectra', of the same conditions
+    response, curve : Datasets, contracts 'response', 'ratio_curve'
+    object_temperature, emittance : (T,) [K], (E,) [1], increasing
+    error_level : float [1]
+    gas_variation : float [1]
+        How far the gas may have drifted from its reference.
+    tolerance_k : float [K]
+        What the neglect of the reflection may cost at most.
+
+    Returns
+    -------
+    Dataset, contract 'reflection'
+
+    Notes
+    -----
+    Source: Fagnani et al., secs. 2, 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
+    line of
+    sight, so that the specular part is the gas signal itself; flat spectral reflectance.
+    """
+    temperature = increasing("object_temperature", object_temperature, "K")
+    emittance = increasing("emittance", emittance, "1")
+    order = list(gas.condition.values)
+    incident = spectra.incident_binned.sel(condition=order, reflection="diffuse").values
+    middle = spectra.wavelength.values
+    size = np.diff(spectra.wavelength_edge.values)
+    curves = [
+        np.interp(middle, response.wavelength, response[f"responsivity_{band}"], left=0.0, right=0.0)
+        for band in BANDS
+    ]
+    diffuse = np.stack([incident @ (row * size) for row in curves], axis=1)  # (condition, band)
+    own = gas.gas_signal.sel(band=list(BANDS)).values
+    black = _blackbody_signal(response, temperature)
+    shape = (len(SURFACES), len(CORRECTIONS), len(order), emittance.size, temperature.size)
+    error, grey = np.empty(shape), emittance[None, :, None]
+    for surface, mix in enumerate(SURFACES.values()):
+        added = [
+            own[:, band, None, None]
+            + (
+                0.0
+                if mix is None
+                else reflected(grey, own[:, band, None, None], diffuse[:, band, None, None], mix)
+            )
+            for band in range(len(BANDS))
+        ]
+        for row in range(len(CORRECTIONS)):
+            left = [
+                (
+                    extra,
+                    extra - own[:, band, None, None],
+                    gas_variation * extra,
+                )[row]
+                for band, extra in enumerate(added)
+            ]
+            wide, narrow = (grey * black[band] + left[band] for band in range(len(BANDS)))
+            reading, _ = invert_ratio(
+                float(curve.sensitivity_ratio) * wide / narrow,
+                curve.calibration_temperature.values,
+                curve.calibration_ratio.values,
+            )
+            error[surface, row] = relative_error(reading, temperature)
+    limit, status = error_limit(temperature, error, error_level)
+    cost = np.abs(error - error[:1]) * temperature
+    within_tolerance, _ = error_limit(temperature, cost, tolerance_k)
+    below = np.where(np.isnan(within_tolerance), temperature[0], within_tolerance)
+    beyond = np.where(np.isnan(cost[..., -1]) | (cost[..., -1] > tolerance_k), np.nan, below)
+    dims = ("surface", "correction", "condition", "emittance")
+    return xr.Dataset(
+        {
+            "relative_error": ((*dims, "object_temperature"), error),
+            "error_limit": (dims, limit),
+            "limit_status": (dims, status),
+            "neglect_limit": (dims, beyond),
+            "incident_signal": (("condition", "reflection", "band"), np.stack([own, diffuse], axis=1)),
+            "gas_signal": (("condition", "band"), own),
+            "numerical_power": gas.numerical_power,
+        },
+        {
+            "surface": list(SURFACES),
+            "correction": list(CORRECTIONS),
+            "condition": order,
+            "emittance": emittance,
+            "object_temperature": temperature,
+            "reflection": ["specular", "diffuse"],
+            "band": list(BANDS),
+        },
+        {
+            "error_level": float(error_level),
+            "gas_variation": float(gas_variation),
+            "neglect_tolerance": float(tolerance_k),
+        },
+    )

@@ -82,6 +82,36 @@ FIGURES = {
         "A heating surface as the pyrometer would read it through the gas.",
         "The reading starts far too high, falls, and joins the rising true temperature.",
     ),
+    "design_bands": (
+        "Design",
+        "Spectrum of the gas and of hot surfaces, and below it the bands of designs and of pyrometers.",
+        "The gas has windows near 900, 1060 and 1200 nanometre; the bands of good designs sit in them.",
+    ),
+    "design_trade_off": (
+        "Design",
+        "Sensitivity of pairs of bands against the temperature above which the gas shifts them by 1 %.",
+        "A cloud of pairs with its Pareto front; the MR1SB lies some 250 kelvin above the front.",
+    ),
+    "design_error_maps": (
+        "Design",
+        "Curves of 1 % error over emittance and temperature: MR1SB, robust design, design of least error.",
+        "Three panels; the curves of the designs lie at lower temperatures than those of the MR1SB.",
+    ),
+    "design_shelf": (
+        "Design",
+        "Temperature above which the gas shifts a pyrometer by less than 1 %, by power.",
+        "A coloured table of pyrometers and powers; bands near 1.2 micrometre are the least disturbed.",
+    ),
+    "reflecting_samples": (
+        "Design",
+        "Curves of 1 % error of samples that reflect the gas, as read and corrected, and what neglect costs.",
+        "Matt samples need several hundred kelvin more than mirrors, and more at low emittance.",
+    ),
+    "trust": (
+        "Design",
+        "Temperature from which each setup reads within the first level, against power.",
+        "Curves rise with power; subtracting the reference after injection lowers them by some 400 kelvin.",
+    ),
     "fig8b": (
         "Test",
         "Emittance assumed for the sample.",

@@ -1,0 +1,62 @@
+"""The gas that the sample itself reflects into the instrument."""
+
+import numpy as np
+
+from plasmapyro.checks import non_negative, within
+
+
+def reflected(emittance, specular, diffuse, roughness):
+    r"""What an opaque surface returns of the gas that lights it.
+
+    .. math:: (1 - \varepsilon)\,[(1 - m)\, L^{g,s}_{specular} + m\, L^{g,s}_{diffuse}]
+
+    Parameters
+    ----------
+    emittance : (...) [1], 0 to 1; opaque, so that the reflectance is the rest
+    specular, diffuse : (...) arrays of one unit (radiance or band signal), >= 0
+        Of the mirrored ray, and the mean over the hemisphere weighted with the cosine.
+    roughness : (...) [1], share m of the diffuse part: 0 for a mirror, 1 for a matt surface
+
+    Returns
+    -------
+    (...) ndarray, the unit of the incident light; 0 for emittance 1
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range.
+
+    Notes
+    -----
+    Source: Fagnani et al., equation of the radiance at the instrument, term :math:`(1-\varepsilon) L^{g,s}`;
+    Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 5 (diffuse plus specular reflectance).
+    ASSUME: the gas in front absorbs nothing on the way back, as the paper does.
+    """
+    emittance = within("emittance", emittance, 0, 1, "1")
+    roughness = within("roughness", roughness, 0, 1, "1")
+    specular = non_negative("specular", specular, "W m-2 sr-1")
+    diffuse = non_negative("diffuse", diffuse, "W m-2 sr-1")
+    return (1 - emittance) * ((1 - roughness) * specular + roughness * diffuse)
+
+
+def hemispherical_mean(angle, radiance):
+    r"""Mean over a hemisphere of a radiance that depends on the polar angle only, weighted with the cosine.
+
+    .. math:: \bar L = \int_0^{\pi/2} L(\theta)\,\sin 2\theta\,d\theta = \int_0^1 L\; d(\sin^2\theta)
+
+    Of a disc of radiance 1 seen face on it is the configuration factor :math:`\sin^2\theta_0`.
+
+    Parameters
+    ----------
+    angle : (A,) [rad], from 0 to pi/2, increasing
+    radiance : (..., A)
+
+    Returns
+    -------
+    (...) ndarray, unit of the radiance; exact for radiances linear in the squared sine between the angles
+
+    Notes
+    -----
+    Source: Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 4.
+    """
+    return np.trapezoid(radiance, np.sin(angle) ** 2, axis=-1)

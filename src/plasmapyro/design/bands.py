@@ -1,0 +1,108 @@
+"""Filters and detectors of a pyrometer, as means over bins of wavelength."""
+
+import numpy as np
+from scipy.special import ndtr
+
+from plasmapyro.checks import positive
+from plasmapyro.instrument.response import layered_efficiency, silicon_absorption
+
+FWHM_OVER_SIGMA = 2 * np.sqrt(2 * np.log(2))
+SHAPES = ("box", "gaussian")
+
+
+def transmittance(edges, centre, fwhm, shape):
+    r"""Mean transmittance of a filter in each bin, peak 1.
+
+    A box passes the share of the bin that it covers; a Gaussian is integrated over the bin,
+    :math:`\bar\tau = \frac{\sqrt{2\pi}\sigma}{\Delta\lambda}[\Phi(x_2) - \Phi(x_1)]`.
+
+    Parameters
+    ----------
+    edges : (B + 1,) [m], increasing
+    centre, fwhm : (...) [m], > 0
+    shape : 'box' or 'gaussian'
+
+    Returns
+    -------
+    ndarray (..., B) [1]
+    """
+    if shape not in SHAPES:
+        raise ValueError(f"filter shape must be one of {', '.join(SHAPES)}; got {shape!r}")
+    centre = positive("centre", centre, "m")[..., None]
+    fwhm = positive("fwhm", fwhm, "m")[..., None]
+    size = np.diff(edges)
+    if shape == "box":
+        low = np.maximum(edges[:-1], centre - fwhm / 2)
+        return np.clip(np.minimum(edges[1:], centre + fwhm / 2) - low, 0.0, None) / size
+    sigma = fwhm / FWHM_OVER_SIGMA
+    return np.sqrt(2 * np.pi) * sigma * np.diff(ndtr((edges - centre) / sigma), axis=-1) / size
+
+
+def efficiency(name, wavelength, detectors, silicon, silicon_thickness):
+    r"""Modelled quantum efficiency of a detector.
+
+    Silicon absorbs in one layer, :math:`\eta = \eta_0 (1 - e^{-\alpha d})`; the compounds pass a band with
+    error-function edges, :math:`\eta = \eta_0 [\Phi(x_{on}) - \Phi(x_{off})]`.
+
+    Parameters
+    ----------
+    name : of the detector
+    wavelength : (B,) [m]
+    detectors : table 'instrument/detectors'
+    silicon : table of the absorption coefficient
+    silicon_thickness : float [m]
+
+    Returns
+    -------
+    ndarray (B,) [1]; zero where the table of silicon ends
+
+    Raises
+    ------
+    ValueError
+        Unknown detector.
+
+    Notes
+    -----
+    Source: certificates of the tables. ASSUME: no curve of a real detector; limits are the makers'
+    nominal ones.
+    """
+    row = detector_row(name, detectors)
+    peak = detectors["efficiency"][row]
+    if name == "silicon":
+        inside = (wavelength >= silicon["wavelength"][0]) & (wavelength <= silicon["wavelength"][-1])
+        result = np.zeros(wavelength.shape)
+        alpha = silicon_absorption(
+            wavelength[inside], silicon["wavelength"], silicon["absorption_coefficient"]
+        )
+        result[inside] = peak * layered_efficiency(alpha, silicon_thickness, silicon_thickness)[0]
+        return result
+    on, off, sigma = (detectors[key][row] for key in ("cut_on", "cut_off", "edge_sigma"))
+    return peak * (ndtr((wavelength - on) / sigma) - ndtr((wavelength - off) / sigma))
+
+
+def detector_row(name, detectors):
+    """Row of a detector in its table; ValueError with the known names otherwise."""
+    known = list(detectors["detector"])
+    if name not in known:
+        raise ValueError(f"detector must be one of {', '.join(known)}; got {name!r}")
+    return known.index(name)
+
+
+def air_loss(edges, bands):
+    r"""Weak-line bound on what room air absorbs per metre in each bin, :math:`W / \Delta\tilde\nu` of
+    the band.
+
+    Parameters
+    ----------
+    edges : (B + 1,) [m]
+    bands : table 'instrument/air_bands' with `first`, `last` [m] and `equivalent_width` [m-1 per m of path]
+
+    Returns
+    -------
+    ndarray (B,) [m-1]
+    """
+    middle, loss = (edges[1:] + edges[:-1]) / 2, np.zeros(edges.size - 1)
+    for first, last, equivalent in zip(bands["first"], bands["last"], bands["equivalent_width"], strict=True):
+        inside = (middle >= first) & (middle <= last)
+        loss[inside] += equivalent / (1 / first - 1 / last)
+    return loss

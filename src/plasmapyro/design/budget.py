@@ -1,0 +1,258 @@
+"""What a pyrometer of one or more bands reads, and every error of it that a design can change."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.constants import BOLTZMANN, ELEMENTARY_CHARGE, LIGHT_SPEED, PLANCK
+from plasmapyro.radiation.planck import blackbody_radiance
+
+SOURCES = ("gas", "noise", "emittance", "calibration", "window", "air")
+TEMPERATURE_GRID = 1 / np.linspace(1 / 300.0, 1 / 10000.0, 240)  # [K], of the inversion, equal steps of 1/T
+ROOM_TEMPERATURE = 300.0  # [K] of the detector
+NO_READING = 1.0  # [1], error that counts for a reading off the curve
+
+
+@dataclass(frozen=True)
+class Uncertainties:
+    """Stated errors of a pyrometer: `signal` [1] of each band's calibration, `source_temperature` [K] at
+    `source_reference` [K], `emittance` [1] relative (for one band), slopes of the logarithms of emittance and
+    window with wavelength [m-1], `air_path` [m]."""
+
+    signal: float
+    source_temperature: float
+    source_reference: float
+    emittance: float
+    emittance_slope: float
+    window_slope: float
+    air_path: float
+
+
+@dataclass(frozen=True)
+class Receiver:
+    """Etendue times optics [m2 sr], detector area [m2], bandwidth [Hz], noise of the amplifier [A Hz-1/2]."""
+
+    throughput: float
+    area: float
+    bandwidth: float
+    amplifier_noise: float
+
+
+@dataclass(frozen=True)
+class Currents:
+    """Photocurrents of D designs with N bands: `black` (D, N, K) on `TEMPERATURE_GRID`, `gas` (D, N, C), mean
+    wavelength (D, N) [m] and air loss (D, N) [1], and the detectors' noise current squared (D,) [A2 Hz-1]."""
+
+    black: np.ndarray
+    gas: np.ndarray
+    wavelength: np.ndarray
+    air: np.ndarray
+    dark_noise: np.ndarray
+
+    def split(self, size):
+        """The same designs, `size` at a time."""
+        for start in range(0, len(self.wavelength), size):
+            part = slice(start, start + size)
+            yield Currents(
+                self.black[part], self.gas[part], self.wavelength[part], self.air[part], self.dark_noise[part]
+            )
+
+    def pick(self, index):
+        """Designs made of other designs' first bands: `index` (D, N) of rows."""
+        return Currents(
+            self.black[index, 0],
+            self.gas[index, 0],
+            self.wavelength[index, 0],
+            self.air[index, 0],
+            self.dark_noise[index[:, 0]],
+        )
+
+
+def currents(responses, edges, gas_radiance, receiver, resistance_area, air, reference_temperature):
+    r"""Photocurrents of bands in front of black bodies and of the gas alone.
+
+    .. math:: I = \frac{e}{hc}\, G \int \lambda\, \eta\, \tau\, L_\lambda\, d\lambda
+
+    Parameters
+    ----------
+    responses : (D, N, B) [1]
+        Quantum efficiency times filter, mean of each bin.
+    edges : (B + 1,) [m]
+    gas_radiance : (C, B) [W m-2 sr-1 m-1]
+    receiver : Receiver
+    resistance_area : (D,) [ohm m2], of the detector at zero bias
+    air : (B,) [1], absorbed between window and instrument
+    reference_temperature : float [K], that weighs the mean wavelength and air
+
+    Returns
+    -------
+    Currents
+    """
+    middle, size = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+    weight = responses * (ELEMENTARY_CHARGE / (PLANCK * LIGHT_SPEED) * receiver.throughput * middle * size)
+    black = blackbody_radiance(middle[:, None], TEMPERATURE_GRID)
+    reference = weight * blackbody_radiance(middle, reference_temperature)
+    total = np.maximum(reference.sum(-1), np.finfo(float).tiny)
+    johnson = 4 * BOLTZMANN * ROOM_TEMPERATURE * receiver.area / np.asarray(resistance_area, dtype=float)
+    return Currents(
+        weight @ black,
+        weight @ gas_radiance.T,
+        (reference @ middle) / total,
+        (reference @ air) / total,
+        johnson + receiver.amplifier_noise**2,
+    )
+
+
+def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1500.0):
+    r"""Weights of the logarithms of the band signals, :math:`F = \sum_i c_i \ln I_i` with :math:`\sum
+    c_i = 0`.
+
+    One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration,
+    slopes and
+    the gas, for a given sensitivity, :math:`c \propto C^{-1}(d - \bar d\,\mathbf 1)` with
+    :math:`d_i = d\ln I_i/d\ln T`.
+
+    Parameters
+    ----------
+    signal : Currents
+    uncertainties : Uncertainties
+    gas_covariance : (D, N, N) [1], of ln(1 + gas over surface); None for no gas
+
+    Returns
+    -------
+    ndarray (D, N)
+    """
+    designs, bands = signal.wavelength.shape
+    if bands <= 2:
+        return np.broadcast_to([1.0] if bands == 1 else [1.0, -1.0], (designs, bands))
+    slopes = np.stack(
+        [
+            sensitivity(signal.black[:, [band]], np.ones((designs, 1)), reference_temperature)
+            for band in range(bands)
+        ],
+        axis=1,
+    )
+    common = uncertainties.emittance_slope**2 + uncertainties.window_slope**2
+    covariance = uncertainties.signal**2 * np.eye(bands)
+    covariance = covariance + common * signal.wavelength[:, :, None] * signal.wavelength[:, None, :]
+    if gas_covariance is not None:
+        covariance = covariance + gas_covariance
+    inverse = np.linalg.inv(covariance)
+    ones = np.ones(bands)
+    mean = np.einsum("dij,dj->d", inverse, slopes) / np.einsum("dij,i,j->d", inverse, ones, ones)
+    weights = np.einsum("dij,dj->di", inverse, slopes - mean[:, None])
+    return weights / np.abs(weights).max(axis=1, keepdims=True)
+
+
+def sensitivity(black, weights, temperature):
+    r""":math:`dF/d\ln T` at temperatures: (D,) or (D, T) [1] for a float or (T,) [K]; `weights` (D, N)."""
+    slope = np.gradient(contrast_curve(black, weights), np.log(TEMPERATURE_GRID), axis=-1)
+    order = np.argsort(TEMPERATURE_GRID)
+    return np.array([np.interp(temperature, TEMPERATURE_GRID[order], row[order]) for row in slope])
+
+
+def contrast_curve(black, weights):
+    """F of a black body (D, K)."""
+    return np.einsum("dn,dnk->dk", weights, np.log(black))
+
+
+def at_temperature(black, temperature):
+    """Currents (D, N, T) at temperatures (T,) [K]: logarithms cubic in 1/T are not needed, the grid is
+    fine.
+    """
+    position = np.interp(
+        -1 / np.asarray(temperature), -1 / TEMPERATURE_GRID, np.arange(TEMPERATURE_GRID.size)
+    )
+    low = np.minimum(position.astype(int), TEMPERATURE_GRID.size - 2)
+    share = position - low
+    logarithm = np.log(black)
+    return np.exp(logarithm[..., low] * (1 - share) + logarithm[..., low + 1] * share)
+
+
+def read(signal, weights, measured, emittance=None):
+    """Temperature [K] of each design from its measured currents (D, N, ...); NaN off the curve.
+
+    A single band needs the emittance, shaped as `measured` without bands or broadcasting to it. A curve
+    that does
+    not rise everywhere gives no reading at all.
+    """
+    curve = contrast_curve(signal.black, weights)
+    direction = np.sign(curve[:, -1] - curve[:, 0])
+    curve = curve * direction[:, None]
+    value = np.einsum("dn,dn...->d...", weights, np.log(measured))
+    if weights.shape[1] == 1:
+        value = value - np.log(emittance)
+    value = value * direction.reshape(-1, *[1] * (value.ndim - 1))
+    result = np.full(value.shape, np.nan)
+    for design, row in enumerate(curve):
+        if (np.diff(row) > 0).all():
+            inverse = np.interp(value[design], row, 1 / TEMPERATURE_GRID, left=np.nan, right=np.nan)
+            result[design] = 1 / inverse
+    return result
+
+
+def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas=None, reflected=None):
+    r"""Relative errors of temperature by source.
+
+    .. math:: e_s = \frac{\sigma_s(F)}{|dF/d\ln T|}, \qquad e_{gas} = T_{app}/T - 1
+
+    The gas is inverted exactly and keeps its sign; it counts as `NO_READING` where there is no reading.
+    Noise is
+    :math:`\sigma_i^2 = (2 e I_i + 4 k T_d / R + i_a^2) \Delta f` with the photocurrents of surface and gas.
+
+    Parameters
+    ----------
+    signal : Currents
+    weights : (D, N)
+    temperature, emittance : (T,) [K], (E,) [1]
+    receiver, uncertainties
+    gas : (D, N, C), instead of `signal.gas`
+    reflected : (D, N, C), currents of the gas that a perfect reflector would send back; none by default
+
+    Returns
+    -------
+    ndarray (source, D, C, E, T) [1], in the order of `SOURCES`
+    """
+    gas = signal.gas if gas is None else gas
+    temperature, emittance = np.asarray(temperature, dtype=float), np.asarray(emittance, dtype=float)
+    black = at_temperature(signal.black, temperature)[:, :, None, None, :]
+    grey = emittance[:, None]
+    measured = black * grey + gas[:, :, :, None, None]
+    if reflected is not None:
+        measured = measured + (1 - grey) * reflected[:, :, :, None, None]
+    shape = measured[:, 0].shape
+    apparent = read(
+        signal, weights, measured, np.broadcast_to(grey, shape) if weights.shape[1] == 1 else None
+    )
+    bias = np.nan_to_num(np.clip(apparent / temperature - 1, -NO_READING, NO_READING), nan=NO_READING)
+    response = np.abs(sensitivity(signal.black, weights, temperature))[:, None, None, :]
+    variance = 2 * ELEMENTARY_CHARGE * measured + signal.dark_noise[:, None, None, None, None]
+    noise = np.einsum("dn,dncet->dcet", weights**2, variance * receiver.bandwidth / measured**2)
+    slope = np.abs(np.einsum("dn,dn->d", weights, signal.wavelength))[:, None, None, None]
+    if weights.shape[1] == 1:
+        grey_error, window_error = uncertainties.emittance, uncertainties.window_slope * slope
+    else:
+        grey_error, window_error = uncertainties.emittance_slope * slope, uncertainties.window_slope * slope
+    calibration = uncertainties.signal * np.sqrt(np.sum(weights**2, axis=1))[:, None, None, None]
+    scale = uncertainties.source_temperature * temperature / uncertainties.source_reference**2
+    air = np.abs(np.einsum("dn,dn->d", weights, signal.air))[:, None, None, None]
+    parts = [
+        bias,
+        np.sqrt(noise) / response,
+        grey_error / response,
+        np.hypot(calibration / response, scale),
+        window_error / response,
+        air / response,
+    ]
+    return np.stack([np.broadcast_to(part, shape) for part in parts])
+
+
+def total(parts):
+    """Root of the summed squares of the sources, never more than `NO_READING`: (D, C, E, T)."""
+    whole = np.sqrt(np.sum(np.square(parts), axis=0))
+    return np.minimum(np.nan_to_num(whole, nan=NO_READING, posinf=NO_READING), NO_READING)
+
+
+def score(parts):
+    """Root mean square of the total error over conditions, emittances and temperatures (D,)."""
+    return np.sqrt(np.mean(total(parts) ** 2, axis=(1, 2, 3)))

@@ -1,0 +1,64 @@
+"""What a design gains over a reference, and whether the gain survives a gas that is not quite as computed."""
+
+import numpy as np
+
+
+def gain(reference_limit, limit):
+    """By how much a design lowers the temperature above which the gas error stays below a level [K].
+
+    A reference limit beyond the temperatures studied gives NaN; a design without a limit gains nothing that
+    can be named, NaN as well. Shapes broadcast.
+    """
+    return np.asarray(reference_limit, dtype=float) - np.asarray(limit, dtype=float)
+
+
+def change(perturbed, nominal):
+    """Perturbed over nominal gain (..., C) [1]; NaN where either is missing or the nominal gain is not
+    > 0.
+    """
+    nominal = np.broadcast_to(nominal, np.shape(perturbed))
+    good = np.isfinite(perturbed) & np.isfinite(nominal) & (nominal > 0)
+    return np.divide(perturbed, nominal, out=np.full(np.shape(perturbed), np.nan), where=good)
+
+
+def excess(ratio, tolerance):
+    """By how much the worst ratio leaves 1 +- `tolerance` (D,), of (D, ...) ratios; at most 1, as for NaN."""
+    beyond = np.clip(np.abs(ratio - 1) - tolerance, 0.0, 1.0)
+    return np.nan_to_num(beyond, nan=1.0).reshape(len(ratio), -1).max(axis=1)
+
+
+def at_neighbours(numerical_power, gained, step):
+    """Gains (..., C) at each condition's power less and plus a step: (..., 2, C); linear in the power.
+
+    Where no neighbour was computed the gain itself stands, which says nothing and costs nothing.
+    """
+    power = np.asarray(numerical_power, dtype=float)
+    rows = np.nan_to_num(gained, nan=0.0).reshape(-1, power.size)
+    result = np.empty((len(rows), 2, power.size))
+    for place, sign in enumerate((-1, 1)):
+        wanted = power + sign * step
+        outside = (wanted < power[0]) | (wanted > power[-1])
+        for number, row in enumerate(rows):
+            result[number, place] = np.where(outside, row, np.interp(wanted, power, row))
+    return result.reshape(*np.shape(gained)[:-1], 2, power.size)
+
+
+def neighbour_signals(numerical_power, signal, step):
+    r"""Band signals at each condition's power plus a step, :math:`\ln S` linear in the power between
+    conditions.
+
+    Parameters
+    ----------
+    numerical_power : (C,) [W], increasing
+    signal : (..., C) > 0
+    step : float [W]
+
+    Returns
+    -------
+    (..., C) ndarray; NaN where that power lies outside those computed
+    """
+    power = np.asarray(numerical_power, dtype=float)
+    wanted = power + step
+    rows = np.log(signal).reshape(-1, power.size)
+    found = np.array([np.interp(wanted, power, row, left=np.nan, right=np.nan) for row in rows])
+    return np.exp(found).reshape(np.shape(signal))

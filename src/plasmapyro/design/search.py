@@ -1,0 +1,86 @@
+"""Search for the bands with the smallest total error: a seeded global search, a coarse grid, a Pareto
+front.
+"""
+
+import numpy as np
+from scipy.optimize import differential_evolution
+
+STRAYED = 10.0  # [1], score of a design without any signal
+
+
+def optimise(score, bands, wavelength_range, width_range, *, seed, population, generations):
+    """Centres and widths with the smallest score, by differential evolution.
+
+    Parameters
+    ----------
+    score : callable (centre (D, N), fwhm (D, N)) -> (D,)
+    bands : int, N
+    wavelength_range, width_range : (low, high) [m]
+        Every band lies wholly within the wavelengths.
+    seed : int
+        Same seed, same design.
+    population, generations : int
+        Population per unknown, most generations.
+
+    Returns
+    -------
+    centre, fwhm : (N,) [m], bands in the order of their centres
+    value : float
+    """
+    low, high = width_range
+
+    def unfold(unit):
+        fwhm = low * (high / low) ** unit[bands:].T
+        room = np.diff(wavelength_range)[0] - fwhm
+        return wavelength_range[0] + fwhm / 2 + unit[:bands].T * room, fwhm
+
+    def values(unit):
+        centre, fwhm = unfold(unit.reshape(2 * bands, -1))
+        order = np.argsort(centre, axis=1)
+        result = score(np.take_along_axis(centre, order, 1), np.take_along_axis(fwhm, order, 1))
+        return np.where(np.isfinite(result), result, STRAYED)
+
+    found = differential_evolution(
+        values,
+        [(0.0, 1.0)] * (2 * bands),
+        seed=seed,
+        popsize=population,
+        maxiter=generations,
+        tol=1e-6,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+    )
+    centre, fwhm = (row[0] for row in unfold(found.x[:, None]))
+    order = np.argsort(centre)
+    return centre[order], fwhm[order], float(found.fun)
+
+
+def pairs(centre):
+    """All pairs (P, 2) of rows whose first centre is the shorter one."""
+    first, second = np.triu_indices(len(centre), 1)
+    ordered = np.stack([first, second], axis=1)
+    swap = centre[first] > centre[second]
+    ordered[swap] = ordered[swap][:, ::-1]
+    return ordered[centre[ordered[:, 0]] < centre[ordered[:, 1]]]
+
+
+def pareto_front(benefit, cost):
+    """Mark the designs to which no other is at least as good in both and better in one.
+
+    Parameters
+    ----------
+    benefit, cost : (D,) arrays; designs with NaN are never on the front
+
+    Returns
+    -------
+    (D,) bool
+    """
+    benefit, cost = np.asarray(benefit, dtype=float), np.asarray(cost, dtype=float)
+    front = np.zeros(benefit.shape, dtype=bool)
+    usable = np.flatnonzero(np.isfinite(benefit) & np.isfinite(cost))
+    best = np.inf
+    for design in usable[np.lexsort((cost[usable], -benefit[usable]))]:
+        if cost[design] < best:
+            front[design], best = True, cost[design]
+    return front

@@ -1,0 +1,116 @@
+"""Spectra of the gas in equal bins of wavelength, from one emission table for many paths."""
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from plasmapyro.checks import increasing, positive, within
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.species import SPECIES
+from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.path import gas_path
+from plasmapyro.radiation.systems import component_uncertainty, line_lists
+from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
+
+COLDEST_NODE = 1500.0  # [K]; colder gas neither emits nor absorbs in the range
+HOTTEST = 15000.0  # [K], of the composition and of the partition functions
+
+
+def bin_edges(wavelength_range, bin_width):
+    """Edges (B + 1,) [m] of equal bins that fill a wavelength range exactly; their width is at most
+    `bin_width`.
+
+    Raises
+    ------
+    ValueError
+        Outside 650-1250 nm, where the line tables end, or a width not > 0.
+    """
+    first, last = increasing(
+        "wavelength_range", within("wavelength_range", wavelength_range, *TABLE_RANGE, "m"), "m"
+    )
+    # A hair less than the quotient: 500 nm in bins of 1 nm are 500, whatever the last digit of the floats.
+    count = int(np.ceil((last - first) / float(positive("bin_width", bin_width, "m")) - 1e-6))
+    return np.linspace(first, last, count + 1)
+
+
+def binned(wavelength, radiance, edges):
+    r"""Mean of a spectrum in each bin; the integral over every bin is that of the spectrum.
+
+    .. math:: \bar L_b = \frac{1}{\Delta\lambda}\int_b L_\lambda\,d\lambda
+
+    Parameters
+    ----------
+    wavelength : (G,) [m], increasing
+    radiance : (..., G) [W m-2 sr-1 m-1]
+    edges : (B + 1,) [m], within the wavelengths but for round-off
+
+    Returns
+    -------
+    ndarray (..., B) [W m-2 sr-1 m-1]
+        Of the trapezoidal rule; linear in the running integral between grid points.
+    """
+    running = cumulative_trapezoid(radiance, wavelength, axis=-1, initial=0.0)
+    rows = running.reshape(-1, wavelength.size)
+    at_edges = np.stack([np.interp(edges, wavelength, row) for row in rows])
+    return (np.diff(at_edges, axis=-1) / np.diff(edges)).reshape(*running.shape[:-1], -1)
+
+
+class AirSpectra:
+    """Emission of equilibrium air at one pressure, tabulated once, and the binned spectra of paths
+    through it.
+    """
+
+    def __init__(self, pressure, hottest, *, wavelength_range, grid_points, nodes, bin_width):
+        """Tabulate.
+
+        Parameters
+        ----------
+        pressure : float [Pa]
+            For the widths of lines; densities are those of the paths.
+        hottest : float [K]
+            Of all paths.
+        wavelength_range, bin_width : [m]
+        grid_points, nodes : int
+            Wavelengths of the engine and temperatures of the table.
+
+        Raises
+        ------
+        ValueError
+            As `bin_edges`, `emission_table`.
+        """
+        self.edges = bin_edges(wavelength_range, bin_width)
+        self.grid = log_grid(wavelength_range, grid_points)
+        self.wavelength = self.grid.wavelength[::-1]
+        lists = line_lists(self.grid)
+        temperature = table_nodes(COLDEST_NODE, hottest, nodes)
+        density = number_density(temperature, pressure)
+        self.table = emission_table(lists, self.grid, temperature, dict(zip(SPECIES, density.T, strict=True)))
+        self.components = (*self.table.components, *self.table.continua)
+        self.uncertainty = component_uncertainty(self.components, lists)
+
+    def radiance(self, path_distance, temperature, density):
+        """Mean radiance by component in the bins (C, B) [W m-2 sr-1 m-1] at the end of a path.
+
+        Parameters
+        ----------
+        path_distance, temperature : (S,) [m], [K]
+            The light travels from the first point to the last.
+        density : (species, S) [m-3]
+        """
+        path = gas_path(path_distance, temperature, dict(zip(SPECIES, density, strict=True)))
+        return binned(self.wavelength, table_radiance(self.table, path)[0][:, ::-1], self.edges)
+
+
+def heated(temperature, pressure, factor):
+    """A path's temperatures times a factor, as far as they emit, and its equilibrium composition.
+
+    Returns
+    -------
+    temperature (S,) [K], density (species, S) [m-3]
+
+    Notes
+    -----
+    ASSUME: pressure stays; cold gas below `COLDEST_NODE`, which does not shine, is left as it is.
+    """
+    changed = np.where(temperature > COLDEST_NODE, np.minimum(temperature * factor, HOTTEST), temperature)
+    return changed, number_density(changed, pressure).T

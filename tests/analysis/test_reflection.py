@@ -1,0 +1,155 @@
+"""Light of the gas that the sample reflects, against configuration factors and limits."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.special import expn
+
+from plasmapyro.analysis.reflection import hemispherical_mean, reflected
+from plasmapyro.analysis.stage import error_map, reflection_map
+from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.sightline.hemisphere import directions
+
+FLOAT_RTOL = 1e-12
+FACTOR_RTOL = 5e-3  # the accuracy asked of the view-factor integral
+QUADRATURE_RTOL = 1e-5  # trapezoid over 20 001 angles
+
+
+def test_a_black_surface_reflects_nothing():
+    assert reflected(1.0, 3.0, 70.0, 0.4) == 0.0
+
+
+def test_a_mirror_in_uniform_symmetric_gas_returns_the_emitted_radiance_times_its_reflectance():
+    radiance = 1 - np.exp(-0.3)  # of a slab of optical depth 0.3, the same on both sides of the normal
+    emittance = np.array([0.1, 0.5, 0.85])
+    assert reflected(emittance, radiance, 99.0, 0.0) == pytest.approx(
+        (1 - emittance) * radiance, rel=FLOAT_RTOL
+    )
+
+
+def test_a_matt_surface_in_isotropic_light_returns_the_same_as_a_mirror():
+    angle = np.linspace(0, np.pi / 2, 50)
+    mean = hemispherical_mean(angle, np.full(50, 7.0))
+    assert reflected(0.3, 7.0, mean, 1.0) == pytest.approx(reflected(0.3, 7.0, mean, 0.0), rel=FLOAT_RTOL)
+
+
+def test_half_rough_lies_half_way():
+    assert reflected(0.2, 2.0, 10.0, 0.5) == pytest.approx(0.8 * 6.0, rel=FLOAT_RTOL)
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.2, 1.0, 3.0])
+def test_the_mean_of_a_disc_is_the_configuration_factor_of_a_coaxial_disc(ratio):
+    # Howell's catalogue B-12: plane element to a parallel coaxial disc, F = r^2 / (h^2 + r^2).
+    edge = np.arctan(ratio)
+    angle = np.unique(np.concatenate([np.linspace(0, np.pi / 2, 20_001), [edge, edge + 1e-9]]))
+    seen = hemispherical_mean(angle, (angle <= edge).astype(float))
+    assert seen == pytest.approx(ratio**2 / (1 + ratio**2), rel=QUADRATURE_RTOL)
+
+
+@pytest.mark.parametrize("count", [4, 8])
+def test_the_few_rays_of_the_workflow_give_the_factor_of_the_core(count):
+    angle, weight = directions(count, np.radians(4.5))
+    assert weight[angle <= np.radians(4.5)].sum() == pytest.approx(
+        np.sin(np.radians(4.5)) ** 2, rel=FACTOR_RTOL
+    )
+
+
+def test_the_mean_of_a_slab_is_the_exponential_integral():
+    angle = np.linspace(0, np.pi / 2, 20_001)
+    with np.errstate(divide="ignore"):
+        radiance = -np.expm1(-0.2 / np.cos(angle))
+    assert hemispherical_mean(angle, radiance) == pytest.approx(1 - 2 * expn(3, 0.2), rel=QUADRATURE_RTOL)
+
+
+@pytest.mark.parametrize("emittance, roughness, name", [(1.1, 0, "emittance"), (0.5, -0.1, "roughness")])
+def test_impossible_surfaces_are_refused(emittance, roughness, name):
+    with pytest.raises(ValueError, match=name):
+        reflected(emittance, 1.0, 1.0, roughness)
+
+
+@pytest.fixture(scope="module")
+def case():
+    edges = np.linspace(700e-9, 1200e-9, 101)
+    middle = (edges[1:] + edges[:-1]) / 2
+    wide, narrow = (np.exp(-(((middle - c) / 60e-9) ** 2)) for c in (0.9e-6, 1.04e-6))
+    response = xr.Dataset(
+        {"responsivity_wide": ("wavelength", wide), "responsivity_narrow": ("wavelength", narrow)},
+        {"wavelength": middle},
+    )
+    temperature = np.arange(600.0, 5000.0, 10.0)
+    ratio = blackbody_signal(temperature, middle, wide) / blackbody_signal(temperature, middle, narrow)
+    curve = xr.Dataset(
+        {"sensitivity_ratio": 1.0, "calibration_ratio": ("calibration_temperature", ratio)},
+        {"calibration_temperature": temperature},
+    )
+    size = np.diff(edges)
+    light = np.stack([np.full((1, 100), 1.0e7), np.full((1, 100), 2.0e8)], axis=1)
+    spectra = xr.Dataset(
+        {
+            "incident_binned": (("condition", "reflection", "wavelength"), light),
+            "wavelength_edge": ("edge", edges),
+        },
+        {"condition": ["a"], "reflection": ["specular", "diffuse"], "wavelength": middle},
+    )
+    gas = xr.Dataset(
+        {
+            "gas_signal": (("condition", "band"), [[1.0e7 * (row * size).sum() for row in (wide, narrow)]]),
+            "numerical_power": ("condition", [9e4]),
+        },
+        {"condition": ["a"], "band": ["wide", "narrow"]},
+    )
+    return gas, spectra, response, curve
+
+
+def maps(case, **changes):
+    settings = {
+        "object_temperature": np.arange(900.0, 2500.0, 25.0),
+        "emittance": [0.1, 0.5, 0.9, 1.0],
+        "error_level": 0.01,
+        "gas_variation": 0.03,
+        "tolerance_k": 10.0,
+    } | changes
+    return reflection_map(*case, **settings)
+
+
+def test_without_reflection_it_is_the_error_map_of_the_paper(case):
+    gas, _, response, curve = case
+    ours = maps(case).sel(surface="no reflection", correction="none")
+    paper = error_map(
+        gas,
+        response,
+        curve,
+        object_temperature=ours.object_temperature.values,
+        emittance=ours.emittance.values,
+        error_level=0.01,
+    )
+    np.testing.assert_allclose(ours.relative_error, paper.relative_error, rtol=1e-10, atol=1e-12)
+
+
+def test_all_surfaces_agree_where_the_emittance_is_one(case):
+    error = maps(case).relative_error.sel(emittance=1.0)
+    np.testing.assert_allclose(error, np.broadcast_to(error[:1], error.shape), rtol=1e-10)
+
+
+def test_reflection_raises_the_temperature_limit_and_more_at_low_emittance(case):
+    limit = maps(case).error_limit.sel(correction="none", condition="a")
+    extra = limit.sel(surface="matt") - limit.sel(surface="no reflection")
+    assert (np.diff(extra.values) < 0).all() and extra.values[0] > 100
+
+
+def test_subtracting_the_line_of_sight_leaves_the_reflection_only(case):
+    result = maps(case).sel(correction="line of sight")
+    np.testing.assert_allclose(result.relative_error.sel(surface="no reflection"), 0.0, atol=1e-4)
+    assert (
+        float(
+            result.relative_error.sel(surface="matt", emittance=0.1, condition="a").isel(
+                object_temperature=20
+            )
+        )
+        > 0.01
+    )
+
+
+def test_the_reference_of_the_sample_itself_leaves_the_drift_of_the_gas(case):
+    exact = maps(case, gas_variation=0.0).sel(correction="reference").relative_error
+    np.testing.assert_allclose(exact, 0.0, atol=1e-4)  # interpolation of the curve

@@ -1,0 +1,22 @@
+"""Rule reflection_map: error maps of samples that reflect the gas, before and after correction."""
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.analysis.stage import reflection_map
+
+io.log_to(snakemake.log[0])
+keys = snakemake.params
+start, stop, step = keys.object_temperature_k
+result = reflection_map(
+    io.read(snakemake.input.gas, "gas_signal"),
+    io.read(snakemake.input.spectra, "gas_spectra"),
+    io.read(snakemake.input.response, "response"),
+    io.read(snakemake.input.curve, "ratio_curve"),
+    object_temperature=np.arange(start, stop + step / 2, step),
+    emittance=np.linspace(*keys.emittance),
+    error_level=keys.error_level,
+    gas_variation=keys.gas_variation,
+    tolerance_k=keys.tolerance_k,
+)
+io.write(result, snakemake.output[0], "reflection", sources=snakemake.input, config=dict(keys))

@@ -1,0 +1,20 @@
+"""Rule trust: from which temperature on, and how long after injection, a reading can be trusted."""
+
+from plasmapyro import io
+from plasmapyro.design.settings import design_tables, settings_from
+from plasmapyro.design.trust import as_markdown, trust
+
+io.log_to(snakemake.log[0])
+keys = snakemake.params
+result = trust(
+    io.read(snakemake.input.spectra, "gas_spectra"),
+    io.read(snakemake.input.designs, "band_design"),
+    io.read(snakemake.input.response, "response"),
+    design_tables(keys.silicon_table),
+    settings=settings_from(keys.design, keys.air_path_mm),
+)
+io.write(result, snakemake.output.table, "trust", sources=snakemake.input, config=dict(keys))
+[
+    io.write_text(as_markdown(result, condition), path)
+    for condition, path in zip(keys.conditions, snakemake.output.pages, strict=True)
+]
