@@ -16,6 +16,8 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "instrument": {"radiation"},
     "analysis": {"instrument", "radiation"},
     "experiment": {"instrument", "analysis", "radiation"},
+    "forward": {"radiation"},
+    "estimate": {"forward", "experiment", "instrument", "radiation"},
     "readers": {"contracts", "io", "experiment"},  # files in, datasets out: the one group that knows files
     "claims": set(),
     "plots": {"contracts"},
