@@ -1,0 +1,352 @@
+"""Least squares with priors and structured noise: the fit of a model, and what is left beside it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from plasmapyro.diagnosis.catalogue import EFFECTS
+
+FAR_OFF = 0.5  # [1], relative; steps of the fit beyond this are cut
+MOST_STEPS = 25
+CONVERGED = 1e-3  # of the objective
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and that of the
+    brightness of the gas common to the channels of a bin, `flicker` (n,) [1]."""
+
+    variance: np.ndarray
+    flicker: np.ndarray
+
+
+class Weigher:
+    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + f u u^T` per bin.
+
+    Notes
+    -----
+    Source: Sherman-Morrison formula.
+    """
+
+    def __init__(self, noise, gas):
+        self.weight = 1 / noise.variance
+        self.gas = self.weight * gas
+        self.common = noise.flicker / (1 + noise.flicker * np.sum(self.gas * gas, axis=1))
+
+    def __call__(self, rows):
+        """Rows (n, C) or (n, C, k) weighted."""
+        if rows.ndim == 2:
+            inner = np.sum(self.gas * rows, axis=1)
+            return self.weight * rows - self.gas * (self.common * inner)[:, None]
+        inner = np.matmul(self.gas[:, None, :], rows)
+        return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
+
+
+def whitened(residual, noise, gas):
+    """Residuals (n, C) over their standard deviations, the common flicker of each bin taken out."""
+    root = np.sqrt(1 / noise.variance)
+    z, u = root * residual, root * gas
+    length = np.sum(u * u, axis=1)
+    share = np.where(length > 0, 1 - 1 / np.sqrt(1 + noise.flicker * length), 0.0)
+    along = np.sum(u * z, axis=1) / np.where(length > 0, length, 1.0)
+    return z - (share * along)[:, None] * u
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a fit stands: knots (K,), values (V,), and for each instrument the pattern and the dark (C,)."""
+
+    knots: np.ndarray
+    values: np.ndarray
+    pattern: tuple
+    dark: tuple
+    amplitudes: np.ndarray  # (E,) of the terms that are switched on
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A converged fit: its state, objective, and the pieces that tests of further terms need."""
+
+    state: State
+    settings: tuple
+    objective: float
+    chi2: float
+    count: int
+    converged: bool
+    covariance: np.ndarray  # of knots, values, amplitudes
+    prediction: tuple
+    gas: tuple
+    residual: tuple
+    factor: tuple  # Cholesky factor of the normal matrix of everything fitted
+    jacobian: tuple  # (n, C, K + V + E) per instrument
+    weighers: tuple
+
+
+def assemble(columns, values, weighers, residuals, instruments):
+    """Normal matrix and right hand side of dense columns and of the patterns of the channels.
+
+    Parameters
+    ----------
+    columns : per instrument (n, C, k)
+    values : per instrument (n, C), the prediction that a relative pattern multiplies
+    weighers, residuals, instruments : per instrument
+
+    Returns
+    -------
+    matrix (k + patterns, k + patterns), vector; the patterns come last: relative, then dark, per instrument.
+    """
+    k = columns[0].shape[2]
+    sizes = [2 * one.channels if one.pattern.any() else 0 for one in instruments]
+    total = k + sum(sizes)
+    matrix, vector = np.zeros((total, total)), np.zeros(total)
+    place = k
+    for column, value, weigher, residual, instrument, size in zip(
+        columns, values, weighers, residuals, instruments, sizes, strict=True
+    ):
+        weighted = weigher(column)
+        flat = column.reshape(-1, k)
+        matrix[:k, :k] += flat.T @ weighted.reshape(-1, k)
+        left = weigher(residual)
+        vector[:k] += flat.T @ left.ravel()
+        if size:
+            channels = instrument.channels
+            parts = (slice(place, place + channels), slice(place + channels, place + size))
+            rows = (value, np.ones_like(value))
+            for part, row in zip(parts, rows, strict=True):
+                cross = np.einsum("nc,nck->kc", row, weighted)
+                matrix[:k, part], matrix[part, :k] = cross, cross.T
+                vector[part] = np.sum(row * left, axis=0)
+                for other, second in zip(parts, rows, strict=True):
+                    block = -(row * weigher.gas).T @ (weigher.common[:, None] * second * weigher.gas)
+                    block[np.diag_indices(channels)] += np.sum(row * second * weigher.weight, axis=0)
+                    matrix[part, other] = block
+            place += size
+    return matrix, vector
+
+
+def prior_of_patterns(instruments):
+    """Inverse variances of the patterns in the order of `assemble`."""
+    parts = [
+        np.concatenate([1 / one.pattern**2, 1 / one.dark**2]) if one.pattern.any() else np.zeros(0)
+        for one in instruments
+    ]
+    return np.concatenate(parts)
+
+
+class Fitter:
+    """Fits a model, with any terms, to the data under one noise."""
+
+    def __init__(self, model, noise, measured=None):
+        self.model, self.noise = model, noise
+        self.measured = measured or [one.value for one in model.instruments]
+        self.rough = model.history.roughness()
+        self.smooth = self.rough.T @ self.rough
+        self.rest = np.zeros(model.size)
+        self.rest[0] = 350.0
+        self.sigma = np.array([parameter.sigma for parameter in model.parameters])
+        self.centre = np.array([parameter.centre for parameter in model.parameters])
+        self.pattern_prior = prior_of_patterns(model.instruments)
+
+    def start(self, knots, settings=()):
+        """A state to begin with."""
+        one = tuple(np.zeros(i.channels) for i in self.model.instruments)
+        amplitudes = np.array([setting.amplitude for setting in settings])
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, amplitudes)
+
+    def predict(self, state, settings, *, slopes=False):
+        """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
+        now = self._set(settings, state)
+        result = []
+        for which, (pattern, dark) in enumerate(zip(state.pattern, state.dark, strict=True)):
+            found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes)
+            value, slope = found if slopes else (found, None)
+            result.append((value * (1 + pattern) + dark, slope, value))
+        return result
+
+    @staticmethod
+    def _set(settings, state):
+        return tuple(
+            replace(setting, amplitude=float(a)) for setting, a in zip(settings, state.amplitudes, strict=True)
+        )
+
+    def jacobian(self, state, settings, predicted):
+        """Columns (n, C, K + V + E) per instrument."""
+        columns = []
+        now = self._set(settings, state)
+        for which, (_, slope, value) in enumerate(predicted):
+            others = np.empty((*value.shape, self.sigma.size + len(now)))
+            for j, sigma in enumerate(self.sigma):
+                values = state.values.copy()
+                step = 1e-3 * sigma
+                values[j] += step
+                others[..., j] = (self.model.evaluate(which, state.knots, values, now) - value) / step
+            for j, setting in enumerate(now):
+                        step = 0.02 * EFFECTS[setting.id].step
+                changed = (*now[:j], replace(setting, amplitude=setting.amplitude + step), *now[j + 1 :])
+                other = self.model.evaluate(which, state.knots, state.values, changed)
+                others[..., self.sigma.size + j] = (other - value) / step
+            columns.append(np.concatenate([slope, others], axis=2))
+        return columns
+
+    def gas_of(self, columns):
+        """Signal of the gas (n, C) per instrument."""
+        place = self.model.size + self.model.index["gas"]
+        return [column[..., place] for column in columns]
+
+    def prior(self, settings):
+        """Normal matrix (k, k) of the priors of knots, values and amplitudes."""
+        size = self.model.size
+        k = size + self.sigma.size + len(settings)
+        matrix = np.zeros((k, k))
+        matrix[:size, :size] = self.smooth
+        own = np.arange(size, size + self.sigma.size)
+        matrix[own, own] = 1 / self.sigma**2
+        for j, setting in enumerate(settings):
+            matrix[own[-1] + 1 + j, own[-1] + 1 + j] = 1 / (self.wide * EFFECTS[setting.id].sigma) ** 2
+        return matrix
+
+    wide = 10.0  # priors of amplitudes in fits, over those of the catalogue
+
+    def objective(self, state, settings, predicted, gas):
+        """Chi-squared of the data and the whole objective."""
+        chi2 = 0.0
+        for (value, _, _), measured, noise, own in zip(
+            predicted, self.measured, self.noise, gas, strict=True
+        ):
+            residual = np.where(np.isfinite(measured), measured - value, 0.0)
+            weigher = Weigher(noise, own)
+            chi2 += float(np.sum(residual * weigher(residual)))
+        penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
+        penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
+        for setting, amplitude in zip(settings, state.amplitudes, strict=True):
+            penalty += (amplitude / (self.wide * EFFECTS[setting.id].sigma)) ** 2
+        patterns = self._patterns(state)
+        penalty += np.sum(self.pattern_prior * patterns**2)
+        return chi2, chi2 + float(penalty)
+
+    def _patterns(self, state):
+        parts = [
+            np.concatenate([p, d])
+            for p, d, one in zip(state.pattern, state.dark, self.model.instruments, strict=True)
+            if one.pattern.any()
+        ]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _with_patterns(self, flat):
+        pattern, dark, place = [], [], 0
+        for one in self.model.instruments:
+            if one.pattern.any():
+                pattern.append(flat[place : place + one.channels])
+                dark.append(flat[place + one.channels : place + 2 * one.channels])
+                place += 2 * one.channels
+            else:
+                pattern.append(np.zeros(one.channels))
+                dark.append(np.zeros(one.channels))
+        return tuple(pattern), tuple(dark)
+
+    def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
+        """Damped Gauss-Newton steps from a state until the objective stands still.
+
+        Returns
+        -------
+        Solution
+        """
+        state, damping = start, 0.0
+        predicted = self.predict(state, settings, slopes=True)
+        columns = self.jacobian(state, settings, predicted)
+        gas = self.gas_of(columns)
+        chi2, objective = self.objective(state, settings, predicted, gas)
+        prior = self.prior(settings)
+        converged = False
+        for _ in range(steps):
+            weighers = [Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True)]
+            residuals = self.residuals(predicted)
+            matrix, vector = assemble(
+                columns, [p[2] for p in predicted], weighers, residuals, self.model.instruments
+            )
+            k = prior.shape[0]
+            centre = np.concatenate([self.rest, self.centre, np.zeros(len(settings))])
+            here = np.concatenate([state.knots, state.values, state.amplitudes])
+            matrix[:k, :k] += prior
+            vector[:k] -= prior @ (here - centre)
+            own = np.arange(k, matrix.shape[0])
+            matrix[own, own] += self.pattern_prior
+            patterns = self._patterns(state)
+            vector[k:] -= self.pattern_prior * patterns
+            better = False
+            for _ in range(8):
+                damped = matrix.copy()
+                damped[np.diag_indices_from(damped)] *= 1 + damping
+                step = cho_solve(cho_factor(damped), vector)
+                scale = self._limit(step, state)
+                trial = self._moved(state, scale * step, k, patterns)
+                new = self.predict(trial, settings, slopes=True)
+                new_chi2, new_objective = self.objective(trial, settings, new, gas)
+                if new_objective <= objective + 1e-9 * abs(objective):
+                    better = True
+                    break
+                damping = max(4 * damping, 1e-3)
+            if not better:
+                converged = True  # no step of any length improves: as close as rounding allows
+                break
+            gain = objective - new_objective
+            state, predicted, damping = trial, new, damping / 5 if damping > 1e-4 else 0.0
+            columns = self.jacobian(state, settings, predicted)
+            gas = self.gas_of(columns)
+            chi2, objective = self.objective(state, settings, predicted, gas)
+            if gain < tolerance * 50 and scale == 1.0:
+                converged = True
+                break
+        return self._solution(state, settings, columns, predicted, gas, chi2, objective, converged, prior)
+
+    def residuals(self, predicted):
+        """Measured less predicted (n, C) per instrument, 0 where nothing was measured."""
+        return [
+            np.where(np.isfinite(measured), measured - value, 0.0)
+            for (value, _, _), measured in zip(predicted, self.measured, strict=True)
+        ]
+
+    def _limit(self, step, state):
+        knots = np.abs(step[: self.model.size]) / np.maximum(state.knots, 300.0)
+        power = np.abs(step[self.model.size + self.model.index["power"]])
+        return min(1.0, FAR_OFF / max(knots.max(), 1e-12), FAR_OFF / max(power, 1e-12))
+
+    def _moved(self, state, step, k, patterns):
+        size, count = self.model.size, self.sigma.size
+        pattern, dark = self._with_patterns(patterns + step[k:])
+        return State(
+            np.clip(state.knots + step[:size], 250.0, 4500.0),
+            state.values + step[size : size + count],
+            pattern,
+            dark,
+            state.amplitudes + step[size + count : k],
+        )
+
+    def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
+        weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
+        residuals = self.residuals(predicted)
+        matrix, _ = assemble(
+            columns, [p[2] for p in predicted], weighers, residuals, self.model.instruments
+        )
+        k = prior.shape[0]
+        matrix[:k, :k] += prior
+        own = np.arange(k, matrix.shape[0])
+        matrix[own, own] += self.pattern_prior
+        factor = cho_factor(matrix)
+        covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
+        return Solution(
+            state=state,
+            settings=self._set(settings, state),
+            objective=objective,
+            chi2=chi2,
+            count=int(sum(np.isfinite(measured).sum() for measured in self.measured)),
+            converged=converged,
+            covariance=covariance,
+            prediction=tuple(p[0] for p in predicted),
+            gas=tuple(gas),
+            residual=tuple(residuals),
+            factor=factor,
+            jacobian=tuple(columns),
+            weighers=weighers,
+        )
