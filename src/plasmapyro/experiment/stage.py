@@ -189,7 +189,7 @@ def correct_spectra(
     """
     test = inputs.require(test, "spectrometer")
     time, wavelength = test.spectrum_time.values, test.wavelength.values
-    radiance, pixels = _radiance(test, spectrometer_calibration, saturation_counts)
+    radiance, pixels = calibrated_radiance(test, spectrometer_calibration, saturation_counts)
     reference = radiance[_reference_index(test, reference_time)]
     injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
     corrected = signals.corrected_signal(radiance.T, reference, injected, shining).T
@@ -255,7 +255,7 @@ def _carried(test):
     return {name: test.attrs[name] for name in CARRIED if name in test.attrs}
 
 
-def _radiance(test, calibration, saturation_counts):
+def calibrated_radiance(test, calibration, saturation_counts):
     """Radiance (S, W) of a test, NaN where unusable, and the status (W,) of the pixels."""
     if calibration is None:
         if "spectral_radiance" not in test.variables:

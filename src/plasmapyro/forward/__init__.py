@@ -31,6 +31,6 @@ detector, clock
 
 `transmittance` acts on everything when the radiance is formed. Without effects the result is, bit for
 bit, that of the base model. `light.instrument` tells which instrument looks; `light.scene` holds time,
-temperature and phases. Wavelengths are the middles of bins; a line narrower than its bin adds its integral over the bin
-size, `light.bin_size`.
+temperature and phases. Wavelengths are the middles of bins; a line narrower than its bin adds its
+integral over the bin size, `light.bin_size`.
 """

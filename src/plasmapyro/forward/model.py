@@ -60,13 +60,15 @@ def interpolate_logarithm(power, nodes, values):
     Raises
     ------
     ValueError
-        If the power lies outside the nodes.
+        If there are no nodes, or the power lies outside them.
 
     Notes
     -----
     ASSUME: ln L is straight between two powers. Leaving out one condition of the main job shows what steps
     of 20 kW cost in the wide band: 7 % at most from 80 to 110 kW, 12 % at 70, 20 % at 120, 33 % at 60 kW.
     """
+    if len(nodes) == 0:
+        raise ValueError("the model holds no gas: give it the radiance of at least one condition")
     if not nodes[0] <= power <= nodes[-1]:
         raise ValueError(
             f"power must lie within the simulated conditions, {nodes[0] / 1e3:g} to {nodes[-1] / 1e3:g} kW;"

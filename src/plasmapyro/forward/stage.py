@@ -18,6 +18,7 @@ def forward_model(response, calibration, radiations, pixels=None, slit_fwhm=None
     calibration : Dataset, contract 'calibration'
         Its absolute sensitivities are the gains.
     radiations : mapping of numerical power [W] -> Dataset, contract 'radiation'
+        May be empty: then the model knows surfaces, but no gas.
     pixels : (W,) array [m], optional
     slit_fwhm : float [m], optional
         Of the spectrometer; must be that of the slit-convolved radiances.
@@ -29,10 +30,8 @@ def forward_model(response, calibration, radiations, pixels=None, slit_fwhm=None
     Raises
     ------
     ValueError
-        No radiance, or radiances through another slit.
+        Radiances through another slit.
     """
-    if not radiations:
-        raise ValueError("the forward model needs the radiance of at least one condition; got none")
     powers = np.array(sorted(radiations), dtype=float)
     ordered = [radiations[power] for power in sorted(radiations)]
     model = {"pyrometer": _pyrometer(response, calibration, powers, ordered)}
@@ -81,6 +80,8 @@ def _spectrometer(pixels, slit_fwhm, powers, radiations):
 
 def _binned(radiations, name, axis, edges):
     """Means (P, B) of a spectrum of each condition; None if one of them lacks it, or it has more axes."""
+    if not radiations:
+        return np.empty((0, len(edges) - 1))
     if any(name not in radiation or radiation[name].ndim != 1 for radiation in radiations):
         return None
     return np.stack([bin_mean(one[axis].values, one[name].values, edges) for one in radiations])
