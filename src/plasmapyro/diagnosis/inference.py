@@ -6,10 +6,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE
 
-FAR_OFF = 0.5  # [1], relative; steps of the fit beyond this are cut
+FAR_OFF = 0.5  # [1]; steps of the logarithm of the power beyond this are cut
+LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
-CONVERGED = 1e-3  # of the objective
+CONVERGED = 0.02  # of the objective, in units of chi-squared
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,20 @@ class Weigher:
             return self.weight * rows - self.gas * (self.common * inner)[:, None]
         inner = np.matmul(self.gas[:, None, :], rows)
         return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
+
+    def root(self, rows):
+        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k)."""
+        scale = np.sqrt(self.weight)
+        result = rows * scale[..., None]
+        unit = self.gas / np.where(scale > 0, scale, 1.0)  # Sigma_d^-1/2 u
+        length = np.sum(unit * unit, axis=1)
+        # (I + f u u^T)^-1/2 = I - (1 - 1/sqrt(1 + f |u|^2)) u u^T / |u|^2
+        safe = np.where(length > 0, length, 1.0)
+        share = (1 - np.sqrt(np.maximum(1 - self.common * length, 0.0))) / safe
+        inner = np.matmul(unit[:, None, :], result)
+        inner *= share[:, None, None]
+        result -= unit[..., None] * inner
+        return result.reshape(-1, rows.shape[2])
 
 
 def whitened(residual, noise, gas):
@@ -83,50 +99,49 @@ class Solution:
     weighers: tuple
 
 
-def assemble(columns, values, weighers, residuals, instruments):
-    """Normal matrix and right hand side of dense columns and of the patterns of the channels.
+def gram(columns, patterns, weighers, residuals):
+    """Normal matrix and score of dense columns (n, C, k) and of patterns, which come last.
 
-    Parameters
-    ----------
-    columns : per instrument (n, C, k)
-    values : per instrument (n, C), the prediction that a relative pattern multiplies
-    weighers, residuals, instruments : per instrument
-
-    Returns
-    -------
-    matrix (k + patterns, k + patterns), vector; the patterns come last: relative, then dark, per instrument.
+    A pattern (instrument, row (n, C)) stands for one column per channel of that instrument.
     """
     k = columns[0].shape[2]
-    sizes = [2 * one.channels if one.pattern.any() else 0 for one in instruments]
-    total = k + sum(sizes)
-    matrix, vector = np.zeros((total, total)), np.zeros(total)
-    place = k
-    for column, value, weigher, residual, instrument, size in zip(
-        columns, values, weighers, residuals, instruments, sizes, strict=True
-    ):
-        weighted = weigher(column)
-        flat = column.reshape(-1, k)
-        matrix[:k, :k] += flat.T @ weighted.reshape(-1, k)
-        left = weigher(residual)
-        vector[:k] += flat.T @ left.ravel()
-        if size:
-            channels = instrument.channels
-            parts = (slice(place, place + channels), slice(place + channels, place + size))
-            rows = (value, np.ones_like(value))
-            for part, row in zip(parts, rows, strict=True):
-                cross = np.einsum("nc,nck->kc", row, weighted)
-                matrix[:k, part], matrix[part, :k] = cross, cross.T
-                vector[part] = np.sum(row * left, axis=0)
-                for other, second in zip(parts, rows, strict=True):
-                    block = -(row * weigher.gas).T @ (weigher.common[:, None] * second * weigher.gas)
-                    block[np.diag_indices(channels)] += np.sum(row * second * weigher.weight, axis=0)
-                    matrix[part, other] = block
-            place += size
+    sizes = [row.shape[1] for _, row in patterns]
+    starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
+    for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
+        root = weigher.root(column)
+        matrix[:k, :k] += root.T @ root
+        weighted = weigher(residual)
+        vector[:k] += column.reshape(-1, k).T @ weighted.ravel()
+        mine = [(slice(a, a + n), row) for a, n, (at, row) in zip(starts, sizes, patterns, strict=False) if at == place]
+        if not mine:
+            continue
+        by_channel = np.ascontiguousarray(column.transpose(1, 0, 2))
+        along = np.matmul(weigher.gas[:, None, :], column)[:, 0] * weigher.common[:, None]
+        for part, row in mine:
+            part_cross = np.matmul((row * weigher.weight).T[:, None, :], by_channel)[:, 0]
+            part_cross -= (row * weigher.gas).T @ along
+            matrix[part, :k], matrix[:k, part] = part_cross, part_cross.T
+            vector[part] = np.sum(row * weighted, axis=0)
+            for other, second in mine:
+                block = -(row * weigher.gas).T @ (weigher.common[:, None] * second * weigher.gas)
+                block[np.diag_indices_from(block)] += np.sum(row * second * weigher.weight, axis=0)
+                matrix[part, other] = block
     return matrix, vector
 
 
+def own_patterns(instruments, values):
+    """Patterns of the base model: a relative error of each channel, and its dark."""
+    return [
+        (place, row)
+        for place, (one, value) in enumerate(zip(instruments, values, strict=True))
+        if one.pattern.any()
+        for row in (value, np.ones_like(value))
+    ]
+
+
 def prior_of_patterns(instruments):
-    """Inverse variances of the patterns in the order of `assemble`."""
+    """Inverse variances of the patterns in the order of `own_patterns`."""
     parts = [
         np.concatenate([1 / one.pattern**2, 1 / one.dark**2]) if one.pattern.any() else np.zeros(0)
         for one in instruments
@@ -142,8 +157,7 @@ class Fitter:
         self.measured = measured or [one.value for one in model.instruments]
         self.rough = model.history.roughness()
         self.smooth = self.rough.T @ self.rough
-        self.rest = np.zeros(model.size)
-        self.rest[0] = 350.0
+        self.rest = np.full(model.size, INITIAL_TEMPERATURE)
         self.sigma = np.array([parameter.sigma for parameter in model.parameters])
         self.centre = np.array([parameter.centre for parameter in model.parameters])
         self.pattern_prior = prior_of_patterns(model.instruments)
@@ -182,7 +196,7 @@ class Fitter:
                 values[j] += step
                 others[..., j] = (self.model.evaluate(which, state.knots, values, now) - value) / step
             for j, setting in enumerate(now):
-                        step = 0.02 * EFFECTS[setting.id].step
+                step = 0.02 * EFFECTS[setting.id].step
                 changed = (*now[:j], replace(setting, amplitude=setting.amplitude + step), *now[j + 1 :])
                 other = self.model.evaluate(which, state.knots, state.values, changed)
                 others[..., self.sigma.size + j] = (other - value) / step
@@ -262,9 +276,8 @@ class Fitter:
         for _ in range(steps):
             weighers = [Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True)]
             residuals = self.residuals(predicted)
-            matrix, vector = assemble(
-                columns, [p[2] for p in predicted], weighers, residuals, self.model.instruments
-            )
+            patterns = own_patterns(self.model.instruments, [p[2] for p in predicted])
+            matrix, vector = gram(columns, patterns, weighers, residuals)
             k = prior.shape[0]
             centre = np.concatenate([self.rest, self.centre, np.zeros(len(settings))])
             here = np.concatenate([state.knots, state.values, state.amplitudes])
@@ -279,9 +292,11 @@ class Fitter:
                 damped = matrix.copy()
                 damped[np.diag_indices_from(damped)] *= 1 + damping
                 step = cho_solve(cho_factor(damped), vector)
-                scale = self._limit(step, state)
+                size = self.model.size
+                step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
+                scale = self._limit(step)
                 trial = self._moved(state, scale * step, k, patterns)
-                new = self.predict(trial, settings, slopes=True)
+                new = self.predict(trial, settings)
                 new_chi2, new_objective = self.objective(trial, settings, new, gas)
                 if new_objective <= objective + 1e-9 * abs(objective):
                     better = True
@@ -291,12 +306,14 @@ class Fitter:
                 converged = True  # no step of any length improves: as close as rounding allows
                 break
             gain = objective - new_objective
-            state, predicted, damping = trial, new, damping / 5 if damping > 1e-4 else 0.0
+            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
+            if gain < tolerance and scale == 1.0:
+                converged = True
+            predicted = self.predict(state, settings, slopes=True)
             columns = self.jacobian(state, settings, predicted)
             gas = self.gas_of(columns)
             chi2, objective = self.objective(state, settings, predicted, gas)
-            if gain < tolerance * 50 and scale == 1.0:
-                converged = True
+            if converged:
                 break
         return self._solution(state, settings, columns, predicted, gas, chi2, objective, converged, prior)
 
@@ -307,10 +324,9 @@ class Fitter:
             for (value, _, _), measured in zip(predicted, self.measured, strict=True)
         ]
 
-    def _limit(self, step, state):
-        knots = np.abs(step[: self.model.size]) / np.maximum(state.knots, 300.0)
+    def _limit(self, step):
         power = np.abs(step[self.model.size + self.model.index["power"]])
-        return min(1.0, FAR_OFF / max(knots.max(), 1e-12), FAR_OFF / max(power, 1e-12))
+        return min(1.0, FAR_OFF / max(power, 1e-12))
 
     def _moved(self, state, step, k, patterns):
         size, count = self.model.size, self.sigma.size
@@ -326,8 +342,11 @@ class Fitter:
     def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
         weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
         residuals = self.residuals(predicted)
-        matrix, _ = assemble(
-            columns, [p[2] for p in predicted], weighers, residuals, self.model.instruments
+        matrix, _ = gram(
+            columns,
+            own_patterns(self.model.instruments, [p[2] for p in predicted]),
+            weighers,
+            residuals,
         )
         k = prior.shape[0]
         matrix[:k, :k] += prior

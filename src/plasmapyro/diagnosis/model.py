@@ -95,6 +95,7 @@ class Model:
         self.index = {parameter.id: place for place, parameter in enumerate(parameters)}
         self.groups = [p.id for p in parameters if p.id.startswith("group:")]
         self._weights = {}
+        self._glows = {}
         self._power = {}
 
     @property
@@ -121,9 +122,7 @@ class Model:
                 time = time + shift(instrument.kind, setting.amplitude, setting.shape)
         if time is not instrument.moment:
             basis = self.history.basis(time)
-        temperature = basis @ temperatures
-        temperature = np.maximum(temperature, 250.0)
-        body, slope = planck_and_slope(instrument.wavelength, temperature)
+        temperature, body, slope = self._glow(which, basis, time, temperatures)
         injected = (instrument.moment >= 0)[..., None]
         before = np.exp(values[self.index["before_injection"]])
         gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
@@ -142,6 +141,17 @@ class Model:
             history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
         )
         return scene, slope * injected, basis
+
+    def _glow(self, which, basis, time, temperatures):
+        """Temperature (n, 2), black body and its slope (n, 2, M); the last one of each instrument is kept."""
+        kept = self._glows.get(which)
+        if kept is not None and kept[0] is time and np.array_equal(kept[1], temperatures):
+            return kept[2]
+        temperature = np.maximum(basis @ temperatures, 250.0)
+        found = (temperature, *planck_and_slope(self.instruments[which].wavelength, temperature))
+        if time is self.instruments[which].moment:
+            self._glows[which] = (time, temperatures.copy(), found)
+        return found
 
     def evaluate(self, which, temperatures, values, settings=(), *, slopes=False):
         """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
