@@ -156,8 +156,8 @@ def make(twin, response, radiations):
     true = true_response(response, twin.band_shift)
     test, truth = campaign.record(scene, true, gas, twin.seed)
     calibration = pyrometer_calibration(
-        campaign.calibration_points(true, twin.seed, source),
         response,
+        campaign.calibration_points(true, twin.seed, source),
         source_temperature_uncertainty=SOURCE_UNCERTAINTY,
         signal_uncertainty=SIGNAL_UNCERTAINTY,
         instrument_range=(973.0, 2073.0),

@@ -12,8 +12,7 @@ from plasmapyro.estimate.observations import robust_sum
 STEPS = 60  # Gauss-Newton steps allowed
 HALVINGS = 12
 CONVERGED = 1e-3  # fall of half the sum of squares that ends the iteration
-ROUNDS = 3  # alternations of path and dynamics
-SEARCH = {"maxfev": 80, "xatol": 0.05, "fatol": 0.2}
+SEARCH = {"maxfev": 50, "xatol": 0.05, "fatol": 0.2}
 LIMITS = ((1e-4, 1e3), (1e-3, 1e5), (1.0, 200.0))  # of quiet, bending, memory
 
 
@@ -34,21 +33,26 @@ class Chain:
 
 
 @dataclasses.dataclass(frozen=True)
-class Result:
-    """Most probable path (n, 4) and constants (p,), their covariances, and how well it went."""
+class Fit:
+    """Most probable path (n, 4) and constants (p,), under dynamics of the largest likelihood."""
 
     path: np.ndarray
-    path_covariance: np.ndarray  # (n, 4, 4) of each state
     values: np.ndarray
-    covariance: np.ndarray  # (p, p)
-    told: np.ndarray  # (n,) [K-2] what each sample says of its temperature, were gas and flicker uncertain
-    effect: np.ndarray  # (n, 4, p) change of the path with the constants, sign reversed
     dynamics: object
     steps: int
     converged: bool
 
 
-def fit(chain, observations, prior_constants, dynamics, path, values):
+@dataclasses.dataclass(frozen=True)
+class Spread:
+    """Uncertainty of a fit."""
+
+    path: np.ndarray  # (n, 4, 4) covariance of each state, the constants marginalised
+    constants: np.ndarray  # (p, p) covariance
+    told: np.ndarray  # (n,) [K-2] what each sample by itself says of its temperature, gas marginalised
+
+
+def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     """Path and constants of the largest posterior density, with dynamics of the largest likelihood.
 
     Gauss-Newton steps, halved until the objective falls; between rounds the three numbers that say how
@@ -63,28 +67,41 @@ def fit(chain, observations, prior_constants, dynamics, path, values):
         Where the search starts; only `quiet`, `bending` and `memory` are fitted.
     path : (n, 4) array
     values : (p,) array
+    rounds : int
+        Alternations of path and dynamics.
 
     Returns
     -------
-    Result
+    Fit
     """
     steps = 0
-    for _ in range(ROUNDS):
-        path, values, done, used = _descend(chain, observations, prior_constants, dynamics, path, values)
+    for _ in range(rounds):
+        path, values, _, used = _descend(chain, observations, prior_constants, dynamics, path, values)
         steps += used
         dynamics = fitted_dynamics(chain, observations, prior_constants, dynamics, path, values)
     path, values, done, used = _descend(chain, observations, prior_constants, dynamics, path, values)
-    prior = chain.prior(dynamics)
-    factor, gathered, _ = _normal_equations(prior, observations, prior_constants, path, values)
-    count, size = len(path), len(values)
+    return Fit(path, values, dynamics, steps + used, done)
+
+
+def spread_of(chain, observations, prior_constants, found):
+    """Covariances of a fit, the problem linearised there.
+
+    Returns
+    -------
+    Spread
+    """
+    count, size = len(found.path), len(found.values)
+    factor, gathered, _ = _normal_equations(
+        chain.prior(found.dynamics), observations, prior_constants, found.path, found.values
+    )
     corner = gathered.corner + np.diag(prior_constants.deviation**-2.0)
     _, _, effect, covariance = solve_bordered(
         factor, gathered.border.reshape(count * SIZE, size), corner, np.zeros(count * SIZE), np.zeros(size)
     )
     effect = effect.reshape(count, SIZE, size)
     own = factor.inverse_diagonal() + effect @ covariance @ np.swapaxes(effect, 1, 2)
-    told = _told(gathered.state_matrix, own[:, GAS, GAS] + dynamics.flicker**2)
-    return Result(path, own, values, covariance, told, effect, dynamics, steps + used, done)
+    told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
+    return Spread(own, covariance, told)
 
 
 def _told(matrix, gas_variance):

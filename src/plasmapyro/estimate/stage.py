@@ -9,7 +9,7 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate import noise
 from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.smoother import Chain, fit
+from plasmapyro.estimate.smoother import Chain, fit, spread_of
 from plasmapyro.experiment import inputs, status
 from plasmapyro.experiment.signals import phases
 from plasmapyro.experiment.stage import CARRIED, calibrated_radiance
@@ -27,6 +27,7 @@ WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess:
 BEFORE_DEVIATION = 1.0  # [1] of the logarithm of the gas amplitude before injection, the same
 NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
 SHIFT = 0.5e-9  # [m] step of the derivative by the place of a response
+FIRST_ROUNDS = 2  # of path and dynamics, before the noise is looked at again
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise of a bin
 
@@ -156,15 +157,15 @@ def estimate(
         flicker=deviation,
         flicker_time=correlation,
     )
-    found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy())
+    found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy(), FIRST_ROUNDS)
     # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
     observations = [rescaled(one, found, fixed) for one in observations]
-    found = fit(chain, observations, fixed, found.dynamics, found.path, found.values)
+    found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
     if not found.converged:
         raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
-    return _dataset(
-        test, calibration, observations, fixed, found, raw, injected, least_surface_share, largest_uncertainty
-    )
+    spread = spread_of(chain, observations, fixed, found)
+    limits = least_surface_share, largest_uncertainty
+    return _dataset(test, calibration, observations, fixed, found, spread, raw, injected, limits)
 
 
 def _switching(time, injection, off, before, after):
@@ -340,33 +341,33 @@ def _told(time, told, temperature, largest):
     return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
 
 
-def _dataset(test, calibration, observations, fixed, found, raw, injected, least_share, largest):
+def _dataset(test, calibration, observations, fixed, found, spread, raw, injected, limits):
     time, of = test.time.values, fixed.where
     temperature = found.path[:, TEMPERATURE]
-    spread = np.sqrt(found.path_covariance[:, TEMPERATURE, TEMPERATURE])
+    deviation = np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE])
+    least_share, largest = limits
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     share = surface / (surface + gas)
-    known = injected & (spread < largest * temperature) & _told(time, found.told, temperature, largest)
+    known = injected & (deviation < largest * temperature) & _told(time, spread.told, temperature, largest)
     low, high = calibration.fit_range.values
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
     state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
     state[np.isnan(raw).all(axis=0)] = status.MISSING
     state[~known] = status.NO_SIGNAL
     state[~injected] = status.NOT_INJECTED
-    factor = np.exp(NORMAL_95 * spread / temperature)
+    factor = np.exp(NORMAL_95 * deviation / temperature)
     amplitude = np.where(observations[0].shining, np.exp(found.path[:, GAS]), 0.0)
-    deviation = np.sqrt(np.diag(found.covariance))
+    of_constants = np.sqrt(np.diag(spread.constants))
     emittance = float(np.exp(found.values[of("log_emittance")[0]]))
     gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
     direction = np.zeros((2, fixed.mean.size))
     direction[np.arange(2), of("gain_error")] = 1.0
     direction[:, of("source_error")[0]] = -observations[0].source_slope
-    gain_variance = np.einsum("bi,ij,bj->b", direction, found.covariance, direction)
-    residuals = np.stack([one for one in observations[0].residual(found.path, found.values, of)])
+    gain_variance = np.einsum("bi,ij,bj->b", direction, spread.constants, direction)
     return xr.Dataset(
         {
             "surface_temperature": ("time", np.where(known, temperature, np.nan)),
-            "surface_temperature_uncertainty": ("time", np.where(known, spread, np.nan)),
+            "surface_temperature_uncertainty": ("time", np.where(known, deviation, np.nan)),
             "surface_temperature_interval": (
                 ("bound", "time"),
                 np.where(known, np.stack([temperature / factor, temperature * factor]), np.nan),
@@ -376,15 +377,15 @@ def _dataset(test, calibration, observations, fixed, found, raw, injected, least
             "gas_amplitude": ("time", amplitude),
             "gas_amplitude_uncertainty": (
                 "time",
-                amplitude * np.sqrt(found.path_covariance[:, GAS, GAS]),
+                amplitude * np.sqrt(spread.path[:, GAS, GAS]),
             ),
             "gas_current": ("band", found.values[of("gas_signal")]),
-            "gas_current_uncertainty": ("band", deviation[of("gas_signal")]),
+            "gas_current_uncertainty": ("band", of_constants[of("gas_signal")]),
             "estimated_emittance": emittance,
-            "estimated_emittance_uncertainty": emittance * float(deviation[of("log_emittance")[0]]),
+            "estimated_emittance_uncertainty": emittance * float(of_constants[of("log_emittance")[0]]),
             "gain_correction": ("band", np.expm1(gains)),
             "gain_correction_uncertainty": ("band", np.sqrt(gain_variance)),
-            "whitened_residual": (("band", "time"), residuals),
+            "whitened_residual": (("band", "time"), observations[0].residual(found.path, found.values, of)),
         },
         {"time": time, "band": list(BANDS)},
         {name: test.attrs[name] for name in CARRIED if name in test.attrs}
