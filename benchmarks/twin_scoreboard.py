@@ -126,7 +126,9 @@ def exposure(device, twin, gas):
     brightest = np.interp(device.wavelength, one_axis(gas), brightest.values)
     surface = twin.emittance * planck(device.wavelength, twin.steady_temperature + 50)
     rate = (device.rate_per_radiance(planck) * np.maximum(brightest, surface + brightest)).max()
-    return float(np.clip(np.floor(0.75 * device.full_scale / rate / campaign.TICK) * campaign.TICK, 0.05, 1.0))
+    return float(
+        np.clip(np.floor(0.75 * device.full_scale / rate / campaign.TICK) * campaign.TICK, 0.05, 1.0)
+    )
 
 
 def one_axis(gas):
@@ -212,9 +214,15 @@ def score(twin, response, radiations, instruments):
             "rms_joint_all": rms(ours[heating(time)]),
             "joint_share": float(every[heating(time)].mean()),
             "coverage": float(held[every].mean()),
-            "coverage_heating": float(held[every & heating(time)].mean()) if every[heating(time)].any() else None,
-            "pull_steady": float(np.nanmean((ours / found.surface_temperature_uncertainty.values)[shining & (time > 200)])),
-            "uncertainty_steady": float(np.nanmean(found.surface_temperature_uncertainty.values[shining & (time > 200)])),
+            "coverage_heating": float(held[every & heating(time)].mean())
+            if every[heating(time)].any()
+            else None,
+            "pull_steady": float(
+                np.nanmean((ours / found.surface_temperature_uncertainty.values)[shining & (time > 200)])
+            ),
+            "uncertainty_steady": float(
+                np.nanmean(found.surface_temperature_uncertainty.values[shining & (time > 200)])
+            ),
             "start": usable_from(time, ours, found.surface_temperature_uncertainty.values, right, shining),
             "gas_error": rms((found.gas_amplitude / truth.gas_scale - 1).values[shining & (time > 10)]),
             "steps": int(found.attrs["steps"]),
@@ -273,14 +281,18 @@ def summary(rows, name):
         "rms_joint_pooled_K": float(np.sqrt(np.mean([p["rms_joint"] ** 2 for p in large]))),
         "gain_median": float(np.median(gain)),
         "gain_of_pooled": float(
-            np.sqrt(np.mean([p["rms_paper"] ** 2 for p in large]) / np.mean([p["rms_joint"] ** 2 for p in large]))
+            np.sqrt(
+                np.mean([p["rms_paper"] ** 2 for p in large]) / np.mean([p["rms_joint"] ** 2 for p in large])
+            )
         ),
         "share_with_gain_3": float(np.mean(np.array(gain) >= 3)),
         "gain_lowest": float(np.min(gain)),
         "gain_median_against_averaged_paper": float(np.median(averaged_gain)),
         "share_worse_by_10_percent": len(worse) / len(both),
         "coverage": float(np.mean([p["coverage"] for p in part])),
-        "coverage_heating": float(np.mean([p["coverage_heating"] for p in part if p["coverage_heating"] is not None])),
+        "coverage_heating": float(
+            np.mean([p["coverage_heating"] for p in part if p["coverage_heating"] is not None])
+        ),
         "pull_rms_steady": float(np.sqrt(np.mean([p["pull_steady"] ** 2 for p in part]))),
         "median_uncertainty_steady_K": float(np.median([p["uncertainty_steady"] for p in part])),
         "median_start_s": float(np.median(own)),
@@ -317,7 +329,9 @@ def figure(rows, path):
         )
         axes[0].loglog(*pairs.T, mark, ms=3, color=colour, label=f"joint, {name}")
         starts = [row[name]["start"] for row in rows if row[name]["start"] is not None]
-        axes[1].plot(np.sort(starts), np.arange(1, len(starts) + 1) / len(rows), color=colour, label=f"joint, {name}")
+        axes[1].plot(
+            np.sort(starts), np.arange(1, len(starts) + 1) / len(rows), color=colour, label=f"joint, {name}"
+        )
         pulls = np.sort([row[name]["pull_steady"] for row in rows])
         axes[2].plot(pulls, (np.arange(pulls.size) + 0.5) / pulls.size, color=colour, label=name)
     ends = np.array([1.0, 300.0])
@@ -341,7 +355,9 @@ def figure(rows, path):
 
 def main():
     """Run, print the summary, write the table and the figure."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--twins", type=int, default=120)
     parser.add_argument("--seed", type=int, default=5)
     parser.add_argument("--first", type=int, default=0, help="number of the first twin")
@@ -353,7 +369,11 @@ def main():
     for number in range(options.first, options.first + options.twins):
         rows.append(score(draw(options.seed, number), response, radiations, ("pyrometer", "both")))
         one = rows[-1]
-        print(number, *(f"{n}: {one[n]['rms_paper']} {one[n]['rms_joint']}" for n in ("pyrometer", "both")), flush=True)
+        print(
+            number,
+            *(f"{n}: {one[n]['rms_paper']} {one[n]['rms_joint']}" for n in ("pyrometer", "both")),
+            flush=True,
+        )
     table = {
         "origin": "synthetic",
         "seed": options.seed,

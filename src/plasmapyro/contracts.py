@@ -176,6 +176,22 @@ VARIABLES = {
     ),
     "corrected_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
     "corrected_status": Variable("1", "status of the corrected temperature, see flag_meanings", -1, 9),
+    "surface_temperature": Variable("K", "surface temperature, joint estimate", 100, 1e4, nan_allowed=True),
+    "surface_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
+    "surface_temperature_interval": Variable(
+        "K", "ends of its 95 % interval, 2.5 and 97.5 %", 1, 1e5, nan_allowed=True
+    ),
+    "estimate_status": Variable("1", "status of the joint estimate, see flag_meanings", -1, 9),
+    "estimated_surface_share": Variable("1", "estimated share of the surface in a signal", 0, 1, True),
+    "gas_amplitude": Variable("1", "gas light over that right after injection", 0, 1e4),
+    "gas_amplitude_uncertainty": Variable("1", "its standard uncertainty", 0, 1e4),
+    "gas_current": Variable("A", "signal of the gas right after injection, joint estimate"),
+    "gas_current_uncertainty": Variable("A", "its standard uncertainty", 0, 1e3),
+    "estimated_emittance": Variable("1", "grey emittance of the surface, joint estimate", 0, 10),
+    "estimated_emittance_uncertainty": Variable("1", "its standard uncertainty", 0, 10),
+    "gain_correction": Variable("1", "relative change of the absolute sensitivity", -1, 10),
+    "gain_correction_uncertainty": Variable("1", "its standard uncertainty", 0, 10),
+    "whitened_residual": Variable("1", "signal less model over the noise", nan_allowed=True),
     "reference_radiance": Variable(RADIANCE, "spectral radiance of the gas, L_ref", nan_allowed=True),
     "corrected_radiance": Variable(RADIANCE, "spectral radiance of the surface, L_corr", nan_allowed=True),
     "radiance_noise": Variable(
@@ -502,6 +518,34 @@ DATASETS = {
         },
         "instrument_range": ("bound",),
         "fit_range": ("bound",),
+    },
+    "joint_estimate": {
+        "time": ("time",),
+        "band": ("band",),
+        **{
+            name: ("time",)
+            for name in (
+                "surface_temperature",
+                "surface_temperature_uncertainty",
+                "estimate_status",
+                "gas_amplitude",
+                "gas_amplitude_uncertainty",
+            )
+        },
+        "surface_temperature_interval": ("bound", "time"),
+        "estimated_surface_share": ("band", "time"),
+        "whitened_residual": ("band", "time"),
+        **{
+            name: ("band",)
+            for name in (
+                "gas_current",
+                "gas_current_uncertainty",
+                "gain_correction",
+                "gain_correction_uncertainty",
+            )
+        },
+        "estimated_emittance": (),
+        "estimated_emittance_uncertainty": (),
     },
     "spectrometer_correction": {
         "spectrum_time": ("spectrum_time",),

@@ -50,7 +50,7 @@ class Factor:
 
         Notes
         -----
-        Source: the fixed-interval smoother of Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965), in information form.
+        Source: Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965): fixed-interval smoother, in information form.
         """
         diagonal, below = self._blocks
         inverse = np.empty_like(diagonal)

@@ -78,9 +78,7 @@ class ChainPrior:
         self._matrix, self._first = matrix, first
         self._weight = np.linalg.inv(covariance)
         self._first_weight = np.linalg.inv(first_covariance)
-        self.log_determinant = (
-            np.linalg.slogdet(covariance)[1].sum() + np.linalg.slogdet(first_covariance)[1]
-        )
+        self.log_determinant = np.linalg.slogdet(covariance)[1].sum() + np.linalg.slogdet(first_covariance)[1]
 
     def blocks(self):
         """Diagonal (n, 4, 4) and lower (n - 1, 4, 4) blocks of the precision matrix."""

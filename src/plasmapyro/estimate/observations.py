@@ -213,7 +213,9 @@ class SpectrometerData:
         own = np.arange(bins)
         jacobian[:, own, SIZE + of("bin_error")] = surface
         jacobian[:, own, SIZE + of("gas_radiance")] = gas / level
-        jacobian[:, own, SIZE + of("gas_radiance_before")] = np.where(self.injected[:, None], 0.0, gas / before)
+        jacobian[:, own, SIZE + of("gas_radiance_before")] = np.where(
+            self.injected[:, None], 0.0, gas / before
+        )
         jacobian = self._whitened(gas, jacobian)
         weighted = jacobian * weight[:, :, None]
         result = _nothing(count, size)

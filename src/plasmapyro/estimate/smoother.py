@@ -190,11 +190,14 @@ def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values
         right = (gathered.state_gradient + slope).ravel()
         penalty = np.sum((logarithms - np.clip(logarithms, low, high)) ** 2) * 1e3
         return (
-            2 * value - right @ factor.solve(right) + factor.log_determinant() + prior.log_determinant + penalty
+            2 * value
+            - right @ factor.solve(right)
+            + factor.log_determinant()
+            + prior.log_determinant
+            + penalty
         )
 
     start = np.log([dynamics.quiet, dynamics.bending, dynamics.memory])
     simplex = np.vstack([start, start + np.diag([1.5, 1.5, 0.7])])
     found = minimize(misfit, start, method="Nelder-Mead", options=SEARCH | {"initial_simplex": simplex})
     return with_parameters(found.x)
-

@@ -53,6 +53,7 @@ def estimate(
     largest_uncertainty,
     saturation_counts,
     noise_block,
+    instruments=("pyrometer", "spectrometer"),
 ):
     """Surface temperature of a test from both bands in absolute units and, if present, the spectra.
 
@@ -85,6 +86,7 @@ def estimate(
     saturation_counts : float [count]
     noise_block : int
         Pixels per noise estimate of the spectrometer.
+    instruments : names of those to use; without 'spectrometer' its data are left aside.
 
     Returns
     -------
@@ -104,7 +106,8 @@ def estimate(
     injection = test.attrs["injection_time"]
     injected, shining = phases(time, injection, off)
     shining = time <= off
-    pixels = test.wavelength.values if "spectrometer" in inputs.instruments(test) else None
+    has_spectra = "spectrometer" in inputs.instruments(test) and "spectrometer" in instruments
+    pixels = test.wavelength.values if has_spectra else None
     model = forward_model(response, calibration, {}, pixels)
     switched = _switching(time, injection, off, injection_time_span, plasma_off_time_span)
     raw = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float)
@@ -199,8 +202,10 @@ def gain_uncertainties(calibration, source_slope):
     The calibration states the sum u2 = u_S2 / N + g2 u_T2 of each gain, with u_S and N in the file.
     """
     total = (
-        calibration.absolute_sensitivity_uncertainty / calibration.absolute_sensitivity
-    ).sel(band=list(BANDS)).values
+        (calibration.absolute_sensitivity_uncertainty / calibration.absolute_sensitivity)
+        .sel(band=list(BANDS))
+        .values
+    )
     own = calibration.attrs["signal_uncertainty"] / np.sqrt(calibration.sizes["calibration_point"])
     source = np.sqrt(np.maximum(total**2 - own**2, 0.0)) / source_slope
     return float(source.mean()), np.full(2, own)
@@ -392,7 +397,11 @@ def _dataset(test, calibration, observations, fixed, found, spread, raw, injecte
         | {
             "instruments": " ".join(["pyrometer", "spectrometer"][: len(observations)]),
             "steps": found.steps,
-            "dynamics": [float(found.dynamics.quiet), found.dynamics.bending, found.dynamics.memory],
-            "gas_flicker": [float(found.dynamics.flicker), float(found.dynamics.flicker_time)],
+            "gas_flicker": float(found.dynamics.flicker),
+            "gas_flicker_time": float(found.dynamics.flicker_time),
+        }
+        | {
+            f"dynamics_{name}": float(getattr(found.dynamics, name))
+            for name in ("quiet", "bending", "memory")
         },
     )
