@@ -11,6 +11,7 @@ from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the power beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
+WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 
 
@@ -77,7 +78,7 @@ class State:
     values: np.ndarray
     pattern: tuple
     dark: tuple
-    amplitudes: np.ndarray  # (E,) of the terms that are switched on
+    amplitudes: np.ndarray  # (E,) numbers of the terms that are switched on, see `free_numbers`
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,7 @@ class Solution:
     converged: bool
     covariance: np.ndarray  # of knots, values, amplitudes
     prediction: tuple
+    plain: tuple  # prediction without the patterns of the channels
     gas: tuple
     residual: tuple
     factor: tuple  # Cholesky factor of the normal matrix of everything fitted
@@ -149,6 +151,42 @@ def prior_of_patterns(instruments):
     return np.concatenate(parts)
 
 
+def free_numbers(settings):
+    """Numbers of terms that a fit moves: (place of the term, name or None for the amplitude, centre, sigma,
+    bounds, step) of each."""
+    found = []
+    for place, setting in enumerate(settings):
+        effect = EFFECTS[setting.id]
+        found.append((place, None, 0.0, WIDE * effect.sigma, effect.bounds, 0.02 * effect.step))
+        for name, (low, high) in effect.shape_bounds.items():
+            if name not in setting.shape:
+                continue  # a simpler version of the term
+            half = (high - low) / 2
+            found.append((place, name, low + half, half, (low, high), 1e-3 * half))
+    return found
+
+
+def with_numbers(settings, numbers):
+    """Terms with the amplitudes and shapes that a state holds."""
+    result = [replace(setting, shape=dict(setting.shape)) for setting in settings]
+    for (place, name, *_), number in zip(free_numbers(settings), numbers, strict=True):
+        if name is None:
+            result[place] = replace(result[place], amplitude=float(number))
+        else:
+            result[place].shape[name] = float(number)
+    return tuple(result)
+
+
+def numbers_of(settings):
+    """The free numbers of terms as they stand."""
+    return np.array(
+        [
+            settings[place].amplitude if name is None else settings[place].shape[name]
+            for place, name, *_ in free_numbers(settings)
+        ]
+    )
+
+
 class Fitter:
     """Fits a model, with any terms, to the data under one noise."""
 
@@ -165,12 +203,11 @@ class Fitter:
     def start(self, knots, settings=()):
         """A state to begin with."""
         one = tuple(np.zeros(i.channels) for i in self.model.instruments)
-        amplitudes = np.array([setting.amplitude for setting in settings])
-        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, amplitudes)
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, numbers_of(settings))
 
     def predict(self, state, settings, *, slopes=False):
         """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
-        now = self._set(settings, state)
+        now = with_numbers(settings, state.amplitudes)
         result = []
         for which, (pattern, dark) in enumerate(zip(state.pattern, state.dark, strict=True)):
             found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes)
@@ -178,26 +215,22 @@ class Fitter:
             result.append((value * (1 + pattern) + dark, slope, value))
         return result
 
-    @staticmethod
-    def _set(settings, state):
-        return tuple(
-            replace(setting, amplitude=float(a)) for setting, a in zip(settings, state.amplitudes, strict=True)
-        )
-
     def jacobian(self, state, settings, predicted):
         """Columns (n, C, K + V + E) per instrument."""
         columns = []
-        now = self._set(settings, state)
+        now = with_numbers(settings, state.amplitudes)
         for which, (_, slope, value) in enumerate(predicted):
-            others = np.empty((*value.shape, self.sigma.size + len(now)))
+            free = free_numbers(settings)
+            others = np.empty((*value.shape, self.sigma.size + len(free)))
             for j, sigma in enumerate(self.sigma):
                 values = state.values.copy()
                 step = 1e-3 * sigma
                 values[j] += step
                 others[..., j] = (self.model.evaluate(which, state.knots, values, now) - value) / step
-            for j, setting in enumerate(now):
-                step = 0.02 * EFFECTS[setting.id].step
-                changed = (*now[:j], replace(setting, amplitude=setting.amplitude + step), *now[j + 1 :])
+            for j, (*_, step) in enumerate(free):
+                numbers = state.amplitudes.copy()
+                numbers[j] += step
+                changed = with_numbers(settings, numbers)
                 other = self.model.evaluate(which, state.knots, state.values, changed)
                 others[..., self.sigma.size + j] = (other - value) / step
             columns.append(np.concatenate([slope, others], axis=2))
@@ -210,17 +243,13 @@ class Fitter:
 
     def prior(self, settings):
         """Normal matrix (k, k) of the priors of knots, values and amplitudes."""
-        size = self.model.size
-        k = size + self.sigma.size + len(settings)
+        size, free = self.model.size, free_numbers(settings)
+        k = size + self.sigma.size + len(free)
         matrix = np.zeros((k, k))
         matrix[:size, :size] = self.smooth
-        own = np.arange(size, size + self.sigma.size)
-        matrix[own, own] = 1 / self.sigma**2
-        for j, setting in enumerate(settings):
-            matrix[own[-1] + 1 + j, own[-1] + 1 + j] = 1 / (self.wide * EFFECTS[setting.id].sigma) ** 2
+        own = np.arange(size, k)
+        matrix[own, own] = 1 / np.concatenate([self.sigma, [number[3] for number in free]]) ** 2
         return matrix
-
-    wide = 10.0  # priors of amplitudes in fits, over those of the catalogue
 
     def objective(self, state, settings, predicted, gas):
         """Chi-squared of the data and the whole objective."""
@@ -233,8 +262,10 @@ class Fitter:
             chi2 += float(np.sum(residual * weigher(residual)))
         penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
         penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
-        for setting, amplitude in zip(settings, state.amplitudes, strict=True):
-            penalty += (amplitude / (self.wide * EFFECTS[setting.id].sigma)) ** 2
+        for (_, _, centre, sigma, _, _), number in zip(
+            free_numbers(settings), state.amplitudes, strict=True
+        ):
+            penalty += ((number - centre) / sigma) ** 2
         patterns = self._patterns(state)
         penalty += np.sum(self.pattern_prior * patterns**2)
         return chi2, chi2 + float(penalty)
@@ -279,7 +310,8 @@ class Fitter:
             patterns = own_patterns(self.model.instruments, [p[2] for p in predicted])
             matrix, vector = gram(columns, patterns, weighers, residuals)
             k = prior.shape[0]
-            centre = np.concatenate([self.rest, self.centre, np.zeros(len(settings))])
+            free = free_numbers(settings)
+            centre = np.concatenate([self.rest, self.centre, [number[2] for number in free]])
             here = np.concatenate([state.knots, state.values, state.amplitudes])
             matrix[:k, :k] += prior
             vector[:k] -= prior @ (here - centre)
@@ -291,11 +323,11 @@ class Fitter:
             for _ in range(8):
                 damped = matrix.copy()
                 damped[np.diag_indices_from(damped)] *= 1 + damping
-                step = cho_solve(cho_factor(damped), vector)
+                step = self._within(damped, vector, state, k, free)
                 size = self.model.size
                 step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
                 scale = self._limit(step)
-                trial = self._moved(state, scale * step, k, patterns)
+                trial = self._moved(state, scale * step, k, patterns, free)
                 new = self.predict(trial, settings)
                 new_chi2, new_objective = self.objective(trial, settings, new, gas)
                 if new_objective <= objective + 1e-9 * abs(objective):
@@ -324,11 +356,27 @@ class Fitter:
             for (value, _, _), measured in zip(predicted, self.measured, strict=True)
         ]
 
+    @staticmethod
+    def _within(matrix, vector, state, k, free):
+        """Step of all numbers; those of terms that would leave their bounds stay where they are."""
+        step = cho_solve(cho_factor(matrix), vector)
+        first = k - len(free)
+        leaving = []
+        for j, (number, (_, _, _, _, (low, high), _)) in enumerate(zip(state.amplitudes, free, strict=True)):
+            there = number + step[first + j]
+            if there < low and number <= low * (1 + 1e-9) or there > high and number >= high * (1 - 1e-9):
+                leaving.append(first + j)
+        if leaving:
+            kept = np.setdiff1d(np.arange(vector.size), leaving)
+            step = np.zeros_like(step)
+            step[kept] = cho_solve(cho_factor(matrix[np.ix_(kept, kept)]), vector[kept])
+        return step
+
     def _limit(self, step):
         power = np.abs(step[self.model.size + self.model.index["power"]])
         return min(1.0, FAR_OFF / max(power, 1e-12))
 
-    def _moved(self, state, step, k, patterns):
+    def _moved(self, state, step, k, patterns, free):
         size, count = self.model.size, self.sigma.size
         pattern, dark = self._with_patterns(patterns + step[k:])
         return State(
@@ -336,7 +384,11 @@ class Fitter:
             state.values + step[size : size + count],
             pattern,
             dark,
-            state.amplitudes + step[size + count : k],
+            np.clip(
+                state.amplitudes + step[size + count : k],
+                [number[4][0] for number in free],
+                [number[4][1] for number in free],
+            ),
         )
 
     def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
@@ -356,16 +408,48 @@ class Fitter:
         covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
         return Solution(
             state=state,
-            settings=self._set(settings, state),
+            settings=with_numbers(settings, state.amplitudes),
             objective=objective,
             chi2=chi2,
             count=int(sum(np.isfinite(measured).sum() for measured in self.measured)),
             converged=converged,
             covariance=covariance,
             prediction=tuple(p[0] for p in predicted),
+            plain=tuple(p[2] for p in predicted),
             gas=tuple(gas),
             residual=tuple(residuals),
             factor=factor,
             jacobian=tuple(columns),
             weighers=weighers,
         )
+
+
+def log_evidence(solution, size):
+    r"""Log of the evidence of a fit with terms, up to what all fits of a data set share.
+
+    .. math:: \ln Z = -\tfrac12 \chi^2_{MAP} + \tfrac12 \ln\det C_{terms} - \sum_j \ln \sigma_j
+
+    with the posterior covariance of the free numbers of the terms and their prior standard deviations.
+
+    Parameters
+    ----------
+    solution : Solution
+    size : int
+        Knots and values, which come before the numbers of the terms in the covariance.
+
+    Notes
+    -----
+    Source: Laplace's approximation; D. J. C. MacKay, Information Theory (2003), chapter 28.
+    """
+    free = free_numbers(solution.settings)
+    if not free:
+        return -0.5 * solution.objective
+    block = solution.covariance[size:, size:]
+    sigma = np.array([number[3] / (WIDE if number[1] is None else 1.0) for number in free])
+    _, log_determinant = np.linalg.slogdet(block)
+    excess = sum(
+        (number / s) ** 2 - (number / (WIDE * s)) ** 2
+        for number, s, one in zip(solution.state.amplitudes, sigma, free, strict=True)
+        if one[1] is None
+    )
+    return float(-0.5 * (solution.objective + excess) + 0.5 * log_determinant - np.sum(np.log(sigma)))

@@ -1,6 +1,7 @@
 """The base model of a test on bins, with any terms of the catalogue added."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -50,15 +51,23 @@ class History:
         time = np.asarray(time, dtype=float)
         weights = np.zeros((*time.shape, self.knots.size))
         early = time <= self.off
-        for chosen, inside in ((self.before, early), (self.after, ~early)):
-            if chosen.sum() < 2 or not inside.any():
-                continue
-            own = self.knots[chosen]
-            spline = CubicSpline(own, np.eye(own.size), bc_type="natural")
-            block = np.zeros((inside.sum(), self.knots.size))
-            block[:, chosen] = spline(np.clip(time[inside], own[0], own[-1]))
-            weights[inside] = block
+        for (chosen, spline), inside in zip(self._splines, (early, ~early), strict=True):
+            if spline is not None and inside.any():
+                own = self.knots[chosen]
+                block = np.zeros((inside.sum(), self.knots.size))
+                block[:, chosen] = spline(np.clip(time[inside], own[0], own[-1]))
+                weights[inside] = block
         return weights
+
+    @cached_property
+    def _splines(self):
+        """Cardinal splines of the knots before and after the end of the plasma."""
+        return [
+            (chosen, None)
+            if chosen.sum() < 2
+            else (chosen, CubicSpline(self.knots[chosen], np.eye(chosen.sum()), bc_type="natural"))
+            for chosen in (self.before, self.after)
+        ]
 
     def roughness(self):
         """Rows (R, K) of second differences over their prior [1]: smoothness of the heating and the cooling."""
@@ -199,7 +208,7 @@ class Model:
     def _on_nodes(self, instrument, spectra, scene):
         if instrument.kind == "spectrometer" and (scene.wavelength_shift or scene.slit_sigma2):
             spectra = moved(self.library.wavelength, spectra, scene.wavelength_shift, scene.slit_sigma2)
-        return spectra @ instrument.gas_map
+        return (instrument.gas_map @ spectra.T).T
 
     def _channel_weight(self, instrument, scene):
         if instrument.weight is None:

@@ -19,7 +19,7 @@ class Instrument:
     `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, 2) [s] the
     two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from the
     radiance at the nodes to the channels, or None where each channel is its node; `gain` (C,) from there to
-    the unit of the values; `gas_map` (K, M) from a spectrum of the library to the nodes.
+    the unit of the values; `gas_map` (M, K) from a spectrum of the library to the nodes.
     """
 
     kind: str
@@ -72,7 +72,7 @@ def band_weights(edges, response_wavelength, responsivity, oversampling=12):
 
 
 def band_gas_map(edges, wavelength, response_wavelength, responsivity):
-    """Matrix (K, M) from a spectrum on equal steps to its responsivity-weighted means over the nodes of a band.
+    """Matrix (M, K) from a spectrum on equal steps to its responsivity-weighted means over the nodes of a band.
 
     Weight times mean is the signal of the spectrum. Nodes that the band hardly sees hold the plain mean.
     """
@@ -88,11 +88,11 @@ def band_gas_map(edges, wavelength, response_wavelength, responsivity):
         weighted / np.where(seen, exact, 1.0)[place],
         1 / np.maximum(np.bincount(place, minlength=count), 1)[place],
     )
-    return sparse.csr_array((share, (inside, place)), shape=(wavelength.size, count))
+    return sparse.csr_array((share, (place, inside)), shape=(count, wavelength.size))
 
 
 def pixel_gas_map(wavelength, pixels, edges):
-    """Matrix (K, P) from a slit-convolved spectrum on equal steps to the means over bins of pixels.
+    """Matrix (P, K) from a slit-convolved spectrum on equal steps to the means over bins of pixels.
 
     Interpolates with polynomials of degree five through six neighbours.
     """
@@ -109,7 +109,7 @@ def pixel_gas_map(wavelength, pixels, edges):
     weight /= np.diff(edges)[owner][:, None]
     rows = (first[:, None] + nodes).ravel()
     columns = np.repeat(owner, 6)
-    return sparse.csr_array((weight.ravel(), (rows, columns)), shape=(wavelength.size, edges.size - 1))
+    return sparse.csr_array((weight.ravel(), (columns, rows)), shape=(edges.size - 1, wavelength.size))
 
 
 def in_pixel_bins(values, edges):
@@ -132,5 +132,5 @@ def time_bins(test):
 
 
 def side_by_side(maps):
-    """One matrix (K, M) out of those of the bands."""
-    return sparse.csr_array(sparse.hstack(maps))
+    """One matrix (M, K) out of those of the bands."""
+    return sparse.csr_array(sparse.vstack(maps))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve, eigh
+from scipy.linalg import cho_solve, cholesky, eigh
 
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import gram, own_patterns
@@ -12,8 +12,9 @@ from plasmapyro.diagnosis.model import Setting
 SCALES = (3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1)  # [1] relative size of an unknown structure
 MAP_WAVES = 8
 WALK_STEPS = 40
+ROUNDING = 1e-5  # [1], relative, added to a singular covariance
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
-LEAST_LEFT = 1e-6  # [1], of the information of a direction that the base parameters must leave
+LEAST_LEFT = 1e-5  # [1], of the information of a direction that the base parameters must leave
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class Screen:
     score: np.ndarray
     information: np.ndarray
     left: np.ndarray
+    shift: np.ndarray  # (K, candidates) [K] change of the fitted knots per amplitude that is left out
 
     @property
     def count(self):
@@ -98,7 +100,7 @@ def columns_of_candidates(model, solution, exclude=()):
             changed = model.evaluate(
                 which, state.knots, state.values, (*base, Setting(candidate.id, effect.step, candidate.shape))
             )
-            rows[..., j] = (changed - plain) / effect.step * (1 + state.pattern[which])
+            rows[..., j] = (changed - plain) / effect.step
         columns.append(rows)
     return candidates, columns
 
@@ -146,6 +148,7 @@ def structures_of(model, solution):
             for identity, name, row in _BANDS:
                 rows = (value * np.array(row))[..., None] * walk[:, None, :]
                 add(identity, name, only(rows))
+    add("walk_gas", "wandering brightness of the gas", _common_walk(instruments, solution.gas, model.off))
     smooth = [_smooth(model, one, value) for one, value in zip(instruments, solution.prediction, strict=True)]
     if any(rows is not None for rows in smooth):
         add("smooth", "smooth map over time and wavelength", smooth)
@@ -168,6 +171,15 @@ def _walk(time):
     places = np.unique(np.linspace(1, time.size - 1, min(WALK_STEPS, time.size - 1)).astype(int))
     span = np.diff(np.append(time[places], time[-1] + 1.0))
     return (np.arange(time.size)[:, None] >= places[None]) * np.sqrt(span / span.sum())
+
+
+def _common_walk(instruments, gas, off):
+    """Columns of a random walk of the brightness of the gas that both instruments see."""
+    ends = np.linspace(0.0, off, WALK_STEPS + 1)[:-1]
+    return [
+        own[..., None] * ((one.moment.mean(axis=1)[:, None] >= ends) / np.sqrt(WALK_STEPS))[:, None, :]
+        for one, own in zip(instruments, gas, strict=True)
+    ]
 
 
 def _spectral_patterns(model, solution, time, value, gas):
@@ -226,7 +238,7 @@ def screen(model, solution, exclude=(), structures=True):
         columns = [np.concatenate(pair, axis=2) for pair in zip(columns, unknown, strict=True)]
     fitted = solution.jacobian[0].shape[2]
     dense = [np.concatenate(pair, axis=2) for pair in zip(solution.jacobian, columns, strict=True)]
-    mine = own_patterns(model.instruments, solution.prediction)
+    mine = own_patterns(model.instruments, solution.plain)
     matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual)
     tests = columns[0].shape[2]
     base_patterns = sum(row.shape[1] for _, row in mine)
@@ -235,11 +247,14 @@ def screen(model, solution, exclude=(), structures=True):
     rest = np.r_[fitted:first, first + base_patterns : matrix.shape[0]]
     cross = matrix[np.ix_(base, rest)]
     own = matrix[np.ix_(rest, rest)]
-    projected = own - cross.T @ cho_solve(solution.factor, cross)
+    carried = cho_solve(solution.factor, cross)
+    projected = own - cross.T @ carried
     projected = (projected + projected.T) / 2
     plain = np.diag(own)
     left = np.diag(projected) / np.where(plain > 0, plain, np.inf)
-    return Screen(candidates, classes, vector[rest], projected, left)
+    return Screen(
+        candidates, classes, vector[rest], projected, left, carried[: model.size, : len(candidates)]
+    )
 
 
 def angles(information):
@@ -278,7 +293,10 @@ class Unknowns:
 
 def simulated(found, draws, generator):
     """Scores (draws, m) if nothing were wrong: normal with the information as covariance."""
-    length = np.sqrt(np.maximum(np.diag(found.information), 1e-300))
-    value, vector = eigh(found.information / np.outer(length, length))
-    root = vector * np.sqrt(np.maximum(value, 0.0))
+    alive = (found.left > LEAST_LEFT) & (np.diag(found.information) > 0)
+    length = np.sqrt(np.where(alive, np.diag(found.information), 1.0))
+    relative = np.where(alive[:, None] & alive[None], found.information / np.outer(length, length), 0.0)
+    relative[np.diag_indices_from(relative)] = 1 + ROUNDING
+    length = np.where(alive, length, 0.0)
+    root = cholesky(relative, lower=True, check_finite=False)
     return (generator.standard_normal((draws, length.size)) @ root.T) * length

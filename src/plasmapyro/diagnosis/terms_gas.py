@@ -27,9 +27,22 @@ def varied(name):
     return apply
 
 
-def drift(scene, amplitude):
-    r"""Brightness that drifts: :math:`g(t) = 1 + a\,t/t_{off}`."""
-    return scene.but(gas_gain=scene.gas_gain * (1 + amplitude * scene.exposure))
+def drift(scene, amplitude, **waves):
+    r"""Brightness that drifts: :math:`g(t) = 1 + a\,t/t_{off}`, and follows free values in between if wanted.
+
+    `waves`: `hat_0`, `hat_1`... are relative changes at equal steps of the exposure, joined linearly.
+    """
+    change = amplitude * scene.exposure
+    if waves:
+        values = [waves[f"hat_{place}"] for place in range(len(waves))]
+        change = change + np.interp(scene.exposure, np.linspace(0, 1, len(waves) + 1)[1:], values, left=0.0) * (
+            scene.time > 0
+        )
+    return scene.but(gas_gain=scene.gas_gain * (1 + change))
+
+
+WAVES = 9  # free values of a brightness that wanders
+LARGEST_WAVE = 0.3  # [1]
 
 
 def continuum(scene, amplitude):
