@@ -1,0 +1,190 @@
+"""The joint estimate on synthetic tests of known truth, made by the independent generator."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import twin_scoreboard as board
+
+from plasmapyro import contracts
+from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
+from plasmapyro.estimate.stage import estimate, gain_uncertainties
+from plasmapyro.experiment import status
+from plasmapyro.forward.model import GreyTable
+from plasmapyro.forward.stage import forward_model
+
+CASE = board.Draw(0.8, 0.83, 1500.0, 85.0, 0.15, 0.01, 1.6, (5e-10, -5e-10), 7)
+GRADIENT_RTOL = 2e-4  # central difference against the analytic gradient, exposures' second order left out
+
+
+@pytest.fixture(scope="module")
+def made(response, radiations):
+    return board.make(CASE, response, radiations)
+
+
+@pytest.fixture(scope="module")
+def found(made, response):
+    test, _, calibration, counts = made
+    return estimate(test, calibration, response, counts, **board.SETTINGS)
+
+
+def test_the_result_honours_its_contract(found):
+    contracts.check(contracts.label(found, "joint_estimate"), "joint_estimate")
+    assert found.attrs["origin"] == "synthetic" and found.attrs["instruments"] == "pyrometer spectrometer"
+
+
+def test_temperature_lies_in_its_interval_and_starts_before_the_paper_s(found, made):
+    truth = made[1].surface_temperature.values
+    low, high = found.surface_temperature_interval.values
+    known = np.isfinite(low)
+    # One draw of the calibration errors: all samples err together, three standard deviations are rare.
+    pull = (found.surface_temperature - made[1].surface_temperature) / found.surface_temperature_uncertainty
+    assert float(np.abs(pull.median())) < 3
+    assert float(found.time[known][0]) < 12 and float(found.surface_temperature[known][0]) < 800
+    steady = (found.time > 100) & (found.time < 290)
+    assert float(np.abs(found.surface_temperature - truth)[steady].max()) < 0.005 * 1500
+
+
+def test_gas_amplitude_follows_the_lines(found, made):
+    ratio = found.gas_amplitude / made[1].gas_scale
+    during = (found.time > 10) & (found.time < 290)
+    assert float(np.abs(ratio[during] - 1).mean()) < 0.03  # flicker of 1.2 % included; the drift is 15 %
+    before = float((found.gas_amplitude[found.time < -2]).mean())
+    assert before == pytest.approx(CASE.before_injection, rel=0.03)
+    assert not found.gas_amplitude[found.time > 300.1].any()
+
+
+def test_status_says_why(found):
+    state = found.estimate_status
+    assert (state[found.time < 0] == status.NOT_INJECTED).all()
+    assert (state[(found.time > 0) & (found.time < 2)] == status.NO_SIGNAL).all()
+    assert (state[(found.time > 100) & (found.time < 290)] == 0).all()
+    cold = (found.surface_temperature < 973) & (found.time > 300)
+    assert (state[cold] == 2).all()  # below the calibration, with a value
+    assert np.isnan(found.surface_temperature[state == status.NO_SIGNAL]).all()
+
+
+def test_without_spectra_it_works_and_is_less_sure(made, response, found):
+    test, truth, calibration, counts = made
+    alone = estimate(test, calibration, response, counts, **board.SETTINGS, instruments=["pyrometer"])
+    steady = (alone.time > 100) & (alone.time < 290)
+    wide = alone.surface_temperature_uncertainty[steady].mean()
+    assert float(wide) > 1.3 * float(found.surface_temperature_uncertainty[steady].mean())
+    error = (alone.surface_temperature - truth.surface_temperature)[steady].mean()
+    assert abs(float(error)) < 3 * float(wide)
+    assert "spectrometer" not in alone.attrs["instruments"]
+
+
+def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found):
+    test, _, calibration, counts = made
+    random = np.random.default_rng(1)
+    wide, raw = test.signal_wide.values.copy(), test.counts.values.copy()
+    wide[random.random(wide.size) < 0.1] = np.nan
+    wide[random.random(wide.size) < 0.01] *= 3
+    raw[100:105, 500:700] = 65535
+    spoilt = test.assign(signal_wide=("time", wide, test.signal_wide.attrs))
+    spoilt["counts"] = (("spectrum_time", "wavelength"), raw, test.counts.attrs)
+    again = estimate(spoilt, calibration, response, counts, **board.SETTINGS)
+    shift = (again.surface_temperature - found.surface_temperature) / found.surface_temperature_uncertainty
+    assert float(np.abs(shift).quantile(0.99)) < 0.5
+
+
+def test_the_uncertainty_of_the_source_is_taken_apart_from_that_of_the_gains(made, response):
+    calibration = made[2]
+    table = GreyTable(forward_model(response, calibration, {})["pyrometer"])
+    value, slope, _ = table(calibration.source_temperature.values)
+    source, own = gain_uncertainties(calibration, (slope / value).mean(axis=0))
+    assert source == pytest.approx(board.SOURCE_UNCERTAINTY, rel=1e-3)
+    assert own == pytest.approx(board.SIGNAL_UNCERTAINTY / np.sqrt(17), rel=1e-9)
+
+
+def observations(response, calibration):
+    """A few samples of both instruments with every constant away from its mean."""
+    model = forward_model(response, calibration, {}, np.linspace(750e-9, 1030e-9, 2068))
+    moved = response.assign_coords(wavelength=response.wavelength + 1e-9)
+    table = GreyTable(model["pyrometer"])
+    injected, shining = np.array([False, True, True, True]), np.array([True, True, True, False])
+    pyrometer = PyrometerData(
+        np.full((2, 4), 3e-8),
+        np.full((2, 4), 1e-8),
+        injected,
+        shining,
+        table,
+        np.array([0.008, 0.007]),
+        GreyTable(forward_model(moved, calibration, {})["pyrometer"]),
+        1e-9,
+        np.zeros(2),
+    )
+    bins = model["spectrometer"].channel.size
+    spectra = SpectrometerData(
+        np.array([0, 2, 3]),
+        np.array([0.0, 0.04, -0.03]),
+        0.0,
+        np.full((3, bins), 2e9),
+        np.full((3, bins), 1e9),
+        injected[[0, 2, 3]],
+        shining[[0, 2, 3]],
+        GreyTable(model["spectrometer"]),
+        np.linspace(0.006, 0.004, bins),
+        0.0,
+    )
+    fixed = (
+        constants("log_emittance", np.log(0.8), 0.06)
+        + constants("source_error", 1.0, 3.0)
+        + constants("gain_error", [0.01, -0.01], 0.01)
+        + constants("gas_signal", [2e-8, 1e-8], 1e-8)
+        + constants("gas_signal_before", [0.02, -0.01], 0.03)
+        + constants("band_shift", [5e-10, -3e-10], 1e-9)
+        + constants("scale_error", 0.02, 0.03)
+        + constants("bin_error", np.linspace(-0.01, 0.01, bins), 0.01)
+        + constants("gas_radiance", np.linspace(1e9, 5e8, bins), 1e9)
+        + constants("gas_radiance_before", np.linspace(0.02, -0.02, bins), 0.03)
+    )
+    path = np.array([[400.0, 0, 0.4, 0.01], [1200, 30, 0.0, 0.02], [1400, 20, 0.1, -0.01], [1500, -10, 0, 0]])
+    return (pyrometer, spectra), fixed, path
+
+
+@pytest.mark.parametrize("which", [0, 1], ids=["pyrometer", "spectrometer"])
+def test_gradients_are_those_of_the_objective(response, made, which):
+    both, fixed, path = observations(response, made[2])
+    data, of, values = both[which], fixed.where, fixed.mean
+    information = data.information(path, values, of)
+
+    def objective(moved_path, moved_values):
+        return data.information(moved_path, moved_values, of).value
+
+    scale = np.abs(information.state_gradient).max(axis=0)
+    for sample in range(4):
+        for place, step in enumerate((1e-2, 1e-2, 1e-5, 1e-5)):
+            change = np.zeros_like(path)
+            change[sample, place] = step
+            slope = (objective(path + change, values) - objective(path - change, values)) / (2 * step)
+            expected = information.state_gradient[sample, place]
+            assert expected == pytest.approx(slope, rel=GRADIENT_RTOL, abs=1e-4 * scale[place] + 1e-12)
+    largest = np.abs(information.constant_gradient * fixed.deviation).max()
+    for place, deviation in enumerate(fixed.deviation):
+        change = np.zeros_like(values)
+        change[place] = 1e-4 * deviation
+        slope = (objective(path, values + change) - objective(path, values - change)) / (2e-4 * deviation)
+        own = information.constant_gradient[place]
+        assert own * deviation == pytest.approx(slope * deviation, rel=GRADIENT_RTOL, abs=1e-6 * largest)
+
+
+def test_flicker_within_an_exposure_widens_what_the_bins_say_of_the_gas(response, made):
+    (_, spectra), fixed, path = observations(response, made[2])
+    sure = spectra.information(path, fixed.mean, fixed.where).state_matrix[0, 2, 2]
+    unsure = dataclasses.replace(spectra, flicker=0.5).information(path, fixed.mean, fixed.where)
+    assert 1 / unsure.state_matrix[0, 2, 2] == pytest.approx(1 / sure + 0.25, rel=1e-9)
+
+
+def test_five_twins_against_the_subtraction(response, radiations):
+    """The bars of the scoreboard with room for five draws instead of hundreds."""
+    rows = [board.score(board.draw(3, number), response, radiations, ("both",)) for number in range(5)]
+    table = board.summary(rows, "both")
+    assert table["gain_of_pooled"] > 3
+    assert table["share_worse_by_10_percent"] == 0
+    # Calibration errs once per twin: more than one of five outside its interval has a chance of 2 %.
+    assert sum(row["both"]["coverage"] < 0.5 for row in rows) <= 1
+    assert np.abs([row["both"]["pull_steady"] for row in rows]).max() < 4
+    starts = [(row["both"]["start"], row["paper_start"]) for row in rows if row["paper_start"] is not None]
+    assert all(ours <= theirs for ours, theirs in starts)
