@@ -52,7 +52,9 @@ def test_border_gives_the_marginal_covariance_of_the_whole(blocks):
     border, corner = random.standard_normal((24, 3)), 20 * np.eye(3)
     whole = np.block([[dense(*blocks), border], [border.T, corner]])
     right = random.standard_normal(27)
-    states, values, effect, covariance = solve_bordered(Factor(*blocks), border, corner, right[:24], right[24:])
+    states, values, effect, covariance = solve_bordered(
+        Factor(*blocks), border, corner, right[:24], right[24:]
+    )
     np.testing.assert_allclose(np.append(states, values), np.linalg.solve(whole, right), rtol=EXACT)
     inverse = np.linalg.inv(whole)
     np.testing.assert_allclose(covariance, inverse[24:, 24:], rtol=EXACT)

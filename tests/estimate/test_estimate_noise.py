@@ -20,7 +20,9 @@ def ornstein_uhlenbeck(random, deviation, correlation):
 
 def made(seed, relative, floor, gas_flicker):
     random = np.random.default_rng(seed)
-    level = np.stack([np.interp(TIME, [0, 200, 400], [1, 1, 100]), np.interp(TIME, [0, 200, 400], [2, 2, 300])])
+    level = np.stack(
+        [np.interp(TIME, [0, 200, 400], [1, 1, 100]), np.interp(TIME, [0, 200, 400], [2, 2, 300])]
+    )
     gas = np.exp(ornstein_uhlenbeck(random, gas_flicker, 0.3))
     clean = level * np.where(TIME < 200, gas, 1.0)
     noise = random.standard_normal((2, 2, TIME.size))
