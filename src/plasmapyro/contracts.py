@@ -72,6 +72,29 @@ VARIABLES = {
     "velocity_change": Variable("m s-1", "largest velocity change of the Newton step", 0),
     "temperature_change": Variable("1", "largest relative temperature change of the Newton step", 0),
     "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
+    # diagnosis
+    "variation": Variable("", "property of the gas that is varied"),
+    "addition": Variable("", "light that is added to that of the gas"),
+    "variation_amplitude": Variable("1", "relative change of the property; optical depth of the strongest line"),
+    "varied_radiance": Variable(RADIANCE, "radiance of the gas with one property varied, through the slit", 0),
+    "added_radiance": Variable(RADIANCE, "light that may be added to that of the gas, through the slit", -1e12),
+    "model": Variable("", "model: base, or with the terms that the data ask for"),
+    "time_bin": Variable("s", "time since injection, middle of the bin"),
+    "time_edge": Variable("s", "ends of the time bin"),
+    "wavelength_bin": Variable("m", "wavelength in vacuum, middle of the bin", 1e-7, 2e-5),
+    "wavelength_edge": Variable("m", "ends of the wavelength bin", 1e-7, 2e-5),
+    "measured_radiance": Variable(RADIANCE, "measured spectral radiance, mean of the bin", nan_allowed=True),
+    "modelled_radiance": Variable(RADIANCE, "modelled spectral radiance, mean of the bin", nan_allowed=True),
+    "radiance_residual": Variable("1", "measured less modelled, over the standard deviation", nan_allowed=True),
+    "measured_signal": Variable("A", "measured band signal, mean of the bin", nan_allowed=True),
+    "modelled_signal": Variable("A", "modelled band signal, mean of the bin", nan_allowed=True),
+    "signal_residual": Variable("1", "measured less modelled, over the standard deviation", nan_allowed=True),
+    "paper_temperature": Variable("K", "corrected temperature by the method of the paper", nan_allowed=True),
+    **{
+        f"{kind}_temperature{end}": Variable("K", f"temperature by the {kind} model{what}", nan_allowed=True)
+        for kind in ("base", "extended")
+        for end, what in (("", ""), ("_low", ", 2.5 % quantile"), ("_high", ", 97.5 % quantile"))
+    },
     # analysis
     "gas_signal": Variable("W m-2 sr-1", "band signal of the gas along the line of sight", 0, 1e9),
     "sample_emittance": Variable("1", "grey emittance of the surface in the condition", 0, 1),
@@ -390,6 +413,36 @@ DATASETS = {
         "ray_angle": ("ray",),
         "ray_weight": ("ray",),
         "ray_signal": ("ray", "band"),
+    },
+    "gas_variations": {
+        "variation": ("variation",),
+        "variation_amplitude": ("variation", "level"),
+        "varied_radiance": ("variation", "level", "wavelength_slit"),
+        "addition": ("addition",),
+        "added_radiance": ("addition", "wavelength_slit"),
+        "wavelength_slit": ("wavelength_slit",),
+    },
+    "residual_map": {
+        "time_bin": ("time_bin",),
+        "time_edge": ("time_bin", "bound"),
+        "model": ("model",),
+        "wavelength_bin?": ("wavelength_bin",),
+        "wavelength_edge?": ("wavelength_bin", "bound"),
+        "measured_radiance?": ("time_bin", "wavelength_bin"),
+        "modelled_radiance?": ("model", "time_bin", "wavelength_bin"),
+        "radiance_residual?": ("model", "time_bin", "wavelength_bin"),
+        "measured_signal?": ("band", "time_bin"),
+        "modelled_signal?": ("model", "band", "time_bin"),
+        "signal_residual?": ("model", "band", "time_bin"),
+    },
+    "diagnosis_temperature": {
+        "time_bin": ("time_bin",),
+        "paper_temperature": ("time_bin",),
+        **{
+            f"{kind}_temperature{end}": ("time_bin",)
+            for kind in ("base", "extended")
+            for end in ("", "_low", "_high")
+        },
     },
     "spectrum": {
         "wavelength": ("wavelength",),

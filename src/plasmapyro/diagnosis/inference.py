@@ -45,6 +45,12 @@ class Weigher:
         inner = np.matmul(self.gas[:, None, :], rows)
         return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
 
+    def of(self, chosen):
+        """The same for some of the bins (n,)."""
+        part = object.__new__(Weigher)
+        part.weight, part.gas, part.common = self.weight[chosen], self.gas[chosen], self.common[chosen]
+        return part
+
     def root(self, rows):
         r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k)."""
         scale = np.sqrt(self.weight)

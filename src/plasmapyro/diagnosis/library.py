@@ -14,7 +14,7 @@ def gas_library(condition, radiation, powers, variations, *, fwhm):
         Simulation to compare with.
     radiation : mapping condition -> Dataset, contract 'radiation'
     powers : mapping condition -> float [W]
-    variations : Dataset, contract 'gas_variations', of the condition
+    variations : Dataset, contract 'gas_variations', of the condition, or None
     fwhm : float [m]
         Slit of the spectrometer. A narrower one than that of the library is taken as that of the library.
 
@@ -32,7 +32,8 @@ def gas_library(condition, radiation, powers, variations, *, fwhm):
     own = radiation[condition]
     axis, slit = own["wavelength_slit"].values, float(own.attrs["slit_fwhm"])
     names = sorted((name for name in radiation if name in powers), key=lambda name: powers[name])
-    for name, other in (*radiation.items(), ("variations", variations)):
+    others = [*radiation.items()] + ([("variations", variations)] if variations is not None else [])
+    for name, other in others:
         if not np.array_equal(other["wavelength_slit"].values, axis):
             raise ValueError(f"the spectra of {name} and {condition} are not on the same wavelengths")
     sigma = extra_sigma(fwhm, slit)
@@ -52,16 +53,28 @@ def gas_library(condition, radiation, powers, variations, *, fwhm):
         radiance=np.array([seen(radiation[name]["gas_radiance_slit"].values) for name in names]),
         group_name=groups,
         group=widened(axis, light, sigma),
-        variation={
-            str(name): (
-                variations["variation_amplitude"].sel(variation=name).values,
-                seen(variations["varied_radiance"].sel(variation=name).values),
-            )
-            for name in variations["variation"].values
-        },
-        addition={
-            str(name): widened(axis, variations["added_radiance"].sel(addition=name).values, sigma)
-            for name in variations["addition"].values
-        },
+        variation=_variations(variations, seen),
+        addition=_additions(variations, axis, sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
     )
+
+
+def _variations(variations, seen):
+    if variations is None:
+        return {}
+    return {
+        str(name): (
+            variations["variation_amplitude"].sel(variation=name).values,
+            seen(variations["varied_radiance"].sel(variation=name).values),
+        )
+        for name in variations["variation"].values
+    }
+
+
+def _additions(variations, axis, sigma):
+    if variations is None:
+        return {}
+    return {
+        str(name): widened(axis, variations["added_radiance"].sel(addition=name).values, sigma)
+        for name in variations["addition"].values
+    }
