@@ -8,7 +8,8 @@ import twin_scoreboard as board
 
 from plasmapyro import contracts
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.stage import estimate, gain_uncertainties
+from plasmapyro.estimate.prepare import gain_uncertainties, samples_of
+from plasmapyro.estimate.stage import estimate
 from plasmapyro.experiment import status
 from plasmapyro.forward.model import GreyTable
 from plasmapyro.forward.stage import forward_model
@@ -87,6 +88,35 @@ def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found
     again = estimate(spoilt, calibration, response, counts, **board.SETTINGS)
     shift = (again.surface_temperature - found.surface_temperature) / found.surface_temperature_uncertainty
     assert float(np.abs(shift).quantile(0.99)) < 0.5
+
+
+def test_a_long_record_is_averaged_over_groups_that_respect_the_switches(made):
+    test = made[0]
+    whole, grouped = samples_of(test, (1.0, 0.3)), samples_of(test, (1.0, 0.3), most=1000)
+    assert whole.time.size == test.sizes["time"] and grouped.time.size < 1010
+    assert (np.diff(grouped.group) >= 0).all() and grouped.group[-1] == grouped.time.size - 1
+    for switch in (0.0, 300.0 + 1e-6):
+        sides = test.time.values < switch
+        assert not set(grouped.group[sides]) & set(grouped.group[~sides])
+    steady = (grouped.time > 100) & (grouped.time < 290)
+    narrower = (
+        grouped.noise[:, steady].mean() / whole.noise[:, (whole.time > 100) & (whole.time < 290)].mean()
+    )
+    assert narrower == pytest.approx(1 / np.sqrt(5), rel=0.02)
+    index = 2000
+    inside = grouped.group == grouped.group[index]
+    expected = whole.signal[:, inside].mean(axis=1)
+    np.testing.assert_allclose(grouped.signal[:, grouped.group[index]], expected, rtol=1e-12)
+
+
+def test_a_test_without_the_needed_samples_is_refused_in_words(made, response):
+    test, _, calibration, counts = made
+    few = test.isel(time=slice(0, 4200, 30))
+    with pytest.raises(ValueError, match="signal_wide must hold 200 samples"):
+        estimate(few, calibration, response, counts, **board.SETTINGS)
+    empty = test.assign_attrs(reference_window=np.array([-9.0, -3.0]))
+    with pytest.raises(ValueError, match="-9 to -3 s holds no sample of both bands after injection"):
+        estimate(empty, calibration, response, counts, **board.SETTINGS)
 
 
 def test_the_uncertainty_of_the_source_is_taken_apart_from_that_of_the_gains(made, response):
