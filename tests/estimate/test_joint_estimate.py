@@ -8,7 +8,7 @@ import twin_scoreboard as board
 
 from plasmapyro import contracts
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.prepare import gain_uncertainties, samples_of
+from plasmapyro.estimate.prepare import first_gas, gain_uncertainties, samples_of
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.experiment import status
 from plasmapyro.forward.model import GreyTable
@@ -111,12 +111,12 @@ def test_a_long_record_is_averaged_over_groups_that_respect_the_switches(made):
 
 def test_a_test_without_the_needed_samples_is_refused_in_words(made, response):
     test, _, calibration, counts = made
-    few = test.isel(time=slice(0, 4200, 30))
+    few = test.sel(time=slice(0, 15))
     with pytest.raises(ValueError, match="signal_wide must hold 200 samples"):
         estimate(few, calibration, response, counts, **board.SETTINGS)
-    empty = test.assign_attrs(reference_window=np.array([-9.0, -3.0]))
-    with pytest.raises(ValueError, match="-9 to -3 s holds no sample of both bands after injection"):
-        estimate(empty, calibration, response, counts, **board.SETTINGS)
+    between = test.assign_attrs(reference_window=np.array([1.01, 1.09]))  # no sample falls in there
+    with pytest.raises(ValueError, match="1.01 to 1.09 s holds no sample of both bands after injection"):
+        first_gas(between, samples_of(test, (1.0, 0.3)))
 
 
 def test_the_uncertainty_of_the_source_is_taken_apart_from_that_of_the_gains(made, response):
