@@ -27,6 +27,7 @@ include: "workflow/rules/radiation.smk"
 include: "workflow/rules/analysis.smk"
 include: "workflow/rules/twin.smk"
 include: "workflow/rules/experiment.smk"
+include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
 

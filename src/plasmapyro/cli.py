@@ -8,6 +8,8 @@ from pathlib import Path
 
 from plasmapyro import __doc__ as PACKAGE
 from plasmapyro import io
+from plasmapyro.diagnosis import command
+from plasmapyro.readers.stage import read_test
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline import neqair
@@ -29,6 +31,21 @@ example:
   plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000
 
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+DIAGNOSE = """\
+Compare a test with the simulation of its condition: where they depart, which effect of a catalogue explains it
+(or that none does), what that costs in kelvin, and the temperature with the effect in the model.
+
+TEST is a netCDF file (contract 'test') or a folder with test.nc, or with raw files and test.yaml."""
+DIAGNOSE_EXAMPLE = """\
+example:
+  plasmapyro diagnose results/twin/csic_160kW --radiance results/radiation \\
+      --instrument results/instrument --out diagnosis
+
+writes diagnosis.json, residual_map.nc, temperature.nc and index.html, all or none.
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours; with
+--fail-on-finding also 3 a cause was named, 4 something is wrong that no known cause explains"""
 
 
 class Progress:
@@ -74,6 +91,26 @@ def radiance(options, progress):
     progress.step("done")
 
 
+def diagnose(options, progress):
+    """Run `plasmapyro diagnose`: test in, four files out."""
+    out = Path(options.out)
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"{out}: is a file; name a folder")
+    progress.step(f"reading {options.test}")
+    path = Path(options.test)
+    test = path / "test.nc" if path.is_dir() and not (path / "test.yaml").exists() else path
+    data = io.read(test, "test") if test.is_file() else read_test(test)
+    inputs = command.load_inputs(options.radiance, options.instrument, options.variations)
+    progress.step("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
+    digest = io.digest(test) if test.is_file() else None
+    result = command.diagnose_test(data, inputs, without=tuple(options.without), digest=digest)
+    progress.step(f"writing {out}")
+    command.write_all(result, out, sources=[test] if test.is_file() else [], page=command.page_writer())
+    sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
+    progress.step("done")
+    return command.exit_status(result.report, options.fail_on_finding)
+
+
 def _read_sightline(path):
     """Dataset of contract 'sightline' from netCDF or NEQAIR-style text."""
     if io.is_netcdf(path):
@@ -111,7 +148,36 @@ def parser():
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     _add_radiance(commands)
+    _add_diagnose(commands)
     return top
+
+
+def _add_diagnose(commands):
+    one = commands.add_parser(
+        "diagnose",
+        help="what the simulation gets wrong in a test, why, and what it costs",
+        description=DIAGNOSE,
+        epilog=DIAGNOSE_EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    one.set_defaults(run=diagnose)
+    one.add_argument("test", metavar="TEST", help="test folder or netCDF file")
+    one.add_argument("--radiance", required=True, metavar="FOLDER", help="spectra of all conditions, {condition}.nc")
+    one.add_argument(
+        "--instrument", required=True, metavar="FOLDER", help="response.nc, calibration.nc, spectrometer_calibration.nc"
+    )
+    one.add_argument(
+        "--variations",
+        metavar="FOLDER",
+        help="varied spectra, {condition}.nc (default: radiation_variations beside the folder of the spectra)",
+    )
+    one.add_argument("--out", required=True, metavar="FOLDER", help="where the four files go")
+    one.add_argument(
+        "--without", nargs="*", default=[], metavar="EFFECT", help="effects that are taken out of the catalogue"
+    )
+    one.add_argument(
+        "--fail-on-finding", action="store_true", help="exit with 3 or 4 if something is wrong with the simulation"
+    )
 
 
 def _add_radiance(commands):
@@ -182,7 +248,7 @@ def main(arguments=None):
     """
     options = parser().parse_args(arguments)
     try:
-        options.run(options, Progress(sys.stderr))
+        status = options.run(options, Progress(sys.stderr))
     except (ValueError, OSError) as fault:
         sys.stderr.write(f"plasmapyro: {fault}\n")
         return BAD_INPUT
@@ -193,4 +259,4 @@ def main(arguments=None):
         traceback.print_exc()
         sys.stderr.write("plasmapyro: this is a fault of the program, not of your input; please report it\n")
         return FAULT_OF_OURS
-    return DONE
+    return status or DONE

@@ -1,5 +1,7 @@
 """Files in, files out: what `plasmapyro diagnose` and the workflow call."""
 
+import importlib
+import importlib.util
 import json
 import os
 import shutil
@@ -165,6 +167,13 @@ def _with_entries(entries):
     finally:
         EFFECTS.clear()
         EFFECTS.update(kept)
+
+
+def page_writer():
+    """The function that makes the page, or None where the package has none."""
+    if importlib.util.find_spec("plasmapyro.page") is None:
+        return None
+    return importlib.import_module("plasmapyro.page.stage").write_page
 
 
 def check(report):
