@@ -89,6 +89,15 @@ def test_the_process_does_not_depend_on_how_finely_it_is_sampled():
         assert last[:, place].var() == pytest.approx(variance, rel=0.12)  # 5 sigma of 4000 draws
 
 
+def test_two_steps_are_one_step_of_twice_the_length():
+    fine = transition(DYNAMICS, np.array([50.0, 50.7, 51.4]), (), 0.0)
+    coarse = transition(DYNAMICS, np.array([50.0, 51.4]), (), 0.0)
+    matrix, covariance = fine[0], fine[1]
+    np.testing.assert_allclose(matrix[1] @ matrix[0], coarse[0][0], rtol=1e-12)
+    chained = matrix[1] @ covariance[0] @ matrix[1].T + covariance[1]
+    np.testing.assert_allclose(chained, coarse[1][0], rtol=1e-12, atol=1e-15)
+
+
 def test_a_switch_kicks_the_rate_and_forgets_the_gas_before():
     time = np.arange(-10, 3) / 10
     matrix, covariance = transition(DYNAMICS, time, (0.0,), 0.0)
