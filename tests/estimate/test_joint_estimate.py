@@ -7,8 +7,10 @@ import pytest
 import twin_scoreboard as board
 
 from plasmapyro import contracts
+from plasmapyro.estimate.dynamics import Dynamics, transition
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.estimate.prepare import first_gas, gain_uncertainties, samples_of
+from plasmapyro.estimate.smoother import Chain, Fit, spread_of
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.experiment import status
 from plasmapyro.forward.model import GreyTable
@@ -38,6 +40,8 @@ def test_temperature_lies_in_its_interval_and_starts_before_the_paper_s(found, m
     truth = made[1].surface_temperature.values
     low, high = found.surface_temperature_interval.values
     known = np.isfinite(low)
+    best = found.surface_temperature.values[known]
+    assert ((low[known] < best) & (best < high[known])).all()
     # One draw of the calibration errors: all samples err together, three standard deviations are rare.
     pull = (found.surface_temperature - made[1].surface_temperature) / found.surface_temperature_uncertainty
     assert float(np.abs(pull.median())) < 3
@@ -198,6 +202,23 @@ def test_gradients_are_those_of_the_objective(response, made, which):
         slope = (objective(path, values + change) - objective(path, values - change)) / (2e-4 * deviation)
         own = information.constant_gradient[place]
         assert own * deviation == pytest.approx(slope * deviation, rel=GRADIENT_RTOL, abs=1e-6 * largest)
+
+
+def test_data_that_say_nothing_leave_the_prior_as_it_is(response, made):
+    both, fixed, path = observations(response, made[2])
+    blind = [dataclasses.replace(one, noise=one.noise * 1e8) for one in both]
+    dynamics = Dynamics(0.1, 10.0, 5.0, 50.0, 1e-4, 1e-3, 0.01, 0.3)
+    chain = Chain(
+        np.array([-1.0, 1.0, 2.0, 3.0]), (0.0, 2.5), 0.0, path[0], np.diag([2500.0, 0.01, 1.0, 1e-4])
+    )
+    spread = spread_of(chain, blind, fixed, Fit(path, fixed.mean, dynamics, 0, True))
+    np.testing.assert_allclose(np.sqrt(np.diag(spread.constants)), fixed.deviation, rtol=1e-3)
+    matrix, covariance = transition(dynamics, chain.time, chain.switches, 0.0)
+    expected = chain.first_covariance
+    for sample in range(4):
+        np.testing.assert_allclose(np.diag(spread.path[sample]), np.diag(expected), rtol=1e-3)
+        if sample < 3:
+            expected = matrix[sample] @ expected @ matrix[sample].T + covariance[sample]
 
 
 def test_flicker_within_an_exposure_widens_what_the_bins_say_of_the_gas(response, made):
