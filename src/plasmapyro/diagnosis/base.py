@@ -87,17 +87,20 @@ def renoised(model, solution, settings=()):
     """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
     raw = raw_model(model)
     found, instruments, bins = [], [], []
+    flicker = None
     for which, one in enumerate(model.instruments):
         state = solution.state
         value = raw.evaluate(which, state.knots, state.values, solution.settings)
-        value = value * (1 + state.pattern[which]) + state.dark[which]
+        plain = value
         more = state.values.copy()
         more[model.index["gas"]] += 1e-3
-        gas = (raw.evaluate(which, state.knots, more, solution.settings) - value) / 1e-3
+        gas = (raw.evaluate(which, state.knots, more, solution.settings) - plain) / 1e-3
         gas = np.maximum(gas, 0.0)
+        value = plain * (1 + state.pattern[which]) + state.dark[which] + state.lines[which] * gas
         residual = np.where((one.raw_bin >= 0)[:, None], one.raw - value, np.nan)
         phase = phase_of(one.raw_moment.mean(axis=1), model.off)
-        law, left = noises.estimate(one, residual, value, gas, phase)
+        law, left = noises.estimate(one, residual, value, gas, phase, flicker)
+        flicker = (law.flicker, law.flicker_memory, float(np.median(np.diff(one.raw_moment[:, 0]))))
         pixels = np.ones(one.channels) if one.pixel_edges is None else np.diff(one.pixel_edges)
         factor = np.ones(one.channels) if one.factor is None else one.factor
         sigma = np.sqrt(

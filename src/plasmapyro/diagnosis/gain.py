@@ -65,7 +65,7 @@ def log_score(model, solution, chosen):
     residuals = [r[s] for r, s in zip(solution.residual, chosen, strict=True)]
     weighers = [w.of(s) for w, s in zip(solution.weighers, chosen, strict=True)]
     patterns = [
-        (place, row[chosen[place]]) for place, row in own_patterns(model.instruments, solution.plain)
+        (place, row[chosen[place]]) for place, row in own_patterns(model.instruments, solution.plain, solution.gas)
     ]
     block, vector = gram(columns, patterns, weighers, residuals)
     whole = np.triu(solution.factor[0])

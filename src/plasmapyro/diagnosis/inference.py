@@ -11,6 +11,7 @@ from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the power beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
+LINE_ERROR = 0.03  # [1] of the gas in one channel: single lines, shape of the slit
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 
@@ -84,6 +85,7 @@ class State:
     values: np.ndarray
     pattern: tuple
     dark: tuple
+    lines: tuple  # relative error (C,) of the gas in each channel
     amplitudes: np.ndarray  # (E,) numbers of the terms that are switched on, see `free_numbers`
 
 
@@ -138,20 +140,27 @@ def gram(columns, patterns, weighers, residuals):
     return matrix, vector
 
 
-def own_patterns(instruments, values):
-    """Patterns of the base model: a relative error of each channel, and its dark."""
+def own_patterns(instruments, values, gases):
+    """Patterns of the base model: a relative error of each channel, its dark, and an error of its gas.
+
+    Returns
+    -------
+    list of (instrument, row (n, C)), as `gram` takes them
+    """
     return [
         (place, row)
-        for place, (one, value) in enumerate(zip(instruments, values, strict=True))
+        for place, (one, value, gas) in enumerate(zip(instruments, values, gases, strict=True))
         if one.pattern.any()
-        for row in (value, np.ones_like(value))
+        for row in (value, np.ones_like(value), gas)
     ]
 
 
 def prior_of_patterns(instruments):
     """Inverse variances of the patterns in the order of `own_patterns`."""
     parts = [
-        np.concatenate([1 / one.pattern**2, 1 / one.dark**2]) if one.pattern.any() else np.zeros(0)
+        np.concatenate([1 / one.pattern**2, 1 / one.dark**2, np.full(one.channels, LINE_ERROR**-2.0)])
+        if one.pattern.any()
+        else np.zeros(0)
         for one in instruments
     ]
     return np.concatenate(parts)
@@ -205,20 +214,26 @@ class Fitter:
         self.sigma = np.array([parameter.sigma for parameter in model.parameters])
         self.centre = np.array([parameter.centre for parameter in model.parameters])
         self.pattern_prior = prior_of_patterns(model.instruments)
+        self.gas = None  # of the last state whose slopes were taken
 
     def start(self, knots, settings=()):
         """A state to begin with."""
         one = tuple(np.zeros(i.channels) for i in self.model.instruments)
-        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, numbers_of(settings))
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, one, numbers_of(settings))
 
     def predict(self, state, settings, *, slopes=False):
         """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
         now = with_numbers(settings, state.amplitudes)
         result = []
-        for which, (pattern, dark) in enumerate(zip(state.pattern, state.dark, strict=True)):
+        for which, (pattern, dark, lines) in enumerate(
+            zip(state.pattern, state.dark, state.lines, strict=True)
+        ):
             found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes)
             value, slope = found if slopes else (found, None)
-            result.append((value * (1 + pattern) + dark, slope, value))
+            whole = value * (1 + pattern) + dark
+            if self.gas is not None:
+                whole = whole + lines * self.gas[which]
+            result.append((whole, slope, value))
         return result
 
     def jacobian(self, state, settings, predicted):
@@ -278,23 +293,24 @@ class Fitter:
 
     def _patterns(self, state):
         parts = [
-            np.concatenate([p, d])
-            for p, d, one in zip(state.pattern, state.dark, self.model.instruments, strict=True)
+            np.concatenate(three)
+            for *three, one in zip(
+                state.pattern, state.dark, state.lines, self.model.instruments, strict=True
+            )
             if one.pattern.any()
         ]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _with_patterns(self, flat):
-        pattern, dark, place = [], [], 0
+        three, place = ([], [], []), 0
         for one in self.model.instruments:
-            if one.pattern.any():
-                pattern.append(flat[place : place + one.channels])
-                dark.append(flat[place + one.channels : place + 2 * one.channels])
-                place += 2 * one.channels
-            else:
-                pattern.append(np.zeros(one.channels))
-                dark.append(np.zeros(one.channels))
-        return tuple(pattern), tuple(dark)
+            for rows in three:
+                if one.pattern.any():
+                    rows.append(flat[place : place + one.channels])
+                    place += one.channels
+                else:
+                    rows.append(np.zeros(one.channels))
+        return tuple(tuple(rows) for rows in three)
 
     def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
         """Damped Gauss-Newton steps from a state until the objective stands still.
@@ -306,14 +322,15 @@ class Fitter:
         state, damping = start, 0.0
         predicted = self.predict(state, settings, slopes=True)
         columns = self.jacobian(state, settings, predicted)
-        gas = self.gas_of(columns)
+        gas = self.gas = self.gas_of(columns)
+        predicted = self.predict(state, settings, slopes=True)
         chi2, objective = self.objective(state, settings, predicted, gas)
         prior = self.prior(settings)
         converged = False
         for _ in range(steps):
             weighers = [Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True)]
             residuals = self.residuals(predicted)
-            patterns = own_patterns(self.model.instruments, [p[2] for p in predicted])
+            patterns = own_patterns(self.model.instruments, [p[2] for p in predicted], gas)
             matrix, vector = gram(columns, patterns, weighers, residuals)
             k = prior.shape[0]
             free = free_numbers(settings)
@@ -349,7 +366,8 @@ class Fitter:
                 converged = True
             predicted = self.predict(state, settings, slopes=True)
             columns = self.jacobian(state, settings, predicted)
-            gas = self.gas_of(columns)
+            gas = self.gas = self.gas_of(columns)
+            predicted = self.predict(state, settings)
             chi2, objective = self.objective(state, settings, predicted, gas)
             if converged:
                 break
@@ -384,12 +402,13 @@ class Fitter:
 
     def _moved(self, state, step, k, patterns, free):
         size, count = self.model.size, self.sigma.size
-        pattern, dark = self._with_patterns(patterns + step[k:])
+        pattern, dark, lines = self._with_patterns(patterns + step[k:])
         return State(
             np.clip(state.knots + step[:size], 250.0, 4500.0),
             state.values + step[size : size + count],
             pattern,
             dark,
+            lines,
             np.clip(
                 state.amplitudes + step[size + count : k],
                 [number[4][0] for number in free],
@@ -402,7 +421,7 @@ class Fitter:
         residuals = self.residuals(predicted)
         matrix, _ = gram(
             columns,
-            own_patterns(self.model.instruments, [p[2] for p in predicted]),
+            own_patterns(self.model.instruments, [p[2] for p in predicted], gas),
             weighers,
             residuals,
         )

@@ -238,7 +238,7 @@ def screen(model, solution, exclude=(), structures=True):
         columns = [np.concatenate(pair, axis=2) for pair in zip(columns, unknown, strict=True)]
     fitted = solution.jacobian[0].shape[2]
     dense = [np.concatenate(pair, axis=2) for pair in zip(solution.jacobian, columns, strict=True)]
-    mine = own_patterns(model.instruments, solution.plain)
+    mine = own_patterns(model.instruments, solution.plain, solution.gas)
     matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual)
     tests = columns[0].shape[2]
     base_patterns = sum(row.shape[1] for _, row in mine)

@@ -15,7 +15,8 @@ ALIKE = 9.2  # chi-squared by which the data tell two terms apart: 99 % of two d
 SAME_ANGLE = 15.0  # [degree] below which two terms are one class
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat a term
 WANDER = "gas_drift"  # the term that may follow the brightness of the gas freely
-LEVEL = 0.025  # false alarms of each of the two tests
+LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
+LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
 PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
 
 
@@ -50,7 +51,7 @@ def calibrated(found, draws, seed):
     c1 = float(np.quantile(best, 1 - LEVEL))
     return Thresholds(
         effect=c1,
-        unknown=float(np.quantile(unknown, 1 - LEVEL)) if found.structures else np.inf,
+        unknown=max(float(np.quantile(unknown, 1 - LEVEL)), LEAST_UNKNOWN) if found.structures else np.inf,
         third=float(np.quantile(best, 1 - LEVEL / 10)),
         draws=draws,
         seed=seed,
