@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import twin_scoreboard as board
+import yaml
 
 from plasmapyro import contracts
 from plasmapyro.estimate.dynamics import Dynamics, transition
@@ -239,3 +240,14 @@ def test_four_twins_against_the_subtraction(response, radiations):
     assert np.abs([row["both"]["pull_steady"] for row in rows]).max() < 4
     starts = [(row["both"]["start"], row["paper_start"]) for row in rows if row["paper_start"] is not None]
     assert all(ours <= theirs for ours, theirs in starts)
+
+
+def test_the_scoreboard_uses_the_settings_of_the_main_job():
+    text = (board.ROOT / "config/config.yaml").read_text(encoding="utf-8")
+    keys = yaml.safe_load(text)["experiment"]["joint_estimate"]
+    units = {"_s": 1.0, "_k": 1.0, "_nm": 1e-9, "_pixels": 1.0}
+    for key, value in keys.items():
+        ending = next((unit for unit in units if key.endswith(unit)), "")
+        name = key.removesuffix(ending) if ending else key
+        assert board.SETTINGS[name] == pytest.approx(value * units.get(ending, 1.0), rel=1e-12, abs=0), key
+    assert len(keys) == len(board.SETTINGS)
