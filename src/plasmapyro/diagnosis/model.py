@@ -14,8 +14,8 @@ STEP = 1e-4  # of finite differences, in units of the prior
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
 CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after an event,
-CURVATURE_TIME = 12.0  # [s] which falls off with this time
-CURVATURE_FLOOR = 0.15  # [K s-2] to this
+CURVATURE_TIME = 15.0  # [s] which falls off with this time
+CURVATURE_FLOOR = 0.01  # [K s-2] to this
 
 
 @dataclass(frozen=True)

@@ -290,8 +290,21 @@ def on_bins(model_noise, instrument, prediction):
 
 
 def without_outliers(instrument, residual, sigma):
-    """The instrument with samples beyond `CLIP` standard deviations left out of its bins."""
+    """The instrument with samples beyond `CLIP` standard deviations replaced by what their bin makes expect.
+
+    They do not count as samples; left out altogether they would move the mean time of their bin.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    residual : (t, C)
+        Of the samples, less the mean of their bin.
+    sigma : (t, C)
+    """
     clean = np.isfinite(instrument.raw) & ~(np.abs(residual) > CLIP * sigma)
-    raw = np.where(clean, instrument.raw, np.nan)
-    value, number = binning.mean_in_bins(raw, instrument.raw_bin, instrument.value.shape[0])
-    return replace(instrument, value=value, number=number, raw_clean=clean)
+    filled = np.where(clean, instrument.raw, instrument.raw - residual)
+    value, _ = binning.mean_in_bins(filled, instrument.raw_bin, instrument.value.shape[0])
+    _, number = binning.mean_in_bins(
+        np.where(clean, instrument.raw, np.nan), instrument.raw_bin, instrument.value.shape[0]
+    )
+    return replace(instrument, value=np.where(number > 0, value, np.nan), number=number, raw_clean=clean)

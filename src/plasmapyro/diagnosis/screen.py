@@ -12,6 +12,7 @@ from plasmapyro.diagnosis.model import Setting
 SCALES = (3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1)  # [1] relative size of an unknown structure
 MAP_WAVES = 8
 WALK_STEPS = 40
+SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 ROUNDING = 1e-5  # [1], relative, added to a singular covariance
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
 LEAST_LEFT = 1e-5  # [1], of the information of a direction that the base parameters must leave
@@ -28,11 +29,12 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Structure:
-    """A class of unknown structures: its columns, to be scaled by `SCALES`."""
+    """A class of unknown structures: its columns, all at once or one of them, to be scaled by `SCALES`."""
 
     id: str
     name: str
     columns: slice
+    single: bool = False
 
 
 @dataclass(frozen=True)
@@ -138,9 +140,10 @@ def structures_of(model, solution):
         def only(rows, place=place):
             return [rows if other == place else None for other in range(len(instruments))]
 
-        walk = _walk(time)
+        walk, wave = _walk(time), _waves(time, model.off)
         if one.kind == "spectrometer":
             add("walk_spectrometer", "wandering gain of the spectrometer", only(value[..., None] * walk[:, None, :]))
+            add("wave_spectrometer", "periodic gain of the spectrometer", only(value[..., None] * wave[:, None, :]))
             for identity, name, row in _spectral_patterns(model, solution, time, value, gas):
                 patterns.append((place, row))
                 named.append((identity, name, one.channels))
@@ -148,6 +151,10 @@ def structures_of(model, solution):
             for identity, name, row in _BANDS:
                 rows = (value * np.array(row))[..., None] * walk[:, None, :]
                 add(identity, name, only(rows))
+                if identity in ("walk_pyrometer", "walk_ratio"):
+                    rows = (value * np.array(row))[..., None] * wave[:, None, :]
+                    other = identity.replace("walk", "wave")
+                    add(other, name.replace("wandering", "periodic"), only(rows))
     add("walk_gas", "wandering brightness of the gas", _common_walk(instruments, solution.gas, model.off))
     smooth = [_smooth(model, one, value) for one, value in zip(instruments, solution.prediction, strict=True)]
     if any(rows is not None for rows in smooth):
@@ -155,9 +162,22 @@ def structures_of(model, solution):
     for identity, name, channels in named:
         classes.append(Structure(identity, name, slice(total, total + channels)))
         total += channels
+    singles = [
+        Structure(f"one_{one.id}", SINGLE_NAMES[one.id.split("_")[0]].format(name=one.name), one.columns, True)
+        for one in classes
+        if one.id.split("_")[0] in SINGLE_NAMES and one.id != "walk_gas"
+    ]
+    classes = [one for one in classes if not one.id.startswith("wave")] + singles
     return tuple(classes), [np.concatenate(block, axis=2) for block in blocks], patterns
 
 
+SINGLE_NAMES = {
+    "walk": "one step: {name}",
+    "wave": "{name}",
+    "pattern": "one channel: {name}",
+    "gas": "one channel: {name}",
+    "released": "one channel: {name}",
+}
 _BANDS = (
     ("walk_pyrometer", "wandering gain of the pyrometer", (1.0, 1.0)),
     ("walk_ratio", "wandering ratio of the pyrometer", (1.0, -1.0)),
@@ -171,6 +191,15 @@ def _walk(time):
     places = np.unique(np.linspace(1, time.size - 1, min(WALK_STEPS, time.size - 1)).astype(int))
     span = np.diff(np.append(time[places], time[-1] + 1.0))
     return (np.arange(time.size)[:, None] >= places[None]) * np.sqrt(span / span.sum())
+
+
+def _waves(time, off):
+    """Oscillations (n, m) with periods from `SHORTEST_PERIOD` to the length of the test, at three phases each."""
+    span = max(off, 4 * SHORTEST_PERIOD)
+    periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
+    phases = np.arange(3) * np.pi / 3
+    angle = 2 * np.pi * time[:, None, None] / periods[:, None] + phases
+    return np.sin(angle).reshape(time.size, -1)
 
 
 def _common_walk(instruments, gas, off):
@@ -272,20 +301,26 @@ class Unknowns:
         self.parts = []
         for structure in found.structures:
             place = slice(found.count + structure.columns.start, found.count + structure.columns.stop)
-            value, vector = eigh(found.information[place, place])
-            good = value > 1e-10 * max(value.max(), 1e-300)
-            self.parts.append((place, value[good], vector[:, good]))
+            if structure.single:
+                value = np.where(found.left[place] > LEAST_LEFT, np.diag(found.information)[place], 0.0)
+                self.parts.append((place, value, None))
+            else:
+                value, vector = eigh(found.information[place, place])
+                good = value > 1e-10 * max(value.max(), 1e-300)
+                self.parts.append((place, value[good], vector[:, good]))
 
     def __call__(self, scores):
         """Log Bayes factors (..., classes) of scores (..., m): the best scale, less the price of having tried."""
         result = []
         for place, value, vector in self.parts:
-            q = scores[..., place] @ vector
+            q = scores[..., place] if vector is None else scores[..., place] @ vector
             best = np.full(scores.shape[:-1], -np.inf)
             for scale in SCALES:
-                log_bayes = -0.5 * np.sum(np.log1p(scale**2 * value)) + 0.5 * np.sum(
-                    q**2 / (value + scale**-2), axis=-1
-                )
+                loss, won = np.log1p(scale**2 * value), q**2 / (value + scale**-2)
+                if vector is None:
+                    log_bayes = 0.5 * np.max(np.where(value > 0, won - loss, 0.0), axis=-1) - np.log(value.size)
+                else:
+                    log_bayes = 0.5 * np.sum(won, axis=-1) - 0.5 * np.sum(loss)
                 best = np.maximum(best, log_bayes)
             result.append(best - np.log(len(SCALES)))
         return np.stack(result, axis=-1)
