@@ -77,21 +77,20 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
 
     from plasmapyro.diagnosis import screen
 
-    information, score = 50.0, 30.0
+    information, score = 5000.0, 300.0
     structure = Structure("pattern", "one", slice(0, 1))
     found = screen_of([[information]], [score], [structure])
     values = []
     for scale in screen.SCALES:
         value, _ = quad(
-            lambda a, s=scale: np.exp(score * a - information * a * a / 2 - (a / s) ** 2 / 2) / (s * np.sqrt(2 * np.pi)),
-            -1.5,
-            1.5,
-            points=[0.0, score / information],
-            limit=400,
+            lambda x, s=scale: np.exp(score * s * x - information * (s * x) ** 2 / 2 - x * x / 2) / np.sqrt(2 * np.pi),
+            -12,
+            12,
+            limit=200,
         )
         values.append(np.log(value))
     expected = max(values) - np.log(len(screen.SCALES))
-    assert Unknowns(found)(np.array([score]))[0] == pytest.approx(expected, abs=1e-3)
+    assert Unknowns(found)(np.array([score]))[0] == pytest.approx(expected, abs=1e-6)
 
 
 def test_two_terms_together_gain_what_a_joint_fit_gains():

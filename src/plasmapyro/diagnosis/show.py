@@ -159,6 +159,8 @@ def gas_monitor(model, fitter, solution, test):
     """Brightness of the gas over the simulated one, bin by bin, from the channels where it stands out."""
     which = len(model.instruments) - 1
     one, noise = model.instruments[which], fitter.noise[which]
+    if one.kind != "spectrometer":
+        return None  # two bands do not tell gas from surface
     gas, time = solution.gas[which], one.moment.mean(axis=1)
     gain = np.where(time < 0, np.exp(solution.state.values[model.index["before_injection"]]), 1.0)
     lit = (time < model.off).astype(float)
