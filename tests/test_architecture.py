@@ -19,6 +19,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "forward": {"radiation"},
     "estimate": {"forward", "experiment", "instrument", "radiation"},
     "readers": {"contracts", "io", "experiment"},  # files in, datasets out: the one group that knows files
+    "diagnosis": {"gas", "radiation", "instrument", "experiment", "contracts", "io"},  # files: only `command`
     "claims": set(),
     "plots": {"contracts"},
 }

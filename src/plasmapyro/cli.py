@@ -9,9 +9,9 @@ from pathlib import Path
 from plasmapyro import __doc__ as PACKAGE
 from plasmapyro import io
 from plasmapyro.diagnosis import command
-from plasmapyro.readers.stage import read_test
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
+from plasmapyro.readers.stage import read_test
 from plasmapyro.sightline import neqair
 from plasmapyro.tables import weakest
 
@@ -34,7 +34,8 @@ exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fa
 
 
 DIAGNOSE = """\
-Compare a test with the simulation of its condition: where they depart, which effect of a catalogue explains it
+Compare a test with the simulation of its condition: where they depart, which effect of a catalogue explains
+it
 (or that none does), what that costs in kelvin, and the temperature with the effect in the model.
 
 TEST is a netCDF file (contract 'test') or a folder with test.nc, or with raw files and test.yaml."""
@@ -155,28 +156,39 @@ def parser():
 def _add_diagnose(commands):
     one = commands.add_parser(
         "diagnose",
-        help="what the simulation gets wrong in a test, why, and what it costs",
+        help="what a simulation gets wrong",
         description=DIAGNOSE,
         epilog=DIAGNOSE_EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     one.set_defaults(run=diagnose)
     one.add_argument("test", metavar="TEST", help="test folder or netCDF file")
-    one.add_argument("--radiance", required=True, metavar="FOLDER", help="spectra of all conditions, {condition}.nc")
     one.add_argument(
-        "--instrument", required=True, metavar="FOLDER", help="response.nc, calibration.nc, spectrometer_calibration.nc"
+        "--radiance", required=True, metavar="FOLDER", help="spectra of all conditions, {condition}.nc"
+    )
+    one.add_argument(
+        "--instrument",
+        required=True,
+        metavar="FOLDER",
+        help="response.nc, calibration.nc, spectrometer_calibration.nc",
     )
     one.add_argument(
         "--variations",
         metavar="FOLDER",
-        help="varied spectra, {condition}.nc (default: radiation_variations beside the folder of the spectra)",
+        help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
     )
     one.add_argument("--out", required=True, metavar="FOLDER", help="where the four files go")
     one.add_argument(
-        "--without", nargs="*", default=[], metavar="EFFECT", help="effects that are taken out of the catalogue"
+        "--without",
+        nargs="*",
+        default=[],
+        metavar="EFFECT",
+        help="effects to leave out",
     )
     one.add_argument(
-        "--fail-on-finding", action="store_true", help="exit with 3 or 4 if something is wrong with the simulation"
+        "--fail-on-finding",
+        action="store_true",
+        help="exit status 3 or 4 for a finding",
     )
 
 

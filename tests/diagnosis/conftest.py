@@ -1,4 +1,5 @@
-"""A small laboratory of its own: two bands, a spectrometer, a gas of Gaussian lines, a sample that heats and cools.
+"""A small laboratory of its own: two bands, a spectrometer, a gas of Gaussian lines, a sample that heats and
+cools.
 
 Signals are made here with formulas of their own, not with those of the package.
 """
@@ -12,7 +13,12 @@ import xarray as xr
 H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
 SLIT_FWHM = 0.75e-9
 POWERS = {"60kW": 60e3, "80kW": 80e3, "100kW": 100e3}
-LINES = ((777.4, 60.0, 6.0), (844.6, 20.0, 6.2), (868.0, 25.0, 7.0), (926.6, 9.0, 6.5))  # nm, strength, exponent
+LINES = (
+    (777.4, 60.0, 6.0),
+    (844.6, 20.0, 6.2),
+    (868.0, 25.0, 7.0),
+    (926.6, 9.0, 6.5),
+)  # nm, strength, exponent
 OFF = 120.0
 
 
@@ -110,7 +116,9 @@ def calibration(response):
     temperature = np.arange(500.0, 3001.0, 10.0)
     wavelength = response.wavelength.values
     signals = [
-        np.trapezoid(response[f"responsivity_{band}"].values * black_body(wavelength, temperature[:, None]), wavelength)
+        np.trapezoid(
+            response[f"responsivity_{band}"].values * black_body(wavelength, temperature[:, None]), wavelength
+        )
         for band in ("wide", "narrow")
     ]
     return xr.Dataset(

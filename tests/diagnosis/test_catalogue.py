@@ -8,9 +8,9 @@ from plasmapyro.diagnosis.model import Setting
 
 BAND_RTOL = 2e-3  # of a formula for an infinitely narrow band, applied to a node of 6 nm
 IDS = (
-    "refl eps_slope eps_T eps_ox winD winE winD_sl winE_sl off1 off2 off_s torchglow nonlin_p nonlin_s phi edge1 edge2"
-    " resp_long wshift lsf stray second P_eff T_exc T_vib ripple selfabs contin gas_drift bl afterglow particles NaK"
-    " CaII CN Cu Ar h2o o2a grad edge_p edge_s clock scat"
+    "refl eps_slope eps_T eps_ox winD winE winD_sl winE_sl off1 off2 off_s torchglow nonlin_p nonlin_s phi"
+    " edge1 edge2 resp_long wshift lsf stray second P_eff T_exc T_vib ripple selfabs contin gas_drift bl"
+    " afterglow particles NaK CaII CN Cu Ar h2o o2a grad edge_p edge_s clock scat"
 ).split()
 
 
@@ -21,7 +21,9 @@ def state(model):
 
 
 def seen(model, state, which, identity, amplitude, **shape):
-    return model.evaluate(which, *state, (Setting(identity, amplitude, shape or dict(EFFECTS[identity].shapes[0])),))
+    return model.evaluate(
+        which, *state, (Setting(identity, amplitude, shape or dict(EFFECTS[identity].shapes[0])),)
+    )
 
 
 def test_the_catalogue_covers_every_stage_instrument_and_phase():
@@ -51,7 +53,9 @@ def test_a_term_touches_the_instruments_it_names_and_no_other(model, state, iden
         assert changed.any() == (one.kind in effect.instruments)
 
 
-@pytest.mark.parametrize("identity", ["winD", "winE", "off1", "off_s", "particles", "contin", "Cu", "refl", "afterglow"])
+@pytest.mark.parametrize(
+    "identity", ["winD", "winE", "off1", "off_s", "particles", "contin", "Cu", "refl", "afterglow"]
+)
 def test_what_adds_or_takes_light_in_proportion_is_linear(model, state, identity):
     for which in range(2):
         plain = model.evaluate(which, *state)
@@ -72,7 +76,9 @@ def test_an_error_of_the_ratio_shifts_the_inverse_temperature_by_a_constant(labo
         return np.exp(-c2 / kelvin * (1 / first - 1 / second))
 
     signals = np.stack([ratio(temperature) * np.exp(error), np.ones(3)], axis=1)
-    found = paper_temperature(signals, np.array([400.0, 410.0, 420.0]), (-2, -1), 300.0, (curve, ratio(curve)))
+    found = paper_temperature(
+        signals, np.array([400.0, 410.0, 420.0]), (-2, -1), 300.0, (curve, ratio(curve))
+    )
     expected = 1 / (1 / temperature - error / (c2 * (1 / first - 1 / second)))
     assert np.allclose(found, expected, rtol=1e-5)
 
@@ -109,7 +115,12 @@ def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(
     sigma = 60.0 * (10 / 14) ** 2
     points, weights = np.polynomial.hermite_e.hermegauss(9)
     wavelength = model.instruments[1].wavelength
-    mean = weights @ planck(wavelength, 1600.0 + sigma * points) / weights.sum() / planck(wavelength, np.array([1600.0]))[0]
+    mean = (
+        weights
+        @ planck(wavelength, 1600.0 + sigma * points)
+        / weights.sum()
+        / planck(wavelength, np.array([1600.0]))[0]
+    )
     plain = model.evaluate(1, knots, values)
     found = model.evaluate(1, knots, values, (Setting("grad", 60.0, {}),)) / plain
     assert np.allclose(found[late][0], mean, rtol=3e-4)  # the fourth order is left out

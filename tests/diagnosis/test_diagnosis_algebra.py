@@ -43,12 +43,18 @@ def test_whitened_residuals_have_the_chi_squared_of_the_covariance(block, random
     noise, gas, dense = block
     residual = random.normal(size=(3, 4))
     z = whitened(residual, noise, gas)
-    assert np.sum(z**2) == pytest.approx(residual.ravel() @ np.linalg.solve(dense, residual.ravel()), rel=FLOAT_RTOL)
+    assert np.sum(z**2) == pytest.approx(
+        residual.ravel() @ np.linalg.solve(dense, residual.ravel()), rel=FLOAT_RTOL
+    )
 
 
 def test_a_pattern_counts_as_one_column_per_channel(block, random):
     noise, gas, dense = block
-    columns, row, residual = random.normal(size=(3, 4, 2)), random.normal(size=(3, 4)), random.normal(size=(3, 4))
+    columns, row, residual = (
+        random.normal(size=(3, 4, 2)),
+        random.normal(size=(3, 4)),
+        random.normal(size=(3, 4)),
+    )
     matrix, vector = gram([columns], [(0, row)], [Weigher(noise, gas)], [residual])
     pattern = (row[..., None] * np.eye(4)).reshape(12, 4)
     whole = np.concatenate([columns.reshape(12, 2), pattern], axis=1)
@@ -62,7 +68,9 @@ def screen_of(information, score, structures=()):
     count = len(score) - sum(s.columns.stop - s.columns.start for s in structures if not s.single)
     names = ("winE", "phi", "off1", "eps_slope")[:count]
     candidates = tuple(Candidate(name, {}, 1.0) for name in names)
-    return Screen(candidates, tuple(structures), np.array(score), np.array(information), np.ones(len(score)), None)
+    return Screen(
+        candidates, tuple(structures), np.array(score), np.array(information), np.ones(len(score)), None
+    )
 
 
 def test_scores_drawn_as_noise_have_the_information_as_covariance():
@@ -83,7 +91,9 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
     values = []
     for scale in screen.SCALES:
         value, _ = quad(
-            lambda x, s=scale: np.exp(score * s * x - information * (s * x) ** 2 / 2 - x * x / 2) / np.sqrt(2 * np.pi),
+            lambda x, s=scale: (
+                np.exp(score * s * x - information * (s * x) ** 2 / 2 - x * x / 2) / np.sqrt(2 * np.pi)
+            ),
             -12,
             12,
             limit=200,
@@ -98,7 +108,9 @@ def test_two_terms_together_gain_what_a_joint_fit_gains():
     score = np.array([8.0, -6.0, 1.0])
     gained, first, second = best_pair(screen_of(information, score), np.ones(3))
     assert {first, second} == {0, 1}
-    assert gained == pytest.approx(score[:2] @ np.linalg.solve(information[:2, :2], score[:2]), rel=FLOAT_RTOL)
+    assert gained == pytest.approx(
+        score[:2] @ np.linalg.solve(information[:2, :2], score[:2]), rel=FLOAT_RTOL
+    )
 
 
 def test_parallel_directions_have_no_angle_and_independent_ones_a_right_one():

@@ -3,12 +3,11 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import OFF, temperature_of  # noqa: I001  (the laboratory of these tests)
 
 from plasmapyro import contracts
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.catalogue import EFFECTS
-
-from conftest import OFF, temperature_of  # noqa: I001  (the laboratory of these tests)
 
 LOSS = 0.03  # of window E at the end, some 20 standard deviations
 
@@ -78,7 +77,9 @@ def test_the_datasets_honour_their_contracts(diagnosed):
     result = diagnosed(window_loss=LOSS)
     contracts.check(contracts.label(result.residual_map, "residual_map"), "residual_map")
     contracts.check(contracts.label(result.temperature, "diagnosis_temperature"), "diagnosis_temperature")
-    before, after = (result.residual_map["radiance_residual"].sel(model=m).values for m in ("base", "extended"))
+    before, after = (
+        result.residual_map["radiance_residual"].sel(model=m).values for m in ("base", "extended")
+    )
     assert np.nanmean(after**2) < np.nanmean(before**2)
 
 
@@ -114,7 +115,14 @@ def test_one_instrument_is_enough_to_run(record, laboratory):
 
 def test_an_unknown_condition_or_effect_is_refused(record, laboratory):
     inputs = command.Inputs(
-        laboratory.radiation, laboratory.powers, {}, laboratory.response, laboratory.calibration, None, "synthetic", {}
+        laboratory.radiation,
+        laboratory.powers,
+        {},
+        laboratory.response,
+        laboratory.calibration,
+        None,
+        "synthetic",
+        {},
     )
     with pytest.raises(ValueError, match="condition must name one of 60kW"):
         command.diagnose_test(record().assign_attrs(condition="1MW"), inputs)

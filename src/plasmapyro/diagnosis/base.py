@@ -24,7 +24,8 @@ class Base:
 
 
 def guess_temperature(model):
-    """First temperatures of the knots (K,) [K], from the whole light of the last instrument less that of the gas.
+    """First temperatures of the knots (K,) [K], from the whole light of the last instrument less that of the
+    gas.
 
     Before the surface outshines half the gas, a parabola that starts at the first temperature of the model.
     """

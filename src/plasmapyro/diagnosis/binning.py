@@ -7,7 +7,7 @@ LEAVE_OUT_AFTER_OFF = 0.25  # [s] while the plasma dies
 STEPS = ((20.0, 1.0), (60.0, 2.0), (100.0, 4.0), (np.inf, 8.0))  # after injection: up to [s], bin [s]
 STEPS_OFF = ((3.0, 0.5), (12.0, 1.0), (40.0, 2.0), (np.inf, 5.0))  # after the end of the plasma
 PRE_STEP = 4.0  # [s]
-PIXEL_BIN = 3.0e-9  # [m] where the spectrum of the gas is smooth
+PIXEL_BIN = 2.0e-9  # [m] where the spectrum of the gas is smooth
 LINE_CHANGE = 1.0  # [1], of the light in a bin: where the gas changes by more, bins are finer
 FINEST_PER_FWHM = 1.0
 

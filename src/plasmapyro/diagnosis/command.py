@@ -47,7 +47,8 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
     Parameters
     ----------
     radiance : folder of `{condition}.nc`, contract 'radiation'
-    instrument : folder with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as needed
+    instrument : folder with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as
+    needed
     variations : folder of `{condition}.nc`, contract 'gas_variations'; beside `radiance` by default
     powers : mapping condition -> float [W], optional
         By default the number at the beginning of the name of the condition, in kW.
@@ -72,14 +73,21 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
         spectra[path.stem] = whole[keep[1:3]].assign_attrs(whole.attrs)
     folder = Path(variations) if variations else radiance.parent / VARIATIONS
     varied = {
-        path.stem: io.read(path, "gas_variations") for path in sorted(folder.glob("*.nc")) if path.stem in spectra
+        path.stem: io.read(path, "gas_variations")
+        for path in sorted(folder.glob("*.nc"))
+        if path.stem in spectra
     }
-    found = {name: instrument / f"{name}.nc" for name in ("response", "calibration", "spectrometer_calibration")}
+    found = {
+        name: instrument / f"{name}.nc" for name in ("response", "calibration", "spectrometer_calibration")
+    }
     read = {
-        name: io.read(path, name) if name == "response" or path.exists() else None for name, path in found.items()
+        name: io.read(path, name) if name == "response" or path.exists() else None
+        for name, path in found.items()
     }
     used = [*files, *(path for path in found.values() if path.exists())]
-    origins = [one.attrs.get("origin", "modelled") for one in (*spectra.values(), *read.values()) if one is not None]
+    origins = [
+        one.attrs.get("origin", "modelled") for one in (*spectra.values(), *read.values()) if one is not None
+    ]
     return Inputs(
         radiation=spectra,
         powers=powers or {name: _power(name) for name in spectra},
@@ -88,7 +96,10 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
         calibration=read["calibration"],
         spectrometer_calibration=read["spectrometer_calibration"],
         origin=weakest(origins),
-        digests={path.name if path.parent == instrument else f"radiation/{path.name}": io.digest(path) for path in used},
+        digests={
+            path.name if path.parent == instrument else f"radiation/{path.name}": io.digest(path)
+            for path in used
+        },
     )
 
 

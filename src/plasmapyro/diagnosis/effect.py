@@ -11,7 +11,8 @@ BOTH = ("pyrometer", "spectrometer")
 
 @dataclass(frozen=True)
 class Effect:
-    """One thing that may be wrong, as a change of the base model; amplitude 0 changes nothing, to the last bit.
+    """One thing that may be wrong, as a change of the base model; amplitude 0 changes nothing, to the last
+    bit.
 
     `light(scene, amplitude, **shape)` and `output(output, amplitude, **shape)` return a changed copy;
     `clock(kind, amplitude, shape)` a shift of time [s]. `sigma` is the standard deviation of the prior of the

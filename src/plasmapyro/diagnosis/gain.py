@@ -35,7 +35,8 @@ class Gain:
     def improves(self):
         """Whether held-out data speak for the terms by more than `ENOUGH`.
 
-        The standard error, from the scatter of the blocks, is reported, not asked for: a term that acts in one
+        The standard error, from the scatter of the blocks, is reported, not asked for: a term that acts in
+        one
         phase gains in few blocks, and the scatter is then as large as the gain.
         """
         return self.total > ENOUGH
@@ -43,7 +44,9 @@ class Gain:
 
 def blocks_of(off):
     """Blocks (start, end) [s] that are held out, one at a time."""
-    return tuple(block for block in BLOCKS if block[1] < off) + tuple((off + a, off + b) for a, b in AFTER_BLOCKS)
+    return tuple(block for block in BLOCKS if block[1] < off) + tuple(
+        (off + a, off + b) for a, b in AFTER_BLOCKS
+    )
 
 
 def log_score(model, solution, chosen):
@@ -52,7 +55,8 @@ def log_score(model, solution, chosen):
     .. math:: \ln p(y_b | y_{-b}) = -\tfrac12\left[ r'^T (\Sigma_b + J_b M^{-1} J_b^T)^{-1} r'
               + \ln\det(\Sigma_b + J_b M^{-1} J_b^T)\right], \qquad M = A - A_b
 
-    with the residuals :math:`r'` of the fit without the block; :math:`\ln\det\Sigma_b`, the same for all models, is
+    with the residuals :math:`r'` of the fit without the block; :math:`\ln\det\Sigma_b`, the same for all
+    models, is
     left out.
 
     Parameters
@@ -69,7 +73,8 @@ def log_score(model, solution, chosen):
     residuals = [r[s] for r, s in zip(solution.residual, chosen, strict=True)]
     weighers = [w.of(s) for w, s in zip(solution.weighers, chosen, strict=True)]
     patterns = [
-        (place, row[chosen[place]]) for place, row in own_patterns(model.instruments, solution.plain, solution.gas)
+        (place, row[chosen[place]])
+        for place, row in own_patterns(model.instruments, solution.plain, solution.gas)
     ]
     block, vector = gram(columns, patterns, weighers, residuals)
     whole = np.triu(solution.factor[0])
@@ -83,7 +88,9 @@ def log_score(model, solution, chosen):
     pull = vector - block @ moved
     full = (solution.factor[0], solution.factor[1])
     quadratic = chi2 - pull @ cho_solve(full, pull)
-    log_determinant = 2 * (np.sum(np.log(np.abs(np.diag(full[0])))) - np.sum(np.log(np.abs(np.diag(rest[0])))))
+    log_determinant = 2 * (
+        np.sum(np.log(np.abs(np.diag(full[0])))) - np.sum(np.log(np.abs(np.diag(rest[0]))))
+    )
     return -0.5 * (quadratic + log_determinant)
 
 
@@ -112,6 +119,9 @@ def gain(model, base, extended):
     spread = float(np.std(values, ddof=1) * np.sqrt(values.size)) if values.size > 1 else float("inf")
     cross = None
     if len(model.instruments) == 2:
-        chosen = [np.full(time.size, one.kind == "pyrometer") for time, one in zip(times, model.instruments, strict=True)]
+        chosen = [
+            np.full(time.size, one.kind == "pyrometer")
+            for time, one in zip(times, model.instruments, strict=True)
+        ]
         cross = float(log_score(model, extended, chosen) - log_score(model, base, chosen))
     return Gain(tuple(found), float(values.sum()), spread, cross)

@@ -23,7 +23,8 @@ LINE_GRID_POINTS = 160_000  # only sets which lines are listed
 def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth):
     r"""Spectra of the gas as a slit shows them, varied one property at a time.
 
-    Each is the simulated spectrum times the ratio of two spectra of optically thin gas; what adds light is given
+    Each is the simulated spectrum times the ratio of two spectra of optically thin gas; what adds light is
+    given
     as that light.
 
     Parameters
@@ -40,8 +41,10 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     -------
     Dataset, contract 'gas_variations'
         `varied_radiance` (variation, level, wavelength_slit) at `variation_amplitude` (variation, level):
-        temperature of the core, ripple of the temperature, temperature of excitation of the atoms and of vibration
-        of N2 (relative), optical depth of the strongest line; and `added_radiance` (addition, wavelength_slit):
+        temperature of the core, ripple of the temperature, temperature of excitation of the atoms and of
+        vibration
+        of N2 (relative), optical depth of the strongest line; and `added_radiance` (addition,
+        wavelength_slit):
         reflected as by a mirror and a matt surface per 1 - emittance, a wall of 1600 K, CN at the wall.
 
     Notes

@@ -156,11 +156,12 @@ def warmer_wall(distance, temperature, wall_temperature, depth):
 
 
 def self_absorbed(radiance, optical_depth, factor):
-    r"""Spectrum (..., G) if the gas were `factor` times as opaque: :math:`L (1 - e^{-x})/x`, :math:`x = f\tau`.
+    r"""Spectrum (..., G) of a gas `factor` times as opaque: :math:`L (1 - e^{-x})/x`, :math:`x = f\tau`.
 
     Notes
     -----
-    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed evenly.
+    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
+    evenly.
     """
     depth = factor * optical_depth
     escaped = np.ones_like(depth)

@@ -123,7 +123,11 @@ def gram(columns, patterns, weighers, residuals):
         matrix[:k, :k] += root.T @ root
         weighted = weigher(residual)
         vector[:k] += column.reshape(-1, k).T @ weighted.ravel()
-        mine = [(slice(a, a + n), row) for a, n, (at, row) in zip(starts, sizes, patterns, strict=False) if at == place]
+        mine = [
+            (slice(a, a + n), row)
+            for a, n, (at, row) in zip(starts, sizes, patterns, strict=False)
+            if at == place
+        ]
         if not mine:
             continue
         by_channel = np.ascontiguousarray(column.transpose(1, 0, 2))
@@ -283,9 +287,7 @@ class Fitter:
             chi2 += float(np.sum(residual * weigher(residual)))
         penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
         penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
-        for (_, _, centre, sigma, _, _), number in zip(
-            free_numbers(settings), state.amplitudes, strict=True
-        ):
+        for (_, _, centre, sigma, _, _), number in zip(free_numbers(settings), state.amplitudes, strict=True):
             penalty += ((number - centre) / sigma) ** 2
         patterns = self._patterns(state)
         penalty += np.sum(self.pattern_prior * patterns**2)

@@ -49,9 +49,7 @@ class PaperShift:
         if self.which is not None:
             self.moment = model.instruments[self.which].moment.mean(axis=1)
             temperature = model.history.basis(self.moment) @ solution.state.knots
-            self.judged = (
-                (self.moment >= JUDGED[0]) & (self.moment <= JUDGED[1]) & (temperature > COLDEST)
-            )
+            self.judged = (self.moment >= JUDGED[0]) & (self.moment <= JUDGED[1]) & (temperature > COLDEST)
             self.plain = self._read(())
 
     def _read(self, settings):
@@ -74,7 +72,8 @@ class PaperShift:
 
 
 def fitted_shift(model, solution, found, index, amplitude):
-    """Shift [K] of the fitted temperature if a term of some amplitude is left out, where it is worst, and when."""
+    """Shift [K] of the fitted temperature if a term of some amplitude is left out, where it is worst, and
+    when."""
     knots = model.history.knots
     judged = (knots >= JUDGED[0]) & (knots <= JUDGED[1]) & (solution.state.knots > COLDEST)
     change = np.where(judged, found.shift[:, index] * amplitude, 0.0)

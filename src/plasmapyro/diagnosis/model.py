@@ -70,7 +70,8 @@ class History:
         ]
 
     def roughness(self):
-        """Rows (R, K) of second differences over their prior [1]: smoothness of the heating and the cooling."""
+        """Rows (R, K) of second differences over their prior [1]: smoothness of the heating and the
+        cooling."""
         rows = []
         for chosen, start in ((self.before, self.knots[0]), (self.after, self.off)):
             place = np.flatnonzero(chosen)
@@ -94,7 +95,8 @@ def knots(edges, injection, off, end):
 
 
 class Model:
-    """Signals of all instruments as a function of the knots of the temperature, of parameters and of terms."""
+    """Signals of all instruments as a function of the knots of the temperature, of parameters and of
+    terms."""
 
     def __init__(self, instruments, library, history, parameters, off, emittance, response, lamp):
         self.instruments, self.library, self.history = instruments, library, history

@@ -1,4 +1,5 @@
-"""How noisy each instrument is, from what neighbours in time do not share once the base model is taken away."""
+"""How noisy each instrument is, from what neighbours in time do not share once the base model is taken
+away."""
 
 from dataclasses import dataclass, replace
 
@@ -21,8 +22,10 @@ START_FLICKER = 0.01
 
 @dataclass(frozen=True)
 class NoiseModel:
-    r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory from
-    sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `tail`: samples
+    r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
+    from
+    sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `tail`:
+    samples
     beyond 4 standard deviations over what a normal law has."""
 
     constant: float
@@ -46,7 +49,8 @@ def first_guess(model, gas):
 
 
 def differences(values, chosen):
-    """First and second-neighbour differences of consecutive chosen samples (t, ...): V1 and V2 of [1, 2] steps."""
+    """First and second-neighbour differences of consecutive chosen samples (t, ...): V1 and V2 of [1, 2]
+    steps."""
     one = np.flatnonzero(chosen[1:] & chosen[:-1])
     two = np.flatnonzero(chosen[2:] & chosen[1:-1] & chosen[:-2])
     return values[one + 1] - values[one], values[two + 2] - values[two], one
@@ -77,7 +81,9 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
     same = np.zeros(used.size, dtype=bool)
     same[1:] = phase[1:] == phase[:-1]
-    pixels = np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    pixels = (
+        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    )
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.channels == 2:
         law, memory, flicker, flicker_memory, left = _two_bands(residual, prediction, gas, used, same)
@@ -112,7 +118,9 @@ def _two_bands(residual, prediction, gas, used, same):
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     flicker, flicker_memory = 0.0, 0.0
     apart = relative[:, 0] / np.maximum(share[:, 0], 1e-9) - relative[:, 1] / np.maximum(share[:, 1], 1e-9)
-    total = (relative[:, 0] / np.maximum(share[:, 0], 1e-9) + relative[:, 1] / np.maximum(share[:, 1], 1e-9)) / 2
+    total = (
+        relative[:, 0] / np.maximum(share[:, 0], 1e-9) + relative[:, 1] / np.maximum(share[:, 1], 1e-9)
+    ) / 2
     one, two, place = differences(apart, bright)
     own = same[place + 1]
     if own.sum() >= 8:
@@ -274,7 +282,9 @@ def _memory(residual, prediction, used, law, factor, pixels):
 def on_bins(model_noise, instrument, prediction):
     """`Noise` of the bins of an instrument, from that of its samples."""
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
-    pixels = np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    pixels = (
+        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    )
     one = sample_variance(
         model_noise.constant, model_noise.linear, model_noise.quadratic, prediction, factor, pixels
     )

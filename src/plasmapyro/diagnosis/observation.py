@@ -17,7 +17,8 @@ class Instrument:
     """One instrument on bins: C channels (two bands, or P wavelength bins) seen through M wavelength nodes.
 
     `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, 2) [s] the
-    two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from the
+    two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from
+    the
     radiance at the nodes to the channels, or None where each channel is its node; `gain` (C,) from there to
     the unit of the values; `gas_map` (M, K) from a spectrum of the library to the nodes.
     """
@@ -72,7 +73,8 @@ def band_weights(edges, response_wavelength, responsivity, oversampling=12):
 
 
 def band_gas_map(edges, wavelength, response_wavelength, responsivity):
-    """Matrix (M, K) from a spectrum on equal steps to its responsivity-weighted means over the nodes of a band.
+    """Matrix (M, K) from a spectrum on equal steps to its responsivity-weighted means over the nodes of a
+    band.
 
     Weight times mean is the signal of the spectrum. Nodes that the band hardly sees hold the plain mean.
     """

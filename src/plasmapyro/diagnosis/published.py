@@ -1,4 +1,5 @@
-"""The published experiment: which power its errors imply, and what could make a weaker plasma look like a stronger one."""
+"""The published experiment: which power its errors imply, and what could make a weaker plasma look like a
+stronger one."""
 
 import numpy as np
 
@@ -7,7 +8,8 @@ from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio, sign
 from plasmapyro.radiation.bandsignal import gridded_signal
 
 THRESHOLDS = ((1350.0, 0.01), (1120.0, 0.10), (1600.0, 0.002))
-"""Surface temperature [K] and relative error of the reading there: Fagnani et al., sec. 5.2. ASSUME: the steady
+"""Surface temperature [K] and relative error of the reading there: Fagnani et al., sec. 5.2. ASSUME: the
+steady
 state, whose temperature the paper shows in a figure only, is read at 1600 K."""
 COMPARED = (80e3, 90e3)  # [W] simulations that the reference spectrum resembles, sec. 5.3
 EFFICIENCY = (56e3, 64e3)  # [W] 35 to 40 % of 160 kW, sec. 4.1
@@ -68,7 +70,8 @@ def implied_powers(library, reader):
 
 
 def explain(library, reader, emittance, steps=60):
-    """What each explanation must amount to so that the weaker plasma of the library gives the published errors.
+    """What each explanation must amount to so that the weaker plasma of the library gives the published
+    errors.
 
     Parameters
     ----------
@@ -80,12 +83,16 @@ def explain(library, reader, emittance, steps=60):
 
     Returns
     -------
-    list of dict: id, name, amplitude, power [W] or None, errors (3,), misfit (root mean square of the logarithms of
-        the errors over the published ones), line, hump (factors of the gas's light), needed line and hump ranges
+    list of dict: id, name, amplitude, power [W] or None, errors (3,), misfit (root mean square of the
+    logarithms of
+        the errors over the published ones), line, hump (factors of the gas's light), needed line and hump
+        ranges
         under 'needed'.
     """
     rows = []
-    needed = np.array([_factors(library, library.base * library.power_factor(np.log(p / library.power))) for p in COMPARED])
+    needed = np.array(
+        [_factors(library, library.base * library.power_factor(np.log(p / library.power))) for p in COMPARED]
+    )
     for identity, (name, amplitudes, change) in show.explanations(library, emittance).items():
         tried = np.linspace(amplitudes[0], amplitudes[-1], steps)
         results = []

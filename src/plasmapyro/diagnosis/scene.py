@@ -11,9 +11,11 @@ from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 class Scene:
     """Light on its way to one instrument at the instants (n, 2) on the nodes (M,).
 
-    Terms return a changed copy. `spectrum` (K,) is the gas after injection on the axis `spectral_axis`, `gas_gain`
+    Terms return a changed copy. `spectrum` (K,) is the gas after injection on the axis `spectral_axis`,
+    `gas_gain`
     (n, 2) its brightness; `more_gas` holds further (time weight (n, 2), spectrum (K,)) pairs; `emittance` and
-    `path` broadcast against (n, 2, M); `glow` (n, 2, M) is the black body the spot amounts to; `added` (n, 2, M)
+    `path` broadcast against (n, 2, M); `glow` (n, 2, M) is the black body the spot amounts to; `added` (n,
+    2, M)
     reaches the instrument without having been emitted by surface or gas.
     """
 
@@ -61,7 +63,8 @@ class Scene:
 class Output:
     """What an instrument shows: `value` (n, C) [A or W m-2 sr-1 m-1], and what its faults may depend on.
 
-    `factor` (C,): radiance per count rate of the spectrometer, None for the pyrometer; `gas_level` (C,): signal of
+    `factor` (C,): radiance per count rate of the spectrometer, None for the pyrometer; `gas_level` (C,):
+    signal of
     the gas alone after injection; `full_scale` (C,): largest value of the test.
     """
 
@@ -80,7 +83,8 @@ class Output:
 
 
 def planck(wavelength, temperature):
-    """Black body (..., M) at the temperatures (...), without the guards of `radiation.planck`: it runs often."""
+    """Black body (..., M) at the temperatures (...), without the guards of `radiation.planck`: it runs
+    often."""
     x = SECOND_RADIATION / (wavelength * temperature[..., None])
     return FIRST_RADIATION / wavelength**5 / np.expm1(x)
 

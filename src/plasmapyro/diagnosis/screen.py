@@ -41,7 +41,8 @@ class Structure:
 class Screen:
     """What the data say about directions beside the base fit.
 
-    `score` (m,) and `information` (m, m) of all columns (candidates first) with the fitted parameters projected out;
+    `score` (m,) and `information` (m, m) of all columns (candidates first) with the fitted parameters
+    projected out;
     `left` (m,) the share of each column's information that the base parameters leave.
     """
 
@@ -59,7 +60,9 @@ class Screen:
 
     def gains(self):
         """Chi-squared gained by each candidate alone (candidates,)."""
-        return gain(self.score[: self.count], np.diag(self.information)[: self.count], self.left[: self.count])
+        return gain(
+            self.score[: self.count], np.diag(self.information)[: self.count], self.left[: self.count]
+        )
 
     def amplitudes(self):
         """Best amplitude of each candidate alone."""
@@ -108,10 +111,13 @@ def columns_of_candidates(model, solution, exclude=()):
 
 
 def structures_of(model, solution):
-    """Unknown structures: dense columns (n, C, m) per instrument, patterns over the channels, and their classes.
+    """Unknown structures: dense columns (n, C, m) per instrument, patterns over the channels, and their
+    classes.
 
-    Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or adds to
-    the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of the ratio
+    Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
+    adds to
+    the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of the
+    ratio
     of the bands and of each band.
 
     Returns
@@ -142,8 +148,16 @@ def structures_of(model, solution):
 
         walk, wave = _walk(time), _waves(time, model.off)
         if one.kind == "spectrometer":
-            add("walk_spectrometer", "wandering gain of the spectrometer", only(value[..., None] * walk[:, None, :]))
-            add("wave_spectrometer", "periodic gain of the spectrometer", only(value[..., None] * wave[:, None, :]))
+            add(
+                "walk_spectrometer",
+                "wandering gain of the spectrometer",
+                only(value[..., None] * walk[:, None, :]),
+            )
+            add(
+                "wave_spectrometer",
+                "periodic gain of the spectrometer",
+                only(value[..., None] * wave[:, None, :]),
+            )
             for identity, name, row in _spectral_patterns(model, solution, time, value, gas):
                 patterns.append((place, row))
                 named.append((identity, name, one.channels))
@@ -163,7 +177,9 @@ def structures_of(model, solution):
         classes.append(Structure(identity, name, slice(total, total + channels)))
         total += channels
     singles = [
-        Structure(f"one_{one.id}", SINGLE_NAMES[one.id.split("_")[0]].format(name=one.name), one.columns, True)
+        Structure(
+            f"one_{one.id}", SINGLE_NAMES[one.id.split("_")[0]].format(name=one.name), one.columns, True
+        )
         for one in classes
         if one.id.split("_")[0] in SINGLE_NAMES and one.id != "walk_gas"
     ]
@@ -194,7 +210,8 @@ def _walk(time):
 
 
 def _waves(time, off):
-    """Oscillations (n, m) with periods from `SHORTEST_PERIOD` to the length of the test, at three phases each."""
+    """Oscillations (n, m) with periods from `SHORTEST_PERIOD` to the length of the test, at three phases
+    each."""
     span = max(off, 4 * SHORTEST_PERIOD)
     periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
     phases = np.arange(3) * np.pi / 3
@@ -310,7 +327,8 @@ class Unknowns:
                 self.parts.append((place, value[good], vector[:, good]))
 
     def __call__(self, scores):
-        """Log Bayes factors (..., classes) of scores (..., m): the best scale, less the price of having tried."""
+        """Log Bayes factors (..., classes) of scores (..., m): the best scale, less the price of having
+        tried."""
         result = []
         for place, value, vector in self.parts:
             q = scores[..., place] if vector is None else scores[..., place] @ vector
@@ -318,7 +336,9 @@ class Unknowns:
             for scale in SCALES:
                 loss, won = np.log1p(scale**2 * value), q**2 / (value + scale**-2)
                 if vector is None:
-                    log_bayes = 0.5 * np.max(np.where(value > 0, won - loss, 0.0), axis=-1) - np.log(value.size)
+                    log_bayes = 0.5 * np.max(np.where(value > 0, won - loss, 0.0), axis=-1) - np.log(
+                        value.size
+                    )
                 else:
                     log_bayes = 0.5 * np.sum(won, axis=-1) - 0.5 * np.sum(loss)
                 best = np.maximum(best, log_bayes)

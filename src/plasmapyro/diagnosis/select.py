@@ -1,4 +1,5 @@
-"""Which terms the data ask for: forward steps with non-linear refits, backward steps, and what stays unknown."""
+"""Which terms the data ask for: forward steps with non-linear refits, backward steps, and what stays
+unknown."""
 
 from dataclasses import dataclass, replace
 
@@ -209,7 +210,8 @@ class Selector:
         return Selection(tuple(steps), final, sets, trials, status, unknown, limits)
 
     def _wandering(self, step):
-        """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is in."""
+        """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is
+        in."""
         found = step.found.structures[int(step.unknown.argmax())].id
         used = [setting.id for setting in step.solution.settings]
         if found != "walk_gas" or WANDER in self.exclude or len(used) >= MOST_TERMS:

@@ -16,7 +16,7 @@ def verdict_sentences(status, candidates, terms, p_value, unknown_name, gained, 
     unsure : list of str
         Why the base fit is not adequate, or parameters far from their priors.
     """
-    p = f"p < {10 ** -int(3)}" if p_value < 1e-3 else f"p = {p_value:.2g}"
+    p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
     lines = []
     if status == "null":
         lines.append("The data agree with the base model: nothing that the program knows of is needed.")
@@ -49,10 +49,11 @@ def verdict_sentences(status, candidates, terms, p_value, unknown_name, gained, 
 
 def candidate_sentence(entry):
     """One sentence about a candidate: how large, and what it costs."""
-    size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g} {entry['unit'].replace('1', '', 1) if entry['unit'] == '1' else entry['unit']}"
+    unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+    size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g}{unit}"
     shift = entry["temperature_shift"]
     return (
-        f"{entry['name'][0].upper()}{entry['name'][1:]}: {entry['amplitude_name']} {size.strip()};"
+        f"{entry['name'][0].upper()}{entry['name'][1:]}: {entry['amplitude_name']} {size};"
         f" left out, it shifts the corrected temperature of the paper by {shift['paper']:+.1f} K"
         f" and the fitted one by {shift['base']:+.1f} K where it is worst."
     )

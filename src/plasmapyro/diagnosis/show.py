@@ -90,7 +90,7 @@ def phase_table(model, z):
 def kappa(model, fitter, solution):
     r"""Step at the end of the plasma over the gas before it, 1 if nothing but the gas goes out.
 
-    .. math:: \kappa = \frac{[S(t_{off}^-) - S(t_{off}^+)] - [\text{the same of the model without gas}]}{S_{gas}}
+    .. math:: \kappa = \frac{[S(t_{off}^-) - S(t_{off}^+)] - [\text{the same without gas}]}{S_{gas}}
 
     The fall of the surface's light between the two sides is taken from the fitted temperature.
     """
@@ -134,7 +134,8 @@ def kappa(model, fitter, solution):
 
 
 def emittance_loop(model, fitter, solution):
-    """Apparent emittance against temperature: light of the surface over the black body, from the clearest channels."""
+    """Apparent emittance against temperature: light of the surface over the black body, from the clearest
+    channels."""
     one = model.instruments[-1]
     noise, gas, predicted = fitter.noise[-1], solution.gas[-1], solution.prediction[-1]
     time = one.moment.mean(axis=1)
@@ -242,7 +243,8 @@ def _away(one, other, errors):
 
 
 def explanations(library, emittance):
-    """The six explanations of a line and a hump that differ from the simulation, as changes of the spectrum."""
+    """The six explanations of a line and a hump that differ from the simulation, as changes of the
+    spectrum."""
     one = library.addition["reflected_specular"]
     many = library.addition["reflected_diffuse"]
     power = np.log(np.array([0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4, 1.6]))
@@ -273,7 +275,11 @@ def explanations(library, emittance):
             np.linspace(-0.12, 0.12, 9),
             lambda a: library.base * library.factor("core_temperature", a),
         ),
-        "path": ("path length or grey calibration", np.linspace(-0.5, 1.0, 7), lambda a: library.base * (1 + a)),
+        "path": (
+            "path length or grey calibration",
+            np.linspace(-0.5, 1.0, 7),
+            lambda a: library.base * (1 + a),
+        ),
     }
 
 
@@ -314,18 +320,32 @@ def series(model, z):
     correlation, quantile = [], []
     for one, own in zip(model.instruments, z, strict=True):
         for kind, channels in channel_kinds(one).items():
-            mean = np.nansum(own[:, channels], axis=1) / np.sqrt(np.maximum(np.isfinite(own[:, channels]).sum(axis=1), 1))
+            mean = np.nansum(own[:, channels], axis=1) / np.sqrt(
+                np.maximum(np.isfinite(own[:, channels]).sum(axis=1), 1)
+            )
             centred = mean - mean.mean()
             power = np.sum(centred**2)
-            lags = [float(np.sum(centred[k:] * centred[:-k]) / power) if power else 0.0 for k in range(1, LAGS + 1)]
+            lags = [
+                float(np.sum(centred[k:] * centred[:-k]) / power) if power else 0.0
+                for k in range(1, LAGS + 1)
+            ]
             correlation.append(
-                {"channel": kind, "lag": list(range(1, LAGS + 1)), "value": lags, "band": float(1.96 / np.sqrt(mean.size))}
+                {
+                    "channel": kind,
+                    "lag": list(range(1, LAGS + 1)),
+                    "value": lags,
+                    "band": float(1.96 / np.sqrt(mean.size)),
+                }
             )
             flat = own[:, channels]
             flat = flat[np.isfinite(flat)]
             share = (np.arange(41) + 0.5) / 41
             quantile.append(
-                {"channel": kind, "normal": numbers(stats.norm.ppf(share)), "residual": numbers(np.quantile(flat, share))}
+                {
+                    "channel": kind,
+                    "normal": numbers(stats.norm.ppf(share)),
+                    "residual": numbers(np.quantile(flat, share)),
+                }
             )
     return correlation, quantile
 
@@ -344,5 +364,3 @@ def profile(solution, size):
             }
         )
     return rows
-
-

@@ -21,7 +21,9 @@ from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
 SCHEMA = "plasmapyro-diagnosis-1"
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
 PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
-LARGEST_MISFIT = 1.25  # chi-squared per number, beyond which single causes are not judged, if nothing explains it
+LARGEST_MISFIT = (
+    1.25  # chi-squared per number, beyond which single causes are not judged, if nothing explains it
+)
 NEED_VARIATIONS = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "refl", "bl", "CN")
 SHOWN = 12  # candidates in the report besides those named
 ASSUMPTIONS = (
@@ -87,7 +89,9 @@ def diagnose(
     """
     unknown = set(exclude) - set(EFFECTS)
     if unknown:
-        raise ValueError(f"exclude must name effects among {', '.join(EFFECTS)}; got {', '.join(sorted(unknown))}")
+        raise ValueError(
+            f"exclude must name effects among {', '.join(EFFECTS)}; got {', '.join(sorted(unknown))}"
+        )
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     condition = str(test.attrs["condition"])
     library = gas_library(condition, radiation, powers, variations, fwhm=fwhm)
@@ -234,7 +238,10 @@ class _Report:
         if not self.base.solution.converged:
             return "not-adequate", "The base fit did not converge."
         if status == "null" and misfit > LARGEST_MISFIT:
-            return "not-adequate", f"Chi-squared per number stays at {misfit:.2f} although nothing explains it."
+            return (
+                "not-adequate",
+                f"Chi-squared per number stays at {misfit:.2f} although nothing explains it.",
+            )
         return status, ""
 
     def _dataset(self):
@@ -385,7 +392,11 @@ class _Report:
 
     def _place(self, final, term):
         """Row of the amplitude of a term in the covariance."""
-        rows = [j for j, number in enumerate(free_numbers(final.settings)) if number[0] == term and number[1] is None]
+        rows = [
+            j
+            for j, number in enumerate(free_numbers(final.settings))
+            if number[0] == term and number[1] is None
+        ]
         return self.size + rows[0]
 
     def _probability(self, first):
@@ -440,7 +451,9 @@ class _Report:
                     "measurement": effect.measurement,
                 }
             )
-        rows.sort(key=lambda row: -(row["temperature_prior"] if row["invisible"] else row["temperature_5sigma"]))
+        rows.sort(
+            key=lambda row: -(row["temperature_prior"] if row["invisible"] else row["temperature_5sigma"])
+        )
         rows.sort(key=lambda row: not row["invisible"])
         return rows
 
@@ -604,7 +617,10 @@ class _Report:
                 np.maximum(np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis), 0)
             )
             keep = times >= 0
-            return [np.where(keep, values, np.nan) for values in (mean, mean - 1.96 * spread, mean + 1.96 * spread)]
+            return [
+                np.where(keep, values, np.nan)
+                for values in (mean, mean - 1.96 * spread, mean + 1.96 * spread)
+            ]
 
         base = estimate(self.base.solution)
         extended = estimate(final) if applied else base

@@ -8,7 +8,9 @@ from scipy.interpolate import CubicSpline
 
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
-ATOMIC_GAP = 2.2e-9  # [m]; lines of an atom closer than this share a strength (a multiplet and its neighbours)
+ATOMIC_GAP = (
+    2.2e-9  # [m]; lines of an atom closer than this share a strength (a multiplet and its neighbours)
+)
 MOLECULAR_EDGES = (
     np.array([700, 800, 945, 1200]) * 1e-9
 )  # [m] between sequences of N2 1P (2, 1, 0 more vibration)
@@ -86,7 +88,8 @@ def line_groups(wavelength, component, radiance):
 
     Notes
     -----
-    ASSUME: lines of one atom within 2.2 nm (a multiplet and its neighbours) share an error of strength, as do the
+    ASSUME: lines of one atom within 2.2 nm (a multiplet and its neighbours) share an error of strength, as
+    do the
     bands of N2 1P of one sequence.
     """
     names, rows = [], []

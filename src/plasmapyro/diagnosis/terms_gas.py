@@ -1,4 +1,5 @@
-"""Terms of the gas: other spectra from the radiation engine, other histories, matter that does not belong there."""
+"""Terms of the gas: other spectra from the radiation engine, other histories, matter that does not belong
+there."""
 
 from functools import lru_cache
 
@@ -35,9 +36,9 @@ def drift(scene, amplitude, **waves):
     change = amplitude * scene.exposure
     if waves:
         values = [waves[f"hat_{place}"] for place in range(len(waves))]
-        change = change + np.interp(scene.exposure, np.linspace(0, 1, len(waves) + 1)[1:], values, left=0.0) * (
-            scene.time > 0
-        )
+        change = change + np.interp(
+            scene.exposure, np.linspace(0, 1, len(waves) + 1)[1:], values, left=0.0
+        ) * (scene.time > 0)
     return scene.but(gas_gain=scene.gas_gain * (1 + change))
 
 
@@ -46,7 +47,8 @@ LARGEST_WAVE = 0.3  # [1]
 
 
 def continuum(scene, amplitude):
-    r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the mean light."""
+    r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the mean
+    light."""
     axis = scene.spectral_axis
     shape = axis**-2.0 * np.exp(-SECOND_RADIATION / (axis * CONTINUUM_TEMPERATURE))
     more = shape * (0.01 * scene.library.base.mean() / shape.mean())
@@ -99,7 +101,8 @@ def foreign(*species):
 
 
 def cyanogen(scene, amplitude, *, growth, decay):
-    """CN at the wall: starts with the oxidation of carbon, fades as oxide seals; 1 is a hundredth of the light."""
+    """CN at the wall: starts with the oxidation of carbon, fades as oxide seals; 1 is a hundredth of the
+    light."""
     light = scene.library.addition["cyanogen"]
     light = light * (0.01 * scene.library.base.sum() / light.sum())
     share = (

@@ -52,7 +52,8 @@ def torch_glow(scene, amplitude, *, temperature, decay):
 
 
 def gradient(scene, amplitude):
-    r"""Unequal temperature over the spot: :math:`B + \tfrac12 \sigma_T^2 B''`; amplitude :math:`\sigma_T` [K].
+    r"""Unequal temperature over the spot: :math:`B + \tfrac12 \sigma_T^2 B''`; amplitude :math:`\sigma_T`
+    [K].
 
     ASSUME: the standard deviation goes with the area of the spot, 14 and 10 mm across.
     """
