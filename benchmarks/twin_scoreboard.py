@@ -352,7 +352,7 @@ def figure(rows, path):
     ends = np.array([5.0, 100.0])
     for factor, style in ((1, "-"), (3, "--")):
         axes[0].plot(ends, ends / factor, "k" + style, lw=0.7)
-    axes[0].annotate("3x better", (90, 14), fontsize=7)
+    axes[0].annotate("3x better", (5.2, 2.6), fontsize=7)
     axes[0].set(xlabel="rms error of the subtraction [K]", ylabel="rms error of the joint estimate [K]")
     starts = [row["paper_start"] for row in rows if row["paper_start"] is not None]
     axes[1].plot(np.sort(starts), np.arange(1, len(starts) + 1) / len(rows), "0.4", label="subtraction")
