@@ -17,18 +17,24 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "analysis": {"instrument", "radiation"},
     "design": {"gas", "sightline", "radiation", "instrument", "analysis"},
     "experiment": {"instrument", "analysis", "radiation"},
-    "readers": {
+    "forward": {"radiation"},
+    "estimate": {"forward", "experiment", "instrument", "radiation"},
+    "readers": {  # files in, datasets out: the one group that knows files
         "contracts",
         "io",
         "experiment",
         "instrument",
         "radiation",
-    },  # files in, datasets out: the one group that knows files
+    },
+    "diagnosis": {"gas", "radiation", "instrument", "experiment", "contracts", "io"},  # files: only `command`
     "claims": set(),
     "plots": {"contracts", "io"},
     "report": set(),
     "cfd": {"gas", "sightline", "readers", "configuration", "io"},  # files of other programs in, ours out
     "commands": {  # behind the command line
+        "diagnosis",
+        "estimate",
+        "design",
         "io",
         "contracts",
         "configuration",

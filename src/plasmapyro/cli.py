@@ -9,7 +9,7 @@ import traceback
 import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
-from plasmapyro.commands import calibrate, check, correct, radiance, sightline, trust
+from plasmapyro.commands import calibrate, check, correct, diagnose, radiance, sightline, trust
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 BAR_LENGTH, BAR_PERIOD = 30, 0.1  # characters; [s]
@@ -53,7 +53,7 @@ def parser():
     """The argument parser of all subcommands; each sets `run`, a function (options, progress)."""
     top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (check, calibrate, correct, trust, sightline, radiance):
+    for command in (check, calibrate, correct, diagnose, trust, sightline, radiance):
         command.add(commands)
     return top
 
@@ -69,13 +69,13 @@ def main(arguments=None):
     Returns
     -------
     int
-        Exit status: 0 done, 2 bad input or usage, 1 a fault of ours.
+        Exit status: 0 done, 2 bad input or usage, 1 a fault of ours; what a command says otherwise.
     """
     options = parser().parse_args(arguments)
     # What the library logs, the commands say in their own words.
     logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
     try:
-        options.run(options, Progress(sys.stderr))
+        status = options.run(options, Progress(sys.stderr))
     except (ValueError, OSError) as fault:
         sys.stderr.write(f"plasmapyro: {fault}\n")
         return BAD_INPUT
@@ -86,4 +86,4 @@ def main(arguments=None):
         traceback.print_exc()
         sys.stderr.write("plasmapyro: this is a fault of the program, not of your input; please report it\n")
         return FAULT_OF_OURS
-    return DONE
+    return status or DONE

@@ -72,6 +72,37 @@ VARIABLES = {
     "velocity_change": Variable("m s-1", "largest velocity change of the Newton step", 0),
     "temperature_change": Variable("1", "largest relative temperature change of the Newton step", 0),
     "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
+    # diagnosis
+    "variation": Variable("", "property of the gas that is varied"),
+    "addition": Variable("", "light that is added to that of the gas"),
+    "variation_amplitude": Variable(
+        "1", "relative change of the property; optical depth of the strongest line"
+    ),
+    "varied_radiance": Variable(
+        RADIANCE, "radiance of the gas with one property varied, through the slit", 0
+    ),
+    "added_radiance": Variable(
+        RADIANCE, "light that may be added to that of the gas, through the slit", -1e12
+    ),
+    "model": Variable("", "model: base, or with the terms that the data ask for"),
+    "time_bin": Variable("s", "time since injection, middle of the bin"),
+    "time_edge": Variable("s", "ends of the time bin"),
+    "wavelength_bin": Variable("m", "wavelength in vacuum, middle of the bin", 1e-7, 2e-5),
+    "wavelength_edge": Variable("m", "ends of the wavelength bin, in vacuum", 1e-7, 2e-5),
+    "measured_radiance": Variable(RADIANCE, "measured spectral radiance, mean of the bin", nan_allowed=True),
+    "modelled_radiance": Variable(RADIANCE, "modelled spectral radiance, mean of the bin", nan_allowed=True),
+    "radiance_residual": Variable(
+        "1", "measured less modelled, over the standard deviation", nan_allowed=True
+    ),
+    "measured_signal": Variable("A", "measured band signal, mean of the bin", nan_allowed=True),
+    "modelled_signal": Variable("A", "modelled band signal, mean of the bin", nan_allowed=True),
+    "signal_residual": Variable("1", "measured less modelled, over the standard deviation", nan_allowed=True),
+    "paper_temperature": Variable("K", "corrected temperature by the method of the paper", nan_allowed=True),
+    **{
+        f"{kind}_temperature{end}": Variable("K", f"temperature by the {kind} model{what}", nan_allowed=True)
+        for kind in ("base", "extended")
+        for end, what in (("", ""), ("_low", ", 2.5 % quantile"), ("_high", ", 97.5 % quantile"))
+    },
     # analysis
     "gas_signal": Variable("W m-2 sr-1", "band signal of the gas along the line of sight", 0, 1e9),
     "sample_emittance": Variable("1", "grey emittance of the surface in the condition", 0, 1),
@@ -128,7 +159,6 @@ VARIABLES = {
         RADIANCE, "mean spectral radiance of the gas in the bin, line of sight", -1.0
     ),
     "incident_binned": Variable(RADIANCE, "mean radiance a perfect reflector would send back", -1.0),
-    "wavelength_edge": Variable("m", "edges of the bins, in vacuum", 1e-7, 2e-5),
     "design": Variable("", "pyrometer"),
     "design_kind": Variable("", "how the pyrometer was found"),
     "design_detector": Variable("", "its detector"),
@@ -235,6 +265,22 @@ VARIABLES = {
     ),
     "corrected_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
     "corrected_status": Variable("1", "status of the corrected temperature, see flag_meanings", -1, 9),
+    "surface_temperature": Variable("K", "surface temperature, joint estimate", 100, 1e4, nan_allowed=True),
+    "surface_temperature_uncertainty": Variable("K", "its standard uncertainty", 0, 1e4, nan_allowed=True),
+    "surface_temperature_interval": Variable(
+        "K", "ends of its 95 % interval, 2.5 and 97.5 %", 1, 1e5, nan_allowed=True
+    ),
+    "estimate_status": Variable("1", "status of the joint estimate, see flag_meanings", -1, 9),
+    "estimated_surface_share": Variable("1", "estimated share of the surface in a signal", 0, 1, True),
+    "gas_amplitude": Variable("1", "gas light over that right after injection", 0, 1e4),
+    "gas_amplitude_uncertainty": Variable("1", "its standard uncertainty", 0, 1e4),
+    "gas_current": Variable("A", "signal of the gas right after injection, joint estimate"),
+    "gas_current_uncertainty": Variable("A", "its standard uncertainty", 0, 1e3),
+    "estimated_emittance": Variable("1", "grey emittance of the surface, joint estimate", 0, 10),
+    "estimated_emittance_uncertainty": Variable("1", "its standard uncertainty", 0, 10),
+    "gain_correction": Variable("1", "relative change of the absolute sensitivity", -1, 10),
+    "gain_correction_uncertainty": Variable("1", "its standard uncertainty", 0, 10),
+    "whitened_residual": Variable("1", "signal less model over the noise", nan_allowed=True),
     "reference_radiance": Variable(RADIANCE, "spectral radiance of the gas, L_ref", nan_allowed=True),
     "corrected_radiance": Variable(RADIANCE, "spectral radiance of the surface, L_corr", nan_allowed=True),
     "radiance_noise": Variable(
@@ -498,6 +544,36 @@ DATASETS = {
         "own_uncertainty": ("setup",),
         "numerical_power": ("condition",),
     },
+    "gas_variations": {
+        "variation": ("variation",),
+        "variation_amplitude": ("variation", "level"),
+        "varied_radiance": ("variation", "level", "wavelength_slit"),
+        "addition": ("addition",),
+        "added_radiance": ("addition", "wavelength_slit"),
+        "wavelength_slit": ("wavelength_slit",),
+    },
+    "residual_map": {
+        "time_bin": ("time_bin",),
+        "time_edge": ("time_bin", "bound"),
+        "model": ("model",),
+        "wavelength_bin?": ("wavelength_bin",),
+        "wavelength_edge?": ("wavelength_bin", "bound"),
+        "measured_radiance?": ("time_bin", "wavelength_bin"),
+        "modelled_radiance?": ("model", "time_bin", "wavelength_bin"),
+        "radiance_residual?": ("model", "time_bin", "wavelength_bin"),
+        "measured_signal?": ("band", "time_bin"),
+        "modelled_signal?": ("model", "band", "time_bin"),
+        "signal_residual?": ("model", "band", "time_bin"),
+    },
+    "diagnosis_temperature": {
+        "time_bin": ("time_bin",),
+        "paper_temperature": ("time_bin",),
+        **{
+            f"{kind}_temperature{end}": ("time_bin",)
+            for kind in ("base", "extended")
+            for end in ("", "_low", "_high")
+        },
+    },
     "spectrum": {
         "wavelength": ("wavelength",),
         "component": ("component",),
@@ -628,6 +704,34 @@ DATASETS = {
         },
         "instrument_range": ("bound",),
         "fit_range": ("bound",),
+    },
+    "joint_estimate": {
+        "time": ("time",),
+        "band": ("band",),
+        **{
+            name: ("time",)
+            for name in (
+                "surface_temperature",
+                "surface_temperature_uncertainty",
+                "estimate_status",
+                "gas_amplitude",
+                "gas_amplitude_uncertainty",
+            )
+        },
+        "surface_temperature_interval": ("bound", "time"),
+        "estimated_surface_share": ("band", "time"),
+        "whitened_residual": ("band", "time"),
+        **{
+            name: ("band",)
+            for name in (
+                "gas_current",
+                "gas_current_uncertainty",
+                "gain_correction",
+                "gain_correction_uncertainty",
+            )
+        },
+        "estimated_emittance": (),
+        "estimated_emittance_uncertainty": (),
     },
     "spectrometer_correction": {
         "spectrum_time": ("spectrum_time",),

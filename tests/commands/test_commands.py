@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from plasmapyro import cli, io
-from plasmapyro.commands import calibrate, correct
+from plasmapyro.commands import calibrate, joint
 from plasmapyro.experiment import status
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -208,16 +208,20 @@ def test_impossible_options_are_refused_before_anything_is_read(word, capsys):
     assert word.split("=")[0] in capsys.readouterr().err
 
 
-def test_an_estimator_is_plugged_in_by_name(shelf, tmp_path, monkeypatch):
-    seen = []
+def test_the_joint_estimator_gives_a_temperature_near_the_subtraction(shelf, tmp_path):
+    assert corrected(shelf, "both.nc", tmp_path / "j.nc", "--estimator", "joint") == 0
+    assert corrected(shelf, "both.nc", tmp_path / "r.nc") == 0
+    joint = io.read(tmp_path / "j.nc", "joint_estimate")
+    paper = io.read(tmp_path / "r.nc", "correction").corrected_temperature
+    late = paper.time > paper.time[-1] - 5
+    difference = (joint.surface_temperature - paper).where(late).mean()
+    assert abs(difference) < 3 * joint.surface_temperature_uncertainty.where(late).mean() + 25
+    assert joint.attrs["origin"] == "synthetic"
 
-    def other(test, calibrations, options, progress):
-        seen.append((sorted(calibrations), options.seed))
-        return correct.by_reference(test, calibrations, options, progress)
 
-    monkeypatch.setitem(correct.ESTIMATORS, "other", other)
-    assert corrected(shelf, "both.nc", tmp_path / "t.nc", "--estimator", "other") == 0
-    assert seen == [(["calibration", "spectrometer_calibration"], 2)]
+def test_the_joint_estimator_needs_the_pyrometer(shelf, tmp_path, capsys):
+    assert corrected(shelf, "spectra.nc", tmp_path / "j.nc", "--estimator", "joint") == 2
+    assert "use --estimator reference" in capsys.readouterr().err
 
 
 def test_check_says_what_is_there(shelf, capsys):
@@ -311,8 +315,14 @@ def test_defaults_are_those_of_the_main_job():
         assert options[name] == spectrometer[name]
     assert options["temperature_range_k"] == spectrometer["temperature_range_k"]
     assert options["normalisation_nm"] == spectrometer["normalisation_wavelength_nm"]
+    scale = {"um": 1e-6, "nm": 1e-9, "s": 1.0, "k": 1.0}
+    for key, value in config["experiment"]["joint_estimate"].items():
+        name, _, unit = key.rpartition("_")
+        found = joint.SETTINGS.get(key, joint.SETTINGS.get(name, options.get(key)))
+        assert found == pytest.approx(
+            value * (1 if key in (*joint.SETTINGS, *options) else scale[unit]), abs=0
+        )
     response = {k: v for k, v in config["instrument"]["response"].items() if k != "silicon_table"}
-    scale = {"um": 1e-6, "nm": 1e-9}
     for key, value in response.items():
         name, unit = key.rsplit("_", 1)
         assert calibrate.RESPONSE[name] == pytest.approx(value * scale[unit], rel=1e-12)

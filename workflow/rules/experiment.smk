@@ -65,3 +65,26 @@ rule spectrometer_correction:
         **config["experiment"]["spectrometer"],
     script:
         "../scripts/spectrometer_correction.py"
+
+
+rule joint_estimate:
+    input:
+        test=test_file,
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer=lambda wildcards: (
+            spectrometer_calibration_of(wildcards)
+            if "spectrometer" in TESTS[wildcards.test]["instruments"]
+            else []
+        ),
+    output:
+        "results/experiment/{test}/joint_estimate.nc",
+    log:
+        "results/logs/joint_estimate_{test}.log",
+    benchmark:
+        "results/benchmarks/joint_estimate_{test}.tsv"
+    params:
+        **config["experiment"]["joint_estimate"],
+        instruments=lambda wildcards: TESTS[wildcards.test]["instruments"],
+    script:
+        "../scripts/joint_estimate.py"

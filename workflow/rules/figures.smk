@@ -1,7 +1,13 @@
 # Each rule draws one family of figures from the netCDF of the stages that it shows.
 FORMATS = ["svg", "png"]
 TEST_FIGURES = {  # by the instruments that they need
-    ("pyrometer",): ["fig8b_sample_emittance", "fig9a_signals", "fig9b_temperatures", "fig9c_error"],
+    ("pyrometer",): [
+        "fig8b_sample_emittance",
+        "fig9a_signals",
+        "fig9b_temperatures",
+        "fig9c_error",
+        "joint_estimate",
+    ],
     ("spectrometer",): ["fig10a_reference_spectrum", "fig10b_normalised_spectra"],
     ("pyrometer", "spectrometer"): ["fig10c_two_instruments"],
 }
@@ -209,3 +215,15 @@ rule figures_design:
         shown=list(CONDITIONS)[:: max(1, len(CONDITIONS) // 3)],
     script:
         "../scripts/figures_design.py"
+
+
+rule figures_joint:
+    input:
+        correction="results/experiment/{test}/pyrometer_correction.nc",
+        joint="results/experiment/{test}/joint_estimate.nc",
+    output:
+        joint_estimate=drawn_of_test("joint_estimate"),
+    log:
+        "results/logs/figures_joint_{test}.log",
+    script:
+        "../scripts/figures_joint.py"

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import io
+from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.experiment import onset, status
 from plasmapyro.experiment.inputs import faults, instruments
@@ -28,6 +29,9 @@ The method (--estimator reference) is the one of the paper: what both instrument
 window, when the plasma shines and the sample is still dark, is subtracted until the plasma is switched off.
 The two-colour temperature follows from the ratio of the corrected signals, the spectrometer's from fits of
 Planck's law to the corrected spectra. Pyrometer and spectrometer may each be absent.
+
+--estimator joint infers one temperature from both bands in absolute units, their ratio and, if present, the
+spectra, and follows the gas through the test (docs/estimator.md). It needs the pyrometer.
 
 TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
 `plasmapyro check`."""
@@ -139,12 +143,13 @@ def run(options, progress):
         progress.warn(words)
     if "surface" in found and not options.keep_window:
         raise ValueError("choose another --reference-window, or go on with --keep-window")
-    result = ESTIMATORS[options.estimator](test, calibrations, options, progress)
+    estimator, contract = ESTIMATORS[options.estimator]
+    result = estimator(test, calibrations, options, progress)
     progress.step(f"writing {options.out}")
     io.write(
         result,
         options.out,
-        "correction",
+        contract,
         sources=[*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)],
         config={"correct": _settings(options)},
     )
@@ -250,7 +255,8 @@ def window_findings(test):
     return {}
 
 
-ESTIMATORS = {"reference": by_reference}  # name -> function (test, calibrations, options, progress)
+# name -> function (test, calibrations, options, progress) and the contract of what it returns
+ESTIMATORS = {"reference": (by_reference, "correction"), "joint": (by_joint_inference, "joint_estimate")}
 
 
 def summary(result):
@@ -259,6 +265,7 @@ def summary(result):
     for name, axis, state in (
         ("corrected_temperature", "time", "corrected_status"),
         ("spectrometer_temperature", "spectrum_time", "spectrum_status"),
+        ("surface_temperature", "time", "estimate_status"),
     ):
         if name not in result:
             continue

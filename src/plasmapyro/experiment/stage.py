@@ -203,7 +203,7 @@ def correct_spectra(
     """
     test = inputs.require(test, "spectrometer")
     time, wavelength = test.spectrum_time.values, test.wavelength.values
-    radiance, pixels, saturated = _radiance(test, spectrometer_calibration, saturation_counts)
+    radiance, pixels, saturated = calibrated_radiance(test, spectrometer_calibration, saturation_counts)
     reference = radiance[_reference_index(test, reference_time)]
     injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
     corrected = signals.corrected_signal(radiance.T, reference, injected, shining).T
@@ -306,7 +306,7 @@ def _window_attributes(instrument, test, time, pair):
     return found
 
 
-def _radiance(test, calibration, saturation_counts):
+def calibrated_radiance(test, calibration, saturation_counts):
     """Radiance (S, W), NaN where unusable; status (W,) of the pixels; where the converter clipped (S, W)."""
     if calibration is None:
         if "spectral_radiance" not in test.variables:

@@ -173,3 +173,39 @@ def two_instruments(pyrometer, spectra, paths):
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(low - 100, high))
     style.mark_origin(axes, pyrometer, spectra)
     style.save(drawing, paths)
+
+
+def joint_temperature(corrected, joint, paths):
+    """Temperatures as measured, after the subtraction, and of the joint estimate; below, the gas amplitude.
+
+    Parameters
+    ----------
+    corrected : Dataset, contract 'pyrometer_correction'
+    joint : Dataset, contract 'joint_estimate'
+    paths : paths of the files to write
+    """
+    drawing, (axes, lower) = style.figure(size=(4.6, 4.0), nrows=2, sharex=True, height_ratios=(3, 1))
+    time, best = joint.time, joint.surface_temperature
+    trusted = corrected.corrected_temperature.where(corrected.corrected_status != GAS_DOMINATED)
+    axes.plot(
+        corrected.time, corrected.measured_temperature, ".", ms=1.0, color="0.6", label="$T_{app}^{meas}$"
+    )
+    axes.plot(corrected.time, trusted, ".", ms=1.0, color=style.NARROW, alpha=0.5, label="$T_{app}^{corr}$")
+    low, high = joint.surface_temperature_interval.values
+    axes.fill_between(time, low, high, color=style.WIDE, alpha=0.3, lw=0, label="95 %")
+    axes.plot(time, best, color=style.WIDE, lw=0.9, label="joint estimate")
+    axes.legend(markerscale=5, ncols=2)
+    start = float(time.where(best.notnull()).min()) if best.notnull().any() else 0.0
+    axes.annotate(
+        f"from {start:.1f} s", (start, float(best.min())), (20, 2), textcoords="offset points", fontsize=6.5
+    )
+    readable = np.concatenate([best.values, trusted.values])
+    axes.set(
+        ylabel="Temperature [K]", ylim=(np.nanmin(readable) - 80, np.nanpercentile(readable, 99.5) + 120)
+    )
+    gas, spread = joint.gas_amplitude, 2 * joint.gas_amplitude_uncertainty
+    lower.fill_between(time, gas - spread, gas + spread, color=style.NARROW, alpha=0.25, lw=0)
+    lower.plot(time, gas, color=style.NARROW, lw=0.9)
+    lower.set(xlabel="Time after injection $t$ [s]", ylabel="Gas amplitude [–]", ylim=(0, None))
+    style.mark_origin(axes, corrected, joint)
+    style.save(drawing, paths)

@@ -1,0 +1,83 @@
+"""`plasmapyro diagnose`: what the simulation of a test gets wrong."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from plasmapyro import io
+from plasmapyro.diagnosis import command as diagnosis
+from plasmapyro.readers.stage import read_test
+
+DESCRIPTION = """\
+Compare a test with the simulation of its condition: where they depart, which effect of a catalogue
+explains it (or that none does), what that costs in kelvin, and the temperature with the effect in the model.
+
+TEST is a netCDF file (contract 'test') or a folder with test.nc, or with raw files and test.yaml."""
+EXAMPLE = """\
+example:
+  plasmapyro diagnose results/twin/csic_160kW --radiance results/radiation \\
+      --instrument results/instrument --out diagnosis
+
+writes diagnosis.json, residual_map.nc, temperature.nc and index.html, all or none.
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours; with
+--fail-on-finding also 3 a cause was named, 4 something is wrong that no known cause explains"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "diagnose",
+        help="what a simulation gets wrong",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("test", metavar="TEST", help="test folder or netCDF file")
+    command.add_argument(
+        "--radiance", required=True, metavar="FOLDER", help="spectra of all conditions, {condition}.nc"
+    )
+    command.add_argument(
+        "--instrument",
+        required=True,
+        metavar="FOLDER",
+        help="response.nc, calibration.nc, spectrometer_calibration.nc",
+    )
+    command.add_argument(
+        "--variations",
+        metavar="FOLDER",
+        help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
+    )
+    command.add_argument("--out", required=True, metavar="FOLDER", help="where the four files go")
+    command.add_argument(
+        "--without",
+        nargs="*",
+        default=[],
+        metavar="EFFECT",
+        help="effects to leave out",
+    )
+    command.add_argument(
+        "--fail-on-finding",
+        action="store_true",
+        help="exit status 3 or 4 for a finding",
+    )
+
+
+def run(options, progress):
+    """Run `plasmapyro diagnose`: test in, four files out."""
+    out = Path(options.out)
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"{out}: is a file; name a folder")
+    progress.step(f"reading {options.test}")
+    path = Path(options.test)
+    test = path / "test.nc" if path.is_dir() and not (path / "test.yaml").exists() else path
+    data = io.read(test, "test") if test.is_file() else read_test(test)
+    inputs = diagnosis.load_inputs(options.radiance, options.instrument, options.variations)
+    progress.step("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
+    digest = io.digest(test) if test.is_file() else None
+    result = diagnosis.diagnose_test(data, inputs, without=tuple(options.without), digest=digest)
+    progress.step(f"writing {out}")
+    diagnosis.write_all(result, out, sources=[test] if test.is_file() else [], page=diagnosis.page_writer())
+    sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
+    progress.step("done")
+    return diagnosis.exit_status(result.report, options.fail_on_finding)

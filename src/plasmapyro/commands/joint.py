@@ -1,0 +1,54 @@
+"""The estimator `joint` of `plasmapyro correct`: one temperature from all that the instruments give."""
+
+from plasmapyro import io
+from plasmapyro.estimate.stage import estimate
+
+# As experiment.joint_estimate of the workflow's configuration, in SI.
+SETTINGS = {
+    "gas_drift": 0.1,
+    "gas_flicker": 0.01,
+    "gas_flicker_time": 0.3,
+    "gas_change": 0.03,
+    "band_shift_uncertainty": 1e-9,
+    "initial_temperature": 350.0,
+    "initial_temperature_uncertainty": 50.0,
+    "scale_uncertainty": 0.03,
+    "bin_uncertainty": 0.002,
+    "injection_time_span": 1.0,
+    "plasma_off_time_span": 0.3,
+    "least_surface_share": 0.5,
+    "largest_uncertainty": 0.03,
+}
+
+
+def by_joint_inference(test, calibrations, options, progress):
+    """Surface temperature inferred from bands and spectra together.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test', with the pyrometer
+    calibrations : mapping of contract name -> Dataset, what the instrument folder holds
+    options : Namespace of the command line
+    progress : `cli.Progress`
+
+    Returns
+    -------
+    Dataset, contract 'joint_estimate'
+
+    Raises
+    ------
+    ValueError
+        If the test has no pyrometer.
+    """
+    if "signal_wide" not in test:
+        raise ValueError("--estimator joint needs the pyrometer's signals; use --estimator reference")
+    progress.step("inferring the temperature from all samples together: some 5 s")
+    return estimate(
+        test,
+        calibrations["calibration"],
+        io.read(f"{options.instrument}/response.nc", "response"),
+        calibrations.get("spectrometer_calibration"),
+        **SETTINGS,
+        saturation_counts=options.saturation_counts,
+        noise_block=options.noise_block_pixels,
+    )

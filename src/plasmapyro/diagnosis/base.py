@@ -1,0 +1,155 @@
+"""The base fit: first with round numbers for the noise, then with the noise that the data show."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plasmapyro.diagnosis import noise as noises
+from plasmapyro.diagnosis.inference import Fitter, Solution
+from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE, Model
+
+START_TIME, START_LEVEL = 14.0, 1550.0  # of the first guess of the temperature [s], [K]
+LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
+SEEN = 0.5  # [1], of the gas: light of the surface from which a temperature can be guessed
+
+
+@dataclass(frozen=True)
+class Base:
+    """Model with cleaned data, noise, fitter and the fit."""
+
+    model: Model
+    noise_models: tuple
+    fitter: Fitter
+    solution: Solution
+
+
+def guess_temperature(model):
+    """First temperatures of the knots (K,) [K], from the whole light of the last instrument less that of the
+    gas.
+
+    Before the surface outshines half the gas, a parabola that starts at the first temperature of the model.
+    """
+    history, which = model.history, len(model.instruments) - 1
+    one = model.instruments[which]
+    share = 1.0 if one.factor is None else 1 / one.factor
+    total = np.nansum(one.value * share, axis=1)
+    total[~np.isfinite(one.value).all(axis=1)] = np.nan
+    values = np.array([parameter.centre for parameter in model.parameters])
+    middle = one.moment.mean(axis=1)
+    burning = (middle > 0) & (middle < model.off)
+    gas = np.where(burning, np.nanmedian(total[(middle > 0) & (middle < 5.0)]), 0.0)
+    ladder = np.linspace(LEAST_GUESS, MOST_GUESS, 60)
+    dark = int(np.argmax(middle >= model.off)) if (middle >= model.off).any() else middle.size - 1
+    flat = [
+        np.sum((model.evaluate(which, np.full(history.knots.size, kelvin), values) * share)[dark])
+        for kelvin in (INITIAL_TEMPERATURE, *ladder)
+    ]
+    table = np.log(np.maximum(np.array(flat[1:]) - (flat[0] if burning[dark] else 0.0), 1e-300))
+    light = total - gas
+    seen = np.flatnonzero((middle > 0) & (light > SEEN * gas) & (light > 0))
+    if seen.size < 4:
+        return INITIAL_TEMPERATURE + (START_LEVEL - INITIAL_TEMPERATURE) * -np.expm1(
+            -np.maximum(history.knots, 0) / START_TIME
+        )
+    found = 1 / np.interp(np.log(light[seen]), table, 1 / ladder)
+    result = np.interp(history.knots, middle[seen], found)
+    first, at = found[0], middle[seen][0]
+    early = history.knots < at
+    result[early] = INITIAL_TEMPERATURE + (first - INITIAL_TEMPERATURE) * (
+        1 - (1 - history.knots[early] / at) ** 1.5
+    )
+    return np.clip(result, 300.0, MOST_GUESS)
+
+
+def raw_model(model):
+    """The same model with every sample as its own bin."""
+    instruments = [
+        replace(one, moment=one.raw_moment, value=one.raw, number=np.ones_like(one.raw))
+        for one in model.instruments
+    ]
+    return Model(
+        instruments,
+        model.library,
+        model.history,
+        model.parameters,
+        model.off,
+        model.emittance,
+        model.response,
+        model.lamp,
+    )
+
+
+def phase_of(time, off):
+    """0 before injection, 1 with plasma, 2 after it, for the times (t,)."""
+    return (time >= 0).astype(int) + (time >= off).astype(int)
+
+
+def renoised(model, solution, settings=()):
+    """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
+    raw = raw_model(model)
+    found, instruments, bins = [], [], []
+    flicker = None
+    for which, one in enumerate(model.instruments):
+        state = solution.state
+        value = raw.evaluate(which, state.knots, state.values, solution.settings)
+        plain = value
+        more = state.values.copy()
+        more[model.index["gas"]] += 1e-3
+        gas = (raw.evaluate(which, state.knots, more, solution.settings) - plain) / 1e-3
+        gas = np.maximum(gas, 0.0)
+        value = plain * (1 + state.pattern[which]) + state.dark[which] + state.lines[which] * gas
+        residual = np.where((one.raw_bin >= 0)[:, None], one.raw - value, np.nan)
+        phase = phase_of(one.raw_moment.mean(axis=1), model.off)
+        law, left = noises.estimate(one, residual, value, gas, phase, flicker)
+        flicker = (law.flicker, law.flicker_memory, float(np.median(np.diff(one.raw_moment[:, 0]))))
+        pixels = np.ones(one.channels) if one.pixel_edges is None else np.diff(one.pixel_edges)
+        factor = np.ones(one.channels) if one.factor is None else one.factor
+        sigma = np.sqrt(
+            noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
+            + law.flicker * gas**2
+        )
+        # A slow misfit is no outlier: samples are judged against the others of their bin.
+        mean, _ = noises.binning.mean_in_bins(left, one.raw_bin, one.value.shape[0])
+        own = np.where(one.raw_bin[:, None] >= 0, mean[one.raw_bin], 0.0)
+        cleaned = noises.without_outliers(one, left - np.nan_to_num(own), sigma)
+        found.append(law)
+        instruments.append(cleaned)
+        bins.append(noises.on_bins(law, cleaned, solution.prediction[which]))
+    return model_with(model, instruments), tuple(found), bins
+
+
+def model_with(model, instruments):
+    """The model on other data."""
+    return Model(
+        instruments,
+        model.library,
+        model.history,
+        model.parameters,
+        model.off,
+        model.emittance,
+        model.response,
+        model.lamp,
+    )
+
+
+def fit_base(model, rounds=2):
+    """Base fit with the noise that its own residuals show.
+
+    Returns
+    -------
+    Base
+    """
+    values = np.array([parameter.centre for parameter in model.parameters])
+    cold = np.full(model.size, 300.0)
+    gas = [
+        model.evaluate(which, cold, values) * (one.moment[:, :1] < model.off)
+        for which, one in enumerate(model.instruments)
+    ]
+    fitter = Fitter(model, noises.first_guess(model, gas))
+    solution = fitter.fit(fitter.start(guess_temperature(model)), tolerance=20.0)
+    laws = ()
+    for last in range(rounds):
+        model, laws, bins = renoised(model, solution)
+        fitter = Fitter(model, bins)
+        solution = fitter.fit(solution.state, tolerance=0.02 if last == rounds - 1 else 5.0)
+    return Base(model, laws, fitter, solution)

@@ -1,0 +1,230 @@
+"""Files in, files out: what `plasmapyro diagnose` and the workflow call."""
+
+import importlib
+import importlib.util
+import json
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import xarray as xr
+
+from plasmapyro import contracts, io
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.stage import diagnose
+from plasmapyro.experiment.inputs import faults
+from plasmapyro.tables import weakest
+
+SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
+VARIATIONS = "radiation_variations"  # folder beside that of the radiance
+NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html")
+FINDINGS = {"named": 3, "one-of": 3, "named+unknown": 3, "unknown": 4}  # exit status with --fail-on-finding
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Everything but the test, read once: spectra of all conditions, their powers, variations, instrument."""
+
+    radiation: dict
+    powers: dict
+    variations: dict
+    response: xr.Dataset
+    calibration: xr.Dataset | None
+    spectrometer_calibration: xr.Dataset | None
+    origin: str
+    digests: dict
+
+
+def load_inputs(radiance, instrument, variations=None, powers=None):
+    """Read the stage files that a diagnosis compares with.
+
+    Parameters
+    ----------
+    radiance : folder of `{condition}.nc`, contract 'radiation'
+    instrument : folder with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as
+    needed
+    variations : folder of `{condition}.nc`, contract 'gas_variations'; beside `radiance` by default
+    powers : mapping condition -> float [W], optional
+        By default the number at the beginning of the name of the condition, in kW.
+
+    Returns
+    -------
+    Inputs
+
+    Raises
+    ------
+    ContractError
+        A file that is missing or breaches its contract.
+    """
+    radiance, instrument = Path(radiance), Path(instrument)
+    files = sorted(radiance.glob("*.nc"))
+    if not files:
+        raise contracts.ContractError(f"{radiance}: holds no spectra ({{condition}}.nc)")
+    keep = ["wavelength_slit", "gas_radiance_slit", "gas_radiance_component_slit", "component"]
+    spectra = {}
+    for path in files:
+        whole = io.read(path, "radiation")
+        spectra[path.stem] = whole[keep[1:3]].assign_attrs(whole.attrs)
+    folder = Path(variations) if variations else radiance.parent / VARIATIONS
+    varied = {
+        path.stem: io.read(path, "gas_variations")
+        for path in sorted(folder.glob("*.nc"))
+        if path.stem in spectra
+    }
+    found = {
+        name: instrument / f"{name}.nc" for name in ("response", "calibration", "spectrometer_calibration")
+    }
+    read = {
+        name: io.read(path, name) if name == "response" or path.exists() else None
+        for name, path in found.items()
+    }
+    used = [*files, *(path for path in found.values() if path.exists())]
+    origins = [
+        one.attrs.get("origin", "modelled") for one in (*spectra.values(), *read.values()) if one is not None
+    ]
+    return Inputs(
+        radiation=spectra,
+        powers=powers or {name: _power(name) for name in spectra},
+        variations=varied,
+        response=read["response"],
+        calibration=read["calibration"],
+        spectrometer_calibration=read["spectrometer_calibration"],
+        origin=weakest(origins),
+        digests={
+            path.name if path.parent == instrument else f"radiation/{path.name}": io.digest(path)
+            for path in used
+        },
+    )
+
+
+def _power(condition):
+    """Power [W] that the name of a condition begins with, such as 80kW."""
+    digits = condition.lower().partition("kw")[0]
+    try:
+        return float(digits) * 1e3
+    except ValueError:
+        raise contracts.ContractError(
+            f"condition {condition!r}: its name does not begin with a power in kW, as 80kW does"
+        ) from None
+
+
+def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=1, digest=None):
+    """Diagnose a test, from a file or a dataset.
+
+    Parameters
+    ----------
+    test : path of a netCDF file, or Dataset, contract 'test'
+    inputs : Inputs
+    without : ids of effects that are taken out of the catalogue
+    catalogue : mapping id -> Effect, optional
+        Entries that replace those of the catalogue.
+    draws, seed : int
+        Simulated nulls behind the thresholds.
+
+    Returns
+    -------
+    stage.Diagnosis
+
+    Raises
+    ------
+    ValueError
+        A test that cannot be processed, with every fault; a condition without a spectrum.
+    """
+    if not isinstance(test, xr.Dataset):
+        digest, test = io.digest(test), io.read(test, "test")
+    found = faults(test)
+    if found:
+        raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
+    condition = str(test.attrs.get("condition", ""))
+    if condition not in inputs.radiation:
+        raise ValueError(
+            f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"
+        )
+    provenance = {
+        "version": version("plasmapyro"),
+        "files": inputs.digests,
+        "test": digest or "",
+        "origin": weakest([inputs.origin, str(test.attrs.get("origin", "measured"))]),
+    }
+    with _with_entries(catalogue or {}), np.errstate(all="ignore"):
+        return diagnose(
+            test,
+            inputs.radiation,
+            inputs.powers,
+            inputs.variations.get(condition),
+            inputs.response,
+            inputs.calibration,
+            inputs.spectrometer_calibration,
+            exclude=without,
+            draws=draws,
+            seed=seed,
+            provenance=provenance,
+        )
+
+
+@contextmanager
+def _with_entries(entries):
+    """Other entries in the catalogue for as long as the block lasts."""
+    kept = dict(EFFECTS)
+    EFFECTS.update(entries)
+    try:
+        yield
+    finally:
+        EFFECTS.clear()
+        EFFECTS.update(kept)
+
+
+def page_writer():
+    """The function that makes the page, or None where the package has none."""
+    if importlib.util.find_spec("plasmapyro.page") is None:
+        return None
+    return importlib.import_module("plasmapyro.page.stage").write_page
+
+
+def check(report):
+    """Return a report that honours the published schema; raise ValueError else."""
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    fault = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(report))
+    if fault is not None:
+        place = "/".join(str(part) for part in fault.absolute_path)
+        raise ValueError(f"the report breaches its schema at {place}: {fault.message}")
+    return report
+
+
+def write_all(result, folder, *, sources=(), page=None):
+    """Write the files of a diagnosis into a folder, all or none of them.
+
+    Parameters
+    ----------
+    result : stage.Diagnosis
+    folder : path
+    sources : paths of the inputs, whose digests go into the netCDF files
+    page : function (report, residual_map, temperature) -> str, optional
+        Makes `index.html`.
+    """
+    folder = Path(folder)
+    report = check(result.report)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".diagnosis") as name:
+        made = Path(name)
+        io.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", made / "diagnosis.json")
+        io.write(result.residual_map, made / "residual_map.nc", "residual_map", sources=sources)
+        io.write(result.temperature, made / "temperature.nc", "diagnosis_temperature", sources=sources)
+        if page is not None:
+            io.write_text(page(report, result.residual_map, result.temperature), made / "index.html")
+        folder.mkdir(exist_ok=True)
+        for path in sorted(made.iterdir()):
+            os.replace(path, folder / path.name)
+        shutil.rmtree(made, ignore_errors=True)
+        made.mkdir()
+
+
+def exit_status(report, fail_on_finding):
+    """0, or the status of a finding (3 named, 4 unknown) if that is asked for."""
+    return FINDINGS.get(report["verdict"]["status"], 0) if fail_on_finding else 0

@@ -1,0 +1,147 @@
+"""Stage: what the light of the gas would be if something in the gas were not as simulated."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.diagnosis import gas_variations as vary
+from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.slit import through_slit
+from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.transfer import layer_thickness
+
+RIPPLE = (0.0, 0.05, 0.1, 0.15, 0.2)
+CORE = (-0.12, -0.06, 0.0, 0.06, 0.12)
+EXCITATION = (-0.1, -0.05, 0.0, 0.05, 0.1)
+VIBRATION = (-0.3, -0.15, 0.0, 0.15, 0.3)
+DEPTHS = (0.0, 0.25, 0.5, 1.0, 2.0)
+WALL = 1600.0  # [K]
+CARBON_SHARE = 0.01  # CN per particle at the wall, for a spectrum that is scaled afterwards
+CARBON_DEPTH = 5e-3  # [m]
+LINE_GRID_POINTS = 160_000  # only sets which lines are listed
+
+
+def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth):
+    r"""Spectra of the gas as a slit shows them, varied one property at a time.
+
+    Each is the simulated spectrum times the ratio of two spectra of optically thin gas; what adds light is
+    given
+    as that light.
+
+    Parameters
+    ----------
+    sightline : Dataset, contract 'sightline'
+    view : Dataset, contract 'surface_view'
+        For the light that the surface reflects.
+    radiation : Dataset, contract 'radiation'
+    pressure : float [Pa]
+        Of the gas in the field.
+    boundary_layer_depth : float [m]
+
+    Returns
+    -------
+    Dataset, contract 'gas_variations'
+        `varied_radiance` (variation, level, wavelength_slit) at `variation_amplitude` (variation, level):
+        temperature of the core, ripple of the temperature, temperature of excitation of the atoms and of
+        vibration
+        of N2 (relative), optical depth of the strongest line; and `added_radiance` (addition,
+        wavelength_slit):
+        reflected as by a mirror and a matt surface per 1 - emittance, a wall of 1600 K, CN at the wall.
+
+    Notes
+    -----
+    ASSUME: away from the wall a change of temperature leaves the gas in equilibrium at its pressure.
+    """
+    slit, fwhm = radiation["wavelength_slit"].values, float(radiation.attrs["slit_fwhm"])
+    fine = radiation["wavelength"].values
+    base = radiation["gas_radiance_slit"].values
+    lists = line_lists(log_grid((fine[0], fine[-1]), LINE_GRID_POINTS))
+    distance, temperature = sightline["path_distance"].values, sightline["temperature"].values
+    thickness = layer_thickness(distance)
+
+    def tabulated(**change):
+        return vary.Emission(*vary.emission_by_temperature(lists, slit, fwhm, pressure, **change))
+
+    plain = tabulated()
+    thin = plain.along(temperature, thickness)
+
+    def relative(spectrum):
+        return base * spectrum / thin
+
+    rows = {
+        "core_temperature": (CORE, [relative(plain.along(temperature * (1 + x), thickness)) for x in CORE]),
+        "ripple": (RIPPLE, [relative(vary.ripple(plain, temperature, thickness, x)) for x in RIPPLE]),
+        "excitation": (
+            EXCITATION,
+            [relative(tabulated(excitation=1 + x).along(temperature, thickness)) for x in EXCITATION],
+        ),
+        "vibration": (
+            VIBRATION,
+            [relative(tabulated(vibration=1 + x).along(temperature, thickness)) for x in VIBRATION],
+        ),
+    }
+    depth = radiation["optical_depth"].values
+    strongest = depth.max()
+    total = radiation["gas_radiance"].values
+    spectra = np.stack([vary.self_absorbed(total, depth, x / strongest) for x in DEPTHS])
+    seen = through_slit(fine, spectra, slit, fwhm)
+    rows["optical_depth"] = (DEPTHS, list(base * seen / seen[0]))
+
+    incident = np.zeros((2, slit.size))
+    for ray, weight in enumerate(view["ray_weight"].values):
+        along = view["ray_distance"].values[ray]
+        light = plain.along(view["ray_temperature"].values[ray], layer_thickness(along))
+        incident[1 if weight else 0] += light * (weight or 1.0)
+    warm = vary.warmer_wall(distance, temperature, WALL, boundary_layer_depth)
+    wall = relative(plain.along(warm, thickness)) - base
+    additions = {
+        "reflected_specular": relative(incident[0]),
+        "reflected_diffuse": relative(incident[1]),
+        "warm_wall": wall,
+        "cyanogen": _cyanogen(slit, fwhm, fine, distance, temperature, thickness, pressure),
+    }
+    names = list(rows)
+    return xr.Dataset(
+        {
+            "variation_amplitude": (("variation", "level"), np.array([rows[n][0] for n in names])),
+            "varied_radiance": (
+                ("variation", "level", "wavelength_slit"),
+                np.array([rows[n][1] for n in names]),
+            ),
+            "added_radiance": (("addition", "wavelength_slit"), np.array(list(additions.values()))),
+        },
+        {
+            "variation": np.array(names, dtype=object),
+            "addition": np.array(list(additions), dtype=object),
+            "wavelength_slit": slit,
+        },
+        {
+            "title": "Light of the gas with one property varied",
+            "slit_fwhm": fwhm,
+            "optical_depth_simulated": float(strongest),
+            "origin": "modelled",
+        },
+    )
+
+
+def _cyanogen(slit, fwhm, fine, distance, temperature, thickness, pressure):
+    """Red system of CN from a layer at the wall (K,) [W m-2 sr-1 m-1]."""
+    species = ("CN",)
+    (lines,) = [
+        found
+        for found in line_lists(log_grid((fine[0], fine[-1]), LINE_GRID_POINTS), species)
+        if found.component == "CN red"
+    ]
+    histogram = vary.SlitHistogram(1 / lines.wavenumber, slit, fwhm)
+    layers = np.flatnonzero((distance < 4 * CARBON_DEPTH) & (temperature > vary.NODE_RANGE[0]))
+    strength = sum(
+        thickness[layer]
+        * vary.excited_lines(
+            lines,
+            temperature[layer],
+            CARBON_SHARE
+            * np.exp(-distance[layer] / CARBON_DEPTH)
+            * vary.particle_density(pressure, temperature[layer]),
+        )
+        for layer in layers
+    )
+    return np.maximum(histogram(strength), 0)

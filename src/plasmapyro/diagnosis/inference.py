@@ -1,0 +1,482 @@
+"""Least squares with priors and structured noise: the fit of a model, and what is left beside it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE
+
+FAR_OFF = 0.5  # [1]; steps of the logarithm of the power beyond this are cut
+LARGEST = 0.08  # [1], relative step of a temperature
+MOST_STEPS = 25
+LINE_ERROR = 0.01  # [1] of the gas in one channel: single lines, shape of the slit
+WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
+CONVERGED = 0.02  # of the objective, in units of chi-squared
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and that of the
+    brightness of the gas common to the channels of a bin, `flicker` (n,) [1]."""
+
+    variance: np.ndarray
+    flicker: np.ndarray
+
+
+class Weigher:
+    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + f u u^T` per bin.
+
+    Notes
+    -----
+    Source: Sherman-Morrison formula.
+    """
+
+    def __init__(self, noise, gas):
+        self.weight = 1 / noise.variance
+        self.gas = self.weight * gas
+        self.common = noise.flicker / (1 + noise.flicker * np.sum(self.gas * gas, axis=1))
+
+    def __call__(self, rows):
+        """Rows (n, C) or (n, C, k) weighted."""
+        if rows.ndim == 2:
+            inner = np.sum(self.gas * rows, axis=1)
+            return self.weight * rows - self.gas * (self.common * inner)[:, None]
+        inner = np.matmul(self.gas[:, None, :], rows)
+        return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
+
+    def of(self, chosen):
+        """The same for some of the bins (n,)."""
+        part = object.__new__(Weigher)
+        part.weight, part.gas, part.common = self.weight[chosen], self.gas[chosen], self.common[chosen]
+        return part
+
+    def root(self, rows):
+        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k)."""
+        scale = np.sqrt(self.weight)
+        result = rows * scale[..., None]
+        unit = self.gas / np.where(scale > 0, scale, 1.0)  # Sigma_d^-1/2 u
+        length = np.sum(unit * unit, axis=1)
+        # (I + f u u^T)^-1/2 = I - (1 - 1/sqrt(1 + f |u|^2)) u u^T / |u|^2
+        safe = np.where(length > 0, length, 1.0)
+        share = (1 - np.sqrt(np.maximum(1 - self.common * length, 0.0))) / safe
+        inner = np.matmul(unit[:, None, :], result)
+        inner *= share[:, None, None]
+        result -= unit[..., None] * inner
+        return result.reshape(-1, rows.shape[2])
+
+
+def whitened(residual, noise, gas):
+    """Residuals (n, C) over their standard deviations, the common flicker of each bin taken out."""
+    root = np.sqrt(1 / noise.variance)
+    z, u = root * residual, root * gas
+    length = np.sum(u * u, axis=1)
+    share = np.where(length > 0, 1 - 1 / np.sqrt(1 + noise.flicker * length), 0.0)
+    along = np.sum(u * z, axis=1) / np.where(length > 0, length, 1.0)
+    return z - (share * along)[:, None] * u
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a fit stands: knots (K,), values (V,), and for each instrument the pattern and the dark (C,)."""
+
+    knots: np.ndarray
+    values: np.ndarray
+    pattern: tuple
+    dark: tuple
+    lines: tuple  # relative error (C,) of the gas in each channel
+    amplitudes: np.ndarray  # (E,) numbers of the terms that are switched on, see `free_numbers`
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A converged fit: its state, objective, and the pieces that tests of further terms need."""
+
+    state: State
+    settings: tuple
+    objective: float
+    chi2: float
+    count: int
+    converged: bool
+    covariance: np.ndarray  # of knots, values, amplitudes
+    prediction: tuple
+    plain: tuple  # prediction without the patterns of the channels
+    gas: tuple
+    residual: tuple
+    factor: tuple  # Cholesky factor of the normal matrix of everything fitted
+    jacobian: tuple  # (n, C, K + V + E) per instrument
+    weighers: tuple
+
+
+def gram(columns, patterns, weighers, residuals):
+    """Normal matrix and score of dense columns (n, C, k) and of patterns, which come last.
+
+    A pattern (instrument, row (n, C)) stands for one column per channel of that instrument.
+    """
+    k = columns[0].shape[2]
+    sizes = [row.shape[1] for _, row in patterns]
+    starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
+    for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
+        root = weigher.root(column)
+        matrix[:k, :k] += root.T @ root
+        weighted = weigher(residual)
+        vector[:k] += column.reshape(-1, k).T @ weighted.ravel()
+        mine = [
+            (slice(a, a + n), row)
+            for a, n, (at, row) in zip(starts, sizes, patterns, strict=False)
+            if at == place
+        ]
+        if not mine:
+            continue
+        by_channel = np.ascontiguousarray(column.transpose(1, 0, 2))
+        along = np.matmul(weigher.gas[:, None, :], column)[:, 0] * weigher.common[:, None]
+        for part, row in mine:
+            part_cross = np.matmul((row * weigher.weight).T[:, None, :], by_channel)[:, 0]
+            part_cross -= (row * weigher.gas).T @ along
+            matrix[part, :k], matrix[:k, part] = part_cross, part_cross.T
+            vector[part] = np.sum(row * weighted, axis=0)
+            for other, second in mine:
+                block = -(row * weigher.gas).T @ (weigher.common[:, None] * second * weigher.gas)
+                block[np.diag_indices_from(block)] += np.sum(row * second * weigher.weight, axis=0)
+                matrix[part, other] = block
+    return matrix, vector
+
+
+def own_patterns(instruments, values, gases):
+    """Patterns of the base model: a relative error of each channel, its dark, and an error of its gas.
+
+    Returns
+    -------
+    list of (instrument, row (n, C)), as `gram` takes them
+    """
+    return [
+        (place, row)
+        for place, (one, value, gas) in enumerate(zip(instruments, values, gases, strict=True))
+        if one.pattern.any()
+        for row in (value, np.ones_like(value), gas)
+    ]
+
+
+def prior_of_patterns(instruments):
+    """Inverse variances of the patterns in the order of `own_patterns`."""
+    parts = [
+        np.concatenate([1 / one.pattern**2, 1 / one.dark**2, np.full(one.channels, LINE_ERROR**-2.0)])
+        if one.pattern.any()
+        else np.zeros(0)
+        for one in instruments
+    ]
+    return np.concatenate(parts)
+
+
+def free_numbers(settings):
+    """Numbers of terms that a fit moves: (place of the term, name or None for the amplitude, centre, sigma,
+    bounds, step) of each."""
+    found = []
+    for place, setting in enumerate(settings):
+        effect = EFFECTS[setting.id]
+        found.append((place, None, 0.0, WIDE * effect.sigma, effect.bounds, 0.02 * effect.step))
+        for name, (low, high) in effect.shape_bounds.items():
+            if name not in setting.shape:
+                continue  # a simpler version of the term
+            half = (high - low) / 2
+            found.append((place, name, low + half, half, (low, high), 1e-3 * half))
+    return found
+
+
+def with_numbers(settings, numbers):
+    """Terms with the amplitudes and shapes that a state holds."""
+    result = [replace(setting, shape=dict(setting.shape)) for setting in settings]
+    for (place, name, *_), number in zip(free_numbers(settings), numbers, strict=True):
+        if name is None:
+            result[place] = replace(result[place], amplitude=float(number))
+        else:
+            result[place].shape[name] = float(number)
+    return tuple(result)
+
+
+def numbers_of(settings):
+    """The free numbers of terms as they stand."""
+    return np.array(
+        [
+            settings[place].amplitude if name is None else settings[place].shape[name]
+            for place, name, *_ in free_numbers(settings)
+        ]
+    )
+
+
+class Fitter:
+    """Fits a model, with any terms, to the data under one noise."""
+
+    def __init__(self, model, noise, measured=None):
+        self.model, self.noise = model, noise
+        self.measured = measured or [one.value for one in model.instruments]
+        self.rough = model.history.roughness()
+        self.smooth = self.rough.T @ self.rough
+        self.rest = np.full(model.size, INITIAL_TEMPERATURE)
+        self.sigma = np.array([parameter.sigma for parameter in model.parameters])
+        self.centre = np.array([parameter.centre for parameter in model.parameters])
+        self.pattern_prior = prior_of_patterns(model.instruments)
+        self.gas = None  # of the last state whose slopes were taken
+
+    def start(self, knots, settings=()):
+        """A state to begin with."""
+        one = tuple(np.zeros(i.channels) for i in self.model.instruments)
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, one, numbers_of(settings))
+
+    def predict(self, state, settings, *, slopes=False):
+        """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
+        now = with_numbers(settings, state.amplitudes)
+        result = []
+        for which, (pattern, dark, lines) in enumerate(
+            zip(state.pattern, state.dark, state.lines, strict=True)
+        ):
+            found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes)
+            value, slope = found if slopes else (found, None)
+            whole = value * (1 + pattern) + dark
+            if self.gas is not None:
+                whole = whole + lines * self.gas[which]
+            result.append((whole, slope, value))
+        return result
+
+    def jacobian(self, state, settings, predicted):
+        """Columns (n, C, K + V + E) per instrument."""
+        columns = []
+        now = with_numbers(settings, state.amplitudes)
+        for which, (_, slope, value) in enumerate(predicted):
+            free = free_numbers(settings)
+            others = np.empty((*value.shape, self.sigma.size + len(free)))
+            for j, sigma in enumerate(self.sigma):
+                values = state.values.copy()
+                step = 1e-3 * sigma
+                values[j] += step
+                others[..., j] = (self.model.evaluate(which, state.knots, values, now) - value) / step
+            for j, (*_, step) in enumerate(free):
+                numbers = state.amplitudes.copy()
+                numbers[j] += step
+                changed = with_numbers(settings, numbers)
+                other = self.model.evaluate(which, state.knots, state.values, changed)
+                others[..., self.sigma.size + j] = (other - value) / step
+            columns.append(np.concatenate([slope, others], axis=2))
+        return columns
+
+    def gas_of(self, columns):
+        """Signal of the gas (n, C) per instrument."""
+        place = self.model.size + self.model.index["gas"]
+        return [column[..., place] for column in columns]
+
+    def prior(self, settings):
+        """Normal matrix (k, k) of the priors of knots, values and amplitudes."""
+        size, free = self.model.size, free_numbers(settings)
+        k = size + self.sigma.size + len(free)
+        matrix = np.zeros((k, k))
+        matrix[:size, :size] = self.smooth
+        own = np.arange(size, k)
+        matrix[own, own] = 1 / np.concatenate([self.sigma, [number[3] for number in free]]) ** 2
+        return matrix
+
+    def objective(self, state, settings, predicted, gas):
+        """Chi-squared of the data and the whole objective."""
+        chi2 = 0.0
+        for (value, _, _), measured, noise, own in zip(
+            predicted, self.measured, self.noise, gas, strict=True
+        ):
+            residual = np.where(np.isfinite(measured), measured - value, 0.0)
+            weigher = Weigher(noise, own)
+            chi2 += float(np.sum(residual * weigher(residual)))
+        penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
+        penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
+        for (_, _, centre, sigma, _, _), number in zip(free_numbers(settings), state.amplitudes, strict=True):
+            penalty += ((number - centre) / sigma) ** 2
+        patterns = self._patterns(state)
+        penalty += np.sum(self.pattern_prior * patterns**2)
+        return chi2, chi2 + float(penalty)
+
+    def _patterns(self, state):
+        parts = [
+            np.concatenate(three)
+            for *three, one in zip(
+                state.pattern, state.dark, state.lines, self.model.instruments, strict=True
+            )
+            if one.pattern.any()
+        ]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _with_patterns(self, flat):
+        three, place = ([], [], []), 0
+        for one in self.model.instruments:
+            for rows in three:
+                if one.pattern.any():
+                    rows.append(flat[place : place + one.channels])
+                    place += one.channels
+                else:
+                    rows.append(np.zeros(one.channels))
+        return tuple(tuple(rows) for rows in three)
+
+    def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
+        """Damped Gauss-Newton steps from a state until the objective stands still.
+
+        Returns
+        -------
+        Solution
+        """
+        state, damping = start, 0.0
+        predicted = self.predict(state, settings, slopes=True)
+        columns = self.jacobian(state, settings, predicted)
+        gas = self.gas = self.gas_of(columns)
+        predicted = self.predict(state, settings, slopes=True)
+        chi2, objective = self.objective(state, settings, predicted, gas)
+        prior = self.prior(settings)
+        converged = False
+        for _ in range(steps):
+            weighers = [Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True)]
+            residuals = self.residuals(predicted)
+            patterns = own_patterns(self.model.instruments, [p[2] for p in predicted], gas)
+            matrix, vector = gram(columns, patterns, weighers, residuals)
+            k = prior.shape[0]
+            free = free_numbers(settings)
+            centre = np.concatenate([self.rest, self.centre, [number[2] for number in free]])
+            here = np.concatenate([state.knots, state.values, state.amplitudes])
+            matrix[:k, :k] += prior
+            vector[:k] -= prior @ (here - centre)
+            own = np.arange(k, matrix.shape[0])
+            matrix[own, own] += self.pattern_prior
+            patterns = self._patterns(state)
+            vector[k:] -= self.pattern_prior * patterns
+            better = False
+            for _ in range(8):
+                damped = matrix.copy()
+                damped[np.diag_indices_from(damped)] *= 1 + damping
+                step = self._within(damped, vector, state, k, free)
+                size = self.model.size
+                step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
+                scale = self._limit(step)
+                trial = self._moved(state, scale * step, k, patterns, free)
+                new = self.predict(trial, settings)
+                new_chi2, new_objective = self.objective(trial, settings, new, gas)
+                if new_objective <= objective + 1e-9 * abs(objective):
+                    better = True
+                    break
+                damping = max(4 * damping, 1e-3)
+            if not better:
+                converged = True  # no step of any length improves: as close as rounding allows
+                break
+            gain = objective - new_objective
+            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
+            if gain < tolerance and scale == 1.0:
+                converged = True
+            predicted = self.predict(state, settings, slopes=True)
+            columns = self.jacobian(state, settings, predicted)
+            gas = self.gas = self.gas_of(columns)
+            predicted = self.predict(state, settings)
+            chi2, objective = self.objective(state, settings, predicted, gas)
+            if converged:
+                break
+        return self._solution(state, settings, columns, predicted, gas, chi2, objective, converged, prior)
+
+    def residuals(self, predicted):
+        """Measured less predicted (n, C) per instrument, 0 where nothing was measured."""
+        return [
+            np.where(np.isfinite(measured), measured - value, 0.0)
+            for (value, _, _), measured in zip(predicted, self.measured, strict=True)
+        ]
+
+    @staticmethod
+    def _within(matrix, vector, state, k, free):
+        """Step of all numbers; those of terms that would leave their bounds stay where they are."""
+        step = cho_solve(cho_factor(matrix), vector)
+        first = k - len(free)
+        leaving = []
+        for j, (number, (_, _, _, _, (low, high), _)) in enumerate(zip(state.amplitudes, free, strict=True)):
+            there = number + step[first + j]
+            if there < low and number <= low * (1 + 1e-9) or there > high and number >= high * (1 - 1e-9):
+                leaving.append(first + j)
+        if leaving:
+            kept = np.setdiff1d(np.arange(vector.size), leaving)
+            step = np.zeros_like(step)
+            step[kept] = cho_solve(cho_factor(matrix[np.ix_(kept, kept)]), vector[kept])
+        return step
+
+    def _limit(self, step):
+        power = np.abs(step[self.model.size + self.model.index["power"]])
+        return min(1.0, FAR_OFF / max(power, 1e-12))
+
+    def _moved(self, state, step, k, patterns, free):
+        size, count = self.model.size, self.sigma.size
+        pattern, dark, lines = self._with_patterns(patterns + step[k:])
+        return State(
+            np.clip(state.knots + step[:size], 250.0, 4500.0),
+            state.values + step[size : size + count],
+            pattern,
+            dark,
+            lines,
+            np.clip(
+                state.amplitudes + step[size + count : k],
+                [number[4][0] for number in free],
+                [number[4][1] for number in free],
+            ),
+        )
+
+    def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
+        weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
+        residuals = self.residuals(predicted)
+        matrix, _ = gram(
+            columns,
+            own_patterns(self.model.instruments, [p[2] for p in predicted], gas),
+            weighers,
+            residuals,
+        )
+        k = prior.shape[0]
+        matrix[:k, :k] += prior
+        own = np.arange(k, matrix.shape[0])
+        matrix[own, own] += self.pattern_prior
+        factor = cho_factor(matrix)
+        covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
+        return Solution(
+            state=state,
+            settings=with_numbers(settings, state.amplitudes),
+            objective=objective,
+            chi2=chi2,
+            count=int(sum(np.isfinite(measured).sum() for measured in self.measured)),
+            converged=converged,
+            covariance=covariance,
+            prediction=tuple(p[0] for p in predicted),
+            plain=tuple(p[2] for p in predicted),
+            gas=tuple(gas),
+            residual=tuple(residuals),
+            factor=factor,
+            jacobian=tuple(columns),
+            weighers=weighers,
+        )
+
+
+def log_evidence(solution, size):
+    r"""Log of the evidence of a fit with terms, up to what all fits of a data set share.
+
+    .. math:: \ln Z = -\tfrac12 \chi^2_{MAP} + \tfrac12 \ln\det C_{terms} - \sum_j \ln \sigma_j
+
+    with the posterior covariance of the free numbers of the terms and their prior standard deviations.
+
+    Parameters
+    ----------
+    solution : Solution
+    size : int
+        Knots and values, which come before the numbers of the terms in the covariance.
+
+    Notes
+    -----
+    Source: Laplace's approximation; D. J. C. MacKay, Information Theory (2003), chapter 28.
+    """
+    free = free_numbers(solution.settings)
+    if not free:
+        return -0.5 * solution.objective
+    block = solution.covariance[size:, size:]
+    sigma = np.array([number[3] / (WIDE if number[1] is None else 1.0) for number in free])
+    _, log_determinant = np.linalg.slogdet(block)
+    excess = sum(
+        (number / s) ** 2 - (number / (WIDE * s)) ** 2
+        for number, s, one in zip(solution.state.amplitudes, sigma, free, strict=True)
+        if one[1] is None
+    )
+    return float(-0.5 * (solution.objective + excess) + 0.5 * log_determinant - np.sum(np.log(sigma)))

@@ -1,0 +1,265 @@
+"""The base model of a test on bins, with any terms of the catalogue added."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.observation import band_weights
+from plasmapyro.diagnosis.scene import Output, Scene, planck_and_slope
+
+STEP = 1e-4  # of finite differences, in units of the prior
+INITIAL_TEMPERATURE = 350.0  # [K]
+INITIAL_UNCERTAINTY = 40.0  # [K]
+CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after an event,
+CURVATURE_TIME = 15.0  # [s] which falls off with this time
+CURVATURE_FLOOR = 0.01  # [K s-2] to this
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of the base model, 0 in the middle of its prior."""
+
+    id: str
+    name: str
+    sigma: float
+    unit: str = "1"
+    centre: float = 0.0
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A term that is switched on: its amplitude and its other numbers."""
+
+    id: str
+    amplitude: float
+    shape: dict = field(default_factory=dict)
+
+
+class History:
+    """Temperature of the surface as a spline through knots, with a break in slope when the plasma ends."""
+
+    def __init__(self, knots, off):
+        self.knots, self.off = knots, off
+        self.before = knots <= off + 1e-9
+        self.after = knots >= off - 1e-9
+
+    def basis(self, time):
+        """Weights (..., K) of the knots at the times (...); before injection those of the first knot."""
+        time = np.asarray(time, dtype=float)
+        weights = np.zeros((*time.shape, self.knots.size))
+        early = time <= self.off
+        for (chosen, spline), inside in zip(self._splines, (early, ~early), strict=True):
+            if spline is not None and inside.any():
+                own = self.knots[chosen]
+                block = np.zeros((inside.sum(), self.knots.size))
+                block[:, chosen] = spline(np.clip(time[inside], own[0], own[-1]))
+                weights[inside] = block
+        return weights
+
+    @cached_property
+    def _splines(self):
+        """Cardinal splines of the knots before and after the end of the plasma."""
+        return [
+            (chosen, None)
+            if chosen.sum() < 2
+            else (chosen, CubicSpline(self.knots[chosen], np.eye(chosen.sum()), bc_type="natural"))
+            for chosen in (self.before, self.after)
+        ]
+
+    def roughness(self):
+        """Rows (R, K) of second differences over their prior [1]: smoothness of the heating and the
+        cooling."""
+        rows = []
+        for chosen, start in ((self.before, self.knots[0]), (self.after, self.off)):
+            place = np.flatnonzero(chosen)
+            for left, middle, right in zip(place[:-2], place[1:-1], place[2:], strict=True):
+                a, b = np.diff(self.knots[[left, middle, right]])
+                row = np.zeros(self.knots.size)
+                row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
+                since = self.knots[middle] - start
+                rows.append(row / (CURVATURE * np.exp(-since / CURVATURE_TIME) + CURVATURE_FLOOR))
+        first = np.zeros(self.knots.size)
+        first[0] = 1 / INITIAL_UNCERTAINTY
+        return np.array([*rows, first])
+
+
+def knots(edges, injection, off, end):
+    """Knots [s]: the injection, the middles of the bins after it, the end of the plasma, the last edge."""
+    middle = (edges[1:] + edges[:-1]) / 2
+    own = middle[(middle > injection) & (np.abs(middle - off) > 0.2)]
+    ends = [injection, edges[-1]] + ([off] if off < end else [])
+    return np.unique(np.concatenate([own, ends]))
+
+
+class Model:
+    """Signals of all instruments as a function of the knots of the temperature, of parameters and of
+    terms."""
+
+    def __init__(self, instruments, library, history, parameters, off, emittance, response, lamp):
+        self.instruments, self.library, self.history = instruments, library, history
+        self.parameters, self.off, self.emittance = parameters, off, emittance
+        self.response, self.lamp = response, lamp
+        self.bases = [history.basis(one.moment) for one in instruments]
+        self.index = {parameter.id: place for place, parameter in enumerate(parameters)}
+        self.groups = [p.id for p in parameters if p.id.startswith("group:")]
+        self._weights = {}
+        self._glows = {}
+        self._power = {}
+
+    @property
+    def size(self):
+        """Number of knots."""
+        return self.history.knots.size
+
+    def spectrum(self, values):
+        """Spectrum (K,) of the gas after injection."""
+        strength = np.exp([values[self.index[name]] for name in self.groups])
+        power = float(values[self.index["power"]])
+        if power not in self._power:
+            self._power = {power: self.library.power_factor(power)} | dict(list(self._power.items())[-3:])
+        light = np.einsum("g,gk->k", strength, self.library.group) * self._power[power]
+        return light * np.exp(values[self.index["gas"]])
+
+    def scene(self, which, temperatures, values, settings):
+        """Scene of an instrument and, on the same shape, the slope of its black body."""
+        instrument = self.instruments[which]
+        time, basis = instrument.moment, self.bases[which]
+        for setting in settings:
+            shift = EFFECTS[setting.id].clock
+            if shift is not None:
+                time = time + shift(instrument.kind, setting.amplitude, setting.shape)
+        if time is not instrument.moment:
+            basis = self.history.basis(time)
+        temperature, body, slope = self._glow(which, basis, time, temperatures)
+        injected = (instrument.moment >= 0)[..., None]
+        before = np.exp(values[self.index["before_injection"]])
+        gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
+        scene = Scene(
+            kind=instrument.kind,
+            time=instrument.moment,
+            temperature=temperature,
+            wavelength=instrument.wavelength,
+            off_time=self.off,
+            glow=body * injected,
+            emittance=self.emittance * np.exp(values[self.index["emittance"]]),
+            gas_gain=gain,
+            spectral_axis=self.library.wavelength,
+            spectrum=self.spectrum(values),
+            library=self.library,
+            history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
+        )
+        return scene, slope * injected, basis
+
+    def _glow(self, which, basis, time, temperatures):
+        """Temperature (n, 2), black body and its slope (n, 2, M); the last one of each instrument is kept."""
+        kept = self._glows.get(which)
+        if kept is not None and kept[0] is time and np.array_equal(kept[1], temperatures):
+            return kept[2]
+        temperature = np.maximum(basis @ temperatures, 250.0)
+        found = (temperature, *planck_and_slope(self.instruments[which].wavelength, temperature))
+        if time is self.instruments[which].moment:
+            self._glows[which] = (time, temperatures.copy(), found)
+        return found
+
+    def evaluate(self, which, temperatures, values, settings=(), *, slopes=False):
+        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
+        instrument = self.instruments[which]
+        scene, slope, basis = self.scene(which, temperatures, values, settings)
+        ordered = sorted(settings, key=lambda setting: EFFECTS[setting.id].order)
+        for setting in ordered:
+            effect = EFFECTS[setting.id]
+            if effect.light is not None:
+                scene = effect.light(scene, setting.amplitude, **setting.shape)
+        gas = self._gas(instrument, scene)
+        light = scene.path * (scene.emittance * scene.glow + gas + scene.added)
+        weight = self._channel_weight(instrument, scene)
+        gain = self._gain(instrument, values)
+        value = gain * self._channels(light.mean(axis=1), weight)
+        output = Output(
+            instrument.kind,
+            instrument.moment.mean(axis=1),
+            self.off,
+            value,
+            instrument.factor,
+            self._gas_level(instrument, scene, weight, gain),
+            np.nanmax(instrument.value, axis=0),
+        )
+        for setting in ordered:
+            effect = EFFECTS[setting.id]
+            if effect.output is not None:
+                output = effect.output(output, setting.amplitude, **setting.shape)
+        if not slopes:
+            return output.value
+        by_knot = scene.path * scene.emittance * slope
+        by_knot = np.broadcast_to(by_knot, scene.glow.shape) / 2
+        by_knot = gain * self._channels(by_knot, weight)
+        return output.value, np.matmul(by_knot.transpose(0, 2, 1), basis)
+
+    def _gas(self, instrument, scene):
+        """Light of the gas (n, 2, M)."""
+        spectra = [scene.spectrum, *(row for _, row in scene.more_gas)]
+        nodes = self._on_nodes(instrument, np.array(spectra), scene)
+        gas = scene.gas_gain[..., None] * nodes[0]
+        for (share, _), row in zip(scene.more_gas, nodes[1:], strict=True):
+            gas = gas + share[..., None] * row
+        return gas
+
+    def _on_nodes(self, instrument, spectra, scene):
+        if instrument.kind == "spectrometer" and (scene.wavelength_shift or scene.slit_sigma2):
+            spectra = moved(self.library.wavelength, spectra, scene.wavelength_shift, scene.slit_sigma2)
+        return (instrument.gas_map @ spectra.T).T
+
+    def _channel_weight(self, instrument, scene):
+        if instrument.weight is None:
+            return None
+        key = (*scene.response_shift, scene.response_tail)
+        if key == (0.0, 0.0, 0.0):
+            return instrument.weight
+        if key not in self._weights:
+            self._weights = {key: self._other_response(instrument, scene)}
+        return self._weights[key]
+
+    def _other_response(self, instrument, scene):
+        """Weights (2, M) of responses moved along the wavelength or with another tail."""
+        wavelength, responses = self.response
+        half = instrument.wavelength.size // 2
+        edges = instrument.node_edges
+        weight = np.zeros_like(instrument.weight)
+        for band, (shift, row) in enumerate(zip(scene.response_shift, responses, strict=True)):
+            part = slice(band * half, (band + 1) * half)
+            tail = 1 + scene.response_tail * np.clip((wavelength - 1.05e-6) / 0.08e-6, 0, 1)
+            plain = band_weights(edges, wavelength, row)
+            other = band_weights(edges, wavelength + shift, row * tail)
+            # The nodes of the gas hold means over the unchanged response: change by what the change does.
+            weight[band, part] = instrument.weight[band, part] + (other - plain)
+        return weight
+
+    @staticmethod
+    def _channels(light, weight):
+        return light if weight is None else light @ weight.T
+
+    def _gain(self, instrument, values):
+        def at(name):
+            return values[self.index[name]]
+
+        lamp = 1 - at("lamp") * self.lamp[instrument.kind]
+        if instrument.kind == "pyrometer":
+            return instrument.gain * np.exp(at("gain_pyrometer") + np.array([at("ratio"), 0.0])) * lamp
+        return instrument.gain * np.exp(at("gain_spectrometer")) * lamp
+
+    def _gas_level(self, instrument, scene, weight, gain):
+        return gain * self._channels(self._on_nodes(instrument, scene.spectrum[None], scene), weight)[0]
+
+
+def moved(axis, spectra, shift, sigma2):
+    """Spectra (..., K) on equal steps, seen at a shifted wavelength and through a slit of more variance.
+
+    A negative `sigma2` sharpens; used for small ones only.
+    """
+    frequency = np.fft.rfftfreq(axis.size, (axis[-1] - axis[0]) / (axis.size - 1))
+    turn = 2j * np.pi * frequency
+    change = np.exp(turn * shift - 2 * (np.pi * frequency) ** 2 * sigma2)
+    return np.fft.irfft(np.fft.rfft(spectra, axis=-1) * change, axis.size, axis=-1)

@@ -1,0 +1,131 @@
+"""The published experiment: which power its errors imply, and what could make a weaker plasma look like a
+stronger one."""
+
+import numpy as np
+
+from plasmapyro.diagnosis import show
+from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio, signal_ratio
+from plasmapyro.radiation.bandsignal import gridded_signal
+
+THRESHOLDS = ((1350.0, 0.01), (1120.0, 0.10), (1600.0, 0.002))
+"""Surface temperature [K] and relative error of the reading there: Fagnani et al., sec. 5.2. ASSUME: the
+steady
+state, whose temperature the paper shows in a figure only, is read at 1600 K."""
+COMPARED = (80e3, 90e3)  # [W] simulations that the reference spectrum resembles, sec. 5.3
+EFFICIENCY = (56e3, 64e3)  # [W] 35 to 40 % of 160 kW, sec. 4.1
+CURVE = np.arange(400.0, 6001.0, 5.0)  # [K] of the ratio curve
+
+
+class Reader:
+    """What a pyrometer without correction reads of a grey surface behind a gas."""
+
+    def __init__(self, response, emittance, sensitivity_ratio):
+        self.wavelength = response["wavelength"].values
+        self.bands = [response[f"responsivity_{band}"].values for band in ("wide", "narrow")]
+        self.emittance = emittance
+        self.scale = np.array([sensitivity_ratio, 1.0])
+        self.curve = self._surface(CURVE)
+        self.ratio = self.curve[0] / self.curve[1]
+
+    def _surface(self, temperature):
+        rows = [blackbody_signal(temperature, self.wavelength, band) for band in self.bands]
+        return np.array(rows) * self.scale[:, None]
+
+    def error(self, axis, spectrum, temperature):
+        r"""Relative error :math:`(T_{app} - T)/T` at surface temperatures (...) behind a gas (K,).
+
+        Notes
+        -----
+        Source: Fagnani et al., eqs. 4 to 7.
+        """
+        temperature = np.atleast_1d(temperature)
+        gas = np.array([gridded_signal(axis, spectrum, self.wavelength, band) for band in self.bands])
+        signals = self.emittance * self._surface(temperature) + (gas * self.scale)[:, None]
+        reading, _ = invert_ratio(signal_ratio(*signals), CURVE, self.ratio)
+        return reading / temperature - 1
+
+
+def implied_powers(library, reader):
+    """Power [W] that gives each of the `THRESHOLDS`, NaN outside those simulated.
+
+    Parameters
+    ----------
+    library : GasLibrary
+    reader : Reader
+
+    Returns
+    -------
+    ndarray (3,) [W]
+    """
+    powers = np.exp(np.linspace(library.log_power[0], library.log_power[-1], 200))
+    spectra = [library.base * library.power_factor(np.log(p / library.power)) for p in powers]
+    found = []
+    for temperature, error in THRESHOLDS:
+        errors = np.array([abs(reader.error(library.wavelength, s, temperature)[0]) for s in spectra])
+        good = np.isfinite(errors) & (errors > 0)
+        inside = good.any() and errors[good].min() <= error <= errors[good].max()
+        at = np.interp(np.log(error), np.log(errors[good]), np.log(powers[good])) if inside else np.nan
+        found.append(np.exp(at))
+    return np.array(found)
+
+
+def explain(library, reader, emittance, steps=60):
+    """What each explanation must amount to so that the weaker plasma of the library gives the published
+    errors.
+
+    Parameters
+    ----------
+    library : GasLibrary of the power that the efficiency implies
+    reader : Reader
+    emittance : float [1]
+    steps : int
+        Amplitudes tried per explanation.
+
+    Returns
+    -------
+    list of dict: id, name, amplitude, power [W] or None, errors (3,), misfit (root mean square of the
+    logarithms of
+        the errors over the published ones), line, hump (factors of the gas's light), needed line and hump
+        ranges
+        under 'needed'.
+    """
+    rows = []
+    needed = np.array(
+        [_factors(library, library.base * library.power_factor(np.log(p / library.power))) for p in COMPARED]
+    )
+    for identity, (name, amplitudes, change) in show.explanations(library, emittance).items():
+        tried = np.linspace(amplitudes[0], amplitudes[-1], steps)
+        results = []
+        for amplitude in tried:
+            spectrum = change(amplitude)
+            errors = np.array([abs(reader.error(library.wavelength, spectrum, t)[0]) for t, _ in THRESHOLDS])
+            wanted = np.array([e for _, e in THRESHOLDS])
+            misfit = np.sqrt(np.mean(np.log(errors / wanted) ** 2)) if np.isfinite(errors).all() else np.inf
+            results.append((misfit, amplitude, errors, spectrum))
+        misfit, amplitude, errors, spectrum = min(results, key=lambda row: row[0])
+        line, hump = _factors(library, spectrum)
+        rows.append(
+            {
+                "id": identity,
+                "name": name,
+                "amplitude": float(amplitude),
+                "at_limit": bool(amplitude in (tried[0], tried[-1])),
+                "errors": [float(e) for e in errors],
+                "misfit": float(misfit),
+                "line": line,
+                "hump": hump,
+                "needed": needed.tolist(),
+            }
+        )
+    return rows
+
+
+def _factors(library, spectrum):
+    """Line and hump (2,) of a spectrum over those of the library."""
+    axis = library.wavelength
+    line = np.abs(axis - 777.6e-9) < show.LINE_REACH
+    hump = (axis > show.HUMP[0]) & (axis < show.HUMP[1])
+    return (
+        float(spectrum[line].sum() / library.base[line].sum()),
+        float(spectrum[hump].sum() / library.base[hump].sum()),
+    )

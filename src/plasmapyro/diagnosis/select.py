@@ -1,0 +1,284 @@
+"""Which terms the data ask for: forward steps with non-linear refits, backward steps, and what stays
+unknown."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.inference import Solution, log_evidence, numbers_of
+from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.screen import Screen, Unknowns, angles, gain, screen, simulated
+
+MOST_TERMS = 3
+REFITTED = 3  # terms that are fitted anew, of those that explain about as much as the best
+ALIKE = 9.2  # chi-squared by which the data tell two terms apart: 99 % of two degrees of freedom
+SAME_ANGLE = 15.0  # [degree] below which two terms are one class
+MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat a term
+WANDER = "gas_drift"  # the term that may follow the brightness of the gas freely
+LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
+LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
+PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Calibrated by scores drawn as if nothing were wrong."""
+
+    effect: float
+    unknown: float
+    third: float
+    draws: int
+    seed: int
+    largest: np.ndarray  # sorted largest gains of the draws
+    largest_unknown: np.ndarray
+
+    def p_effect(self, value):
+        """Share of the draws beyond a gain; never 0."""
+        return (1 + np.sum(self.largest >= value)) / (1 + self.largest.size)
+
+    def p_unknown(self, value):
+        """Share of the draws beyond a log Bayes factor; never 0."""
+        return (1 + np.sum(self.largest_unknown >= value)) / (1 + self.largest_unknown.size)
+
+
+def calibrated(found, draws, seed):
+    """Thresholds of a screen from simulated scores: the price of looking at many terms is in them."""
+    scores = simulated(found, draws, np.random.default_rng(seed))
+    own = np.diag(found.information)[: found.count]
+    gains = gain(scores[:, : found.count], own, found.left[: found.count])
+    best = np.sort(gains.max(axis=1))
+    unknown = np.sort(Unknowns(found)(scores).max(axis=1)) if found.structures else np.full(draws, -np.inf)
+    c1 = float(np.quantile(best, 1 - LEVEL))
+    return Thresholds(
+        effect=c1,
+        unknown=max(float(np.quantile(unknown, 1 - LEVEL)), LEAST_UNKNOWN) if found.structures else np.inf,
+        third=float(np.quantile(best, 1 - LEVEL / 10)),
+        draws=draws,
+        seed=seed,
+        largest=best,
+        largest_unknown=unknown,
+    )
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round: what the screen beside the current fit says."""
+
+    solution: Solution
+    found: Screen
+    gains: np.ndarray
+    unknown: np.ndarray  # log Bayes factor per class of structures
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The outcome: rounds, the terms and their fit, who could stand in for each, and what remains."""
+
+    steps: tuple
+    final: Solution
+    sets: tuple  # per term, ids of the candidates that explain the same
+    trials: dict  # id -> objective of its refit as the first term
+    status: str
+    unknown_class: str | None
+    thresholds: Thresholds
+
+
+def linear_evidence(found):
+    """Log Bayes factor of each candidate over no term, Gaussian prior of its amplitude (candidates,)."""
+    own = np.diag(found.information)[: found.count]
+    sigma2 = np.array([candidate.sigma**2 for candidate in found.candidates])
+    score = found.score[: found.count]
+    usable = found.left[: found.count] > 1e-6
+    value = -0.5 * np.log1p(sigma2 * own) + 0.5 * score**2 / (own + 1 / sigma2)
+    return np.where(usable, value, -np.inf)
+
+
+def best_by_id(candidates, values):
+    """Index of the best shape of each id, best first."""
+    best = {}
+    for index, (candidate, value) in enumerate(zip(candidates, values, strict=True)):
+        if candidate.id not in best or value > values[best[candidate.id]]:
+            best[candidate.id] = index
+    return sorted(best.values(), key=lambda index: -values[index])
+
+
+def best_pair(found, allowed):
+    """Two candidates that together gain most: (gain, first, second); by the linear estimate."""
+    chosen = np.flatnonzero(allowed > 0)
+    if chosen.size < 2:
+        return 0.0, 0, 0
+    info = found.information[np.ix_(chosen, chosen)]
+    own, score = np.diag(info), found.score[chosen]
+    determinant = np.outer(own, own) - info**2
+    apart = determinant > 0.05 * np.outer(own, own)
+    ids = np.array([found.candidates[index].id for index in chosen])
+    apart &= ids[:, None] != ids[None]
+    safe = np.where(apart, determinant, 1.0)
+    both = (
+        score[:, None] ** 2 * own[None] + score[None] ** 2 * own[:, None] - 2 * np.outer(score, score) * info
+    ) / safe
+    both = np.where(apart, both, 0.0)
+    first, second = np.unravel_index(np.argmax(both), both.shape)
+    return float(both[first, second]), int(chosen[first]), int(chosen[second])
+
+
+class Selector:
+    """Walks from the base fit to the terms the data ask for."""
+
+    def __init__(self, model, fitter, thresholds=None, exclude=(), draws=2000, seed=1):
+        self.model, self.fitter, self.exclude = model, fitter, tuple(exclude)
+        self.thresholds, self.draws, self.seed = thresholds, draws, seed
+
+    def look(self, solution):
+        """Screen beside a fit."""
+        used = {setting.id for setting in solution.settings}
+        found = screen(self.model, solution, exclude=(*self.exclude, *used))
+        unknown = Unknowns(found)(found.score) if found.structures else np.full(1, -np.inf)
+        return Step(solution, found, found.signed_gains(), unknown)
+
+    def fit(self, solution, settings):
+        """Fit with terms, started from another fit."""
+        start = replace(solution.state, amplitudes=numbers_of(settings))
+        return self.fitter.fit(start, settings)
+
+    def extended(self, step, index):
+        """Fit with one more candidate, from its linear estimate."""
+        candidate = step.found.candidates[index]
+        effect = EFFECTS[candidate.id]
+        amplitude = float(np.clip(step.found.amplitudes()[index], *effect.bounds))
+        shape = {name: float(value) for name, value in candidate.shape.items()}
+        limit = 6 * effect.sigma
+        setting = Setting(candidate.id, float(np.clip(amplitude, -limit, limit)), shape)
+        return self.fit(step.solution, (*step.solution.settings, setting))
+
+    def run(self, base):
+        """Select terms beside the base fit.
+
+        Returns
+        -------
+        Selection
+        """
+        step = self.look(base)
+        steps = [step]
+        if self.thresholds is None:
+            self.thresholds = calibrated(step.found, self.draws, self.seed)
+        limits = self.thresholds
+        trials, unknown = {}, None
+        while len(step.solution.settings) < MOST_TERMS:
+            first = not step.solution.settings
+            needed = limits.effect if first else limits.third
+            order = best_by_id(step.found.candidates, step.gains)
+            best = order[0] if order else None
+            evidence = linear_evidence(step.found)
+            top_unknown = float(step.unknown.max())
+            enough = best is not None and step.gains[best] > needed
+            if first and enough:
+                pair, one, two = best_pair(step.found, step.gains)
+                if pair > step.gains[best] + PAIR_PRICE * limits.third:
+                    best_evidence = pair / 2 - 10.0
+                else:
+                    best_evidence = evidence[best]
+            elif enough:
+                best_evidence = evidence[best]
+            else:
+                best_evidence = 0.0
+            beaten = top_unknown > limits.unknown and top_unknown > best_evidence + MARGIN
+            if not enough:
+                if top_unknown > limits.unknown:
+                    wandering = self._wandering(step)
+                    if wandering is not None:
+                        step = self.look(wandering)
+                        steps.append(step)
+                        continue
+                    unknown = step.found.structures[int(step.unknown.argmax())].id
+                break
+            chosen = self._best_refit(step, order, trials if first else None)
+            if beaten and not self._explains(chosen, step, top_unknown):
+                wandering = self._wandering(step)
+                if wandering is not None:
+                    step = self.look(wandering)
+                    steps.append(step)
+                    continue
+                unknown = step.found.structures[int(step.unknown.argmax())].id
+                break
+            step = self.look(self._pruned(chosen))
+            steps.append(step)
+        final = step.solution
+        sets = tuple(self._set(steps[0], setting.id) for setting in final.settings)
+        status = self._status(final, unknown, sets)
+        return Selection(tuple(steps), final, sets, trials, status, unknown, limits)
+
+    def _wandering(self, step):
+        """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is
+        in."""
+        found = step.found.structures[int(step.unknown.argmax())].id
+        used = [setting.id for setting in step.solution.settings]
+        if found != "walk_gas" or WANDER in self.exclude or len(used) >= MOST_TERMS:
+            return None
+        others = tuple(s for s in step.solution.settings if s.id != WANDER)
+        already = [s for s in step.solution.settings if s.id == WANDER]
+        if already and already[0].shape:
+            return None
+        shape = {name: 0.0 for name in EFFECTS[WANDER].shape_bounds}
+        amplitude = already[0].amplitude if already else 0.0
+        return self.fit(step.solution, (*others, Setting(WANDER, amplitude, shape)))
+
+    def _explains(self, chosen, step, top_unknown):
+        """Whether the refit, non-linear, gains as much as the unknown structure."""
+        gained = step.solution.objective - chosen.objective
+        return 0.5 * gained - 5.0 > top_unknown - MARGIN
+
+    def _best_refit(self, step, order, trials):
+        """The best of the refits of the candidates that explain about as much."""
+        top = step.gains[order[0]]
+        near = [index for index in order if step.gains[index] > 0.5 * top][:REFITTED]
+        fits = []
+        for index in near:
+            fits.append(self.extended(step, index))
+            if trials is not None:
+                trials[step.found.candidates[index].id] = self.evidence(fits[-1])
+        return max(fits, key=self.evidence)
+
+    def evidence(self, solution):
+        """Log evidence of a fit."""
+        return log_evidence(solution, self.model.size + len(self.model.parameters))
+
+    def _pruned(self, solution):
+        """The fit without terms that no longer bring the threshold."""
+        while len(solution.settings) > 1:
+            without = []
+            for drop in range(len(solution.settings)):
+                kept = tuple(s for place, s in enumerate(solution.settings) if place != drop)
+                without.append(self.fit(solution, kept))
+            least = min(without, key=lambda one: one.objective)
+            if least.objective - solution.objective > self.thresholds.effect:
+                break
+            solution = least
+        return solution
+
+    def _set(self, step, identity):
+        """Ids that the data do not tell from a term: nearly the same gain, or nearly the same direction."""
+        found, gains = step.found, step.gains
+        order = best_by_id(found.candidates, gains)
+        mine = next((i for i in order if found.candidates[i].id == identity), None)
+        if mine is None:
+            return (identity,)
+        angle = angles(found.information[: found.count, : found.count])[mine]
+        own = gains[mine]
+        alike = [
+            found.candidates[i].id
+            for i in order
+            if i != mine
+            and found.left[i] > 1e-6
+            and (angle[i] < SAME_ANGLE or (own - gains[i] < ALIKE and angle[i] < 45.0))
+        ]
+        return (identity, *alike)
+
+    @staticmethod
+    def _status(final, unknown, sets):
+        if not final.settings:
+            return "unknown" if unknown else "null"
+        if unknown:
+            return "named+unknown"
+        return "one-of" if any(len(one) > 1 for one in sets) else "named"

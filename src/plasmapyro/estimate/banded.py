@@ -1,0 +1,90 @@
+"""Linear algebra of a chain of states with a few constants: block tridiagonal with a border."""
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, cho_solve_banded, cholesky_banded
+
+
+def lower_band(diagonal, below):
+    """Lower band storage of a symmetric block tridiagonal matrix.
+
+    Parameters
+    ----------
+    diagonal : (n, d, d) array
+    below : (n - 1, d, d) array
+        Block of row k + 1 and column k.
+
+    Returns
+    -------
+    (2 d, n d) ndarray, for `scipy.linalg.cholesky_banded(..., lower=True)`
+    """
+    count, size, _ = diagonal.shape
+    band = np.zeros((2 * size, count, size))
+    for row in range(size):
+        for column in range(size):
+            if row >= column:
+                band[row - column, :, column] = diagonal[:, row, column]
+            band[size + row - column, :-1, column] = below[:, row, column]
+    return band.reshape(2 * size, count * size)
+
+
+class Factor:
+    """Cholesky factor of a block tridiagonal matrix."""
+
+    def __init__(self, diagonal, below):
+        self._blocks = diagonal, below
+        self._factor = cholesky_banded(lower_band(diagonal, below), lower=True, check_finite=False)
+
+    def solve(self, right):
+        """Solution of the system for right sides (n d, ...)."""
+        return cho_solve_banded((self._factor, True), right, check_finite=False)
+
+    def log_determinant(self):
+        """Logarithm of the determinant."""
+        return 2 * np.log(self._factor[0]).sum()
+
+    def inverse_diagonal(self):
+        r"""Diagonal blocks (n, d, d) of the inverse, by forward and backward elimination.
+
+        .. math:: \Lambda_k = A_{kk} - A_{k,k-1}\Lambda_{k-1}^{-1}A_{k-1,k}, \qquad
+                  P_k = \Lambda_k^{-1} + G_k P_{k+1} G_k^T, \quad G_k = \Lambda_k^{-1} A_{k,k+1}
+
+        Notes
+        -----
+        Source: Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965): fixed-interval smoother, in information form.
+        """
+        diagonal, below = self._blocks
+        inverse = np.empty_like(diagonal)
+        inverse[0] = np.linalg.inv(diagonal[0])
+        for k in range(1, len(diagonal)):
+            inverse[k] = np.linalg.inv(diagonal[k] - below[k - 1] @ inverse[k - 1] @ below[k - 1].T)
+        for k in range(len(diagonal) - 2, -1, -1):
+            gain = inverse[k] @ below[k].T
+            inverse[k] = inverse[k] + gain @ inverse[k + 1] @ gain.T
+        return inverse
+
+
+def solve_bordered(factor, border, corner, right, right_constant):
+    r"""Solve :math:`\begin{pmatrix}A & B\\ B^T & C\end{pmatrix}` for one right side.
+
+    Parameters
+    ----------
+    factor : Factor of A
+    border : (n d, p) array
+    corner : (p, p) array
+    right : (n d,) array
+    right_constant : (p,) array
+
+    Returns
+    -------
+    states : (n d,) ndarray
+    constants : (p,) ndarray
+    effect : (n d, p) ndarray
+        A^-1 B: how the states follow the constants, with the opposite sign.
+    covariance : (p, p) ndarray
+        Of the constants, the states marginalised: the inverse of C - B^T A^-1 B.
+    """
+    effect = factor.solve(border)
+    own = factor.solve(right)
+    complement = cho_factor(corner - border.T @ effect, lower=True)
+    constants = cho_solve(complement, right_constant - border.T @ own)
+    return own - effect @ constants, constants, effect, cho_solve(complement, np.eye(len(corner)))

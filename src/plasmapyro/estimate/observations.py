@@ -1,0 +1,262 @@
+"""What the instruments say about the chain of states and about the constants."""
+
+import dataclasses
+
+import numpy as np
+
+from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
+from plasmapyro.forward.model import GreyTable
+
+HUBER = 4.0  # [1] residuals beyond this many standard deviations count less
+
+
+@dataclasses.dataclass(frozen=True)
+class Constants:
+    """Values, prior means and standard deviations of what does not change during a test."""
+
+    names: tuple  # of each entry
+    mean: np.ndarray
+    deviation: np.ndarray
+
+    def where(self, name):
+        """Positions of the entries of a name."""
+        return np.flatnonzero([entry == name for entry in self.names])
+
+    def __add__(self, other):
+        return Constants(
+            self.names + other.names,
+            np.append(self.mean, other.mean),
+            np.append(self.deviation, other.deviation),
+        )
+
+
+def constants(name, mean, deviation):
+    """One kind of constant, as many as there are means."""
+    mean = np.atleast_1d(np.asarray(mean, dtype=float))
+    return Constants((name,) * mean.size, mean, np.broadcast_to(deviation, mean.shape).astype(float))
+
+
+@dataclasses.dataclass(frozen=True)
+class Information:
+    """Half the sum of squares, its gradient, and its Gauss-Newton matrix."""
+
+    value: float
+    state_gradient: np.ndarray  # (n, 4)
+    state_matrix: np.ndarray  # (n, 4, 4)
+    border: np.ndarray  # (n, 4, p)
+    corner: np.ndarray  # (p, p)
+    constant_gradient: np.ndarray  # (p,)
+
+    def __add__(self, other):
+        return Information(*(a + b for a, b in zip(_fields(self), _fields(other), strict=True)))
+
+
+def _fields(record):
+    return [getattr(record, field.name) for field in dataclasses.fields(record)]
+
+
+@dataclasses.dataclass(frozen=True)
+class PyrometerData:
+    r"""Signals of both bands.
+
+    .. math:: S_i = e^{\ln\varepsilon - g_i\delta + n_i + d_i (D_i(T) - \bar D_i)}\,S_i^{bb}(T)
+              + e^{m + f}\,G_i\,(1 + p_i)
+
+    with the source's error delta [K], the gain's own error n_i, a shift d_i [m] of the response along the
+    wavelength (D_i = d ln S_i / d lambda, less its mean over the calibration, which the gain has absorbed),
+    the gas signal G_i, and p_i only before injection: without the sample the gas may have another colour.
+    """
+
+    signal: np.ndarray  # (2, n) [A], NaN where missing or not to be used
+    noise: np.ndarray  # (2, n) [A]
+    injected: np.ndarray  # (n,) bool
+    shining: np.ndarray  # (n,) bool, gas in view
+    table: GreyTable
+    source_slope: np.ndarray  # (2,) [K-1] g_i
+    shifted: GreyTable  # the same with the response moved by `shift`
+    shift: float  # [m]
+    absorbed: np.ndarray  # (2,) [m-1] mean of D_i over the calibration points
+
+    def leverage(self, temperature):
+        """D_i(T) less its mean over the calibration (2, n) [m-1]."""
+        ratio = np.log(self.shifted(temperature)[0] / self.table(temperature)[0]).T
+        return ratio / self.shift - self.absorbed[:, None]
+
+    def predict(self, path, values, of):
+        """Surface (2, n) and gas (2, n) parts, and the derivative of the surface by the temperature."""
+        body, slope, _ = self.table(path[:, TEMPERATURE])
+        gain = np.exp(
+            values[of("log_emittance")]
+            - self.source_slope * values[of("source_error")]
+            + values[of("gain_error")]
+        )[:, None]
+        gain = gain * np.exp(values[of("band_shift")][:, None] * self.leverage(path[:, TEMPERATURE]))
+        seen = gain * self.injected
+        gas = values[of("gas_signal")][:, None] * np.where(
+            self.injected, 1.0, 1 + values[of("gas_signal_before")][:, None]
+        )
+        amplitude = np.where(self.shining, np.exp(path[:, GAS] + path[:, FLICKER]), 0.0)
+        return seen * body.T, gas * amplitude, seen * slope.T
+
+    def residual(self, path, values, of):
+        """Whitened residuals (2, n), NaN where there is no sample."""
+        surface, gas, _ = self.predict(path, values, of)
+        return (self.signal - surface - gas) / self.noise
+
+    def information(self, path, values, of):
+        surface, gas, slope = self.predict(path, values, of)
+        residual = (self.signal - surface - gas) / self.noise
+        weight = robust_weight(residual)
+        count, size = len(path), len(values)
+        result = _nothing(count, size)
+        before = ~self.injected & self.shining
+        leverage = self.leverage(path[:, TEMPERATURE])
+        for band in (0, 1):
+            w, r = weight[band], np.nan_to_num(residual[band])
+            scale = 1 / self.noise[band]
+            by_state = np.zeros((count, SIZE))
+            by_state[:, TEMPERATURE] = slope[band] * scale
+            by_state[:, GAS] = by_state[:, FLICKER] = gas[band] * scale
+            level = values[of("gas_signal")[band]]
+            columns = {
+                of("log_emittance")[0]: surface[band],
+                of("source_error")[0]: -self.source_slope[band] * surface[band],
+                of("gain_error")[band]: surface[band],
+                of("band_shift")[band]: leverage[band] * surface[band],
+                of("gas_signal")[band]: gas[band] / level,
+                of("gas_signal_before")[band]: np.where(
+                    before, gas[band] / (1 + values[of("gas_signal_before")[band]]), 0.0
+                ),
+            }
+            where = list(columns)
+            by_constant = np.stack([columns[place] * scale for place in where], axis=1)
+            weighted = w[:, None] * by_state
+            result.state_matrix[:] += weighted[:, :, None] * by_state[:, None, :]
+            result.state_gradient[:] -= weighted * r[:, None]
+            result.border[:, :, where] += weighted[:, :, None] * by_constant[:, None, :]
+            result.corner[np.ix_(where, where)] += by_constant.T @ (w[:, None] * by_constant)
+            result.constant_gradient[where] -= by_constant.T @ (w * r)
+        return dataclasses.replace(result, value=robust_sum(residual))
+
+
+@dataclasses.dataclass(frozen=True)
+class SpectrometerData:
+    r"""Radiances of the bins in each exposure.
+
+    .. math:: L_c = e^{\ln\varepsilon - w_c\delta + s + r_c}\,\bar B_c(T) + e^{m}\,l_c\,(1 + p_c),
+              \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
+
+    s is the error of the scale, r_c that of a bin. The flicker within an exposure is common to all its
+    bins: its variance times the outer product of the gas spectrum stands in their covariance.
+    """
+
+    place: np.ndarray  # (S,) sample nearest to the middle of the exposure
+    offset: np.ndarray  # (S,) [s] middle of the exposure less that sample
+    exposure: float  # [s]
+    radiance: np.ndarray  # (S, C) NaN where not to be used
+    noise: np.ndarray  # (S, C)
+    injected: np.ndarray  # (S,) bool
+    shining: np.ndarray  # (S,) bool
+    table: GreyTable
+    source_slope: np.ndarray  # (C,) [K-1] w_c
+    flicker: float  # [1] standard deviation of the mean over an exposure
+
+    def predict(self, path, values, of):
+        """Surface (S, C) and gas (S, C) parts, and the derivative of the surface by the temperature."""
+        state = path[self.place]
+        temperature = state[:, TEMPERATURE] + self.offset * state[:, RATE]
+        body, slope, bend = self.table(np.clip(temperature, *self.table.temperatures))
+        body = body + 0.5 * ((state[:, RATE] * self.exposure) ** 2 / 12)[:, None] * bend
+        gain = np.exp(
+            values[of("log_emittance")]
+            - self.source_slope * values[of("source_error")]
+            + values[of("scale_error")]
+            + values[of("bin_error")]
+        )
+        seen = gain * self.injected[:, None]
+        gas = values[of("gas_radiance")] * np.where(
+            self.injected[:, None], 1.0, 1 + values[of("gas_radiance_before")]
+        )
+        amplitude = np.where(self.shining, np.exp(state[:, GAS]), 0.0)[:, None]
+        return seen * body, gas * amplitude, seen * slope
+
+    def _whitened(self, gas, rows):
+        """Rows (S, C, ...) over the noise, with the common flicker of an exposure taken out."""
+        shape = (*self.noise.shape, *(1,) * (rows.ndim - 2))
+        rows = np.where(np.isfinite(self.radiance).reshape(shape), rows / self.noise.reshape(shape), 0.0)
+        common = np.where(np.isfinite(self.radiance), self.flicker * gas / self.noise, 0.0)
+        power = np.sum(common**2, axis=1)
+        share = np.where(power > 0, (1 - 1 / np.sqrt(1 + power)) / np.maximum(power, 1e-300), 0.0)
+        along = np.einsum("sc,sc...->s...", common, rows)
+        return rows - np.einsum("s,sc,s...->sc...", share, common, along)
+
+    def residual(self, path, values, of):
+        """Whitened residuals (S, C), NaN where there is no sample."""
+        surface, gas, _ = self.predict(path, values, of)
+        white = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
+        return np.where(np.isfinite(self.radiance), white, np.nan)
+
+    def information(self, path, values, of):
+        surface, gas, slope = self.predict(path, values, of)
+        frames, bins = surface.shape
+        count, size = len(path), len(values)
+        residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
+        weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
+        jacobian = np.zeros((frames, bins, SIZE + size))
+        jacobian[:, :, TEMPERATURE] = slope
+        jacobian[:, :, RATE] = slope * self.offset[:, None]
+        jacobian[:, :, GAS] = gas
+        jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
+        jacobian[:, :, SIZE + of("scale_error")[0]] = surface
+        jacobian[:, :, SIZE + of("source_error")[0]] = -self.source_slope * surface
+        level, before = values[of("gas_radiance")], 1 + values[of("gas_radiance_before")]
+        own = np.arange(bins)
+        jacobian[:, own, SIZE + of("bin_error")] = surface
+        jacobian[:, own, SIZE + of("gas_radiance")] = gas / level
+        jacobian[:, own, SIZE + of("gas_radiance_before")] = np.where(
+            self.injected[:, None], 0.0, gas / before
+        )
+        jacobian = self._whitened(gas, jacobian)
+        weighted = jacobian * weight[:, :, None]
+        result = _nothing(count, size)
+        part = weighted[:, :, :SIZE]
+        np.add.at(result.state_matrix, self.place, np.einsum("sci,scj->sij", part, jacobian[:, :, :SIZE]))
+        np.add.at(result.state_gradient, self.place, -np.einsum("sci,sc->si", part, residual))
+        by_constant = jacobian[:, :, SIZE:].reshape(frames * bins, size)
+        cross = np.matmul(np.swapaxes(part, 1, 2), jacobian[:, :, SIZE:])
+        np.add.at(result.border, self.place, cross)
+        flat = weighted[:, :, SIZE:].reshape(frames * bins, size)
+        result.corner[:] = flat.T @ by_constant
+        result.constant_gradient[:] = -(flat.T @ residual.ravel())
+        return dataclasses.replace(
+            result, value=robust_sum(np.where(np.isfinite(self.radiance), residual, np.nan))
+        )
+
+
+def _nothing(count, size):
+    return Information(
+        0.0,
+        np.zeros((count, SIZE)),
+        np.zeros((count, SIZE, SIZE)),
+        np.zeros((count, SIZE, size)),
+        np.zeros((size, size)),
+        np.zeros(size),
+    )
+
+
+def robust_weight(residual):
+    """Weight of each whitened residual in Huber's sense; 0 for NaN.
+
+    Notes
+    -----
+    Source: Huber, Ann. Math. Stat. 35, 73 (1964).
+    """
+    size = np.abs(residual)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.isfinite(size), HUBER / np.maximum(size, HUBER), 0.0)
+
+
+def robust_sum(residual):
+    """Half the sum of squares, growing only linearly beyond `HUBER`."""
+    size = np.abs(residual[np.isfinite(residual)])
+    return float(np.sum(np.where(size <= HUBER, 0.5 * size**2, HUBER * (size - HUBER / 2))))

@@ -1,0 +1,274 @@
+"""From the files of a test to what the estimate works with: samples, noise, bins, first guesses."""
+
+import dataclasses
+
+import numpy as np
+
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.estimate import noise
+from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE
+from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
+from plasmapyro.experiment.signals import phases
+from plasmapyro.forward.bins import pixel_bins
+from plasmapyro.forward.model import GreyTable
+from plasmapyro.forward.stage import BANDS, bin_pixels, forward_model
+from plasmapyro.instrument.spectrometer import local_noise
+
+MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of samples
+NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
+LEAST_NOISE = 1e-6  # of the usual noise: no sample is exact
+SHIFT = 0.5e-9  # [m] step of the derivative by the place of a response
+WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess: left to the data
+NOTHING = 1e-6  # [1] or [K] stands for a standard deviation of zero
+RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
+
+
+@dataclasses.dataclass(frozen=True)
+class Samples:
+    """Signals of the pyrometer on the time axis of the chain."""
+
+    time: np.ndarray  # (n,) [s]
+    signal: np.ndarray  # (2, n) [A], NaN where not to be used
+    noise: np.ndarray  # (2, n) [A]
+    injected: np.ndarray  # (n,) bool
+    shining: np.ndarray  # (n,) bool, gas in view
+    group: np.ndarray  # (t,) which of the n each sample of the test belongs to
+    flicker: float  # [1] NaN if the bands do not tell
+    flicker_time: float  # [s]
+
+
+def samples_of(test, spans, most=MOST_SAMPLES):
+    """Samples of a test with their noise; those in which the probe moves in or the plasma dies are left out.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    spans : (2,) floats [s], left out before injection and after the end of the plasma
+    most : int
+        A longer record is averaged over groups of neighbours, which never straddle a switch.
+
+    Returns
+    -------
+    Samples
+    """
+    time, injection, off = test.time.values, test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    raw = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float)
+    moving = ((time >= injection - spans[0]) & (time < injection)) | ((time > off) & (time <= off + spans[1]))
+    signal = np.where(moving, np.nan, raw)
+    for band, row in zip(BANDS, signal, strict=True):
+        if np.isfinite(row).sum() < 4 * NOISE_BLOCK:
+            raise ValueError(
+                f"signal_{band} must hold {4 * NOISE_BLOCK} samples outside the switches for the joint"
+                f" estimate; got {np.isfinite(row).sum()}"
+            )
+    floor, relative = noise.signal_noise(signal, NOISE_BLOCK)
+    level = np.stack([noise.smoothed(row, 11) for row in signal])
+    spread = np.hypot(floor[:, None], relative[:, None] * level)
+    spread = np.maximum(spread, np.median(spread, axis=1, keepdims=True) * LEAST_NOISE)
+    low, high = test.attrs["reference_window"]
+    windows = [time < injection - spans[0], (time >= low) & (time <= high)]
+    deviation, correlation = noise.flicker(time, signal, windows)
+    group = _groups(time, (injection, off), most)
+    count = np.bincount(group)
+    middle = np.bincount(group, time) / count
+    good = np.isfinite(signal)
+    valid = np.stack([np.bincount(group, row) for row in good.astype(float)])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.stack([np.bincount(group, row) for row in np.where(good, signal, 0.0)]) / valid
+        square = np.stack([np.bincount(group, row) for row in np.where(good, spread**2, 0.0)]) / valid
+        own = np.where(valid > 0, np.sqrt(square / valid), 1.0)
+    if count.max() > 1 and np.isfinite(deviation):
+        deviation = mean_flicker(deviation, correlation, float(np.median(np.diff(middle))))
+    injected, _ = phases(middle, injection, off)
+    return Samples(middle, mean, own, injected, middle <= off, group, deviation, correlation)
+
+
+def _groups(time, switches, most):
+    """Group (t,) of each sample, at most about `most` of them, none across a switch."""
+    size = int(np.ceil(time.size / most))
+    phase = (time >= switches[0]).astype(int) + (time > switches[1])
+    start = np.searchsorted(phase, phase)  # first sample of the same phase
+    place = (np.arange(time.size) - start) // size
+    new = np.append(True, (np.diff(place) != 0) | (np.diff(phase) != 0))
+    return np.cumsum(new) - 1
+
+
+def pyrometer_data(samples, response, calibration):
+    """What the pyrometer contributes to the estimate."""
+    model = forward_model(response, calibration, {})["pyrometer"]
+    moved = forward_model(response.assign_coords(wavelength=response.wavelength + SHIFT), calibration, {})
+    table, shifted = GreyTable(model), GreyTable(moved["pyrometer"])
+    points = calibration.source_temperature.values
+    value, slope, _ = table(points)
+    return PyrometerData(
+        samples.signal,
+        samples.noise,
+        samples.injected,
+        samples.shining,
+        table,
+        (slope / value).mean(axis=0),
+        shifted,
+        SHIFT,
+        np.log(shifted(points)[0] / value).mean(axis=0) / SHIFT,
+    )
+
+
+def mean_flicker(deviation, correlation, exposure):
+    """Standard deviation of the mean over an exposure of an Ornstein-Uhlenbeck flicker."""
+    x = exposure / correlation
+    return deviation * np.sqrt(2 / x * (1 + np.expm1(-x) / x))
+
+
+def gain_uncertainties(calibration, source_slope):
+    """Error of the source [K] and own relative errors of the gains (2,), taken apart from their sum.
+
+    The calibration states the sum u2 = u_S2 / N + g2 u_T2 of each gain, with u_S and N in the file.
+    """
+    total = (
+        (calibration.absolute_sensitivity_uncertainty / calibration.absolute_sensitivity)
+        .sel(band=list(BANDS))
+        .values
+    )
+    own = calibration.attrs["signal_uncertainty"] / np.sqrt(calibration.sizes["calibration_point"])
+    source = np.sqrt(np.maximum(total**2 - own**2, 0.0)) / source_slope
+    return float(source.mean()), np.full(2, own)
+
+
+def pyrometer_constants(test, data, calibration, gas, gas_change, band_shift_uncertainty):
+    """Prior of what does not change, as far as the pyrometer sees it; `gas` (2,) [A] is a first guess."""
+    emittance = test.attrs["emittance"]
+    spread = max(test.attrs["emittance_uncertainty"] / emittance, NOTHING)
+    source, own = gain_uncertainties(calibration, data.source_slope)
+    return (
+        constants("log_emittance", np.log(emittance), spread)
+        + constants("source_error", 0.0, max(source, NOTHING))
+        + constants("gain_error", np.zeros(2), np.maximum(own, NOTHING))
+        + constants("gas_signal", gas, WIDE_PRIOR * gas)
+        + constants("gas_signal_before", np.zeros(2), max(gas_change, NOTHING))
+        + constants("band_shift", np.zeros(2), max(band_shift_uncertainty, NOTHING * SHIFT))
+    )
+
+
+def first_gas(test, samples):
+    """Gas signal (2,) [A] to start from: the median of the reference window.
+
+    Raises
+    ------
+    ValueError
+        If the window holds no sample of a band between injection and the end of the plasma.
+    """
+    low, high = test.attrs["reference_window"]
+    inside = (samples.time >= low) & (samples.time <= high) & samples.injected & samples.shining
+    if not np.isfinite(samples.signal[:, inside]).any(axis=1).all():
+        raise ValueError(
+            f"the reference window {low:g} to {high:g} s holds no sample of both bands after injection"
+        )
+    least = np.median(samples.noise[:, inside], axis=1)
+    return np.maximum(np.nanmedian(samples.signal[:, inside], axis=1), least)
+
+
+def first_path(samples, data, gas, emittance, injection_time, initial_temperature):
+    """Path (n, 4) to start from: the narrow band less its gas, read as a grey surface."""
+    time, narrow = samples.time, noise.smoothed(samples.signal[1], 31)
+    surface = narrow - np.where(data.shining, gas[1], 0.0)
+    clear = data.injected & (surface > np.where(data.shining, 0.3 * gas[1], 10 * data.noise[1]))
+    inverse = np.linspace(1 / 3900.0, 1 / 250.0, 500)
+    curve = np.log(emittance * data.table(1 / inverse)[0][:, 1])
+    guess = 1 / np.interp(np.log(surface[clear]), curve[::-1], inverse[::-1])
+    axis, values = np.append(injection_time, time[clear]), np.append(initial_temperature, guess)
+    path = np.zeros((time.size, SIZE))
+    path[:, TEMPERATURE] = np.where(data.injected, np.interp(time, axis, values), initial_temperature)
+    path[:, RATE] = np.where(data.injected, np.gradient(path[:, TEMPERATURE], time), 0.0)
+    before = samples.signal[0, ~data.injected]
+    before = before[np.isfinite(before)]
+    if before.size and np.median(before) > 0:
+        path[~data.injected, GAS] = np.log(np.median(before) / gas[0])
+    return path
+
+
+def spectrometer_data(test, time, radiance, instrument, source_temperature, flicker, noise_block, spans):
+    """What the spectrometer contributes: means of the bins; None if no exposure is of use.
+
+    Exposures during which the probe moves in or the plasma starts or ends are left out.
+    """
+    middle = test.spectrum_time.values
+    injection, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    half = test.attrs["spectrometer_integration_time"] / 2
+    usable = np.isfinite(radiance)
+    own = local_noise(radiance, noise_block)
+    mean, count = bin_pixels(test.wavelength.values, radiance, usable, instrument.edges)
+    square, _ = bin_pixels(test.wavelength.values, own**2, usable & np.isfinite(own), instrument.edges)
+    spread = np.sqrt(square / np.maximum(count, 1))
+    apart = (
+        ((middle - half >= injection) & (middle + half <= off))
+        | (middle + half <= injection - spans[0])
+        | (middle - half >= off + spans[1])
+    )
+    inside = (middle >= time[0]) & (middle <= time[-1]) & apart
+    mean[~inside] = np.nan
+    mean[~(spread > 0)] = np.nan
+    good = np.isfinite(mean).any(axis=0)
+    if not good.any():
+        return None
+    place = np.clip(np.searchsorted(time, middle), 1, time.size - 1)
+    place = place - (middle - time[place - 1] < time[place] - middle)
+    return SpectrometerData(
+        place,
+        middle - time[place],
+        2 * half,
+        mean[:, good],
+        np.where(np.isfinite(mean), spread, 1.0)[:, good],
+        middle >= injection,
+        middle <= off,
+        GreyTable(_of_pixels(instrument, test.wavelength.values, usable.any(axis=0), good)),
+        (SECOND_RADIATION / instrument.wavelength / source_temperature**2)[good],
+        flicker,
+    )
+
+
+def _of_pixels(instrument, pixels, usable, good):
+    """The spectrometer with its pixels as bins: Planck's law is then averaged as the data are."""
+    step = (pixels[1:] + pixels[:-1]) / 2
+    edges = np.concatenate([[2 * pixels[0] - step[0]], step, [2 * pixels[-1] - step[-1]]])
+    belongs = pixel_bins(pixels, instrument.edges) == np.arange(instrument.edges.size - 1)[:, None]
+    weight = (belongs & usable).astype(float)
+    return dataclasses.replace(
+        instrument,
+        edges=edges,
+        channel=instrument.channel[good],
+        weight=(weight / np.maximum(weight.sum(axis=1, keepdims=True), 1))[good],
+    )
+
+
+def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change):
+    """Constants of the spectrometer; the gas spectrum starts from the exposures with the coldest surface."""
+    injected = np.flatnonzero(data.injected & data.shining & np.isfinite(data.radiance).any(axis=1))
+    before = np.flatnonzero(~data.injected & np.isfinite(data.radiance).any(axis=1))
+    early = injected[:2] if injected.size else before
+    gas = _mean(data.radiance[early])
+    floor = np.median(data.noise, axis=0)
+    gas = np.where(np.isfinite(gas), gas, floor)
+    gas = np.where(np.abs(gas) > floor, gas, floor)
+    count = gas.size
+    return (
+        constants("scale_error", 0.0, max(scale_uncertainty, NOTHING))
+        + constants("bin_error", np.zeros(count), max(bin_uncertainty, NOTHING))
+        + constants("gas_radiance", gas, WIDE_PRIOR * np.abs(gas))
+        + constants("gas_radiance_before", np.zeros(count), max(gas_change, NOTHING))
+    )
+
+
+def _mean(rows):
+    """Mean over the first axis of what is finite; NaN without any."""
+    good = np.isfinite(rows)
+    with np.errstate(invalid="ignore"):
+        return np.where(good, rows, 0.0).sum(axis=0) / good.sum(axis=0)
+
+
+def rescaled(data, found, fixed):
+    """Data whose noise, in each band or bin, is that of their residuals."""
+    residual = data.residual(found.path, found.values, fixed.where)
+    axis = 1 if isinstance(data, PyrometerData) else 0
+    scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=axis, keepdims=True)
+    scale = np.clip(scale, *RESCALING)
+    return dataclasses.replace(data, noise=data.noise * scale)

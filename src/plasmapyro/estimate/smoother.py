@@ -1,0 +1,203 @@
+"""The most probable path and constants, their uncertainty, and how fast the temperature may bend."""
+
+import dataclasses
+
+import numpy as np
+from scipy.optimize import minimize
+
+from plasmapyro.estimate.banded import Factor, solve_bordered
+from plasmapyro.estimate.dynamics import GAS, SIZE, TEMPERATURE, ChainPrior, transition
+from plasmapyro.estimate.observations import robust_sum
+
+STEPS = 60  # Gauss-Newton steps allowed
+HALVINGS = 12
+CONVERGED = 1e-3  # fall of half the sum of squares that ends the iteration
+SEARCH = {"maxfev": 50, "xatol": 0.05, "fatol": 0.2}
+LIMITS = ((1e-4, 1e3), (1e-3, 1e5), (1.0, 200.0))  # of quiet, bending, memory
+
+
+@dataclasses.dataclass(frozen=True)
+class Chain:
+    """The axis of the path, its switches, and the distribution of its first state."""
+
+    time: np.ndarray
+    switches: tuple
+    injection_time: float
+    first: np.ndarray  # (4,)
+    first_covariance: np.ndarray  # (4, 4)
+
+    def prior(self, dynamics):
+        """Prior of the path under given dynamics."""
+        moved = transition(dynamics, self.time, self.switches, self.injection_time)
+        return ChainPrior(*moved, self.first, self.first_covariance)
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """Most probable path (n, 4) and constants (p,), under dynamics of the largest likelihood."""
+
+    path: np.ndarray
+    values: np.ndarray
+    dynamics: object
+    steps: int
+    converged: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class Spread:
+    """Uncertainty of a fit."""
+
+    path: np.ndarray  # (n, 4, 4) covariance of each state, the constants marginalised
+    constants: np.ndarray  # (p, p) covariance
+    told: np.ndarray  # (n,) [K-2] what each sample by itself says of its temperature, gas marginalised
+
+
+def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
+    """Path and constants of the largest posterior density, with dynamics of the largest likelihood.
+
+    Gauss-Newton steps, halved until the objective falls; between rounds the three numbers that say how
+    fast the temperature bends are fitted by the marginal likelihood of the linearised problem.
+
+    Parameters
+    ----------
+    chain : Chain
+    observations : list of PyrometerData, SpectrometerData
+    prior_constants : Constants
+    dynamics : Dynamics
+        Where the search starts; only `quiet`, `bending` and `memory` are fitted.
+    path : (n, 4) array
+    values : (p,) array
+    rounds : int
+        Alternations of path and dynamics.
+
+    Returns
+    -------
+    Fit
+    """
+    steps = 0
+    for _ in range(rounds):
+        path, values, _, used = _descend(chain, observations, prior_constants, dynamics, path, values)
+        steps += used
+        dynamics = fitted_dynamics(chain, observations, prior_constants, dynamics, path, values)
+    path, values, done, used = _descend(chain, observations, prior_constants, dynamics, path, values)
+    return Fit(path, values, dynamics, steps + used, done)
+
+
+def spread_of(chain, observations, prior_constants, found):
+    """Covariances of a fit, the problem linearised there.
+
+    Returns
+    -------
+    Spread
+    """
+    count, size = len(found.path), len(found.values)
+    factor, gathered, _ = _normal_equations(
+        chain.prior(found.dynamics), observations, prior_constants, found.path, found.values
+    )
+    corner = gathered.corner + np.diag(prior_constants.deviation**-2.0)
+    _, _, effect, covariance = solve_bordered(
+        factor, gathered.border.reshape(count * SIZE, size), corner, np.zeros(count * SIZE), np.zeros(size)
+    )
+    effect = effect.reshape(count, SIZE, size)
+    own = factor.inverse_diagonal() + effect @ covariance @ np.swapaxes(effect, 1, 2)
+    told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
+    return Spread(own, covariance, told)
+
+
+def _told(matrix, gas_variance):
+    """Information (n,) of each sample on its temperature, the gas marginalised with its variance."""
+    cross, own = matrix[:, TEMPERATURE, GAS], matrix[:, GAS, GAS]
+    return matrix[:, TEMPERATURE, TEMPERATURE] - cross**2 / (own + 1 / gas_variance)
+
+
+def _gather(observations, prior_constants, path, values):
+    total = observations[0].information(path, values, prior_constants.where)
+    for other in observations[1:]:
+        total = total + other.information(path, values, prior_constants.where)
+    return total
+
+
+def _normal_equations(prior, observations, prior_constants, path, values):
+    gathered = _gather(observations, prior_constants, path, values)
+    diagonal, below = prior.blocks()
+    return Factor(diagonal + gathered.state_matrix, below), gathered, prior.value_and_gradient(path)
+
+
+def _objective(prior, observations, prior_constants, path, values):
+    where = prior_constants.where
+    data = sum(robust_sum(one.residual(path, values, where)) for one in observations)
+    pull = (values - prior_constants.mean) / prior_constants.deviation
+    return data + prior.value_and_gradient(path)[0] + 0.5 * pull @ pull
+
+
+def _descend(chain, observations, prior_constants, dynamics, path, values):
+    """Gauss-Newton with halved steps: the objective never rises."""
+    prior = chain.prior(dynamics)
+    count, size = len(path), len(values)
+    precision = prior_constants.deviation**-2.0
+    now = _objective(prior, observations, prior_constants, path, values)
+    for step in range(STEPS):
+        factor, gathered, (_, slope) = _normal_equations(prior, observations, prior_constants, path, values)
+        move, change, *_ = solve_bordered(
+            factor,
+            gathered.border.reshape(count * SIZE, size),
+            gathered.corner + np.diag(precision),
+            -(gathered.state_gradient + slope).ravel(),
+            -(gathered.constant_gradient + precision * (values - prior_constants.mean)),
+        )
+        move, length = move.reshape(count, SIZE), 1.0
+        for _ in range(HALVINGS):
+            trial = within_tables(path + length * move, observations), values + length * change
+            then = _objective(prior, observations, prior_constants, *trial)
+            if then <= now:
+                break
+            length /= 2
+        else:
+            return path, values, True, step + 1
+        (path, values), fall, now = trial, now - then, then
+        if fall < CONVERGED:
+            return path, values, True, step + 1
+    return path, values, False, STEPS
+
+
+def within_tables(path, observations):
+    """The path with temperatures held inside the tables of the instruments."""
+    low, high = observations[0].table.temperatures
+    path = path.copy()
+    path[:, TEMPERATURE] = np.clip(path[:, TEMPERATURE], low, high)
+    return path
+
+
+def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values):
+    r"""Dynamics of the largest marginal likelihood, the problem linearised at a path.
+
+    .. math:: -2\ln p(y \mid q) = 2J_0 - b^T A^{-1} b + \ln\det A + \sum_k \ln\det Q_k
+
+    with the constants held at their present values.
+    """
+    gathered = _gather(observations, prior_constants, path, values)
+    low, high = np.log(np.array(LIMITS)).T
+
+    def with_parameters(logarithms):
+        quiet, bending, memory = np.exp(np.clip(logarithms, low, high))
+        return dataclasses.replace(dynamics, quiet=quiet, bending=bending, memory=memory)
+
+    def misfit(logarithms):
+        prior = chain.prior(with_parameters(logarithms))
+        diagonal, below = prior.blocks()
+        value, slope = prior.value_and_gradient(path)
+        factor = Factor(diagonal + gathered.state_matrix, below)
+        right = (gathered.state_gradient + slope).ravel()
+        penalty = np.sum((logarithms - np.clip(logarithms, low, high)) ** 2) * 1e3
+        return (
+            2 * value
+            - right @ factor.solve(right)
+            + factor.log_determinant()
+            + prior.log_determinant
+            + penalty
+        )
+
+    start = np.log([dynamics.quiet, dynamics.bending, dynamics.memory])
+    simplex = np.vstack([start, start + np.diag([1.5, 1.5, 0.7])])
+    found = minimize(misfit, start, method="Nelder-Mead", options=SEARCH | {"initial_simplex": simplex})
+    return with_parameters(found.x)

@@ -1,0 +1,227 @@
+"""Stage of the joint estimate: a test and the calibrations in, surface temperature and gas out."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.estimate import prepare
+from plasmapyro.estimate.dynamics import GAS, TEMPERATURE, Dynamics
+from plasmapyro.estimate.smoother import Chain, fit, spread_of
+from plasmapyro.experiment import inputs, status
+from plasmapyro.experiment.stage import CARRIED, calibrated_radiance
+from plasmapyro.forward.stage import BANDS, forward_model
+from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
+
+NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
+FIRST_RATE = 0.1  # [K/s] standard deviation before injection: nothing heats the sample
+KICK = 100.0  # [K/s] of the rate at injection and at the end of the plasma
+START_DYNAMICS = {"quiet": 1e-2, "bending": 30.0, "memory": 15.0}  # where the search begins
+GAS_START = 1e-3  # [1] the gas amplitude right after injection is 1 by definition
+BEFORE_DEVIATION = 1.0  # [1] of the logarithm of the gas amplitude before injection: left to the data
+FIRST_ROUNDS = 2  # of path and dynamics, before the noise is looked at again
+TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
+
+
+def estimate(
+    test,
+    calibration,
+    response,
+    spectrometer_calibration=None,
+    *,
+    gas_drift,
+    gas_flicker,
+    gas_flicker_time,
+    gas_change,
+    band_shift_uncertainty,
+    initial_temperature,
+    initial_temperature_uncertainty,
+    scale_uncertainty,
+    bin_uncertainty,
+    injection_time_span,
+    plasma_off_time_span,
+    least_surface_share,
+    largest_uncertainty,
+    saturation_counts,
+    noise_block,
+    instruments=("pyrometer", "spectrometer"),
+):
+    """Surface temperature of a test from both bands in absolute units and, if present, the spectra.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+        With the pyrometer; spectra are used if there are any.
+    calibration : Dataset, contract 'calibration'
+    response : Dataset, contract 'response'
+    spectrometer_calibration : Dataset, contract 'spectrometer_calibration', optional
+        Needed for counts.
+    gas_drift : float [1]
+        Standard deviation of the slow change of the gas light from injection to the end of the plasma.
+    gas_flicker, gas_flicker_time : float [1], [s]
+        Used only if the bands do not tell.
+    gas_change : float [1]
+        Relative change of colour of the gas when the probe comes in.
+    band_shift_uncertainty : float [m]
+        Of the place of each response on the wavelength axis.
+    initial_temperature, initial_temperature_uncertainty : float [K]
+        Of the surface at injection.
+    scale_uncertainty, bin_uncertainty : float [1]
+        Of the spectrometer: common to all wavelengths (what lies in its view), and of each bin.
+    injection_time_span, plasma_off_time_span : float [s]
+        Left out before injection and after the end of the plasma.
+    least_surface_share : float [1]
+        If the surface gives less in both bands, the status says that the gas dominates.
+    largest_uncertainty : float [1]
+        Beyond this relative standard uncertainty there is no temperature.
+    saturation_counts : float [count]
+    noise_block : int
+        Pixels per noise estimate of the spectrometer.
+    instruments : names of those to use; without 'spectrometer' its data are left aside.
+
+    Returns
+    -------
+    Dataset, contract 'joint_estimate'
+
+    Raises
+    ------
+    ValueError
+        Naming every fault of the test, or if the iteration does not converge.
+
+    Notes
+    -----
+    Not in the paper; method and reasons in docs/estimator.md.
+    """
+    test = inputs.require(test, "pyrometer")
+    injection, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    spans = injection_time_span, plasma_off_time_span
+    samples = prepare.samples_of(test, spans)
+    pyrometer = prepare.pyrometer_data(samples, response, calibration)
+    told = np.isfinite(samples.flicker)
+    deviation = samples.flicker if told else gas_flicker
+    correlation = samples.flicker_time if told else gas_flicker_time
+    gas = prepare.first_gas(test, samples)
+    fixed = prepare.pyrometer_constants(test, pyrometer, calibration, gas, gas_change, band_shift_uncertainty)
+    path = prepare.first_path(
+        samples, pyrometer, gas, test.attrs["emittance"], injection, initial_temperature
+    )
+    observations = [pyrometer]
+    if "spectrometer" in inputs.instruments(test) and "spectrometer" in instruments:
+        radiance, *_ = calibrated_radiance(test, spectrometer_calibration, saturation_counts)
+        # ASSUME: one source for both instruments; its error then does not average out.
+        source = calibration if spectrometer_calibration is None else spectrometer_calibration
+        spectra = prepare.spectrometer_data(
+            test,
+            samples.time,
+            radiance,
+            forward_model(response, calibration, {}, test.wavelength.values)["spectrometer"],
+            float(source.source_temperature.mean()),
+            prepare.mean_flicker(deviation, correlation, test.attrs["spectrometer_integration_time"]),
+            noise_block,
+            spans,
+        )
+        if spectra is not None:
+            observations.append(spectra)
+            fixed = fixed + prepare.spectrometer_constants(
+                spectra, scale_uncertainty, bin_uncertainty, gas_change
+            )
+    time = samples.time
+    chain = Chain(
+        time,
+        (injection, off),
+        injection,
+        np.array([initial_temperature, 0.0, path[0, GAS], 0.0]),
+        np.diag(
+            [
+                initial_temperature_uncertainty**2,
+                FIRST_RATE**2 if time[0] < injection else KICK**2,
+                BEFORE_DEVIATION**2 if time[0] < injection else GAS_START**2,
+                deviation**2,
+            ]
+        ),
+    )
+    dynamics = Dynamics(
+        **START_DYNAMICS,
+        kick=KICK,
+        gas=gas_drift**2 / (off - injection),
+        gas_start=GAS_START,
+        flicker=deviation,
+        flicker_time=correlation,
+    )
+    found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy(), FIRST_ROUNDS)
+    # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
+    observations = [prepare.rescaled(one, found, fixed) for one in observations]
+    found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
+    if not found.converged:
+        raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
+    spread = spread_of(chain, observations, fixed, found)
+    limits = least_surface_share, largest_uncertainty
+    return _dataset(test, calibration, samples, observations, fixed, found, spread, limits)
+
+
+def _told(time, told, temperature, largest):
+    """Where the samples within `TELLING` fix the temperature by themselves: continuity is no measurement."""
+    total = np.concatenate([[0.0], np.cumsum(told)])
+    first, last = (np.searchsorted(time, time + shift) for shift in (-TELLING / 2, TELLING / 2))
+    return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
+
+
+def _dataset(test, calibration, samples, observations, fixed, found, spread, limits):
+    of, group = fixed.where, samples.group
+    least_share, largest = limits
+    middle = found.path[:, TEMPERATURE]
+    told = _told(samples.time, spread.told, middle, largest)[group]
+    temperature = np.interp(test.time.values, samples.time, middle)
+    deviation = np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE])[group]
+    surface, gas, _ = observations[0].predict(found.path, found.values, of)
+    share, injected = (surface / (surface + gas))[:, group], samples.injected[group]
+    known = injected & told & (deviation < largest * temperature)
+    low, high = calibration.fit_range.values
+    state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
+    state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
+    state[np.isnan([test[f"signal_{band}"].values for band in BANDS]).all(axis=0)] = status.MISSING
+    state[~known] = status.NO_SIGNAL
+    state[~injected] = status.NOT_INJECTED
+    factor = np.exp(NORMAL_95 * deviation / temperature)
+    amplitude = np.where(samples.shining, np.exp(found.path[:, GAS]), 0.0)[group]
+    of_constants = np.sqrt(np.diag(spread.constants))
+    emittance = float(np.exp(found.values[of("log_emittance")[0]]))
+    gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
+    direction = np.zeros((2, fixed.mean.size))
+    direction[np.arange(2), of("gain_error")] = 1.0
+    direction[:, of("source_error")[0]] = -observations[0].source_slope
+    gain_variance = np.einsum("bi,ij,bj->b", direction, spread.constants, direction)
+    return xr.Dataset(
+        {
+            "surface_temperature": ("time", np.where(known, temperature, np.nan)),
+            "surface_temperature_uncertainty": ("time", np.where(known, deviation, np.nan)),
+            "surface_temperature_interval": (
+                ("bound", "time"),
+                np.where(known, np.stack([temperature / factor, temperature * factor]), np.nan),
+            ),
+            "estimate_status": ("time", state, status.flags()),
+            "estimated_surface_share": (("band", "time"), np.where(injected, share, np.nan)),
+            "gas_amplitude": ("time", amplitude),
+            "gas_amplitude_uncertainty": ("time", amplitude * np.sqrt(spread.path[:, GAS, GAS])[group]),
+            "gas_current": ("band", found.values[of("gas_signal")]),
+            "gas_current_uncertainty": ("band", of_constants[of("gas_signal")]),
+            "estimated_emittance": emittance,
+            "estimated_emittance_uncertainty": emittance * float(of_constants[of("log_emittance")[0]]),
+            "gain_correction": ("band", np.expm1(gains)),
+            "gain_correction_uncertainty": ("band", np.sqrt(gain_variance)),
+            "whitened_residual": (
+                ("band", "time"),
+                observations[0].residual(found.path, found.values, of)[:, group],
+            ),
+        },
+        {"time": test.time.values, "band": list(BANDS)},
+        {name: test.attrs[name] for name in CARRIED if name in test.attrs}
+        | {
+            "instruments": " ".join(["pyrometer", "spectrometer"][: len(observations)]),
+            "steps": found.steps,
+            "gas_flicker": float(found.dynamics.flicker),
+            "gas_flicker_time": float(found.dynamics.flicker_time),
+        }
+        | {
+            f"dynamics_{name}": float(getattr(found.dynamics, name))
+            for name in ("quiet", "bending", "memory")
+        },
+    )

@@ -1,0 +1,243 @@
+"""A small laboratory of its own: two bands, a spectrometer, a gas of Gaussian lines, a sample that heats and
+cools.
+
+Signals are made here with formulas of their own, not with those of the package.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
+SLIT_FWHM = 0.75e-9
+POWERS = {"60kW": 60e3, "80kW": 80e3, "100kW": 100e3}
+LINES = (
+    (777.4, 60.0, 6.0),
+    (844.6, 20.0, 6.2),
+    (868.0, 25.0, 7.0),
+    (926.6, 9.0, 6.5),
+)  # nm, strength, exponent
+OFF = 120.0
+
+
+def black_body(wavelength, temperature):
+    return 2 * H * C**2 / wavelength**5 / np.expm1(H * C / (wavelength * K * np.asarray(temperature, float)))
+
+
+def gas_components(axis, power):
+    """Atomic lines and a molecular hump (C, K) [W m-2 sr-1 m-1]."""
+    ratio = power / 80e3
+    atoms = np.zeros((2, axis.size))
+    for place, strength, exponent in LINES:
+        row = 1 if place == 868.0 else 0
+        sigma = SLIT_FWHM / 2.3548
+        atoms[row] += strength * ratio**exponent * np.exp(-(((axis - place * 1e-9) / sigma) ** 2) / 2)
+    hump = 12.0 * ratio * (1 + 0.5 * np.sin(axis / 7e-9)) * np.exp(-(((axis - 1e-6) / 1.5e-7) ** 2))
+    return 1e6 * np.array([atoms[0], atoms[1], hump])
+
+
+def temperature_of(time):
+    rise = 350 + 1150 * -np.expm1(-np.maximum(time, 0) / 12.0)
+    top = 350 + 1150 * -np.expm1(-OFF / 12.0)
+    # radiative cooling: T^-3 grows linearly
+    fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - OFF, 0)) ** (-1 / 3)
+    return np.where(time < OFF, rise, fall)
+
+
+@pytest.fixture(scope="session")
+def axis():
+    return np.arange(701e-9, 1199e-9, 0.15e-9)
+
+
+@pytest.fixture(scope="session")
+def radiation(axis):
+    def dataset(power):
+        parts = gas_components(axis, power)
+        return xr.Dataset(
+            {
+                "gas_radiance_slit": ("wavelength_slit", parts.sum(axis=0)),
+                "gas_radiance_component_slit": (("component", "wavelength_slit"), parts),
+            },
+            {"wavelength_slit": axis, "component": ["O I", "N I", "N2 1P"]},
+            {"slit_fwhm": SLIT_FWHM, "origin": "synthetic"},
+        )
+
+    return {name: dataset(power) for name, power in POWERS.items()}
+
+
+@pytest.fixture(scope="session")
+def variations(axis):
+    base = gas_components(axis, 80e3)
+    total = base.sum(axis=0)
+    levels = np.array([-0.1, -0.05, 0.0, 0.05, 0.1])
+    names = ("core_temperature", "ripple", "excitation", "vibration", "optical_depth")
+    amplitude = np.array([levels, levels + 0.1, levels, levels * 3, (levels + 0.1) * 10])
+    shapes = np.array([total**0.3, base[0] + 1e5, base[:2].sum(axis=0) + 1e5, base[2] + 1e5, base[0] + 1e5])
+    varied = np.array(
+        [
+            total * np.exp(np.outer(a * s, row / row.max()))
+            for a, s, row in zip(amplitude, (8, 4, 6, 1, -0.3), shapes, strict=True)
+        ]
+    )
+    return xr.Dataset(
+        {
+            "variation_amplitude": (("variation", "level"), amplitude),
+            "varied_radiance": (("variation", "level", "wavelength_slit"), varied),
+            "added_radiance": (
+                ("addition", "wavelength_slit"),
+                np.array([total, 20 * total, 0.01 * total, np.exp(-(((axis - 9.2e-7) / 2e-8) ** 2)) * 1e6]),
+            ),
+        },
+        {
+            "variation": list(names),
+            "addition": ["reflected_specular", "reflected_diffuse", "warm_wall", "cyanogen"],
+            "wavelength_slit": axis,
+        },
+        {"origin": "synthetic", "slit_fwhm": SLIT_FWHM},
+    )
+
+
+@pytest.fixture(scope="session")
+def response():
+    wavelength = np.arange(740e-9, 1150.1e-9, 1e-9)
+    wide = np.exp(-(((wavelength - 9.3e-7) / 9e-8) ** 2))
+    narrow = np.exp(-(((wavelength - 1.04e-6) / 4e-8) ** 2))
+    return xr.Dataset(
+        {"responsivity_wide": ("wavelength", wide), "responsivity_narrow": ("wavelength", narrow)},
+        {"wavelength": wavelength},
+        {"origin": "synthetic"},
+    )
+
+
+@pytest.fixture(scope="session")
+def calibration(response):
+    temperature = np.arange(500.0, 3001.0, 10.0)
+    wavelength = response.wavelength.values
+    signals = [
+        np.trapezoid(
+            response[f"responsivity_{band}"].values * black_body(wavelength, temperature[:, None]), wavelength
+        )
+        for band in ("wide", "narrow")
+    ]
+    return xr.Dataset(
+        {
+            "sensitivity_ratio": 0.3,
+            "sensitivity_ratio_uncertainty": 0.0015,
+            "absolute_sensitivity": ("band", [0.3e-8, 1e-8]),
+            "source_temperature": ("calibration_point", np.arange(1000.0, 1700.0, 100.0)),
+            "calibration_ratio": ("calibration_temperature", 0.3 * signals[0] / signals[1]),
+        },
+        {"band": ["wide", "narrow"], "calibration_temperature": temperature},
+        {"origin": "synthetic"},
+    )
+
+
+@pytest.fixture(scope="session")
+def record(axis, response):
+    """Makes a test: record(window_loss=..., ratio_error=..., seed=...)."""
+
+    def make(*, seed=1, window_loss=0.0, ratio_error=0.0, fringe=0.0, noise=1.0, emittance=0.85):
+        random = np.random.default_rng(seed)
+        time = np.arange(-12.0, 150.0, 0.5) + 0.05
+        middle = np.arange(-11.5, 150.0, 1.0)
+        pixels = np.arange(752e-9, 1028e-9, 0.8e-9)
+        plume = gas_components(axis, 80e3).sum(axis=0)
+
+        def light(wavelength, gas, moment):
+            moment = moment[:, None]
+            surface = emittance * black_body(wavelength, temperature_of(moment)) * (moment >= 0)
+            scale = np.where(moment < 0, 1.6, (moment < OFF).astype(float))
+            return surface + scale * gas
+
+        wavelength = response.wavelength.values
+        inside = np.interp(wavelength, axis, plume)
+        whole = light(wavelength, inside, time)
+        signals = np.array(
+            [
+                gain * np.trapezoid(response[f"responsivity_{band}"].values * whole, wavelength)
+                for gain, band in ((0.3e-8 * np.exp(ratio_error), "wide"), (1e-8, "narrow"))
+            ]
+        )
+        signals = signals * (1 + noise * 0.003 * random.standard_normal(signals.shape))
+        nodes = middle[:, None] + 0.45 * np.array([-1, 0, 1]) * np.sqrt(3 / 5)
+        seen = gas_components(pixels, 80e3).sum(axis=0)
+        spectra = sum(
+            share * light(pixels, seen, nodes[:, place])
+            for place, share in enumerate((5 / 18, 8 / 18, 5 / 18))
+        )
+        spectra = spectra * (1 - window_loss * np.clip(middle / OFF, 0, 1)[:, None])
+        spectra = spectra * (1 + fringe * np.sin(2 * np.pi * 1.1e-4 / pixels))
+        level = np.hypot(0.006 * spectra, 2e5)
+        spectra = spectra + noise * level * random.standard_normal(spectra.shape)
+        return xr.Dataset(
+            {
+                "signal_wide": ("time", signals[0], {"units": "A"}),
+                "signal_narrow": ("time", signals[1], {"units": "A"}),
+                "spectral_radiance": (("spectrum_time", "wavelength"), spectra, {"units": "W m-2 sr-1 m-1"}),
+            },
+            {
+                "time": ("time", time, {"units": "s"}),
+                "spectrum_time": ("spectrum_time", middle, {"units": "s"}),
+                "wavelength": ("wavelength", pixels, {"units": "m"}),
+            },
+            {
+                "condition": "80kW",
+                "origin": "synthetic",
+                "injection_time": 0.0,
+                "plasma_off_time": OFF,
+                "reference_window": np.array([0.0, 4.0]),
+                "emittance": 0.85,
+                "emittance_uncertainty": 0.05,
+                "window_transmittance_pyrometer": 0.87,
+                "window_transmittance_spectrometer": 0.95,
+                "pyrometer_integration_time": 0.01,
+                "spectrometer_integration_time": 0.9,
+                "spectrometer_fwhm": SLIT_FWHM,
+            },
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def laboratory(radiation, variations, response, calibration):
+    return SimpleNamespace(
+        radiation=radiation, powers=POWERS, variations=variations, response=response, calibration=calibration
+    )
+
+
+@pytest.fixture(scope="session")
+def model(record, laboratory):
+    from plasmapyro.diagnosis.build import base_model
+    from plasmapyro.diagnosis.library import gas_library
+
+    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    return base_model(record(), library, laboratory.calibration, laboratory.response)
+
+
+@pytest.fixture(scope="session")
+def diagnosed(record, laboratory):
+    """Diagnoses a test of `record` with some settings, keeping results."""
+    from plasmapyro.diagnosis.stage import diagnose
+
+    kept = {}
+
+    def run(without=(), **settings):
+        key = (without, *sorted(settings.items()))
+        if key not in kept:
+            with np.errstate(all="ignore"):
+                kept[key] = diagnose(
+                    record(**settings),
+                    laboratory.radiation,
+                    laboratory.powers,
+                    laboratory.variations,
+                    laboratory.response,
+                    laboratory.calibration,
+                    exclude=without,
+                    draws=400,
+                )
+        return kept[key]
+
+    return run

@@ -1,0 +1,147 @@
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.effect import BOTH, ORDER, PHASES
+from plasmapyro.diagnosis.extension import fragment, settings_of
+from plasmapyro.diagnosis.model import Setting
+
+BAND_RTOL = 2e-3  # of a formula for an infinitely narrow band, applied to a node of 6 nm
+IDS = (
+    "refl eps_slope eps_T eps_ox winD winE winD_sl winE_sl off1 off2 off_s torchglow nonlin_p nonlin_s phi"
+    " edge1 edge2 resp_long wshift lsf stray second P_eff T_exc T_vib ripple selfabs contin gas_drift bl"
+    " afterglow particles NaK CaII CN Cu Ar h2o o2a grad edge_p edge_s clock scat"
+).split()
+
+
+@pytest.fixture(scope="module")
+def state(model):
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    return knots, np.array([p.centre for p in model.parameters])
+
+
+def seen(model, state, which, identity, amplitude, **shape):
+    return model.evaluate(
+        which, *state, (Setting(identity, amplitude, shape or dict(EFFECTS[identity].shapes[0])),)
+    )
+
+
+def test_the_catalogue_covers_every_stage_instrument_and_phase():
+    assert set(IDS) <= set(EFFECTS)
+    assert {effect.stage for effect in EFFECTS.values()} == set(ORDER)
+    assert {kind for effect in EFFECTS.values() for kind in effect.instruments} == set(BOTH)
+    assert {phase for effect in EFFECTS.values() for phase in effect.phases} == set(PHASES)
+    for effect in EFFECTS.values():
+        assert effect.sigma > 0 and effect.bounds[0] <= 0 < effect.bounds[1]
+        assert set(effect.degenerate_with) <= set(EFFECTS)
+        assert sum(f is not None for f in (effect.light, effect.output, effect.clock)) == 1
+
+
+@pytest.mark.parametrize("identity", list(EFFECTS))
+def test_amplitude_zero_is_the_base_model_to_the_last_bit(model, state, identity):
+    for which in range(2):
+        plain = model.evaluate(which, *state)
+        for shape in EFFECTS[identity].shapes:
+            assert np.array_equal(seen(model, state, which, identity, 0.0, **shape), plain)
+
+
+@pytest.mark.parametrize("identity", list(EFFECTS))
+def test_a_term_touches_the_instruments_it_names_and_no_other(model, state, identity):
+    effect = EFFECTS[identity]
+    for which, one in enumerate(model.instruments):
+        changed = seen(model, state, which, identity, effect.sigma) != model.evaluate(which, *state)
+        assert changed.any() == (one.kind in effect.instruments)
+
+
+@pytest.mark.parametrize(
+    "identity", ["winD", "winE", "off1", "off_s", "particles", "contin", "Cu", "refl", "afterglow"]
+)
+def test_what_adds_or_takes_light_in_proportion_is_linear(model, state, identity):
+    for which in range(2):
+        plain = model.evaluate(which, *state)
+        one = seen(model, state, which, identity, 0.01) - plain
+        two = seen(model, state, which, identity, 0.02) - plain
+        assert np.allclose(two, 2 * one, rtol=1e-6, atol=1e-9 * np.abs(plain).max())
+
+
+def test_an_error_of_the_ratio_shifts_the_inverse_temperature_by_a_constant(laboratory):
+    """Two narrow bands in the Wien limit: 1/T' - 1/T = -d / [c2 (1/l1 - 1/l2)]."""
+    from plasmapyro.diagnosis.kelvin import paper_temperature
+
+    first, second, error, c2 = 0.85e-6, 1.0e-6, 0.02, 1.438776877e-2
+    temperature = np.array([1000.0, 1300.0, 1700.0])
+    curve = np.linspace(600, 3000, 2401)
+
+    def ratio(kelvin):
+        return np.exp(-c2 / kelvin * (1 / first - 1 / second))
+
+    signals = np.stack([ratio(temperature) * np.exp(error), np.ones(3)], axis=1)
+    found = paper_temperature(
+        signals, np.array([400.0, 410.0, 420.0]), (-2, -1), 300.0, (curve, ratio(curve))
+    )
+    expected = 1 / (1 / temperature - error / (c2 * (1 / first - 1 / second)))
+    assert np.allclose(found, expected, rtol=1e-5)
+
+
+def test_the_term_of_the_ratio_multiplies_the_wide_band_only(model, state):
+    change = seen(model, state, 0, "phi", 0.02) / model.evaluate(0, *state)
+    assert np.allclose(change, [np.exp(0.02), 1.0], rtol=1e-12)
+
+
+def test_a_window_loses_what_it_says_at_the_end_and_keeps_it(model, state):
+    one = model.instruments[1]
+    change = seen(model, state, 1, "winE", 0.1) / model.evaluate(1, *state)
+    late = one.moment[:, 0] > model.off
+    assert np.allclose(change[late], 0.9, rtol=1e-12)
+    assert np.allclose(change[one.moment[:, 1] < 0], 1.0)
+
+
+def test_a_clock_shift_is_the_slope_in_time(model, state):
+    one = model.instruments[0]
+    step = 0.02
+    late = one.moment.mean(axis=1) > model.off + 5  # no gas, smooth cooling
+    change = np.log(seen(model, state, 0, "clock", step) / model.evaluate(0, *state))[late, 0]
+    level = np.log(model.evaluate(0, *state)[late, 0])
+    slope = np.gradient(level, one.moment.mean(axis=1)[late])
+    assert np.allclose(change[1:-1], step * slope[1:-1], rtol=0.1)
+
+
+def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(model, state):
+    """Against the black body averaged over a normal distribution, by quadrature."""
+    from plasmapyro.diagnosis.scene import planck
+
+    knots, values = np.full(model.size, 1600.0), state[1]
+    late = model.instruments[1].moment.mean(axis=1) > model.off + 2
+    sigma = 60.0 * (10 / 14) ** 2
+    points, weights = np.polynomial.hermite_e.hermegauss(9)
+    wavelength = model.instruments[1].wavelength
+    mean = (
+        weights
+        @ planck(wavelength, 1600.0 + sigma * points)
+        / weights.sum()
+        / planck(wavelength, np.array([1600.0]))[0]
+    )
+    plain = model.evaluate(1, knots, values)
+    found = model.evaluate(1, knots, values, (Setting("grad", 60.0, {}),)) / plain
+    assert np.allclose(found[late][0], mean, rtol=3e-4)  # the fourth order is left out
+
+
+def test_a_fragment_reads_back_as_it_was_written():
+    import yaml
+
+    terms = (Setting("winE_sl", 0.04, {"exponent": 2.5}), Setting("phi", -0.01, {}))
+    assert settings_of(yaml.safe_load(fragment(terms))) == terms
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ({"id": "gremlins", "amplitude": 1.0}, "gremlins"),
+        ({"id": "winE", "amplitude": 7.0}, "winE: amplitude"),
+        ({"id": "winE"}, "winE: amplitude"),
+        ({"id": "winE", "amplitude": 0.1, "shape": {"colour": 1}}, "colour"),
+    ],
+)
+def test_a_fragment_with_a_fault_is_refused(entry, message):
+    with pytest.raises(ValueError, match=message):
+        settings_of({"effects": [entry]})

@@ -1,0 +1,183 @@
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis import gas_variations as vary
+from plasmapyro.diagnosis.inference import Noise, Weigher, gram, whitened
+from plasmapyro.diagnosis.noise import NoiseModel, on_bins
+from plasmapyro.diagnosis.screen import Screen, Structure, Unknowns, angles, simulated
+from plasmapyro.diagnosis.select import best_pair
+from plasmapyro.diagnosis.templates import line_groups, widened
+
+FLOAT_RTOL = 1e-9
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(5)
+
+
+@pytest.fixture
+def block(random):
+    """Three bins of four channels: noise, gas, dense covariance."""
+    variance = random.uniform(0.5, 2.0, (3, 4))
+    gas = random.normal(size=(3, 4))
+    flicker = np.array([0.3, 0.0, 2.0])
+    dense = np.zeros((12, 12))
+    for bin_, (v, u, f) in enumerate(zip(variance, gas, flicker, strict=True)):
+        part = slice(4 * bin_, 4 * bin_ + 4)
+        dense[part, part] = np.diag(v) + f * np.outer(u, u)
+    return Noise(variance, flicker), gas, dense
+
+
+def test_weights_are_the_inverse_of_the_covariance(block, random):
+    noise, gas, dense = block
+    rows = random.normal(size=(3, 4, 2))
+    expected = np.linalg.solve(dense, rows.reshape(12, 2))
+    assert np.allclose(Weigher(noise, gas)(rows).reshape(12, 2), expected, rtol=FLOAT_RTOL)
+    assert np.allclose(Weigher(noise, gas)(rows[..., 0]).ravel(), expected[:, 0], rtol=FLOAT_RTOL)
+    root = Weigher(noise, gas).root(rows)
+    assert np.allclose(root.T @ root, rows.reshape(12, 2).T @ expected, rtol=FLOAT_RTOL)
+
+
+def test_whitened_residuals_have_the_chi_squared_of_the_covariance(block, random):
+    noise, gas, dense = block
+    residual = random.normal(size=(3, 4))
+    z = whitened(residual, noise, gas)
+    assert np.sum(z**2) == pytest.approx(
+        residual.ravel() @ np.linalg.solve(dense, residual.ravel()), rel=FLOAT_RTOL
+    )
+
+
+def test_a_pattern_counts_as_one_column_per_channel(block, random):
+    noise, gas, dense = block
+    columns, row, residual = (
+        random.normal(size=(3, 4, 2)),
+        random.normal(size=(3, 4)),
+        random.normal(size=(3, 4)),
+    )
+    matrix, vector = gram([columns], [(0, row)], [Weigher(noise, gas)], [residual])
+    pattern = (row[..., None] * np.eye(4)).reshape(12, 4)
+    whole = np.concatenate([columns.reshape(12, 2), pattern], axis=1)
+    assert np.allclose(matrix, whole.T @ np.linalg.solve(dense, whole), rtol=1e-7, atol=1e-9)
+    assert np.allclose(vector, whole.T @ np.linalg.solve(dense, residual.ravel()), rtol=1e-7, atol=1e-9)
+
+
+def screen_of(information, score, structures=()):
+    from plasmapyro.diagnosis.screen import Candidate
+
+    count = len(score) - sum(s.columns.stop - s.columns.start for s in structures if not s.single)
+    names = ("winE", "phi", "off1", "eps_slope")[:count]
+    candidates = tuple(Candidate(name, {}, 1.0) for name in names)
+    return Screen(
+        candidates, tuple(structures), np.array(score), np.array(information), np.ones(len(score)), None
+    )
+
+
+def test_scores_drawn_as_noise_have_the_information_as_covariance():
+    information = np.array([[4.0, 1.0], [1.0, 9.0]])
+    scores = simulated(screen_of(information, [0.0, 0.0]), 40_000, np.random.default_rng(1))
+    assert np.allclose(np.cov(scores.T), information, rtol=0.05, atol=0.1)
+
+
+def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
+    """ln B = -ln(1 + s^2 G)/2 + z^2/(G + 1/s^2)/2, by the integral over the amplitude."""
+    from scipy.integrate import quad
+
+    from plasmapyro.diagnosis import screen
+
+    information, score = 5000.0, 300.0
+    structure = Structure("pattern", "one", slice(0, 1))
+    found = screen_of([[information]], [score], [structure])
+    values = []
+    for scale in screen.SCALES:
+        value, _ = quad(
+            lambda x, s=scale: (
+                np.exp(score * s * x - information * (s * x) ** 2 / 2 - x * x / 2) / np.sqrt(2 * np.pi)
+            ),
+            -12,
+            12,
+            limit=200,
+        )
+        values.append(np.log(value))
+    expected = max(values) - np.log(len(screen.SCALES))
+    assert Unknowns(found)(np.array([score]))[0] == pytest.approx(expected, abs=1e-6)
+
+
+def test_two_terms_together_gain_what_a_joint_fit_gains():
+    information = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 0.2], [0.5, 0.2, 2.0]])
+    score = np.array([8.0, -6.0, 1.0])
+    gained, first, second = best_pair(screen_of(information, score), np.ones(3))
+    assert {first, second} == {0, 1}
+    assert gained == pytest.approx(
+        score[:2] @ np.linalg.solve(information[:2, :2], score[:2]), rel=FLOAT_RTOL
+    )
+
+
+def test_parallel_directions_have_no_angle_and_independent_ones_a_right_one():
+    assert angles(np.array([[1.0, 2.0], [2.0, 4.0]]))[0, 1] == pytest.approx(0.0, abs=1e-5)
+    assert angles(np.diag([1.0, 5.0]))[0, 1] == pytest.approx(90.0)
+
+
+def test_noise_of_a_mean_of_remembering_samples_is_that_of_the_simulated_mean(random):
+    """Mean of n samples of a first-order process, by simulation."""
+    from types import SimpleNamespace
+
+    memory, count, trials = 0.6, 6, 200_000
+    x = random.standard_normal(trials)
+    total = x.copy()
+    for _ in range(count - 1):
+        x = memory * x + np.sqrt(1 - memory**2) * random.standard_normal(trials)
+        total += x
+    law = NoiseModel(0.0, 0.0, 0.0, 0.0, 1.0, memory, 1.0)
+    one = SimpleNamespace(
+        channels=2, factor=None, pixel_edges=None, number=np.full((1, 2), count), value=np.ones((1, 2))
+    )
+    assert on_bins(law, one, np.ones((1, 2))).flicker[0] == pytest.approx(np.var(total / count), rel=0.02)
+
+
+def test_the_mean_over_a_ripple_of_an_exponential_is_a_bessel_function():
+    """<exp(b T (1 + x sin))> = exp(b T) I0(b T x)."""
+    from scipy.special import i0
+
+    temperature, slope = np.linspace(2000, 12000, 400), 1.5e-3
+    emission = vary.Emission(temperature, np.exp(slope * temperature)[:, None, None])
+    found = vary.ripple(emission, np.array([6000.0]), np.array([1.0]), 0.15)
+    assert found[0] == pytest.approx(np.exp(slope * 6000) * i0(slope * 6000 * 0.15), rel=1e-5)
+
+
+def test_a_line_absorbs_itself_as_a_uniform_slab():
+    depth = np.array([0.0, 1e-6, 1.0, 50.0])
+    kept = vary.self_absorbed(np.ones(4), depth, 1.0)
+    assert np.allclose(kept, [1.0, 1.0 - 5e-7, 1 - np.exp(-1), 0.02], rtol=1e-9)
+
+
+def test_a_warmer_wall_changes_nothing_beyond_the_layer():
+    distance = np.linspace(0, 0.1, 101)
+    temperature = 350 + 5650 * np.tanh(distance / 2e-3)
+    warm = vary.warmer_wall(distance, temperature, 1600.0, 5e-3)
+    assert warm[0] == 1600.0
+    assert np.array_equal(warm[distance >= 5e-3], temperature[distance >= 5e-3])
+    assert (np.diff(warm) >= -1e-9).all()
+
+
+def test_lines_keep_their_light_behind_the_slit(axis):
+    histogram = vary.SlitHistogram(np.array([8.0e-7, 9.003e-7]), axis, 0.75e-9)
+    seen = histogram(np.array([2.0, 3.0]))
+    assert np.trapezoid(seen, axis) == pytest.approx(5.0, rel=1e-4)
+    peak = 2.0 / (0.75e-9 / 2.3548 * np.sqrt(2 * np.pi))
+    assert seen[np.abs(axis - 8e-7) < 1e-9].max() == pytest.approx(peak, rel=0.01)
+
+
+def test_a_wider_slit_adds_variances(axis):
+    narrow = np.exp(-(((axis - 9e-7) / 0.4e-9) ** 2) / 2)
+    wide = widened(axis, narrow, 0.3e-9)
+    expected = 0.4 / 0.5 * np.exp(-(((axis - 9e-7) / 0.5e-9) ** 2) / 2)
+    assert np.abs(wide - expected).max() < 1e-6
+
+
+def test_groups_of_lines_add_up_to_the_spectrum(axis, radiation):
+    light = radiation["80kW"]["gas_radiance_component_slit"].values
+    names, rows = line_groups(axis, ["O I", "N I", "N2 1P"], light)
+    assert np.allclose(rows.sum(axis=0), light.sum(axis=0), rtol=1e-12, atol=0)
+    assert len(names) == len(rows) == len(set(names))
+    assert "O I 777 nm" in names

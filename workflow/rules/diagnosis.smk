@@ -1,0 +1,47 @@
+def tests_condition(wildcards):
+    """The simulation that a test is compared with."""
+    return TESTS[wildcards.test].get("twin", {}).get("condition") or config["diagnosis"]["condition"]
+
+
+rule gas_variations:
+    input:
+        sightline="results/sightline/{condition}.nc",
+        view="results/surface_view/{condition}.nc",
+        radiation="results/radiation/{condition}.nc",
+    output:
+        "results/radiation_variations/{condition}.nc",
+    log:
+        "results/logs/gas_variations_{condition}.log",
+    benchmark:
+        "results/benchmarks/gas_variations_{condition}.tsv"
+    params:
+        pressure_pa=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"] * 100,
+        boundary_layer_depth_mm=config["diagnosis"]["boundary_layer_depth_mm"],
+    script:
+        "../scripts/gas_variations.py"
+
+
+rule diagnosis:
+    input:
+        test=test_file,
+        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        variations=lambda wildcards: f"results/radiation_variations/{tests_condition(wildcards)}.nc",
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+    output:
+        report="results/diagnosis/{test}/diagnosis.json",
+        residual_map="results/diagnosis/{test}/residual_map.nc",
+        temperature="results/diagnosis/{test}/temperature.nc",
+        page="results/diagnosis/{test}/index.html",
+    log:
+        "results/logs/diagnosis_{test}.log",
+    benchmark:
+        "results/benchmarks/diagnosis_{test}.tsv"
+    params:
+        draws=config["diagnosis"]["draws"],
+        seed=config["diagnosis"]["seed"],
+        without=config["diagnosis"]["without"],
+        powers={name: one["numerical_power_kw"] * 1e3 for name, one in CONDITIONS.items()},
+    script:
+        "../scripts/diagnosis.py"

@@ -1,0 +1,23 @@
+"""Rule diagnosis: what the simulation gets wrong in a test, why, and what it costs."""
+
+from pathlib import Path
+
+from plasmapyro import io
+from plasmapyro.diagnosis import command
+
+io.log_to(snakemake.log[0])
+paths, keys = snakemake.input, snakemake.params
+inputs = command.load_inputs(
+    Path(paths.radiation[0]).parent,
+    Path(paths.response).parent,
+    Path(paths.variations).parent,
+    keys.powers,
+)
+settings = {"without": tuple(keys.without), "draws": keys.draws, "seed": keys.seed}
+result = command.diagnose_test(paths.test, inputs, **settings)
+command.write_all(
+    result,
+    Path(snakemake.output.report).parent,
+    sources=paths,
+    page=command.page_writer(),
+)
