@@ -220,7 +220,7 @@ def test_the_joint_estimator_gives_a_temperature_near_the_subtraction(shelf, tmp
 
 
 def test_the_joint_estimator_needs_the_pyrometer(shelf, tmp_path, capsys):
-    assert corrected(shelf, "spectra.nc", tmp_path / "j.nc", "--estimator", "joint") == 2
+    assert corrected(shelf, "spectrometer.nc", tmp_path / "j.nc", "--estimator", "joint") == 2
     assert "use --estimator reference" in capsys.readouterr().err
 
 
