@@ -17,7 +17,7 @@ def score(made, report, temperature, angle):
     ----------
     made : Made
     report : dict, the diagnosis
-    temperature : Dataset with time_bin and paper_, base_, extended_temperature; the latter two also _low, _high
+    temperature : Dataset with time_bin and paper_, base_, extended_temperature, these with _low and _high
     angle : callable(effect, effect) -> degrees between signatures, base parameters projected out
     """
     verdict = report["verdict"]

@@ -27,7 +27,7 @@ OXYGEN = (
 OXYGEN_DEPTH = ((777.408, 1.0), (777.631, 0.714), (777.753, 0.428), (844.87, 0.45))
 
 # N2 first positive system: (v', wavelength of the origin in air [nm], A [10^3 s-1]). Wavelengths and
-# potentials: Laher & Gilmore, J. Phys. Chem. Ref. Data 20, 685 (1991); moment: Laux & Kruger, JQSRT 48, 9 (1992).
+# potentials: Laher & Gilmore, J. Phys. Chem. Ref. Data 20, 685 (1991); moment: Laux & Kruger, JQSRT 48.
 NITROGEN_BANDS = (
     (0, 1046.6, 42.9),
     (1, 888.1, 65.2),
@@ -92,7 +92,7 @@ CYANOGEN = (
 CYANOGEN_QUANTUM = 1790.0  # [cm-1] of the upper state
 
 # Seen in the second order above 910 nm: places in the first order [nm], relative radiance, width [nm].
-# N2+ first negative heads, degraded to the violet: Lofthus & Krupenie, J. Phys. Chem. Ref. Data 6, 113 (1977).
+# N2+ first negative heads, degraded to the violet: Lofthus & Krupenie, J. Phys. Chem. Ref. Data 6 (1977).
 SECOND_ORDER = (
     (470.9, 1.0, 2.0),
     (465.2, 0.7, 2.0),
