@@ -110,7 +110,7 @@ def test_candidates_keep_their_order_and_show_kelvin(page):
 
 def test_what_remains_invisible_is_said_in_kelvin(page):
     words = Reader(page).words
-    assert "sensitivity ratio +75 K +45 K" in words and "repeat the calibration" in words
+    assert "sensitivity ratio 75 K 45 K" in words and "repeat the calibration" in words
     assert "possible and invisible: sensitivity ratio" in words
 
 

@@ -7,6 +7,7 @@ Finished cases are kept: the same command goes on where it was stopped. Needs th
 """
 
 import argparse
+import contextlib
 import json
 import selectors
 import shutil
@@ -38,13 +39,14 @@ class Analyser:
     def ask(self, order, limit=TIME_LIMIT):
         """The answer to one order; a dict with ok False if the process dies or the time is over."""
         if self.process is None:
-            self.process = subprocess.Popen(
-                [sys.executable, str(Path(__file__).with_name("worker.py"))],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=self.log.open("a"),
-                text=True,
-            )
+            with self.log.open("a") as log:
+                self.process = subprocess.Popen(
+                    [sys.executable, str(Path(__file__).with_name("worker.py"))],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=log,
+                    text=True,
+                )
         try:
             self.process.stdin.write(json.dumps(order) + "\n")
             self.process.stdin.flush()
@@ -62,6 +64,9 @@ class Analyser:
         """End the process."""
         if self.process is not None:
             self.process.kill()
+            self.process.stdout.close()
+            with contextlib.suppress(BrokenPipeError):
+                self.process.stdin.close()
             self.process.wait()
             self.process = None
 

@@ -108,9 +108,8 @@ def _key_numbers(report):
     hidden = [row for row in report["limits"] if row["invisible"]]
     if hidden:
         worst = max(hidden, key=lambda row: abs(row["temperature_prior"]))
-        boxes.append(
-            (kelvin(abs(worst["temperature_prior"])), f"possible and invisible: {text(worst['name'])}")
-        )
+        size = kelvin(worst["temperature_prior"], signed=False)
+        boxes.append((size, f"possible and invisible: {text(worst['name'])}"))
     return (
         '<div class="key">'
         + "".join(f"<div><b>{one}</b><span>{what}</span></div>" for one, what in boxes)

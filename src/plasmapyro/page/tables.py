@@ -93,8 +93,8 @@ def limits(report, most=12):
     rows = [
         (
             text(row["name"]),
-            kelvin(abs(row["temperature_5sigma"])),
-            kelvin(abs(row["temperature_prior"])),
+            kelvin(row["temperature_5sigma"], signed=False),
+            kelvin(row["temperature_prior"], signed=False),
             f"{number(row['amplitude_5sigma'], 2)} {text(row['unit']) if row['unit'] != '1' else ''}",
             "no" if row["invisible"] else "yes",
             text(row["measurement"]),

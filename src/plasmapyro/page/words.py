@@ -58,12 +58,12 @@ def with_error(value, error, unit=""):
     return f"{value:.{places}f} ± {error:.{places}f}{_unit(unit)}".replace("-", MINUS)
 
 
-def kelvin(value):
-    """A temperature difference with its sign [K]."""
+def kelvin(value, signed=True):
+    """A temperature difference [K], with its sign unless only the size counts."""
     if value is None or not math.isfinite(value):
         return DASH
     digits = 0 if abs(value) >= 10 else 1
-    shown = f"{value:+.{digits}f}"
+    shown = f"{value:+.{digits}f}" if signed else f"{abs(value):.{digits}f}"
     return "0 K" if float(shown) == 0 else f"{shown.replace('-', MINUS)} K"
 
 
