@@ -116,6 +116,15 @@ def test_shifted_edge_to_the_red_loses_light_of_a_hot_plasma_line_but_not_the_ot
         np.testing.assert_allclose(signal[1 - band], 1.0, rtol=1e-12)
 
 
+@pytest.mark.parametrize(("centred", "early"), [(True, 0.0), (False, 0.025)])
+def test_centred_exposures_lie_where_their_time_says(centred, early):
+    base = scene(centred_exposures=centred)
+    faded = output([("winE", 0.3, None)], base)[1] / output([], base)[1]
+    steady = (FRAMES > 100) & (FRAMES < 290)
+    mean_time = (1 - faded[steady].mean(axis=1)) * 300.0 / 0.3
+    np.testing.assert_allclose(mean_time, FRAMES[steady] - early, atol=2e-3)  # flicker weighs instants by 1 %
+
+
 def test_late_clock_shows_what_happened_later():
     signal, _ = output([("clock", 1.0, None)])
     np.testing.assert_allclose(signal[:, 30:-1], BASE[0][:, 31:], rtol=1e-6)

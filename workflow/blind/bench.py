@@ -118,6 +118,7 @@ class Bench:
             pyrometer_period=0.5,
             spectrometer_period=1.0,
             spectrometer_integration_time=0.9,
+            centred_exposures=True,
             sample=dataclasses.replace(Sample(), emittance=base.emittance, **base.sample),
             plasma=Plasma(before_injection=base.before_injection, drift=0.0, swing=0.0),
             spectrometer=spectrometer(),

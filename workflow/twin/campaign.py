@@ -102,6 +102,8 @@ class Scene:
     response: Callable = _as_calibrated  # (band, wavelength, responsivity)
     pyrometer_output: Callable = _faithful  # (signals (2, t) [A], time (t,))
     spectrometer_output: Callable = _faithful  # (count rates (S, W) [s-1], time (S,))
+    # Exposures are sampled at the starts of their ticks, 25 ms early on average, or in the middle of them.
+    centred_exposures: bool = False
     pyrometer_delay: float = 0.0  # [s] what the pyrometer calls t happened at t + delay
     pixel_shift: float = 0.0  # [m] light of wavelength + shift falls on each pixel
     true_fwhm: float | None = None  # [m] of the slit function; None: as stated
@@ -332,7 +334,12 @@ def _clean_signals(scene, response, gas, tick, temperature, scale):
 
 def _clean_rates(scene, gas, tick, temperature, scale):
     middle, frames = exposures(scene, tick)
-    radiance = _spectra(scene, gas, tick[frames], temperature[frames], scale[frames])
+    states = [tick[frames], temperature[frames], scale[frames]]
+    if scene.centred_exposures:
+        states = [
+            (one + whole[frames + 1]) / 2 for one, whole in zip(states, (tick, temperature, scale), strict=True)
+        ]
+    radiance = _spectra(scene, gas, *states)
     return scene.spectrometer_output(scene.spectrometer.rate_per_radiance(light.planck) * radiance, middle)
 
 

@@ -84,8 +84,12 @@ class Gas:
         return self.radiance.sum(axis=0)
 
     def excited(self, ratio):
-        """Spectrum (B,) with an excitation temperature `ratio` times that of the particles."""
-        return self._with_factors(lambda system, energy: self._excitation(system, energy, ratio))
+        """Spectrum (B,) with atoms excited at `ratio` times the temperature of the particles."""
+
+        def factor(system, energy):
+            return self._excitation(system, energy, ratio) if system in ATOMS else 1.0
+
+        return self._with_factors(factor)
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
