@@ -337,7 +337,8 @@ def _clean_rates(scene, gas, tick, temperature, scale):
     states = [tick[frames], temperature[frames], scale[frames]]
     if scene.centred_exposures:
         states = [
-            (one + whole[frames + 1]) / 2 for one, whole in zip(states, (tick, temperature, scale), strict=True)
+            (one + whole[frames + 1]) / 2
+            for one, whole in zip(states, (tick, temperature, scale), strict=True)
         ]
     radiance = _spectra(scene, gas, *states)
     return scene.spectrometer_output(scene.spectrometer.rate_per_radiance(light.planck) * radiance, middle)
