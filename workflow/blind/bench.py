@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -156,8 +157,7 @@ def load(results, cache=None):
             [xr.load_dataset(path) for path in files], [int(path.stem[:-2]) * 1e3 for path in files]
         )
         if cache:
-            Path(cache).parent.mkdir(parents=True, exist_ok=True)
-            np.savez(cache, digest=digest, **dataclasses.asdict(kept) | {"systems": np.array(kept.systems)})
+            _keep(kept, digest, Path(cache))
     return Bench(
         response=xr.load_dataset(results / "instrument/response.nc"),
         sightlines={
@@ -167,6 +167,14 @@ def load(results, cache=None):
         table=xr.load_dataset(results / "gas/air11.nc"),
         spectra=kept,
     )
+
+
+def _keep(kept, digest, cache):
+    """Store spectra, whole or not at all: several runs may share a folder."""
+    cache.parent.mkdir(parents=True, exist_ok=True)
+    part = cache.with_name(f"{os.getpid()}-{cache.name}")
+    np.savez(part, digest=digest, **dataclasses.asdict(kept) | {"systems": np.array(kept.systems)})
+    os.replace(part, cache)
 
 
 def _from_cache(cache, digest):

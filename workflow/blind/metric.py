@@ -4,7 +4,7 @@ import dataclasses
 from functools import cached_property
 
 import numpy as np
-from twin import campaign, hidden, sensors
+from twin import campaign, hidden, light, sensors
 from twin.light import planck
 from twin.sensors import Pyrometer
 
@@ -17,6 +17,11 @@ KNOTS = np.array(
     [0, 1, 2, 3, 4.5, 6, 8, 10, 13, 16, 20, 25, 31, 38, 47, 58, 72, 90, 115, 145, 180, 220, 260]
     + [300, 302, 305, 309, 314, 321, 330.0]
 )
+
+
+def _no_glow(instrument, wavelength, temperature, time):
+    """A surface that does not shine."""
+    return 0.0
 
 
 class Metric:
@@ -137,20 +142,42 @@ class Metric:
         return block - pattern * gain * share
 
     @cached_property
+    def _gas_light(self):
+        """Whitened light of the gas alone, without flicker: (2, t) and (S, W)."""
+        return self._of_gas(self.gas.radiance, flicker=0.0)
+
+    @cached_property
     def _gas_pattern(self):
-        dark = dataclasses.replace(self.scene, plasma=dataclasses.replace(self.scene.plasma, flicker=0.0))
-        lit = self.bench.clean(dark, self.gas, self.base)
-        nothing = dataclasses.replace(self.gas, radiance=np.zeros_like(self.gas.radiance))
-        bare = self.bench.clean(dark, nothing, self.base)
-        light = [(a - b) / sigma for a, b, sigma in zip(lit, bare, self.sigma, strict=True)]
-        self._raw_gas = light
-        return light[0][:, self.usable[0]], light[1][self.usable[1]]
+        return self._gas_light[0][:, self.usable[0]], self._gas_light[1][self.usable[1]]
+
+    def _strengths(self, radiance):
+        """Light of a gas (C, B) in the bands (2,) and in the pixels (W,), in units of its own."""
+        total, device, nodes = (
+            radiance.sum(axis=0),
+            self.scene.spectrometer,
+            self.bench.response.wavelength.values,
+        )
+        bands = []
+        for name in ("responsivity_wide", "responsivity_narrow"):
+            edges, _, weight = light.band(nodes, self.bench.response[name].values)
+            bands.append(light.bin_mean(self.gas.centres, total, edges) @ weight)
+        edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
+        bins = light.bin_mean(self.gas.centres, total, edges)
+        return np.array(bands), light.through_slit(edges, bins, device.wavelength, device.fwhm)
+
+    def _of_gas(self, radiance, **plasma):
+        """Whitened output for some light of the gas (C, B) and none of the surface."""
+        dark = dataclasses.replace(
+            self.scene, glow=_no_glow, plasma=dataclasses.replace(self.scene.plasma, **plasma)
+        )
+        gas = dataclasses.replace(self.gas, radiance=radiance)
+        output = self.bench.clean(dark, gas, self.base)
+        return [one / sigma for one, sigma in zip(output, self.sigma, strict=True)]
 
     def _nuisance(self, power_prior):
         rows = []
         both = (self.time, self.frames)
-        self._gas_pattern  # noqa: B018  (fills _raw_gas)
-        gas_part = self._raw_gas
+        gas_part = self._gas_light
         warm = self.bench.clean(self.scene, self.gas, self.base, warmer=1.0)
         slope = [(a - b) / s for a, b, s in zip(warm, self.reference, self.sigma, strict=True)]
         for basis in self._hats():
@@ -178,10 +205,13 @@ class Metric:
             rows.append(
                 [BRIGHTNESS_ERROR * gas_part[0] * mask[0], BRIGHTNESS_ERROR * gas_part[1] * mask[1][:, None]]
             )
+        # Light of the gas is its strength in a band or pixel times a history that all changes share.
+        lit, strength = self._of_gas(self.gas.radiance), self._strengths(self.gas.radiance)
         for change in self._gas_changes(power_prior):
-            gas = dataclasses.replace(self.gas, radiance=change)
-            out = self.bench.clean(self.scene, gas, self.base)
-            rows.append([(a - b) / s for a, b, s in zip(out, self.reference, self.sigma, strict=True)])
+            factors = [
+                n / s for n, s in zip(self._strengths(change - self.gas.radiance), strength, strict=True)
+            ]
+            rows.append([lit[0] * factors[0][:, None], lit[1] * factors[1]])
         return np.stack([self._flat(row) for row in rows])
 
     def _hats(self):

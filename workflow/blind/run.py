@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections import defaultdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -128,6 +129,19 @@ def run_case(case, workbench, folders, out, results, analyser):
     return record | {"outcome": "scored", "score": scored, "cost": cost}
 
 
+def mixed(cases):
+    """The cases in an order in which every beginning holds all kinds in proportion."""
+    groups = defaultdict(list)
+    for case in cases:
+        groups[case.kind].append(case)
+    placed = [
+        ((index + 0.5) / len(group), case.name, case)
+        for group in groups.values()
+        for index, case in enumerate(group)
+    ]
+    return [case for _, _, case in sorted(placed, key=lambda one: one[:2])]
+
+
 def finished(out):
     """Records of the cases done so far."""
     files = sorted((Path(out) / "records").glob("*.json"))
@@ -178,7 +192,9 @@ def main(arguments=None):
     begin = time.monotonic()
     if not options.board_only:
         first, step = (int(word) for word in options.share.split("/"))
-        cases = draw(options.seed, {kind: getattr(options, kind) for kind in KINDS}, tuple(options.ladder))
+        cases = mixed(
+            draw(options.seed, {kind: getattr(options, kind) for kind in KINDS}, tuple(options.ladder))
+        )
         waiting = [
             case for case in cases[first - 1 :: step] if not (out / "records" / f"{case.name}.json").is_file()
         ]

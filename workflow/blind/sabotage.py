@@ -1,4 +1,4 @@
-"""One formula of the analyser's catalogue made wrong, so that a test which still passes is seen to be blind."""
+"""One formula of the analyser's catalogue made wrong: a test that still passes is blind."""
 
 from dataclasses import replace
 
