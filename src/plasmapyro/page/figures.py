@@ -3,11 +3,13 @@
 import io
 import math
 import re
+import textwrap
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 WIDE, NARROW, SPECTRUM = "#1f5fa8", "#c0392b", "#5b7f3a"
 PAPER, BASE, EXTENDED = "#8a8a8a", "#1f5fa8", "#c2571a"
@@ -15,6 +17,7 @@ PHASES = ("#eef2f7", "#fff6e5", "#fdeeee", "#eef7ee", "#f2eefa", "#f0f0f0")
 SIZE = (5.4, 3.3)  # [inch], at 10 points: legible when a phone shrinks it to 3.6 inch
 RESIDUAL_LIMIT = 4.0
 NANOMETRE = 1e-9
+WORST_STEP = 0.3  # standard deviation of a step at plasma-off that is still shown
 SETTINGS = {
     "font.size": 10,
     "font.family": "sans-serif",
@@ -137,10 +140,10 @@ def temperature_difference(report, dataset):
             )
         difference = dataset["paper_temperature"].values - base
         axes.plot(time, difference, ".", ms=2.5, color=PAPER, label="paper's correction")
-        finite = np.concatenate([difference, low, high])
-        finite = np.abs(finite[np.isfinite(finite)])
+        shown = [difference, dataset["extended_temperature"].values - base]
+        finite = np.abs(np.concatenate([one[np.isfinite(one)] for one in shown]))
         if finite.size:
-            limit = max(1.2 * np.quantile(finite, 0.97), 5.0)
+            limit = max(1.5 * np.quantile(finite, 0.9), 5.0)
             axes.set_ylim(-limit, limit)
         axes.set(
             xlabel="time since injection [s]", ylabel="T − T of base model [K]", xlim=(min(time), max(time))
@@ -156,6 +159,9 @@ def _applied(report):
 
 def residual_maps(report, dataset):
     """Residuals over time and wavelength, before and after the extension, on one scale."""
+    # Bins of time without an exposure would only be white stripes.
+    seen = np.isfinite(dataset["radiance_residual"].sel(model="base").values).any(axis=1)
+    dataset = dataset.isel(time_bin=seen)
     edges = np.append(dataset["time_edge"].values[:, 0], dataset["time_edge"].values[-1, 1])
     light = np.append(dataset["wavelength_edge"].values[:, 0], dataset["wavelength_edge"].values[-1, 1])
     models = ["base", "extended"] if report["extended"] else ["base"]
@@ -210,10 +216,19 @@ def step(report):
 
     def draw(axes):
         axes.axhline(1, color="k", lw=0.8)
-        axes.fill_between(wavelength, value - error, value + error, color=SPECTRUM, alpha=0.3, lw=0)
-        axes.plot(wavelength, value, color=SPECTRUM, label="spectrometer")
+        certain = np.isfinite(value) & (error < WORST_STEP)
+        axes.errorbar(
+            wavelength[certain],
+            value[certain],
+            error[certain],
+            fmt=".",
+            ms=4,
+            lw=0.7,
+            color=SPECTRUM,
+            label="spectrometer",
+        )
         for band, place, colour in (("wide", 0.93, WIDE), ("narrow", 1.0, NARROW)):
-            if kappa[band] is not None and wavelength.size:
+            if finite(kappa[band]) and (kappa[f"{band}_error"] or 0) < WORST_STEP and wavelength.size:
                 at = wavelength.min() + place * np.ptp(wavelength)
                 axes.errorbar(
                     [at],
@@ -225,7 +240,6 @@ def step(report):
                     color=colour,
                     label=f"{band} band",
                 )
-        certain = np.isfinite(value) & np.isfinite(error) & (error < 0.5)
         if certain.any():
             limit = max(0.3, 1.3 * np.abs(value[certain] - 1).max())
             axes.set_ylim(1 - limit, 1 + limit)
@@ -299,12 +313,13 @@ def line_hump(report):
         axes.plot(1, 1, "ko", mfc="none", ms=7, label="simulation")
         axes.set_xscale("log")
         axes.set_yscale("log")
-        for axis in (axes.xaxis, axes.yaxis):
+        for axis, limits in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
             axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter("{x:g}")
+            # Within a decade the powers of ten alone would leave the axis without numbers.
+            axis.set_minor_formatter("{x:g}" if limits[1] < 10 * limits[0] else NullFormatter())
         axes.tick_params(which="minor", labelsize=7)
         axes.set(xlabel="smooth light, over simulation", ylabel="O I 777 nm line, over simulation")
-        axes.legend(fontsize=7)
+        axes.legend(fontsize=7, markerscale=0.8)
 
     return drawn(draw, "line-hump", (5.4, 3.8))
 
@@ -326,11 +341,11 @@ def impact(report, most=14):
                 label=f"{which}{chr(39) + 's correction' if which == 'paper' else ' model'}",
             )
         axes.axvline(0, color="k", lw=0.8)
-        axes.set_yticks(place, [row["name"] for row in rows], fontsize=8)
+        axes.set_yticks(place, [textwrap.fill(row["name"], 28) for row in rows], fontsize=7)
         for label, row in zip(axes.get_yticklabels(), rows, strict=True):
             label.set_fontweight("bold" if row["id"] in named else "normal")
-        axes.set_xlabel("change of temperature at the fitted amplitude [K]")
-        axes.legend(loc="best", fontsize=8)
+        axes.set_xlabel("change of temperature [K]")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2, fontsize=8)
         axes.grid(visible=False, axis="y")
 
     return drawn(draw, "impact", (5.4, 1.3 + 0.32 * max(len(rows), 3)))
@@ -365,30 +380,29 @@ def evidence(report, most=8):
 
 
 def profile(report):
-    """Chi-squared against the amplitude of each named term."""
+    """Chi-squared against the amplitude of each named term, in its standard errors about the best."""
     curves = report["show"]["profile"]
     names = {row["id"]: row for row in report["candidates"]}
 
     def draw(axes):
         for index, curve in enumerate(curves):
-            row = names.get(curve["id"], {"name": curve["id"], "unit": "1"})
-            chi2 = _array(curve["chi2"])
+            chi2, amplitude = _array(curve["chi2"]), _array(curve["amplitude"])
+            row = names.get(curve["id"], {"name": curve["id"]})
+            best, rise = amplitude[np.nanargmin(chi2)], chi2 - np.nanmin(chi2)
+            # Half the width where chi-squared has risen by one, were the curve a parabola.
+            error = np.ptp(amplitude) / (2 * np.sqrt(max(np.nanmax(rise), 1e-12)))
             axes.plot(
-                _array(curve["amplitude"]),
-                chi2 - np.nanmin(chi2),
+                (amplitude - best) / (error or 1.0),
+                rise,
                 "o-",
                 ms=3,
                 color=f"C{index}",
-                label=row["name"],
+                label=textwrap.shorten(row["name"], 45, placeholder=" ..."),
             )
         axes.axhline(3.84, color="k", ls=":", lw=0.8)
         axes.text(0.01, 3.84, " 95 %", transform=axes.get_yaxis_transform(), va="bottom", fontsize=8)
         axes.set_ylim(-0.5, 16)
-        units = sorted({names[curve["id"]]["unit"] for curve in curves if curve["id"] in names} - {"1"})
-        axes.set(
-            xlabel=f"amplitude{' [' + ', '.join(units) + ']' if units else ''}",
-            ylabel="chi-squared over its least",
-        )
+        axes.set(xlabel="(amplitude − best) / standard error", ylabel="chi-squared over its least")
         axes.legend()
 
     return drawn(draw, "profile")

@@ -8,6 +8,7 @@ from plasmapyro.page.words import (
     probability,
     text,
     with_error,
+    with_unit,
 )
 
 CHANNELS = {
@@ -95,7 +96,7 @@ def limits(report, most=12):
             text(row["name"]),
             kelvin(row["temperature_5sigma"], signed=False),
             kelvin(row["temperature_prior"], signed=False),
-            f"{number(row['amplitude_5sigma'], 2)} {text(row['unit']) if row['unit'] != '1' else ''}",
+            with_unit(row["amplitude_5sigma"], row["unit"]),
             "no" if row["invisible"] else "yes",
             text(row["measurement"]),
         )
@@ -180,7 +181,7 @@ def pulls(report):
     rows = [
         (
             text(row["name"]),
-            f"{number(row['value'])} {text(row['unit']) if row['unit'] != '1' else ''}",
+            with_unit(row["value"], row["unit"], 3),
             f"± {number(row['sigma'], 2)}",
             f"{number(row['pull'], 2)} sd",
             "<b>a finding</b>" if row["finding"] else "",

@@ -55,7 +55,8 @@ def with_error(value, error, unit=""):
     places = max(0, 1 - math.floor(math.log10(error)))
     if places > 4 or abs(value) >= 1e5:
         return f"{number(value)} ± {number(error, 2)}{_unit(unit)}"
-    return f"{value:.{places}f} ± {error:.{places}f}{_unit(unit)}".replace("-", MINUS)
+    shown = f"{value:.{places}f} ± {error:.{places}f}".replace("-", MINUS)
+    return f"{shown}{_unit(unit)}"
 
 
 def kelvin(value, signed=True):
@@ -65,6 +66,11 @@ def kelvin(value, signed=True):
     digits = 0 if abs(value) >= 10 else 1
     shown = f"{value:+.{digits}f}" if signed else f"{abs(value):.{digits}f}"
     return "0 K" if float(shown) == 0 else f"{shown.replace('-', MINUS)} K"
+
+
+def with_unit(value, unit, digits=2):
+    """A number and its unit."""
+    return f"{number(value, digits)}{_unit(unit)}"
 
 
 def probability(value):
@@ -77,4 +83,7 @@ def probability(value):
 
 
 def _unit(unit):
-    return "" if unit in ("", "1") else f" {text(unit)}"
+    if unit in ("", "1"):
+        return ""
+    # A unit such as 0.01 is a factor.
+    return f" × {unit}" if re.fullmatch(r"[\d.]+", unit) else f" {text(unit)}"
