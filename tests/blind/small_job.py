@@ -1,4 +1,4 @@
-"""A main job in half a minute: the radiation engine on three invented jets, for blind tests in the test suite."""
+"""A main job in half a minute: the radiation engine on three invented jets, for blind tests of the suite."""
 
 import numpy as np
 import xarray as xr
