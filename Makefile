@@ -37,6 +37,7 @@ reproduce: .venv/installed
 
 compare: figures
 	$(BIN)/python workflow/reproduce.py --results results
+	$(BIN)/pytest -q tests/blind/test_main_story.py
 
 slurm: figures
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py

@@ -1,9 +1,12 @@
 """The page of a diagnosis: says the verdict first, needs nothing else, gives nothing away."""
 
+import json
 import re
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
+from pathlib import Path
 
+import jsonschema
 import pytest
 from sample_report import candidate, report, residual_map, temperature
 
@@ -193,3 +196,10 @@ def test_numbers_are_written_as_they_are_worth():
     assert with_error(5.0, 0.0, "nm") == "5 nm" and with_error(3.2, 0.4, "0.01") == "3.20 ± 0.40 × 0.01"
     assert probability(3e-6) == "< 0.0001" and probability(0.91) == "0.91" and probability(0.0) == "0"
     assert text("see /data/a/b.nc, m/s, a/b") == "see b.nc, m/s, a/b"
+
+
+def test_the_report_of_these_tests_honours_the_published_format():
+    schema = Path(__file__).resolve().parents[2] / "src/plasmapyro/diagnosis/diagnosis.schema.json"
+    if not schema.is_file():
+        pytest.skip("this package has no diagnosis")
+    jsonschema.validate(json.loads(json.dumps(report())), json.loads(schema.read_text(encoding="utf-8")))
