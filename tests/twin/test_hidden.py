@@ -1,5 +1,6 @@
 """Effects that the twin hides: each does what its name says, to the instrument and in the phase it should."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -101,6 +102,47 @@ def test_spread_of_temperature_adds_half_its_square_times_the_curvature():
     np.testing.assert_allclose(
         rate[at], expected, rtol=3e-4
     )  # Wien; the fourth power of the spread is left out
+
+
+def test_reflections_come_with_what_the_surface_does_not_absorb():
+    for name, amplitude in (("refl", 1.0), ("torchglow", 0.01)):
+        added = []
+        for emittance in (0.85, 0.40):
+            base = scene(sample=dataclasses.replace(SCENE.sample, emittance=emittance))
+            more, none = output([(name, amplitude, None)], base), output([], base)
+            added.append((more[1] - none[1])[(FRAMES > 1) & (FRAMES < 5)].mean())
+        assert added[1] / added[0] == pytest.approx(0.60 / 0.15, rel=1e-6), name
+
+
+def test_a_mirror_that_reflected_all_would_double_the_gas():
+    still = scene(emittance=lambda wavelength, kelvin, time: 1e-9)
+    more, none = output([("refl", 1.0, None)], still), output([], still)
+    early = (TIME > 0.5) & (TIME < 290)
+    np.testing.assert_allclose((more[0] / none[0])[:, early], 2.0, rtol=1e-5)
+
+
+def test_glow_of_the_walls_fades_when_the_plasma_is_off():
+    more = output([("torchglow", 0.02, {"glow_k": 1500.0, "decay_s": 10.0})])[0] - BASE[0]
+    at = [np.searchsorted(TIME, when) for when in (290.0, 310.0, 320.0)]
+    burning, later, last = more[1, at]
+    assert later / burning == pytest.approx(np.exp(-1.0), rel=1e-6)
+    assert last / burning == pytest.approx(np.exp(-2.0), rel=1e-6)
+
+
+def test_matter_from_the_surface_comes_when_it_is_hot():
+    _, rate = output([("NaK", 5.0, None)])
+    line = np.argmin(np.abs(PIXELS - 819.7e-9))
+    more = (rate - BASE[1])[:, line] / BASE[1][np.searchsorted(FRAMES, 2.0), line]
+    early, late = more[np.searchsorted(FRAMES, 10.0)], more[np.searchsorted(FRAMES, 280.0)]
+    assert late > 20 * early > 0
+
+
+def test_drift_of_the_gas_ends_at_the_stated_size():
+    no_surface = scene(emittance=lambda wavelength, kelvin, time: 1e-9)
+    more, none = output([("gas_drift", 0.2, None)], no_surface), output([], no_surface)
+    ratio_of = (more[0] / none[0])[0]
+    assert ratio_of[np.searchsorted(TIME, 150.0)] == pytest.approx(1.1, rel=1e-6)
+    assert ratio_of[np.searchsorted(TIME, 300.0)] == pytest.approx(1.2, rel=1e-6)
 
 
 def test_calibration_ratio_moves_one_band_only():
