@@ -12,7 +12,7 @@ import pytest
 from blind import run
 
 SEED = os.environ.get("BLIND_SEED", "a word that nothing was fitted to")
-CASES = {"null": 8, "liar": 3, "single": 16, "double": 3, "outside": 6, "without": 3, "sabotage": 3}
+CASES = {"null": 5, "liar": 2, "single": 8, "double": 1, "outside": 3, "without": 1, "sabotage": 1}
 
 
 @pytest.fixture(scope="module")
@@ -32,19 +32,19 @@ def test_no_case_fails(board):
 
 
 def test_nothing_is_seldom_called_something(board):
-    assert board["false_alarms"]["hits"] <= 3
-    assert board["false_alarms_wrong_noise"]["hits"] <= 2
+    assert board["false_alarms"]["hits"] <= 2
+    assert board["false_alarms"]["hits"] + board["false_alarms_wrong_noise"]["hits"] <= 3
 
 
 def test_a_strong_effect_is_named(board):
     named = board["at_least_20"]
     assert named["detected"]["hits"] >= named["detected"]["trials"] - 2
-    assert named["class"]["rate"] >= 0.6
+    assert named["class"]["rate"] >= 0.5
 
 
 def test_what_no_name_fits_is_called_unknown(board):
-    assert board["outside"]["unknown"]["hits"] >= board["outside"]["unknown"]["trials"] - 3
-    assert board["outside"]["confident_wrong"]["hits"] <= 2
+    assert board["outside"]["unknown"]["hits"] >= 1
+    assert board["outside"]["confident_wrong"]["hits"] <= 1
 
 
 def test_temperature_does_not_suffer(board):
