@@ -251,8 +251,10 @@ def text(board, heading, notes=()):
         "",
         heading,
         "",
-        *notes,
-        "" if notes else None,
+        *(part for note in notes for part in (note, "")),
+        f"Cases: {_counts(board['cases'])}. Not reachable within the physical range:"
+        f" {_counts(board['skipped'])}. Failed: {_counts(board['failed'])}.",
+        "",
         "## Against the bars",
         "",
         "| | measured | bar | |",
@@ -320,18 +322,13 @@ def text(board, heading, notes=()):
         lines.append(
             f"| {label} | {_number(row['paper'])} | {_number(row['base'])} | {_number(row['extended'])} |"
         )
-    lines += [
-        "",
-        f"Cases: {_counts(board['cases'])}. Not reachable within the physical range:"
-        f" {_counts(board['skipped'])}. Failed: {_counts(board['failed'])}.",
-        "",
-    ]
+    lines.append("")
     if board["cost"]:
         lines.append(
             f"Cost per data set: {board['cost']['processor_median']:.0f} s of one processor (median),"
             f" {board['cost']['wall_worst']:.0f} s at worst by the clock."
         )
-    return "\n".join(line for line in lines if line is not None) + "\n"
+    return "\n".join(lines) + "\n"
 
 
 def _number(value):
