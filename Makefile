@@ -1,13 +1,17 @@
 # make figures: everything the paper shows.  make test: everything that proves it.
+# make blind: the full set of blind tests and its scoreboard; hours on two cores, goes on where it was stopped.
 # make reproduce: two clean minimal runs, the same bytes.  make compare: the full run against committed numbers.
 # make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
+SEED ?= $(shell git rev-parse HEAD 2>/dev/null || echo blind)
+CASES ?= --null 400 --liar 160 --single 1400 --double 150 --outside 150 --without 100 --sabotage 40 --puzzle 60
+SHARE ?= 1/1
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal report test reproduce compare slurm faults clean
+.PHONY: figures minimal report test blind reproduce compare slurm faults clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -24,11 +28,16 @@ test: .venv/installed
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 	$(BIN)/pytest --numprocesses $(CORES)
 
+blind: .venv/installed
+	$(SNAKEMAKE) results/radiation_variations/60kW.nc results/radiation_variations/80kW.nc $(foreach power,50 70 90 100 110 120 130,results/radiation/$(power)kW.nc)
+	$(BIN)/python workflow/blind/run.py --seed $(SEED) $(CASES) --share $(SHARE) --publish docs/scoreboard
+
 reproduce: .venv/installed
 	$(BIN)/python workflow/reproduce.py
 
 compare: figures
 	$(BIN)/python workflow/reproduce.py --results results
+	$(BIN)/pytest -q tests/blind/test_main_story.py
 
 slurm: figures
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py

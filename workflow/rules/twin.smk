@@ -29,6 +29,15 @@ rule twin_test:
             "results/radiation/{condition}.nc",
             condition=TESTS[wildcards.test]["twin"]["gas"],
         ),
+        # Effects on the gas follow from its profile along the sight line and its composition.
+        profile=lambda wildcards: (
+            [
+                f"results/sightline/{next(iter(TESTS[wildcards.test]['twin']['gas']))}.nc",
+                "results/gas/air11.nc",
+            ]
+            if TESTS[wildcards.test]["twin"].get("effects")
+            else []
+        ),
     output:
         test="results/twin/{test}/test.nc",
         truth="results/twin/{test}/truth.nc",
@@ -36,6 +45,7 @@ rule twin_test:
         "results/logs/twin_test_{test}.log",
     params:
         condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
+        effects=lambda wildcards: TESTS[wildcards.test]["twin"].get("effects", []),
         weights=lambda wildcards: list(TESTS[wildcards.test]["twin"]["gas"].values()),
         seed=config["twin"]["seed"],
     script:

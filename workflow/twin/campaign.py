@@ -34,11 +34,44 @@ def _unchanged(instrument, wavelength, time):
     return 1.0
 
 
+def _black_body(instrument, wavelength, temperature, time):
+    """Radiance of a surface of one temperature, were it black."""
+    return light.planck(wavelength, temperature)
+
+
+def _as_calibrated(band, wavelength, responsivity):
+    """Responsivity (N,) of a band: what the calibration saw."""
+    return responsivity
+
+
+def _faithful(clean, time):
+    """What an instrument makes of its clean output: signals (2, t) [A] or count rates (S, W)."""
+    return clean
+
+
+def _whole(test, random):
+    """The recorded test, with nothing lost on the way."""
+    return test
+
+
+@dataclass(frozen=True)
+class Plume:
+    """A part of the gas radiance with a history of its own.
+
+    `share` gets (instrument, wavelength (B,), time (t, 1), surface temperature (t, 1), brightness (t, 1),
+    emittance) and returns what broadcasts to (t, B).
+    """
+
+    wavelength: np.ndarray  # (N,) [m]
+    radiance: np.ndarray  # (N,) [W m-2 sr-1 m-1], may be negative
+    share: Callable
+
+
 @dataclass(frozen=True)
 class Scene:
     """Everything that is true about a test. Times [s], 0 at injection.
 
-    The three functions are the places for hidden effects on the light. They get the instrument
+    The functions are the places for hidden effects. Those on the light get the instrument
     ('pyrometer' or 'spectrometer') where it matters, wavelengths (B,) [m], and times and surface
     temperatures of shape (t, 1), and return what broadcasts to (t, B).
     """
@@ -64,6 +97,21 @@ class Scene:
     emittance: Callable | None = None  # (wavelength, temperature, time); None: grey, that of the sample
     transmittance: Callable = _unchanged  # (instrument, wavelength, time), relative to the calibration
     extra_radiance: Callable = _nothing  # (instrument, wavelength, time, temperature)
+    glow: Callable = _black_body  # (instrument, wavelength, temperature, time)
+    plumes: tuple = ()  # of `Plume`, besides the gas of the simulation
+    response: Callable = _as_calibrated  # (band, wavelength, responsivity)
+    pyrometer_output: Callable = _faithful  # (signals (2, t) [A], time (t,))
+    spectrometer_output: Callable = _faithful  # (count rates (S, W) [s-1], time (S,))
+    # Exposures are sampled at the starts of their ticks, 25 ms early on average, or in the middle of them.
+    centred_exposures: bool = False
+    pyrometer_delay: float = 0.0  # [s] what the pyrometer calls t happened at t + delay
+    pixel_shift: float = 0.0  # [m] light of wavelength + shift falls on each pixel
+    true_fwhm: float | None = None  # [m] of the slit function; None: as stated
+    draw: Callable | None = (
+        None  # (random, shape, axis of time): noise of unit size; None: as the sensors make it
+    )
+    recorded: Callable = _whole  # (test, random): what becomes of the files
+    hidden: tuple = ()  # of dicts: what was hidden, for the truth file
 
     def surface_emittance(self, wavelength, temperature, time):
         """Emittance of the surface where it is looked at."""
@@ -90,7 +138,7 @@ class Source:
 
 def _streams(seed, name):
     """A random generator of its own for each part, so that one part does not move another."""
-    parts = ("source", "points", "pixels", "lamp", "plasma", "signals", "counts", "tunnel")
+    parts = ("source", "points", "pixels", "lamp", "plasma", "signals", "counts", "tunnel", "files")
     return np.random.default_rng([seed, parts.index(name)])
 
 
@@ -175,22 +223,19 @@ def record(scene, response, gas, seed):
     -------
     test, truth : Datasets
     """
-    tick = np.arange(scene.start, scene.end + TICK / 2, TICK)
-    temperature = history(scene.sample, tick, scene.plasma_off_time)
-    scale = brightness(scene.plasma, tick, scene.plasma_off_time, _streams(seed, "plasma"))
+    tick, temperature, scale = _histories(scene, seed)
+    time, moment = readings(scene)
+    clean = _clean_signals(scene, response, gas, tick, temperature, scale)
+    wide, narrow = sensors.pyrometer_reading(
+        scene.pyrometer, clean, _streams(seed, "signals"), draw=scene.draw
+    )
 
-    time = np.round(np.arange(scene.start, scene.end + 1e-9, scene.pyrometer_period), 9)
-    moment = np.rint((time - scene.start) / TICK).astype(int)
-    clean = _signals(scene, response, gas, time, temperature[moment], scale[moment])
-    wide, narrow = sensors.pyrometer_reading(scene.pyrometer, clean, _streams(seed, "signals"))
-
-    middle, frames = _exposures(scene, tick)
+    middle, frames = exposures(scene, tick)
     pixels = scene.spectrometer.wavelength
-    radiance = _spectra(scene, gas, tick[frames], temperature[frames], scale[frames])
+    rate = _clean_rates(scene, gas, tick, temperature, scale)
     pattern = sensors.offset_pattern(scene.spectrometer, _streams(seed, "pixels"))
     random, exposure = _streams(seed, "counts"), scene.spectrometer_integration_time
-    rate = scene.spectrometer.rate_per_radiance(light.planck) * radiance
-    raw = sensors.counts(scene.spectrometer, rate, exposure, pattern, random)
+    raw = sensors.counts(scene.spectrometer, rate, exposure, pattern, random, draw=scene.draw)
     no_light = np.zeros((DARK_SCANS, pixels.size))
     dark = sensors.counts(scene.spectrometer, no_light, exposure, pattern, random).mean(axis=0)
 
@@ -248,25 +293,79 @@ def record(scene, response, gas, seed):
             "seed": seed,
         },
     )
-    return test, truth
+    if scene.hidden:
+        truth.attrs["hidden"] = json.dumps(scene.hidden, sort_keys=True)
+    return scene.recorded(test, _streams(seed, "files")), truth
 
 
-def _light(scene, instrument, wavelength, plume, time, temperature, scale):
-    """Radiance (t, B) that reaches an instrument at the times (t,); `plume` (B,) is the gas at scale 1."""
+def clean_output(scene, response, gas, seed, warmer=0.0):
+    """What the instruments would give without their noise: signals (2, t) [A] and count rates (S, W) [s-1].
+
+    `warmer` [K] is added to the surface temperature after injection, `record`'s other arguments as there.
+    """
+    tick, temperature, scale = _histories(scene, seed)
+    temperature = np.where(tick >= 0, temperature + warmer, temperature)
+    signals = _clean_signals(scene, response, gas, tick, temperature, scale)
+    return signals, _clean_rates(scene, gas, tick, temperature, scale)
+
+
+def _histories(scene, seed):
+    """Instants (n,) [s], surface temperature [K] and brightness of the gas at them."""
+    tick = np.arange(scene.start, scene.end + TICK / 2, TICK)
+    temperature = history(scene.sample, tick, scene.plasma_off_time)
+    return tick, temperature, brightness(scene.plasma, tick, scene.plasma_off_time, _streams(seed, "plasma"))
+
+
+def readings(scene):
+    """Times (t,) [s] of the pyrometer's readings and their places among the instants."""
+    time = np.round(np.arange(scene.start, scene.end + 1e-9, scene.pyrometer_period), 9)
+    return time, np.rint((time - scene.start) / TICK).astype(int)
+
+
+def _clean_signals(scene, response, gas, tick, temperature, scale):
+    time, moment = readings(scene)
+    if scene.pyrometer_delay:
+        then = time + scene.pyrometer_delay
+        state = (np.interp(then, tick, temperature), np.interp(then, tick, scale))
+        return scene.pyrometer_output(_signals(scene, response, gas, then, *state), time)
+    clean = _signals(scene, response, gas, time, temperature[moment], scale[moment])
+    return scene.pyrometer_output(clean, time)
+
+
+def _clean_rates(scene, gas, tick, temperature, scale):
+    middle, frames = exposures(scene, tick)
+    states = [tick[frames], temperature[frames], scale[frames]]
+    if scene.centred_exposures:
+        states = [
+            (one + whole[frames + 1]) / 2
+            for one, whole in zip(states, (tick, temperature, scale), strict=True)
+        ]
+    radiance = _spectra(scene, gas, *states)
+    return scene.spectrometer_output(scene.spectrometer.rate_per_radiance(light.planck) * radiance, middle)
+
+
+def _light(scene, instrument, wavelength, plumes, time, temperature, scale):
+    """Radiance (t, B) at the times (t,); `plumes` (1 + hidden ones, B): the gas at scale 1 and the rest."""
     time, temperature, scale = time[:, None], temperature[:, None], scale[:, None]
-    surface = scene.surface_emittance(wavelength, temperature, time) * light.planck(wavelength, temperature)
+    emittance = scene.surface_emittance(wavelength, temperature, time)
+    surface = emittance * scene.glow(instrument, wavelength, temperature, time)
     extra = scene.extra_radiance(instrument, wavelength, time, temperature)
     window = scene.transmittance(instrument, wavelength, time)
-    return window * (np.where(time >= 0, surface, 0.0) + scale * plume + extra)
+    total = np.where(time >= 0, surface, 0.0) + scale * plumes[0] + extra
+    for hidden, spectrum in zip(scene.plumes, plumes[1:], strict=True):
+        total = total + hidden.share(instrument, wavelength, time, temperature, scale, emittance) * spectrum
+    return window * total
 
 
 def _signals(scene, response, gas, time, temperature, scale):
     """Clean signals (2, t) [A] at the given instants (the 10 ms of a reading change nothing)."""
     rows = []
-    for gain, name in zip(scene.pyrometer.gains, ("responsivity_wide", "responsivity_narrow"), strict=True):
-        edges, centres, weight = light.band(response.wavelength.values, response[name].values)
-        plume = _gas_bins(gas, edges)
-        rows.append(gain * (_light(scene, "pyrometer", centres, plume, time, temperature, scale) @ weight))
+    nodes = response.wavelength.values
+    for gain, band in zip(scene.pyrometer.gains, ("wide", "narrow"), strict=True):
+        responsivity = scene.response(band, nodes, response[f"responsivity_{band}"].values)
+        edges, centres, weight = light.band(nodes, responsivity)
+        plumes = [_gas_bins(gas, edges), *_hidden_bins(scene, edges)]
+        rows.append(gain * (_light(scene, "pyrometer", centres, plumes, time, temperature, scale) @ weight))
     return np.stack(rows)
 
 
@@ -274,11 +373,18 @@ def _spectra(scene, gas, time, temperature, scale):
     """Clean radiance (S, W) as the pixels see it; the inputs are (S, n), n instants of each exposure."""
     device = scene.spectrometer
     edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
-    plume = light.through_slit(edges, _gas_bins(gas, edges), device.wavelength, device.fwhm)
+    places, fwhm = device.wavelength + scene.pixel_shift, scene.true_fwhm or device.fwhm
+    plumes = [
+        light.through_slit(edges, bins, places, fwhm)
+        for bins in (_gas_bins(gas, edges), *_hidden_bins(scene, edges))
+    ]
     instants = zip(time, temperature, scale, strict=True)
-    return np.stack(
-        [_light(scene, "spectrometer", device.wavelength, plume, *one).mean(axis=0) for one in instants]
-    )
+    return np.stack([_light(scene, "spectrometer", places, plumes, *one).mean(axis=0) for one in instants])
+
+
+def _hidden_bins(scene, edges):
+    """Bin means of the hidden plumes, one array (B,) each."""
+    return [light.bin_mean(plume.wavelength, plume.radiance, edges) for plume in scene.plumes]
 
 
 def _gas_bins(gas, edges):
@@ -289,7 +395,7 @@ def _gas_bins(gas, edges):
     )
 
 
-def _exposures(scene, tick):
+def exposures(scene, tick):
     """Middle of each exposure (S,) [s] and the indices (S, n) of the instants within it."""
     half = scene.spectrometer_integration_time / 2
     first = np.ceil((scene.start + half) / scene.spectrometer_period) * scene.spectrometer_period

@@ -58,9 +58,10 @@ class Spectrometer:
         return self.efficiency * self.peak_rate / before_source.max()
 
 
-def pyrometer_reading(pyrometer, clean, random):
-    """Noisy signals (..., t) [A] from clean ones."""
-    noise = random.standard_normal((2, *clean.shape))
+def pyrometer_reading(pyrometer, clean, random, draw=None):
+    """Noisy signals (..., t) [A] from clean ones; `draw` replaces the normal distribution."""
+    shape = (2, *clean.shape)
+    noise = random.standard_normal(shape) if draw is None else draw(random, shape, -1)
     return clean * (1 + pyrometer.reading_noise * noise[0]) + pyrometer.floor_noise * noise[1]
 
 
@@ -69,11 +70,24 @@ def offset_pattern(spectrometer, random):
     return spectrometer.offset + spectrometer.offset_pattern * random.standard_normal(spectrometer.pixels)
 
 
-def counts(spectrometer, rate, integration_time, pattern, random):
-    """Raw counts (..., W) of one exposure each: shot noise, read noise, 16 bit, clipped."""
+def counts_variance(spectrometer, rate, integration_time):
+    """Variance (..., W) [count2] of the counts of one exposure: shot noise, read noise, rounding."""
+    collected = np.maximum((rate + spectrometer.dark_rate) * integration_time, 0.0)
+    return collected / spectrometer.electrons_per_count + spectrometer.read_noise**2 + 1 / 12
+
+
+def counts(spectrometer, rate, integration_time, pattern, random, draw=None):
+    """Raw counts (..., W) of one exposure each: shot noise, read noise, 16 bit, clipped.
+
+    With `draw` the sum of both noises has that distribution instead of Poisson's and Gauss's.
+    """
     light = rate * integration_time
     dark = spectrometer.dark_rate * integration_time
-    electrons = random.poisson((light + dark) * spectrometer.electrons_per_count)
-    raw = pattern + electrons / spectrometer.electrons_per_count
-    raw = raw + spectrometer.read_noise * random.standard_normal(raw.shape)
+    if draw is None:
+        electrons = random.poisson((light + dark) * spectrometer.electrons_per_count)
+        raw = pattern + electrons / spectrometer.electrons_per_count
+        raw = raw + spectrometer.read_noise * random.standard_normal(raw.shape)
+    else:
+        size = np.sqrt(counts_variance(spectrometer, rate, integration_time))
+        raw = pattern + light + dark + size * draw(random, np.shape(size), 0)
     return np.clip(np.rint(raw), 0, spectrometer.full_scale)

@@ -1,0 +1,1 @@
+"""The page of a diagnosis: one file that explains itself, from the files of the diagnosis alone."""

@@ -1,0 +1,511 @@
+"""Figures of a diagnosis as SVG text, each with the sentence that says what it shows."""
+
+import io
+import math
+import re
+import textwrap
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+WIDE, NARROW, SPECTRUM = "#1f5fa8", "#c0392b", "#5b7f3a"
+PAPER, BASE, EXTENDED = "#8a8a8a", "#1f5fa8", "#c2571a"
+PHASES = ("#eef2f7", "#fff6e5", "#fdeeee", "#eef7ee", "#f2eefa", "#f0f0f0")
+SIZE = (5.4, 3.3)  # [inch], at 10 points: legible when a phone shrinks it to 3.6 inch
+RESIDUAL_LIMIT = 4.0
+NANOMETRE = 1e-9
+WORST_STEP = 0.3  # standard deviation of a step at plasma-off that is still shown
+SETTINGS = {
+    "font.size": 10,
+    "font.family": "sans-serif",
+    "legend.fontsize": 8.5,
+    "legend.framealpha": 0.75,
+    "legend.edgecolor": "none",
+    "legend.markerscale": 1.8,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.linewidth": 0.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.4,
+    "svg.fonttype": "none",
+    "mathtext.default": "regular",
+    "axes.unicode_minus": True,
+}
+
+
+def drawn(draw, name, size=SIZE, **options):
+    """SVG text of a figure made by draw(axes); the same bytes for the same content, no fixed width."""
+    with rc_context(SETTINGS | {"svg.hashsalt": name}):
+        figure = Figure(figsize=size, layout="constrained")
+        draw(figure.subplots(**options))
+        buffer = io.StringIO()
+        figure.savefig(
+            buffer, format="svg", transparent=True, dpi=150, metadata={"Date": None, "Creator": None}
+        )
+    svg = buffer.getvalue()
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    return re.sub(
+        r'(<svg[^>]*?) width="[^"]*"',
+        r"\1",
+        re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1),
+        count=1,
+    )
+
+
+def _array(values):
+    return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def _shade(axes, phases, *, labelled=True):
+    """Colour the phases of the test behind the curves."""
+    for index, phase in enumerate(phases):
+        axes.axvspan(phase["start"], phase["end"], color=PHASES[index % len(PHASES)], zorder=0, lw=0)
+    if labelled:
+        for phase in phases:
+            if phase["end"] - phase["start"] >= 15:
+                axes.text(
+                    (phase["start"] + phase["end"]) / 2,
+                    1.01,
+                    phase["name"],
+                    transform=axes.get_xaxis_transform(),
+                    ha="center",
+                    va="bottom",
+                    fontsize=7,
+                    color="#555555",
+                )
+
+
+def signals(report):
+    """Signals of both bands with the model's."""
+    shown, phases = report["show"]["signals"], report["dataset"]["phases"]
+    time = _array(shown["time"])
+
+    def draw(axes):
+        _shade(axes, phases)
+        for band, colour in (("wide", WIDE), ("narrow", NARROW)):
+            axes.plot(
+                time, _array(shown[band]), ".", ms=2.5, color=colour, alpha=0.6, label=f"{band}, measured"
+            )
+            axes.plot(time, _array(shown[f"{band}_model"]), color=colour, lw=1.2, label=f"{band}, base model")
+        values = np.concatenate([_array(shown["wide"]), _array(shown["narrow"])])
+        if np.nanmax(values, initial=0) > 0:
+            axes.set_yscale("log")
+            axes.set_ylim(bottom=max(np.nanmin(values[values > 0]) / 2, np.nanmax(values) * 1e-6))
+        axes.set(xlabel="time since injection [s]", ylabel="signal [A]", xlim=(time.min(), time.max()))
+        axes.legend(ncols=2)
+
+    return drawn(draw, "signals")
+
+
+def temperature(report, dataset):
+    """Temperature by the paper's method, the base model and the extended model."""
+    time = dataset["time_bin"].values
+
+    def draw(axes):
+        _shade(axes, report["dataset"]["phases"])
+        for name, colour, label in (("base", BASE, "base model"), ("extended", EXTENDED, "extended model")):
+            if name == "extended" and not _applied(report):
+                continue
+            low, high = (dataset[f"{name}_temperature_{end}"].values for end in ("low", "high"))
+            axes.fill_between(time, low, high, color=colour, alpha=0.25, lw=0)
+            axes.plot(time, dataset[f"{name}_temperature"].values, color=colour, label=f"{label}, 95 %")
+        axes.plot(
+            time, dataset["paper_temperature"].values, ".", ms=2.5, color=PAPER, label="paper's correction"
+        )
+        axes.set(
+            xlabel="time since injection [s]", ylabel="surface temperature [K]", xlim=(min(time), max(time))
+        )
+        axes.legend(loc="lower center")
+
+    return drawn(draw, "temperature")
+
+
+def temperature_difference(report, dataset):
+    """Differences from the base model's temperature, where kelvin can be read."""
+    time, base = dataset["time_bin"].values, dataset["base_temperature"].values
+
+    def draw(axes):
+        _shade(axes, report["dataset"]["phases"])
+        low, high = (dataset[f"base_temperature_{end}"].values - base for end in ("low", "high"))
+        axes.fill_between(time, low, high, color=BASE, alpha=0.25, lw=0, label="base model, 95 %")
+        axes.axhline(0, color=BASE, lw=1)
+        if _applied(report):
+            axes.plot(
+                time, dataset["extended_temperature"].values - base, color=EXTENDED, label="extended model"
+            )
+        difference = dataset["paper_temperature"].values - base
+        axes.plot(time, difference, ".", ms=2.5, color=PAPER, label="paper's correction")
+        shown = [difference, dataset["extended_temperature"].values - base]
+        finite = np.abs(np.concatenate([one[np.isfinite(one)] for one in shown]))
+        if finite.size:
+            limit = max(1.5 * np.quantile(finite, 0.9), 5.0)
+            axes.set_ylim(-limit, limit)
+        axes.set(
+            xlabel="time since injection [s]", ylabel="T − T of base model [K]", xlim=(min(time), max(time))
+        )
+        axes.legend(loc="lower center", ncols=2)
+
+    return drawn(draw, "temperature-difference")
+
+
+def _applied(report):
+    return bool(report["extended"] and report["extended"]["applied"])
+
+
+def residual_maps(report, dataset):
+    """Residuals over time and wavelength, before and after the extension, on one scale."""
+    # Bins of time without an exposure would only be white stripes.
+    seen = np.isfinite(dataset["radiance_residual"].sel(model="base").values).any(axis=1)
+    dataset = dataset.isel(time_bin=seen)
+    edges = np.append(dataset["time_edge"].values[:, 0], dataset["time_edge"].values[-1, 1])
+    light = np.append(dataset["wavelength_edge"].values[:, 0], dataset["wavelength_edge"].values[-1, 1])
+    models = ["base", "extended"] if report["extended"] else ["base"]
+
+    def draw(axes):
+        for one, model in zip(np.atleast_1d(axes), models, strict=True):
+            values = np.ma.masked_invalid(dataset["radiance_residual"].sel(model=model).values.T)
+            image = one.pcolormesh(
+                edges,
+                light / NANOMETRE,
+                values,
+                cmap="RdBu_r",
+                vmin=-RESIDUAL_LIMIT,
+                vmax=RESIDUAL_LIMIT,
+                rasterized=True,
+            )
+            one.grid(visible=False)
+            one.set(ylabel="wavelength [nm]")
+            one.set_title(f"{model} model", fontsize=10, loc="left")
+        np.atleast_1d(axes)[-1].set_xlabel("time since injection [s]")
+        figure = image.figure
+        figure.colorbar(image, ax=axes, label="(measured − model) / standard deviation", extend="both")
+
+    return drawn(draw, "residual-map", (5.4, 2.9 * len(models)), nrows=len(models), sharex=True)
+
+
+def signal_residuals(report, dataset):
+    """Residuals of both bands over time."""
+    time = dataset["time_bin"].values
+
+    def draw(axes):
+        for one, band, colour in zip(axes, ("wide", "narrow"), (WIDE, NARROW), strict=True):
+            _shade(one, report["dataset"]["phases"], labelled=band == "wide")
+            base = dataset["signal_residual"].sel(model="base", band=band).values
+            one.plot(time, base, ".", ms=3, color=colour, label="base model")
+            if report["extended"]:
+                more = dataset["signal_residual"].sel(model="extended", band=band).values
+                one.plot(time, more, "x", ms=3, color="#444444", mew=0.7, label="extended model")
+            one.axhline(0, color="k", lw=0.7)
+            one.set(ylabel=f"{band} [sd]", xlim=(min(time), max(time)))
+        axes[0].legend(ncols=2, loc="upper left")
+        axes[1].set_xlabel("time since injection [s]")
+
+    return drawn(draw, "signal-residuals", (5.4, 3.6), nrows=2, sharex=True)
+
+
+def step(report):
+    """Step at the end of the plasma over the reference, by wavelength."""
+    kappa = report["show"]["kappa"]
+    wavelength = _array(kappa["wavelength"]) / NANOMETRE
+    value, error = _array(kappa["kappa"]), _array(kappa["error"])
+
+    def draw(axes):
+        axes.axhline(1, color="k", lw=0.8)
+        certain = np.isfinite(value) & (error < WORST_STEP)
+        axes.errorbar(
+            wavelength[certain],
+            value[certain],
+            error[certain],
+            fmt=".",
+            ms=4,
+            lw=0.7,
+            color=SPECTRUM,
+            label="spectrometer",
+        )
+        for band, place, colour in (("wide", 0.93, WIDE), ("narrow", 1.0, NARROW)):
+            if finite(kappa[band]) and (kappa[f"{band}_error"] or 0) < WORST_STEP and wavelength.size:
+                at = wavelength.min() + place * np.ptp(wavelength)
+                axes.errorbar(
+                    [at],
+                    [kappa[band]],
+                    [kappa[f"{band}_error"] or 0],
+                    fmt="o",
+                    ms=4,
+                    capsize=3,
+                    color=colour,
+                    label=f"{band} band",
+                )
+        if certain.any():
+            limit = max(0.3, 1.3 * np.abs(value[certain] - 1).max())
+            axes.set_ylim(1 - limit, 1 + limit)
+        for label in kappa["labels"]:
+            axes.annotate(
+                label["text"],
+                (label["wavelength"] / NANOMETRE, 1.0),
+                xycoords=("data", "axes fraction"),
+                rotation=90,
+                va="top",
+                ha="right",
+                fontsize=7,
+                color="#555555",
+            )
+            axes.axvline(label["wavelength"] / NANOMETRE, color="#bbbbbb", lw=0.6, zorder=0)
+        axes.set(xlabel="wavelength [nm]", ylabel="step at plasma-off / reference")
+        axes.legend(loc="lower left", ncols=3)
+
+    return drawn(draw, "kappa")
+
+
+def emittance_loop(report):
+    """Apparent emittance against temperature, heating and cooling apart."""
+    loop = report["show"]["emittance_loop"]
+    kelvin, value, error = (_array(loop[name]) for name in ("temperature", "emittance", "error"))
+    heating = np.array(loop["heating"], dtype=bool)
+
+    def draw(axes):
+        axes.axhline(loop["stated"], color="k", lw=0.8, label=f"stated: {loop['stated']:g}")
+        for mask, colour, label in ((heating, "#c0392b", "plasma on"), (~heating, "#1f5fa8", "cooling")):
+            axes.errorbar(
+                kelvin[mask],
+                value[mask],
+                error[mask],
+                fmt=".",
+                ms=3,
+                lw=0.5,
+                color=colour,
+                alpha=0.7,
+                label=label,
+            )
+        middle = np.nanmedian(value) if value.size else loop["stated"]
+        spread = max(0.05, 1.3 * np.nanquantile(np.abs(value - middle), 0.97)) if value.size else 0.1
+        axes.set_ylim(middle - spread, middle + spread)
+        axes.set(xlabel="surface temperature [K]", ylabel="apparent emittance")
+        axes.legend(ncols=3)
+
+    return drawn(draw, "emittance-loop")
+
+
+def line_hump(report):
+    """Lines against smooth light of the gas, with the tracks of the explanations."""
+    plane = report["show"]["line_hump"]
+    point = plane["measured"]
+
+    def draw(axes):
+        for index, track in enumerate(plane["tracks"]):
+            line, hump = _array(track["line"]), _array(track["hump"])
+            axes.plot(hump, line, "-", color=f"C{index}", label=track["name"])
+            axes.plot(hump[-1:], line[-1:], ">", ms=4, color=f"C{index}")
+        axes.errorbar(
+            [point["hump"]],
+            [point["line"]],
+            xerr=[point["hump_error"]],
+            yerr=[point["line_error"]],
+            fmt="k*",
+            ms=10,
+            capsize=3,
+            label="measured",
+        )
+        axes.plot(1, 1, "ko", mfc="none", ms=7, label="simulation")
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        for axis, limits in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+            axis.set_major_formatter("{x:g}")
+            # Within a decade the powers of ten alone would leave the axis without numbers.
+            axis.set_minor_formatter("{x:g}" if limits[1] < 10 * limits[0] else NullFormatter())
+        axes.tick_params(which="minor", labelsize=7)
+        axes.set(xlabel="smooth light, over simulation", ylabel="O I 777 nm line, over simulation")
+        axes.legend(fontsize=7, markerscale=0.8)
+
+    return drawn(draw, "line-hump", (5.4, 3.8))
+
+
+def impact(report, most=14):
+    """Kelvin that each candidate costs, at the fitted amplitude."""
+    rows = report["candidates"][:most][::-1]
+
+    def draw(axes):
+        place = np.arange(len(rows))
+        named = report["verdict"]["named"]
+        for which, shift, colour in (("paper", 0.18, PAPER), ("base", -0.18, BASE)):
+            values = [row["temperature_shift"][which] for row in rows]
+            axes.barh(
+                place + shift,
+                values,
+                0.36,
+                color=colour,
+                label=f"{which}{chr(39) + 's correction' if which == 'paper' else ' model'}",
+            )
+        axes.axvline(0, color="k", lw=0.8)
+        axes.set_yticks(place, [textwrap.fill(row["name"], 28) for row in rows], fontsize=7)
+        for label, row in zip(axes.get_yticklabels(), rows, strict=True):
+            label.set_fontweight("bold" if row["id"] in named else "normal")
+        axes.set_xlabel("change of temperature [K]")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2, fontsize=8)
+        axes.grid(visible=False, axis="y")
+
+    return drawn(draw, "impact", (5.4, 1.3 + 0.32 * max(len(rows), 3)))
+
+
+def evidence(report, most=8):
+    """Probability of each answer."""
+    probability = report["verdict"]["probability"]
+    names = {row["id"]: row["name"] for row in report["candidates"]}
+    names |= {"none": "nothing is wrong", "unknown": "something unknown"}
+    rows = sorted(probability.items(), key=lambda pair: -pair[1])[:most][::-1]
+
+    def draw(axes):
+        place = np.arange(len(rows))
+        axes.barh(place, [max(value, 1e-6) for _, value in rows], color="#6b8fb8")
+        axes.set_yticks(place, [names.get(key, key) for key, _ in rows], fontsize=8)
+        axes.set_xscale("log")
+        axes.set_xlim(1e-6, 1.5)
+        axes.set_xlabel("probability, given these data")
+        for at, (_, value) in zip(place, rows, strict=True):
+            axes.text(
+                max(value, 1e-6) * 0.8 if value > 1e-3 else 2e-6,
+                at,
+                f"{value:.2g}",
+                va="center",
+                ha="right" if value > 1e-3 else "left",
+                fontsize=8,
+            )
+        axes.grid(visible=False, axis="y")
+
+    return drawn(draw, "evidence", (5.4, 1.1 + 0.3 * max(len(rows), 3)))
+
+
+def profile(report):
+    """Chi-squared against the amplitude of each named term, in its standard errors about the best."""
+    curves = report["show"]["profile"]
+    names = {row["id"]: row for row in report["candidates"]}
+
+    def draw(axes):
+        for index, curve in enumerate(curves):
+            chi2, amplitude = _array(curve["chi2"]), _array(curve["amplitude"])
+            row = names.get(curve["id"], {"name": curve["id"]})
+            best, rise = amplitude[np.nanargmin(chi2)], chi2 - np.nanmin(chi2)
+            # Half the width where chi-squared has risen by one, were the curve a parabola.
+            error = np.ptp(amplitude) / (2 * np.sqrt(max(np.nanmax(rise), 1e-12)))
+            axes.plot(
+                (amplitude - best) / (error or 1.0),
+                rise,
+                "o-",
+                ms=3,
+                color=f"C{index}",
+                label=textwrap.shorten(row["name"], 45, placeholder=" ..."),
+            )
+        axes.axhline(3.84, color="k", ls=":", lw=0.8)
+        axes.text(0.01, 3.84, " 95 %", transform=axes.get_yaxis_transform(), va="bottom", fontsize=8)
+        axes.set_ylim(-0.5, 16)
+        axes.set(xlabel="(amplitude − best) / standard error", ylabel="chi-squared over its least")
+        axes.legend()
+
+    return drawn(draw, "profile")
+
+
+def component(entry, index):
+    """Leading pattern of the residuals: its history and its spectrum."""
+
+    def draw(axes):
+        axes[0].plot(_array(entry["time"]), _array(entry["time_weight"]), color=SPECTRUM)
+        axes[0].set(xlabel="time since injection [s]", ylabel="weight")
+        axis = _array(entry["axis"])
+        spectral = axis.size > 2
+        axes[1].plot(
+            axis / NANOMETRE if spectral else axis,
+            _array(entry["axis_weight"]),
+            "-" if spectral else "o",
+            color=SPECTRUM,
+        )
+        axes[1].set(xlabel="wavelength [nm]" if spectral else "band", ylabel="weight")
+        for one in axes:
+            one.axhline(0, color="k", lw=0.6)
+
+    return drawn(draw, f"component-{index}", (5.4, 3.8), nrows=2)
+
+
+def whiteness(report):
+    """Autocorrelation of the residuals, and their quantiles against a normal law."""
+    correlation, quantiles = report["show"]["autocorrelation"], report["show"]["quantiles"]
+
+    def draw(axes):
+        for index, row in enumerate(correlation):
+            axes[0].plot(
+                row["lag"], _array(row["value"]), "o-", ms=3, lw=0.8, color=f"C{index}", label=row["channel"]
+            )
+        if correlation:
+            band = max(row["band"] for row in correlation)
+            axes[0].axhspan(-band, band, color="#dddddd", zorder=0, lw=0)
+            axes[0].legend(fontsize=7)
+        axes[0].set(xlabel="lag [samples]", ylabel="autocorrelation")
+        for index, row in enumerate(quantiles):
+            axes[1].plot(
+                _array(row["normal"]),
+                _array(row["residual"]),
+                "o",
+                ms=3,
+                color=f"C{index}",
+                label=row["channel"],
+            )
+        reach = [-3.5, 3.5]
+        axes[1].plot(reach, reach, "k-", lw=0.7)
+        axes[1].set(xlabel="normal quantile", ylabel="residual quantile")
+
+    return drawn(draw, "whiteness", (5.4, 2.7), ncols=2)
+
+
+def gas_monitor(report):
+    """Brightness of the gas through the test, with the tunnel's channels."""
+    monitor = report["show"]["gas_monitor"]
+    time, gas, error = (_array(monitor[name]) for name in ("time", "gas", "error"))
+
+    def draw(axes):
+        _shade(axes, report["dataset"]["phases"])
+        certain = np.isfinite(gas) & (error < 0.5)
+        axes.errorbar(
+            time[certain],
+            gas[certain],
+            error[certain],
+            fmt=".",
+            ms=3,
+            lw=0.5,
+            color=SPECTRUM,
+            label="O I 777 nm",
+        )
+        for index, (name, values) in enumerate(monitor["channels"].items()):
+            if values:
+                axes.plot(time, _array(values), color=f"C{index}", lw=0.9, label=name.replace("_", " "))
+        axes.set(
+            xlabel="time since injection [s]",
+            ylabel="relative to the reference",
+            xlim=(time.min(), time.max()),
+        )
+        axes.legend(fontsize=7, ncols=2)
+
+    return drawn(draw, "gas-monitor")
+
+
+def angles(report):
+    """How alike the candidates look in these data."""
+    table = report["show"]["angles"]
+    degrees = _array([value for row in table["degrees"] for value in row]).reshape(len(table["ids"]), -1)
+
+    def draw(axes):
+        image = axes.imshow(np.maximum(degrees, 1.0), cmap="magma", norm=LogNorm(1, 90))
+        axes.set_xticks(range(len(table["ids"])), table["ids"], rotation=90, fontsize=7)
+        axes.set_yticks(range(len(table["ids"])), table["ids"], fontsize=7)
+        axes.grid(visible=False)
+        bar = image.figure.colorbar(image, ax=axes, label="angle [degrees]", ticks=[1, 5, 15, 45, 90])
+        bar.ax.set_yticklabels(["1", "5", "15", "45", "90"])
+
+    return drawn(draw, "angles", (5.4, 4.4))
+
+
+def finite(value):
+    """Whether a number is there at all."""
+    return value is not None and math.isfinite(value)

@@ -1,0 +1,205 @@
+"""The page of a diagnosis: says the verdict first, needs nothing else, gives nothing away."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+from pathlib import Path
+
+import jsonschema
+import pytest
+from sample_report import candidate, report, residual_map, temperature
+
+from plasmapyro.page.stage import write_page
+from plasmapyro.page.words import kelvin, number, probability, text, with_error
+
+VOID = {"meta", "br", "img", "link", "input", "hr"}
+
+
+class Reader(HTMLParser):
+    """Collects tags, attributes and text, and checks that what opens closes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.open, self.tags, self.attributes, self.said = [], [], [], []
+        self.feed(page)
+        assert not self.open
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attributes]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attributes]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.said.append(data)
+
+    @property
+    def words(self):
+        return re.sub(r"\s+", " ", " ".join(self.said))
+
+
+@pytest.fixture(scope="module")
+def page():
+    return write_page(report(), residual_map(), temperature())
+
+
+def pictures(page):
+    return re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL)
+
+
+def test_page_is_whole_and_loads_nothing(page):
+    reader = Reader(page)
+    assert not {"script", "link", "iframe", "object"} & set(reader.tags)
+    for _, name, value in reader.attributes:
+        if name in ("src", "href", "xlink:href", "action", "srcset"):
+            assert value.startswith(("#", "data:image/png;base64,")), value
+    assert all(found.startswith("#") for found in re.findall(r"url\(([^)]*)\)", page))
+    assert "@import" not in page
+
+
+def test_verdict_stands_before_any_figure(page):
+    assert page.index("The data reject the base model.") < page.index("<svg")
+    assert page.index("The data reject the base model.") < page.index("Nothing else is needed.")
+
+
+def test_measured_data_are_called_so(page):
+    assert "SYNTHETIC" not in page and "data: measured" in page
+
+
+def test_every_figure_scales_and_speaks(page):
+    found = pictures(page)
+    assert len(found) >= 13
+    for svg in found:
+        root = ET.fromstring(svg)
+        assert root.get("viewBox") and root.get("width") is None and root.get("height") is None
+        assert root.get("role") == "img" and len(root.get("aria-label")) > 10
+    captions = re.findall(r"<figcaption><b>(.+?)</b> (.+?)</figcaption>", page)
+    assert len(captions) == len(found)
+    assert page.count("<figure>") == len(found)
+
+
+def test_synthetic_is_said_and_users_text_is_no_markup_and_tells_no_folder():
+    evil = '<script>alert("1")</script> & /home/anna/secret/run7.nc'
+    changed = report(
+        dataset=report()["dataset"] | {"title": evil, "condition": "<b>80", "origin": "synthetic"},
+        assumptions=[evil, r"C:\Users\anna\data\x.csv", "ratio T/T and 1/s stay"],
+        provenance=report()["provenance"] | {"files": {"/home/anna/secret/run7.nc": "ab"}},
+        candidates=[candidate("winE", kelvin=1.0, probability=0.9, rank=1) | {"name": "<i>x</i> $ /srv/a/b"}],
+    )
+    page = write_page(changed, residual_map(), temperature())
+    assert "SYNTHETIC DATA" in page and "data: synthetic" in page
+    assert "<script" not in page and "<b>80" not in page and "<i>x" not in page
+    assert "anna" not in page and "secret" not in page and "/srv/a" not in page
+    assert "&lt;script&gt;alert(&quot;1&quot;)&lt;/script&gt; &amp; run7.nc" in page
+    assert "x.csv" in page and "ratio T/T and 1/s stay" in page
+
+
+def test_candidates_keep_their_order_and_show_kelvin(page):
+    words = Reader(page).words
+    ranking = words[words.index("★ marks what is named") :]
+    assert ranking.index("cause winE ★") < ranking.index("cause other")
+    assert "+12 K" in words and "+3.2 K" in words and "−6.2 K" in words
+    assert "0.0412 ± 0.0031" in words
+
+
+def test_what_remains_invisible_is_said_in_kelvin(page):
+    words = Reader(page).words
+    assert "sensitivity ratio 75 K 45 K" in words and "repeat the calibration" in words
+    assert "possible and invisible: sensitivity ratio" in words
+
+
+def test_what_would_decide_is_said(page):
+    words = Reader(page).words
+    assert "cannot tell apart: cause winE, cause other" in words
+    assert "lamp through the window cause winE, cause other 40 sd" in words
+
+
+def test_misfit_of_a_phase_is_shown_by_number_and_shade(page):
+    assert re.search(r'background:#e9967f" title="p = 1e-06, 100 data">3<', page)
+    assert re.search(r'background:#eef6ee" title="p = 0.2, 100 data">0.97<', page)
+
+
+def test_gain_and_fragment_are_shown(page):
+    words = Reader(page).words
+    assert "log score of held-out blocks 214 ± 31" in words and "1 of 2" in words
+    assert "effects:\n  - id: winE" in page
+    assert "The extended temperature is used" in words
+
+
+def test_refused_extension_keeps_the_base_temperature():
+    refused = report()["extended"] | {"applied": False, "why": "held-out data do not improve"}
+    page = write_page(report(extended=refused), residual_map(), temperature())
+    assert "The base temperature is kept: held-out data do not improve" in page
+    assert "extended model, 95 %" not in page
+
+
+def test_nothing_wrong_needs_no_extension():
+    verdict = report()["verdict"] | {
+        "status": "null",
+        "named": [],
+        "set": [],
+        "probability": {"none": 0.97, "unknown": 0.03},
+        "sentences": ["The base model explains these data."],
+        "missing_evidence": [],
+    }
+    show = report()["show"] | {"profile": []}
+    page = write_page(
+        report(verdict=verdict, extended=None, gain=None, candidates=[], show=show),
+        residual_map(models=("base", "extended")),
+        temperature(),
+    )
+    words = Reader(page).words
+    assert "nothing wrong was found" in words and "★" not in words
+    assert "extended model" not in words
+
+
+@pytest.mark.parametrize("instrument", ["pyrometer", "spectrometer"])
+def test_one_instrument_is_enough(instrument):
+    show = report()["show"]
+    if instrument == "pyrometer":
+        show |= {"kappa": None, "line_hump": None, "gas_monitor": None}
+    else:
+        empty = {name: [] for name in show["signals"]}
+        show |= {"signals": empty, "emittance_loop": None}
+    dataset = report()["dataset"] | {"instruments": [instrument]}
+    page = write_page(
+        report(show=show, dataset=dataset), residual_map(instruments=(instrument,)), temperature()
+    )
+    words = Reader(page).words
+    assert ("What is left of the spectra" in words) == (instrument == "spectrometer")
+    assert ("What is left of the signals" in words) == (instrument == "pyrometer")
+
+
+def test_same_files_same_page(page):
+    assert write_page(report(), residual_map(), temperature()) == page
+
+
+def test_another_format_is_refused():
+    with pytest.raises(ValueError, match="schema must be 'plasmapyro-diagnosis-1'; got '2'"):
+        write_page(report(schema="2"), residual_map(), temperature())
+
+
+def test_numbers_are_written_as_they_are_worth():
+    assert kelvin(-0.04) == "0 K" and kelvin(12.4) == "+12 K" and kelvin(-4.14) == "−4.1 K"
+    assert kelvin(float("nan")) == kelvin(None) == "–"
+    assert number(1.23456e-21) == "1.23·10<sup>−21</sup>" and number(0.0412) == "0.0412"
+    assert with_error(0.0412, 0.0031) == "0.0412 ± 0.0031" and with_error(214.0, 31.0) == "214 ± 31"
+    assert with_error(5.0, 0.0, "nm") == "5 nm" and with_error(3.2, 0.4, "0.01") == "3.20 ± 0.40 × 0.01"
+    assert probability(3e-6) == "< 0.0001" and probability(0.91) == "0.91" and probability(0.0) == "0"
+    assert text("see /data/a/b.nc, m/s, a/b") == "see b.nc, m/s, a/b"
+
+
+def test_the_report_of_these_tests_honours_the_published_format():
+    schema = Path(__file__).resolve().parents[2] / "src/plasmapyro/diagnosis/diagnosis.schema.json"
+    if not schema.is_file():
+        pytest.skip("this package has no diagnosis")
+    jsonschema.validate(json.loads(json.dumps(report())), json.loads(schema.read_text(encoding="utf-8")))

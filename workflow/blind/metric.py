@@ -1,0 +1,241 @@
+"""How large an effect is in standard deviations of the data, and how alike two effects are."""
+
+import dataclasses
+from functools import cached_property
+
+import numpy as np
+from twin import campaign, hidden, light, sensors
+from twin.light import planck
+from twin.sensors import Pyrometer
+
+from blind.bench import EMITTANCE_ERROR, LINE_ERROR, LINES, POWER_ERROR, SYSTEM_ERROR, apply
+
+FLICKER = 0.012  # of the brightness, from frame to frame
+GAIN_ERROR, BAND_ERROR, BRIGHTNESS_ERROR = 0.03, 0.01, 0.3
+# Surface temperature is free at these times [s] and linear between them: dense where it changes fast.
+KNOTS = np.array(
+    [0, 1, 2, 3, 4.5, 6, 8, 10, 13, 16, 20, 25, 31, 38, 47, 58, 72, 90, 115, 145, 180, 220, 260]
+    + [300, 302, 305, 309, 314, 321, 330.0]
+)
+
+
+def _no_glow(instrument, wavelength, temperature, time):
+    """A surface that does not shine."""
+    return 0.0
+
+
+class Metric:
+    r"""Whitened data of one base, with what any analysis must leave free projected out.
+
+    Free are: the temperature (piecewise linear through `KNOTS`), emittance, gain of each band and of the
+    spectrometer, brightness of the gas before and after injection and in each frame, its power and the
+    strengths of its systems and multiplets, all but the first with their prior uncertainty:
+
+    .. math:: G = e^T (I - N (N^T N + 1)^{-1} N^T) e
+
+    with whitened signatures e and N (scaled by the prior). The SNR of an effect is :math:`\sqrt{G}`.
+    """
+
+    def __init__(self, bench, base, power_prior=POWER_ERROR):
+        self.bench, self.base, self.gas = bench, base, bench.gas(base)
+        self.scene = bench.scene(base)
+        # Flicker is kept, so that base and changed scene differ by the effect alone.
+        self.reference = bench.clean(self.scene, self.gas, base)
+        signals, rate = self.reference
+        pyrometer = Pyrometer()
+        self.exposure = self.scene.spectrometer_integration_time
+        variance = sensors.counts_variance(self.scene.spectrometer, rate, self.exposure)
+        self.sigma = (
+            np.hypot(pyrometer.reading_noise * signals, pyrometer.floor_noise),
+            np.sqrt(variance) / self.exposure,
+        )
+        self.time = np.round(
+            np.arange(self.scene.start, self.scene.end + 1e-9, self.scene.pyrometer_period), 9
+        )
+        self.frames = campaign.exposures(
+            self.scene, np.arange(self.scene.start, self.scene.end + campaign.TICK / 2, campaign.TICK)
+        )[0]
+        # The moments around injection and shut-down are for no analysis.
+        self.usable = [
+            ~((time > -1.5) & (time < 0.3)) & ~((time > 299.3) & (time < 301.0))
+            for time in (self.time, self.frames)
+        ]
+        self.nuisance = self._nuisance(power_prior)
+        self.inner = np.linalg.cholesky(self.nuisance @ self.nuisance.T + np.eye(len(self.nuisance)))
+
+    def whiten(self, output):
+        """One vector of the difference of an output from the reference, in standard deviations."""
+        parts = [
+            (new - old) / sigma for new, old, sigma in zip(output, self.reference, self.sigma, strict=True)
+        ]
+        return self._flat(parts)
+
+    def _flat(self, parts):
+        """Vector of the usable data with flicker and the fixed patterns of the pixels taken out."""
+        signals, rates = parts[0][:, self.usable[0]], parts[1][self.usable[1]]
+        rates = self._without_pattern(self._deflicker(rates, 1))
+        return np.concatenate([self._deflicker(signals, 0).ravel(), rates.ravel()])
+
+    def _without_pattern(self, rates):
+        """Take out what the noise of lamp and dark scans, the same in all frames (S, W), can explain."""
+        columns, inner = self._patterns
+        share = np.einsum("wij,swj,sw->wi", inner, columns, rates)
+        return rates - np.einsum("swi,wi->sw", columns, share)
+
+    @cached_property
+    def _patterns(self):
+        """Columns (S, W, 2) scaled by their prior, and the core of the root of the projector."""
+        device, source = self.scene.spectrometer, campaign.Source()
+        lamp = device.rate_per_radiance(planck) * planck(device.wavelength, source.spectrometer_temperature)
+        exposure = source.spectrometer_integration_time
+        noise = sum(sensors.counts_variance(device, rate, exposure) for rate in (lamp, 0.0 * lamp))
+        relative = np.sqrt(noise / source.scans) / (lamp * exposure)
+        dark = sensors.counts_variance(device, 0.0 * lamp, self.exposure) / campaign.DARK_SCANS
+        rate, sigma = self.reference[1][self.usable[1]], self.sigma[1][self.usable[1]]
+        columns = np.stack([rate * relative, np.sqrt(dark) / self.exposure * np.ones_like(rate)], -1)
+        columns /= sigma[:, :, None]
+        value, vector = np.linalg.eigh(np.einsum("swi,swj->wij", columns, columns))
+        value = np.maximum(value, 1e-12)
+        shrink = (1 - 1 / np.sqrt(1 + value)) / value
+        return columns, np.einsum("wik,wk,wjk->wij", vector, shrink, vector)
+
+    def signature(self, effects):
+        """Whitened signature of effects with the base parameters projected out, and its size."""
+        scene = apply(self.scene, self.gas, effects)
+        vector = self.project(self.whiten(self.bench.clean(scene, self.gas, self.base)))
+        return vector, float(np.sqrt(vector @ vector))
+
+    def angle(self, one, other, known=None):
+        """Degrees between the signatures of two effects; 90 if one is unknown to the twin.
+
+        `known` holds amplitude and shape of the effects that are in the data.
+        """
+        lengths = []
+        for effect in (one, other):
+            if effect not in hidden.EFFECTS:
+                return 90.0
+            plain = {"effect": effect, "amplitude": 0.2 * hidden.EFFECTS[effect].unit}
+            lengths.append(self.signature([(known or {}).get(effect, plain)]))
+        (a, size_a), (b, size_b) = lengths
+        if size_a == 0 or size_b == 0:
+            return 90.0
+        return float(np.degrees(np.arccos(np.clip(abs(a @ b) / (size_a * size_b), 0, 1))))
+
+    def project(self, vector):
+        """(I - N (N^T N + 1)^-1 N^T)^(1/2) applied to a vector: lengths are sqrt(G)."""
+        # The square root of the projector is realised by appending the pull of the priors.
+        share = np.linalg.solve(self.inner.T, np.linalg.solve(self.inner, self.nuisance @ vector))
+        return np.concatenate([vector - share @ self.nuisance, share])
+
+    def _deflicker(self, block, axis):
+        """Take out, frame by frame, what a brightness of the gas unknown to 1.2 % can explain.
+
+        block is (2, t) for the signals (axis 0 is the band) or (S, W) for the spectra (axis 1 the pixels).
+        """
+        pattern = self._gas_pattern[axis]
+        gain = (block * pattern).sum(axis=axis, keepdims=True)
+        size = (pattern**2).sum(axis=axis, keepdims=True)
+        prior = 1 / FLICKER**2
+        # 1 - (1 - size/(size+prior))^(1/2): the same square root of the projector as above, for one column.
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = np.where(size > 0, (1 - np.sqrt(prior / (size + prior))) / size, 0.0)
+        return block - pattern * gain * share
+
+    @cached_property
+    def _gas_light(self):
+        """Whitened light of the gas alone, without flicker: (2, t) and (S, W)."""
+        return self._of_gas(self.gas.radiance, flicker=0.0)
+
+    @cached_property
+    def _gas_pattern(self):
+        return self._gas_light[0][:, self.usable[0]], self._gas_light[1][self.usable[1]]
+
+    def _strengths(self, radiance):
+        """Light of a gas (C, B) in the bands (2,) and in the pixels (W,), in units of its own."""
+        total, device, nodes = (
+            radiance.sum(axis=0),
+            self.scene.spectrometer,
+            self.bench.response.wavelength.values,
+        )
+        bands = []
+        for name in ("responsivity_wide", "responsivity_narrow"):
+            edges, _, weight = light.band(nodes, self.bench.response[name].values)
+            bands.append(light.bin_mean(self.gas.centres, total, edges) @ weight)
+        edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
+        bins = light.bin_mean(self.gas.centres, total, edges)
+        return np.array(bands), light.through_slit(edges, bins, device.wavelength, device.fwhm)
+
+    def _of_gas(self, radiance, **plasma):
+        """Whitened output for some light of the gas (C, B) and none of the surface."""
+        dark = dataclasses.replace(
+            self.scene, glow=_no_glow, plasma=dataclasses.replace(self.scene.plasma, **plasma)
+        )
+        gas = dataclasses.replace(self.gas, radiance=radiance)
+        output = self.bench.clean(dark, gas, self.base)
+        return [one / sigma for one, sigma in zip(output, self.sigma, strict=True)]
+
+    def _nuisance(self, power_prior):
+        rows = []
+        both = (self.time, self.frames)
+        gas_part = self._gas_light
+        warm = self.bench.clean(self.scene, self.gas, self.base, warmer=1.0)
+        slope = [(a - b) / s for a, b, s in zip(warm, self.reference, self.sigma, strict=True)]
+        for basis in self._hats():
+            rows.append([slope[0] * basis[0] * 1e3, slope[1] * basis[1][:, None] * 1e3])
+        whole = [a / s for a, s in zip(self.reference, self.sigma, strict=True)]
+        surface = [w - g for w, g in zip(whole, gas_part, strict=True)]
+        none = [np.zeros_like(part) for part in whole]
+        rows.append([EMITTANCE_ERROR * part for part in surface])
+        for band in (0, 1):
+            only = np.zeros((2, 1))
+            only[band] = 1.0
+            rows.append([BAND_ERROR * whole[0] * only, none[1]])
+        rows.append([GAIN_ERROR * whole[0], none[1]])
+        rows.append([none[0], GAIN_ERROR * whole[1]])
+        # The bias of the blackbody source, at most 3 K at 1773 K, is common to both instruments.
+        pixels = self.scene.spectrometer.wavelength
+        rows.append(
+            [
+                0.3 * 0.01 * whole[0] * np.array([[1.0], [0.93]]),
+                1.7 * 1.438776877e-2 / (pixels * 1773.0**2) * whole[1],
+            ]
+        )
+        before = [np.where(time < 0, 1.0, 0.0) for time in both]
+        for mask in (before, [1 - part for part in before]):
+            rows.append(
+                [BRIGHTNESS_ERROR * gas_part[0] * mask[0], BRIGHTNESS_ERROR * gas_part[1] * mask[1][:, None]]
+            )
+        # Light of the gas is its strength in a band or pixel times a history that all changes share.
+        lit, strength = self._of_gas(self.gas.radiance), self._strengths(self.gas.radiance)
+        for change in self._gas_changes(power_prior):
+            factors = [
+                n / s for n, s in zip(self._strengths(change - self.gas.radiance), strength, strict=True)
+            ]
+            rows.append([lit[0] * factors[0][:, None], lit[1] * factors[1]])
+        return np.stack([self._flat(row) for row in rows])
+
+    def _hats(self):
+        """Linear hats over the knots of temperature, at the readings and at the frames."""
+        for hat in np.eye(KNOTS.size):
+            yield [np.interp(time, KNOTS, hat) * (time >= 0) for time in (self.time, self.frames)]
+
+    def _gas_changes(self, power_prior):
+        """Spectra by system (C, B) one prior standard deviation off."""
+        base = self.base
+        up, down = (self.bench.spectra.at(base.power * np.exp(step)) for step in (0.03, -0.03))
+        slope = np.log(np.maximum(up, 1e-30) / np.maximum(down, 1e-30)) / 0.06
+        yield self.gas.radiance * np.exp(power_prior * slope)
+        names = self.gas.systems
+        for system in ("N I", "O I", "N2 1P", "N2+ Meinel", "NO 11000 A"):
+            changed = self.gas.radiance.copy()
+            changed[names.index(system)] *= 1 + SYSTEM_ERROR
+            yield changed
+        others = [row for row, name in enumerate(names) if name not in base.strengths]
+        changed = self.gas.radiance.copy()
+        changed[others] *= 1 + SYSTEM_ERROR
+        yield changed
+        for system, first, last in LINES.values():
+            inside = (self.gas.centres > first * 1e-9) & (self.gas.centres < last * 1e-9)
+            changed = self.gas.radiance.copy()
+            changed[names.index(system), inside] *= 1 + LINE_ERROR
+            yield changed

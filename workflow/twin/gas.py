@@ -1,0 +1,227 @@
+"""The gas in front of the sample and how its spectrum changes, from spectra and profiles kept in files.
+
+The spectra at several powers, by radiating system, are input files. How they change with excitation,
+vibration, temperature or optical depth is computed here from upper levels and the profile along the
+sight line, in the optically thin limit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from twin import light, lines
+
+SECOND = 1.438776877  # [cm K] h c / k
+BIN = 0.02e-9  # [m] of the stored spectra
+FIRST, LAST = 716e-9, 1156e-9
+RADIATOR = {"N I": "N", "O I": "O", "N2 1P": "N2", "N2+ Meinel": "N2+"}
+ATOMS = {"N I": (lines.NITROGEN, 96000.0), "O I": (lines.OXYGEN, 97000.0)}
+MOLECULES = {"N2 1P": 61000.0, "N2+ Meinel": 10500.0}  # [cm-1] typical upper level above the ground state
+ENERGY = {**{name: other for name, (_, other) in ATOMS.items()}, **MOLECULES}
+FOLLOWS = {  # the fainter systems: what their emission follows, with a typical upper level [cm-1]
+    "NO 11000 A": ("NO", 60000.0),
+    "NO beta": ("NO", 46000.0),
+    "NO infrared": ("NO", 4000.0),
+    "e-neutral free-free": ("e-", 10000.0),
+    "O- detachment": ("e-", 12000.0),
+    "e-ion free-free": ("e-", 10000.0),
+    "free-bound": ("e-", 5000.0),
+}
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Radiance by system on equal bins, at one or several numerical powers.
+
+    power (P,) [W]; centres (B,) [m]; systems: C names; radiance (P, C, B) [W m-2 sr-1 m-1].
+    """
+
+    power: np.ndarray
+    centres: np.ndarray
+    systems: tuple
+    radiance: np.ndarray
+
+    def at(self, power):
+        """Radiance by system (C, B) at a power [W]: logarithms interpolated between neighbours."""
+        if not self.power[0] <= power <= self.power[-1]:
+            low, high = self.power[[0, -1]] / 1e3
+            raise ValueError(f"power must lie in [{low:g}, {high:g}] kW; got {power / 1e3:g} kW")
+        above = int(np.clip(np.searchsorted(self.power, power), 1, self.power.size - 1))
+        low, high = np.log(self.power[above - 1 : above + 1])
+        share = (np.log(power) - low) / (high - low)
+        pair = np.maximum(self.radiance[above - 1 : above + 1], 1e-30)
+        return np.exp((1 - share) * np.log(pair[0]) + share * np.log(pair[1]))
+
+
+def spectra(datasets, powers):
+    """`Spectra` from datasets with `gas_radiance_component` (component, wavelength), in order of power."""
+    edges, centres = light.bins(FIRST, LAST, BIN)
+    systems = tuple(str(name) for name in datasets[0].component.values)
+    radiance = [
+        [light.bin_mean(one.wavelength.values, row, edges) for row in one.gas_radiance_component.values]
+        for one in datasets
+    ]
+    return Spectra(np.asarray(powers, dtype=float), centres, systems, np.array(radiance))
+
+
+@dataclass(frozen=True)
+class Gas:
+    """The spectrum by system (C, B) at one power, and the profile that it comes from."""
+
+    centres: np.ndarray  # (B,) [m]
+    systems: tuple
+    radiance: np.ndarray  # (C, B)
+    distance: np.ndarray  # (Z,) [m]
+    temperature: np.ndarray  # (Z,) [K]
+    density: dict  # species: (Z,) [m-3]
+    table_temperature: np.ndarray  # (T,) [K], composition at the pressure of the test:
+    table_density: dict  # species: (T,) [m-3]
+    weakest: np.ndarray | None = None  # (B,) spectrum of the weakest plasma, for an afterglow
+
+    @property
+    def total(self):
+        return self.radiance.sum(axis=0)
+
+    def excited(self, ratio):
+        """Spectrum (B,) with atoms excited at `ratio` times the temperature of the particles."""
+
+        def factor(system, energy):
+            return self._excitation(system, energy, ratio) if system in ATOMS else 1.0
+
+        return self._with_factors(factor)
+
+    def hotter(self, change):
+        """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
+        return self._with_factors(lambda system, energy: self._heating(system, energy, change))
+
+    def rippled(self, amplitude):
+        """Spectrum (B,) averaged over a sinusoidal ripple of the temperature."""
+        phases = np.sin(2 * np.pi * (np.arange(8) + 0.5) / 8)
+        return np.mean([self.hotter(amplitude * phase) for phase in phases], axis=0)
+
+    def vibrating(self, ratio):
+        """Spectrum (B,) with the vibration of N2 B at `ratio` times the temperature, its number kept."""
+        level = np.array(lines.NITROGEN_VIBRATION, dtype=float)
+        level -= level[0]
+        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        now, then = (np.exp(-SECOND * level / temperature) for temperature in (mean, mean * ratio))
+        factor = (then / then.sum()) / (now / now.sum())
+        weight = np.zeros((level.size, self.centres.size))
+        for upper, origin, probability in lines.NITROGEN_BANDS:
+            blue = (origin * 1.00027 + 1.5 - self.centres * 1e9) / 9.0  # nm: degraded to the violet
+            weight[upper] += now[upper] * probability * np.where(blue > 0, np.exp(-np.maximum(blue, 0)), 0.0)
+        weight += 1e-6 * now[:, None]
+        mixed = (factor[:, None] * weight).sum(axis=0) / weight.sum(axis=0)
+        changed = self.radiance.copy()
+        changed[self.systems.index("N2 1P")] *= mixed
+        return changed.sum(axis=0)
+
+    def self_absorbed(self, depth):
+        """Spectrum (B,) when the strongest O I line has the optical depth `depth` at its centre."""
+        kept = np.ones(self.centres.size)
+        for centre, relative in lines.OXYGEN_DEPTH:
+            near = np.abs(self.centres * 1e9 - centre) < (0.08 if centre < 800 else 0.3)
+            kept[near] = escape(depth * relative)
+        changed = self.radiance.copy()
+        changed[self.systems.index("O I")] *= kept
+        return changed.sum(axis=0)
+
+    def _with_factors(self, factor):
+        changed = np.empty_like(self.radiance)
+        for row, system in enumerate(self.systems):
+            if system in ATOMS:
+                multiplets, other = ATOMS[system]
+                scale = np.full(self.centres.size, factor(system, other))
+                for first, last, energy in multiplets:
+                    inside = (self.centres >= first * 1e-9) & (self.centres <= last * 1e-9)
+                    scale[inside] = factor(system, energy)
+            elif system in MOLECULES or system in FOLLOWS:
+                scale = factor(system, ENERGY.get(system) or FOLLOWS[system][1])
+            else:
+                scale = 1.0
+            changed[row] = self.radiance[row] * scale
+        return changed.sum(axis=0)
+
+    def _species(self, system):
+        return RADIATOR.get(system) or FOLLOWS[system][0]
+
+    def _emission(self, species, energy):
+        return self.density[species] * np.exp(-SECOND * energy / self.temperature)
+
+    def _mean_temperature(self, species, energy):
+        weight = self._emission(species, energy)
+        return np.trapezoid(weight * self.temperature, self.distance) / np.trapezoid(weight, self.distance)
+
+    def _excitation(self, system, energy, ratio):
+        weight = self._emission(self._species(system), energy)
+        more = np.exp(SECOND * energy / self.temperature * (1 - 1 / ratio))
+        return np.trapezoid(weight * more, self.distance) / np.trapezoid(weight, self.distance)
+
+    def _heating(self, system, energy, change):
+        species = self._species(system)
+        warmed = np.where(self.temperature > 2000, self.temperature * (1 + change), self.temperature)
+        log_density = np.log(np.maximum(self.table_density[species], 1e-30))
+        density = np.exp(
+            CubicSpline(self.table_temperature, log_density)(np.stack([warmed, self.temperature]))
+        )
+        power = 2 if species == "e-" and system in ("e-ion free-free", "free-bound") else 1
+        new, old = (
+            np.trapezoid(number**power * np.exp(-SECOND * energy / at), self.distance)
+            for number, at in zip(density, (warmed, self.temperature), strict=True)
+        )
+        return new / old
+
+
+def escape(depth):
+    r"""Share of a Doppler-broadened line that leaves a uniform slab.
+
+    .. math:: \frac{1}{\sqrt\pi\,\tau} \int (1 - e^{-\tau e^{-x^2}}) dx
+    """
+    place = np.linspace(-5, 5, 401)
+    if depth == 0:
+        return 1.0
+    shape = np.exp(-(place**2))
+    return float(np.trapezoid(-np.expm1(-depth * shape), place) / (np.sqrt(np.pi) * depth))
+
+
+def narrow(centres, where, area):
+    """Spectrum (B,) of lines at `where` [nm] with the integrated radiance `area` [W m-2 sr-1]."""
+    spectrum = np.zeros(centres.size)
+    for place, strength in zip(where, area, strict=True):
+        sigma = 0.03e-9
+        near = np.abs(centres - place * 1e-9) < 6 * sigma
+        shape = np.exp(-(((centres[near] - place * 1e-9) / sigma) ** 2) / 2)
+        spectrum[near] += strength * shape / (shape.sum() * (centres[1] - centres[0]))
+    return spectrum
+
+
+def heads(centres, where, area, tail, *, red):
+    """Spectrum (B,) of bands with a sharp head and an exponential tail [nm] on one side."""
+    spectrum = np.zeros(centres.size)
+    for place, strength in zip(where, area, strict=True):
+        away = (centres * 1e9 - place) * (1 if red else -1)
+        shape = np.where(away >= 0, np.exp(-np.maximum(away, 0) / tail), 0.0)
+        spectrum += strength * shape / (tail * 1e-9)
+    return spectrum
+
+
+def oxygen_band(wavelength, temperature=296.0, fwhm=1e-9):
+    """Relative absorption (B,) of the A band of O2, smoothed; 1 at its maximum."""
+    origin, upper, lower = lines.OXYGEN_BAND
+    level = np.arange(1, 40, 2)
+    population = np.exp(-SECOND * lower * level * (level + 1) / temperature)
+    place = np.concatenate(
+        [
+            origin + upper * (level + 1) * (level + 2) - lower * level * (level + 1),
+            origin + upper * (level - 1) * level - lower * level * (level + 1),
+        ]
+    )
+    strength = np.concatenate([population * (level + 1), population * level])
+    sigma = fwhm / np.sqrt(8 * np.log(2))
+    distance = (np.asarray(wavelength) - 1e-2 / place[:, None]) / sigma
+    fine = np.linspace(755e-9, 775e-9, 800)
+    peak = (
+        (strength[:, None] * np.exp(-(((fine - 1e-2 / place[:, None]) / sigma) ** 2) / 2)).sum(axis=0).max()
+    )
+    return (strength[:, None] * np.exp(-(distance**2) / 2)).sum(axis=0) / peak
