@@ -57,6 +57,7 @@ def test_effects_hidden_in_the_default_test_are_named_sized_and_cured(small_resu
 def calibrated(results, response):
     """Inputs of the diagnosis with the calibration files that the main job would make."""
     from blind import worker
+
     from plasmapyro.diagnosis import command
 
     folder = results / "calibrated"
