@@ -78,7 +78,7 @@ def test_the_same_mesh_comes_out_twice(meshes):
         ({"radius": -0.08}, "radius must be > 0 m; got -0.08 m"),
         ({"slot_inner_radius": 0.09}, "slot_inner_radius < radius"),
         ({"coil_radius": 0.05}, "radius < chamber_radius and coil_radius"),
-        ({"probe_distance": 0.49}, "the probe hemisphere must end inside the chamber"),
+        ({"probe_distance": 0.49}, "the probe nose must end inside the chamber"),
         ({"coil_positions": (0.2, 0.1)}, "coil_positions must increase strictly"),
     ],
 )

@@ -1,5 +1,7 @@
 """Induction equation against elliptic integrals and the Bessel solution of a cylinder."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk, jv
@@ -65,7 +67,10 @@ def bessel(r):
 @pytest.fixture(scope="module")
 def solved():
     mesh = cylinder(24)
-    induction = Induction(mesh, FREQUENCY, COIL, np.linspace(-HALF_COIL, HALF_COIL, RINGS))
+    rings = partial(
+        ring_potential, ring_radius=COIL, ring_positions=np.linspace(-HALF_COIL, HALF_COIL, RINGS)
+    )
+    induction = Induction(mesh, FREQUENCY, rings)
     r = induction._plasma.r
     return r, induction.solve(np.full(r.shape, CONDUCTIVITY)), induction
 
@@ -75,6 +80,31 @@ def test_field_in_a_cylinder_is_the_bessel_solution(solved):
     expected = bessel(r)
     # 3e-3: finite solenoid 1.5e-3, P2 cells of 3.3 mm 2e-4.
     assert np.abs(coupling.electric_field - expected).max() < 3e-3 * np.abs(expected).max()
+
+
+def test_field_of_a_uniform_drive_is_the_bessel_solution():
+    # The same drive without end effects, A_c = B0 r / 2, and finer cells: only the discretisation is left.
+    drive = VACUUM_PERMEABILITY * RINGS / (2 * HALF_COIL)
+    mesh = cylinder(40)
+    induction = Induction(mesh, FREQUENCY, lambda r, z: drive * r / 2)
+    r = induction._plasma.r
+    coupling = induction.solve(np.full(r.shape, CONDUCTIVITY))
+    expected = bessel(r)
+    assert np.abs(coupling.electric_field - expected).max() < 1e-4 * np.abs(expected).max()
+    density = 0.5 * CONDUCTIVITY * np.abs(expected) ** 2
+    assert coupling.power == pytest.approx((density * induction._plasma.weight).sum(), rel=1e-5)
+
+
+def test_field_converges_at_third_order():
+    drive = VACUUM_PERMEABILITY * RINGS / (2 * HALF_COIL)
+
+    def error(cells):
+        induction = Induction(cylinder(cells), FREQUENCY, lambda r, z: drive * r / 2)
+        r = induction._plasma.r
+        return np.abs(induction.solve(np.full(r.shape, CONDUCTIVITY)).electric_field - bessel(r)).max()
+
+    order = np.log2(error(12) / error(24))
+    assert 2.7 < order < 3.5
 
 
 def test_joule_power_is_that_of_the_bessel_solution(solved):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plasmapyro import contracts
-from plasmapyro.flow import stage
+from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import NotConverged, Schedule, march
 from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
 from plasmapyro.flow.problem import Problem
@@ -18,7 +18,17 @@ TOLERANCES = {"velocity_tolerance": 0.5, "temperature_tolerance": 5e-3, "largest
 STEADY_RESIDUAL = 1e-4  # relative to gas at rest; 2e-5 is reached
 HISTORY_RTOL = 1e-2  # the upwind terms of the last step still know its Courant number of 3000
 FORCING = ("joule_heating", "force_axial", "force_radial")
-CONDITION = {"chamber_pressure": 5e3, "mass_flow_rate": 0.016, "viscosity_limiter": 0.02, "power_step": 2e4}
+CONDITION = {
+    "chamber_pressure": 5e3,
+    "mass_flow_rate": 0.016,
+    "coil_frequency": 4e5,
+    "probe_temperature": 350.0,
+    "swirl_angle": 0.0,
+    "radiation_factor": 0.0,
+    "viscosity_limiter": 0.02,
+    "power_step": 2e4,
+    "error_mesh_ratio": 0.0,
+}
 
 
 @pytest.fixture(scope="session")
@@ -165,22 +175,29 @@ def test_jacobian_is_the_derivative_of_the_residual(problem):
 
 
 def test_steps_in_pressure_and_flow_are_bounded():
-    path = stage._path(np.array([90e3, 5e3, 0.016]), np.array([60e3, 1e4, 0.016]), 1e4)
-    assert len(path) == 4  # ln 2 / 0.2 = 3.5 parts for the pressure, 3 for the power
-    assert tuple(path[-1]) == (60e3, 1e4, 0.016)
-    assert len(stage._path(np.array([90e3, 5e3, 0.016]), np.array([90e3, 5e3, 0.016]), 1e4)) == 1
+    here = Condition(90e3, 5e3, 0.016, 4e5, 350.0)
+    there = replace(here, numerical_power=60e3, chamber_pressure=1e4)
+    assert here.parts_to(there, 1e4) == pytest.approx(
+        np.log(2) / 0.2
+    )  # 3.5 for the pressure, 3 for the power
+    assert here.towards(there, 1.0) == there
+    middle = here.towards(there, 0.5)
+    assert middle.chamber_pressure == pytest.approx(np.sqrt(5e3 * 1e4))
+    assert here.parts_to(here, 1e4) == 0.0
 
 
 def test_an_unfinished_run_is_an_error_that_names_condition_step_and_residual(air, start, caplog):
     with (
         caplog.at_level(logging.INFO),
         pytest.raises(
-            NotConverged, match=r"condition 85 kW: not converged in 2 steps; residual [0-9.e-]+, last change"
+            NotConverged,
+            match=r"no steady flow was found between 90 kW, 50 mbar, 16 g/s .* and .*: condition 8[5-9].* kW,"
+            r".*: not converged in 2 steps; residual [0-9.e-]+, last change",
         ),
     ):
         tolerances = {**TOLERANCES, "largest_step_count": 2}
         condition(air, start, numerical_power=85e3, **CONDITION, **tolerances)
-    assert sum("condition 85 kW: step" in record.message for record in caplog.records) == 2
+    assert sum("at 1 of the way: step" in record.message for record in caplog.records) == 2
 
 
 def test_a_cold_torch_is_called_extinguished(problem):
@@ -217,13 +234,16 @@ def test_bad_cold_start_arguments_are_refused(air, torch_lengths):
         "mesh_factor": 2.0,
         "start_mesh_factor": 1.5,
         "viscosity_limiter": 0.02,
-        **torch_lengths,
+        "probe_temperature": 350.0,
+        "torch": torch_lengths,
         **TOLERANCES,
     }
     for change, message in (
         ({"mesh_factor": 0.0}, "mesh_factor must be > 0"),
         ({"coil_frequency": -1.0}, "coil_frequency must be > 0 Hz"),
-        ({"probe_radius": 0.2}, "the probe hemisphere must end inside"),
+        ({"torch": {**torch_lengths, "probe_radius": 0.2}}, "the probe nose must end inside"),
+        ({"torch": {**torch_lengths, "probe_shape": "cone"}}, "probe_shape must be one of hemisphere"),
+        ({"torch": {**torch_lengths, "probe_shape": "blunt"}}, "shoulder_radius of a blunt probe must lie"),
     ):
         with pytest.raises(ValueError, match=message):
             cold_start(air, **{**arguments, **change})

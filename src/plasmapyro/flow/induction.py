@@ -12,6 +12,7 @@ Source: same physics as Fagnani et al., LTE torch model; vector-potential form a
 Boulos, J. Phys. D 34 (2001) 1897. Deviation: the coil field is subtracted in closed form.
 """
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,14 +88,15 @@ class Induction:
     mesh : MeshTri
         Subdomain 'flow', boundaries 'axis' and 'far'.
     frequency : float [Hz]
-    ring_radius, ring_positions : [m]
+    potential : function (r, z) -> A_c [V s m-1 per A]
+        Vector potential of the coil for 1 A; r > 0.
     order : int
         Element order, 1 or 2.
     """
 
-    def __init__(self, mesh, frequency, ring_radius, ring_positions, order=2):
+    def __init__(self, mesh, frequency, potential, order=2):
         self.angular_frequency = 2 * np.pi * frequency
-        self._ring_radius, self._ring_positions = ring_radius, ring_positions
+        self._coil_potential = potential
         self._space = Space(mesh, (order,))
         self._plasma = self._space.subset(mesh.subdomains["flow"])
         whole = self._space.cells
@@ -110,14 +112,17 @@ class Induction:
         self._factorised = Factorised(self._free)
         z, r = self._plasma.z, self._plasma.r
 
-        def potential(r, z):
-            return ring_potential(r, z, ring_radius, ring_positions)
-
         self._potential = potential(r, z)
         self._potential_z = (potential(r, z + DIFFERENCE) - potential(r, z - DIFFERENCE)) / (2 * DIFFERENCE)
         # Quadrature points may lie closer to the axis than the difference step.
         step = np.minimum(DIFFERENCE, r / 2)
         self._potential_r = (potential(r + step, z) - potential(r - step, z)) / (2 * step)
+
+    def at_frequency(self, frequency):
+        """The same equation at another frequency [Hz]; mesh and bases are shared."""
+        other = copy(self)
+        other.angular_frequency = 2 * np.pi * frequency
+        return other
 
     def solve(self, conductivity):
         """Fields for 1 A of coil amplitude.
@@ -165,6 +170,6 @@ class Induction:
         field = np.zeros(len(z), dtype=complex)
         off = np.flatnonzero(r > 0)
         nodes = np.array([place[z[index], r[index]] for index in off])
-        potential = ring_potential(r[off], z[off], self._ring_radius, self._ring_positions)
+        potential = self._coil_potential(r[off], z[off])
         field[off] = scattered[nodes] - 1j * self.angular_frequency * potential
         return field

@@ -1,0 +1,187 @@
+"""What the flow solver can do and what its inputs are worth.
+
+    python benchmarks/flow.py sweep | matters | validation | cost
+
+Each part keeps its solutions in results/benchmark_flow and takes up where it stopped. Needs
+results/gas/air11.nc; `matters` also results/instrument and results/flow of the main job. One thread; CPU
+seconds. Writes docs/flow_*.csv, which docs/flow.md quotes, and docs/flow_matters.png.
+"""
+
+import os
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[name] = "1"
+
+import argparse  # noqa: E402
+import csv  # noqa: E402
+import itertools  # noqa: E402
+import logging  # noqa: E402
+from pathlib import Path  # noqa: E402
+from time import process_time  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+from plasmapyro import io  # noqa: E402
+from plasmapyro.flow import stage  # noqa: E402
+from plasmapyro.flow.condition import Condition  # noqa: E402
+from plasmapyro.flow.continuation import NotConverged  # noqa: E402
+
+ROOT = Path(__file__).parents[1]
+DOCS, STORE = ROOT / "docs", ROOT / "results" / "benchmark_flow"
+TORCH = {
+    "length": 0.486,
+    "radius": 0.080,
+    "slot_inner_radius": 0.075,
+    "chamber_length": 0.500,
+    "chamber_radius": 0.160,
+    "probe_distance": 0.385,
+    "probe_radius": 0.025,
+    "coil_radius": 0.109,
+    "coil_positions": (0.127, 0.177, 0.227, 0.277, 0.327, 0.377),
+    "probe_shape": "hemisphere",
+    "shoulder_radius": 0.0,
+}
+REFERENCE = {
+    "numerical_power": 90e3,
+    "chamber_pressure": 5e3,
+    "mass_flow_rate": 0.016,
+    "coil_frequency": 4e5,
+    "probe_temperature": 350.0,
+}
+TOLERANCES = {
+    "viscosity_limiter": 0.02,
+    "velocity_tolerance": 0.2,
+    "temperature_tolerance": 2e-3,
+    "largest_step_count": 120,
+}
+WALL = 350.0
+POWER_STEP = 1e4
+SWEEP_MESH, SWEEP_LIMITER = 2.0, 0.1
+SWEEP_PRESSURES = (15e2, 30e2, 65e2, 140e2, 300e2)
+SWEEP_POWERS = (30e3, 50e3, 80e3, 125e3, 200e3)
+SWEEP_FLOWS = (0.005, 0.012, 0.030)
+NEIGHBOURS = 2
+
+
+def air():
+    return io.read(ROOT / "results/gas/air11.nc", "gas")
+
+
+def stored(name, compute):
+    """The flow file `name` of the store; computed first if it is not there."""
+    path = STORE / f"{name}.nc"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        io.write(compute(), path, "flow")
+    return io.read(path, "flow")
+
+
+def reference(mesh_factor, gas=None, **torch):
+    """Cold start on a mesh, with another torch or probe if given."""
+    name = "_".join(["reference", f"{mesh_factor:g}", *(f"{key}-{value}" for key, value in torch.items())])
+    return stored(
+        name,
+        lambda: stage.cold_start(
+            air() if gas is None else gas,
+            torch={**TORCH, **torch},
+            wall_temperature=WALL,
+            mesh_factor=mesh_factor,
+            start_mesh_factor=1.5,
+            **REFERENCE,
+            **TOLERANCES,
+        ),
+    )
+
+
+def solve(gas, start, neighbours=(), emission=None, error_mesh_ratio=0.0, **changes):
+    """Steady flow at the reference condition but for `changes`."""
+    inputs = {**REFERENCE, "swirl_angle": 0.0, "radiation_factor": 0.0, **TOLERANCES, **changes}
+    return stage.condition(
+        gas,
+        start,
+        neighbours=neighbours,
+        emission=emission,
+        power_step=POWER_STEP,
+        error_mesh_ratio=error_mesh_ratio,
+        **inputs,
+    )
+
+
+def write_table(name, rows):
+    with (DOCS / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def read_table(path):
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def sweep():
+    """5 pressures x 5 powers x 3 mass flows, each from the nearest solutions at hand."""
+    gas, start = air(), reference(SWEEP_MESH)
+    rows = read_table(DOCS / "flow_sweep.csv")
+    known = {
+        row["case"]: io.read(STORE / "sweep" / f"{row['case']}.nc", "flow")
+        for row in rows
+        if row["converged"] == "yes"
+    }
+    left = {}
+    for pressure, power, flow in itertools.product(SWEEP_PRESSURES, SWEEP_POWERS, SWEEP_FLOWS):
+        name = f"{pressure / 100:g}mbar_{power / 1e3:g}kW_{flow * 1e3:g}g_s"
+        left[name] = {
+            **REFERENCE, "chamber_pressure": pressure, "numerical_power": power, "mass_flow_rate": flow
+        }  # fmt: skip
+    for row in rows:
+        left.pop(row["case"])
+    while left:
+
+        def way(one, target):
+            return Condition.of(one).parts_to(target, POWER_STEP)
+
+        near = {
+            name: min(way(one, Condition(**case)) for one in (start, *known.values()))
+            for name, case in left.items()
+        }
+        name = min(near, key=near.get)
+        case = left.pop(name)
+        target = Condition(**case)
+        neighbours = sorted(known.values(), key=lambda one: way(one, target))[:NEIGHBOURS]  # noqa: B023
+        began = process_time()
+        row = {"case": name, "converged": "yes", "reason": ""}
+        try:
+            known[name] = stored(
+                f"sweep/{name}",
+                lambda: solve(gas, start, neighbours, **case, viscosity_limiter=SWEEP_LIMITER),
+            )  # noqa: B023
+            row |= {
+                "hottest_k": round(float(known[name].temperature.max())),
+                "coil_current_a": round(float(known[name].coil_current)),
+                "mass_imbalance": f"{float(known[name].mass_imbalance):.2e}",
+                "energy_imbalance": f"{float(known[name].energy_imbalance):.2e}",
+            }
+        except NotConverged as fault:
+            row |= {
+                "converged": "no", "reason": str(fault).replace("\n", " / "), "hottest_k": "",
+                "coil_current_a": "", "mass_imbalance": "", "energy_imbalance": "",
+            }  # fmt: skip
+        row["cpu_s"] = round(process_time() - began, 1)
+        rows.append(row)
+        write_table("flow_sweep", rows)
+        logging.warning("%s: %s, %s s; %d left", name, row["converged"], row["cpu_s"], len(left))
+
+
+PARTS = {"sweep": sweep}
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("part", choices=PARTS)
+    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    logging.getLogger("plasmapyro").setLevel(logging.INFO)
+    PARTS[parser.parse_args().part]()
