@@ -77,7 +77,12 @@ def constant_gas():
 
 
 @pytest.fixture
-def pipe():
+def pipe(pipe_mesh):
+    return pipe_mesh
+
+
+@pytest.fixture(scope="session")
+def pipe_mesh():
     """Function n -> triangles of a pipe, z in [0, 0.3] m, r in [0, 0.1] m, with named boundaries."""
 
     def mesh(n):

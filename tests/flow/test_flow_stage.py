@@ -8,7 +8,7 @@ import pytest
 
 from plasmapyro import contracts
 from plasmapyro.flow.condition import Condition
-from plasmapyro.flow.continuation import NotConverged, Schedule, march
+from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, march
 from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
@@ -257,3 +257,70 @@ def test_a_start_from_another_mesh_is_refused(air, start):
     del moved.attrs["torch"]
     with pytest.raises(ValueError, match="lacks the attribute 'torch'"):
         condition(air, moved, numerical_power=80e3, **CONDITION, **TOLERANCES)
+
+
+def test_a_coupled_step_is_newtons_for_flow_and_induction(problem):
+    # The residual of flow and induction together, along the step: it must vanish to first order, so that
+    # half the step leaves half the residual. With a frozen coupling it does not.
+    solver, state = problem
+    warm = state.copy()
+    z, r = solver.space.points(2)
+    bump = 0.02 * np.exp(-(((z - 0.25) / 0.05) ** 2) - ((r - 0.03) / 0.02) ** 2)
+    warm[solver.space.field(2)] += np.where(solver.fixed[solver.space.field(2)], 0.0, bump)
+    coupling, _ = solver.couple(warm, 90e3)
+    points = solver.points(warm, coupling, 1e4)
+    before = solver.residual(warm, points)[solver.free]
+
+    def left(update, share):
+        moved = warm + share * update
+        forced = replace(points, **{name: getattr(solver.couple(moved, 90e3)[0], name) for name in FORCING})
+        now = solver.residual(moved, forced)[solver.free]
+        return np.linalg.norm(now - (1 - share) * before) / np.linalg.norm(before) / share
+
+    coupled, _ = solver.newton_update(warm, points, coupling, 1e-6)
+    frozen, _ = solver.newton_update(warm, points)
+    assert left(coupled, 0.01) < 0.02  # what is left is the curvature, in proportion to the share
+    assert left(coupled, 0.005) < 0.6 * left(coupled, 0.01)
+    assert left(frozen, 0.01) > 0.1
+
+
+def test_a_hot_probe_and_a_swirl_are_reached_from_the_reference(air, start):
+    found = condition(
+        air,
+        start,
+        numerical_power=90e3,
+        **{**CONDITION, "probe_temperature": 1200.0, "swirl_angle": np.radians(4.0)},
+        **TOLERANCES,
+    )
+    contracts.check(contracts.label(found, "flow"), "flow")
+    nose = int(np.hypot(found.node_z.values - 0.871, found.node_r.values).argmin())
+    assert float(found.temperature[nose]) == pytest.approx(1200.0, rel=1e-9)
+    slot = (found.node_z.values == 0) & (found.node_r.values > 0.076) & (found.node_r.values < 0.079)
+    turning = found.azimuthal_velocity.values[slot] / found.axial_velocity.values[slot]
+    np.testing.assert_allclose(turning, np.tan(np.radians(4.0)), rtol=1e-9)
+    assert np.abs(found.azimuthal_velocity.values[found.node_r.values == 0]).max() == 0.0
+    assert found.attrs["probe_temperature"] == 1200.0
+    # A warmer wall takes less heat from the gas.
+    assert (
+        by_boundary(found, "boundary_heat_flow")["probe"] < by_boundary(start, "boundary_heat_flow")["probe"]
+    )
+
+
+def test_the_nearest_known_solution_is_the_start(air, start, at_80, caplog):
+    with caplog.at_level(logging.INFO):
+        condition(
+            air,
+            start,
+            neighbours=[at_80],
+            numerical_power=75e3,
+            **{**CONDITION, "power_step": 5e3},
+            **TOLERANCES,
+        )
+    assert not any(
+        "of the way" in record.message and "at 1 of" not in record.message for record in caplog.records
+    )
+
+
+def test_the_plasma_that_goes_out_is_reported(air, start):
+    with pytest.raises(Extinguished, match=r"the plasma goes out between .* kW, 50 mbar, 16 g/s"):
+        condition(air, start, numerical_power=2e3, **{**CONDITION, "power_step": 3e4}, **TOLERANCES)

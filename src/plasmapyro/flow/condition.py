@@ -20,9 +20,9 @@ LARGEST_SWIRL_ANGLE = np.radians(80.0)
 # Largest change per part of the way: of ln(value) for what is positive by nature, else of the value.
 # The power has a step of its own, given by the caller in watts.
 STEP = {
-    "chamber_pressure": 0.2,
-    "mass_flow_rate": 0.2,
-    "coil_frequency": 0.2,
+    "chamber_pressure": 0.4,
+    "mass_flow_rate": 0.4,
+    "coil_frequency": 0.4,
     "probe_temperature": 0.7,
     "swirl_angle": np.radians(5.0),
     "radiation_factor": 0.5,

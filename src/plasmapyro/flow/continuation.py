@@ -1,9 +1,10 @@
 """Pseudo-transient continuation: one full Newton step of the flow per pseudo-time step.
 
-Each step solves the induction equation for the present temperature (Picard), freezes Joule heating and
-Lorentz force, and takes one Newton step of the implicit Euler equations with a local step dt = CFL h / (|u|
-+ 200 m/s). The Courant number grows while the changes stay small and falls when they do not; at a large one
-the step is Newton's for the steady equations.
+Each step solves the induction equation for the present temperature and takes one Newton step of the implicit
+Euler equations with a local step dt = CFL h / (|u| + 200 m/s), either of flow and induction together
+(`coupled`), or of the flow with frozen Joule heating and Lorentz force (Picard). The Courant number grows
+while the changes stay small and falls when they do not; at a large one the step is Newton's for the steady
+equations.
 
 Residuals are relative: divided by that of gas at rest under the feed, and the heating and force of the first
 step (`Problem.rest_residual`).
@@ -68,6 +69,7 @@ class Schedule:
     confirmed: bool = False
     least_courant: float = 0.05
     patience: int = 0
+    linear_tolerance: float = 0.0
 
     def reached_by(self, step):
         """Whether `step` shows a converged state."""
@@ -136,13 +138,13 @@ def march(problem, state, power, schedule, label):
     passed, scale, first_current = False, None, None
     for number in range(1, schedule.steps + 1):
         target, current = problem.couple(state, power)
-        accelerate = courant >= ACCELERATED_COURANT
-        relaxed = coupling is not None and not accelerate
+        accelerate = not schedule.linear_tolerance and courant >= ACCELERATED_COURANT
+        relaxed = coupling is not None and not accelerate and not schedule.linear_tolerance
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
         scale = scale or problem.rest_residual(coupling)
         points = problem.points(state, coupling, courant)
         try:
-            update, residual = problem.newton_update(state, points)
+            update, residual = problem.newton_update(state, points, target, schedule.linear_tolerance)
         except (ArithmeticError, OutsideTable) as fault:
             raise NotConverged(
                 f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"

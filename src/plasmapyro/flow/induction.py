@@ -19,7 +19,7 @@ import numpy as np
 
 from plasmapyro.constants import VACUUM_PERMEABILITY
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.linear import Factorised, Factors
 
 AGM_STEPS = 6  # quadratic convergence: round-off from a modulus of 1 - 1e-6 on
 DIFFERENCE = 1e-6  # [m]: central difference of A_c, error 1e-10 relative at 30 mm from the rings
@@ -78,6 +78,47 @@ class Coupling:
     force_radial: np.ndarray
     electric_field: np.ndarray
     scattered: np.ndarray
+    tangent: "Tangent | None" = None
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Derivative of the fields for 1 A with respect to the conductivity; made by `Induction.solve`."""
+
+    induction: "Induction"
+    factors: Factors
+    conductivity: np.ndarray
+    electric: np.ndarray
+    magnetic_r: np.ndarray
+    magnetic_z: np.ndarray
+
+    def __call__(self, change):
+        r"""Changes of heating, axial and radial force for a change of conductivity (E, Q) [S m-1].
+
+        .. math:: K\,\delta E_p = -i\omega\mu_0\,\delta\sigma\,E, \qquad
+            \delta q = \tfrac12\delta\sigma |E|^2 + \sigma\,\mathrm{Re}(E^*\delta E_p)
+
+        and in the same way for the forces.
+        """
+        other = self.induction
+        electric = other.scattered_by(self.factors, change * self.electric)
+        value, slope_z, slope_r = electric
+        omega, sigma = other.angular_frequency, self.conductivity
+        magnetic_r = -1j / omega * slope_z
+        magnetic_z = 1j / omega * (slope_r + value / other.plasma.r)
+
+        def force(magnetic, magnetic_change):
+            direct = change * np.real(self.electric * np.conj(magnetic))
+            return direct + sigma * np.real(
+                value * np.conj(magnetic) + self.electric * np.conj(magnetic_change)
+            )
+
+        heating = 0.5 * change * np.abs(self.electric) ** 2 + sigma * np.real(np.conj(self.electric) * value)
+        return (
+            heating,
+            -0.5 * force(self.magnetic_r, magnetic_r),
+            0.5 * force(self.magnetic_z, magnetic_z),
+        )
 
 
 class Induction:
@@ -98,7 +139,7 @@ class Induction:
         self.angular_frequency = 2 * np.pi * frequency
         self._coil_potential = potential
         self._space = Space(mesh, (order,))
-        self._plasma = self._space.subset(mesh.subdomains["flow"])
+        self.plasma = self._space.subset(mesh.subdomains["flow"])
         whole = self._space.cells
         derivatives = np.zeros((*whole.r.shape, 3, 3))
         derivatives[..., 0, 0] = 1 / whole.r**2
@@ -110,7 +151,7 @@ class Induction:
         self._entries = entries.data - 1
         self._free_pattern = entries
         self._factorised = Factorised(self._free)
-        z, r = self._plasma.z, self._plasma.r
+        z, r = self.plasma.z, self.plasma.r
 
         self._potential = potential(r, z)
         self._potential_z = (potential(r, z + DIFFERENCE) - potential(r, z - DIFFERENCE)) / (2 * DIFFERENCE)
@@ -136,7 +177,7 @@ class Induction:
         -------
         Coupling
         """
-        omega, space, plasma = self.angular_frequency, self._space, self._plasma
+        omega, space, plasma = self.angular_frequency, self._space, self.plasma
         strength = omega * VACUUM_PERMEABILITY * conductivity
         derivatives = np.zeros((*strength.shape, 3, 3))
         derivatives[..., 0, 0] = strength
@@ -147,9 +188,8 @@ class Induction:
         # Coil term on the right-hand side: i omega mu0 sigma (i omega A_c) = -omega^2 mu0 sigma A_c.
         load[0] = -strength * omega * self._potential
         scattered = np.zeros(space.size, dtype=complex)
-        scattered[self._free] = self._factorised.solve(
-            matrix, space.residual(plasma, load)[self._free].astype(complex)
-        )
+        factors = self._factorised.factors(matrix)
+        scattered[self._free] = factors.solve(space.residual(plasma, load)[self._free].astype(complex))
         value, slope_z, slope_r = space.inputs(plasma, scattered)
         electric = value - 1j * omega * self._potential
         magnetic_r = -1j / omega * (slope_z - 1j * omega * self._potential_z)
@@ -162,7 +202,21 @@ class Induction:
             force_radial=0.5 * conductivity * np.real(electric * np.conj(magnetic_z)),
             electric_field=electric,
             scattered=scattered,
+            tangent=Tangent(self, factors, conductivity, electric, magnetic_r, magnetic_z),
         )
+
+    def scattered_by(self, factors, current):
+        """Value, d/dz, d/dr (3, E, Q) of the field that a complex current density (E, Q) [A m-2] scatters."""
+        space = self._space
+        load = np.zeros((3, *current.shape))
+        load[0] = current.real
+        real = space.residual(self.plasma, load)
+        load[0] = current.imag
+        source = real + 1j * space.residual(self.plasma, load)
+        scattered = np.zeros(space.size, dtype=complex)
+        strength = -1j * self.angular_frequency * VACUUM_PERMEABILITY
+        scattered[self._free] = factors.solve(strength * source[self._free])
+        return space.inputs(self.plasma, scattered)
 
     def field_at(self, z, r, scattered):
         """Electric field at nodes (z, r) of the flow triangles for 1 A of coil amplitude [V m-1], complex."""

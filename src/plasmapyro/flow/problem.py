@@ -8,6 +8,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from plasmapyro.flow.boundary import OPEN, fixed_values
+from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import flow_mesh
 from plasmapyro.flow.induction import Induction, ring_potential
@@ -15,6 +16,7 @@ from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
+    IMAGINARY_STEP,
     LOG_TEMPERATURE,
     RADIAL,
     REFERENCE_PRESSURE,
@@ -246,14 +248,62 @@ class Problem:
         data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
         return self.space.matrix(data)
 
-    def newton_update(self, state, points):
-        """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual."""
+    def newton_update(self, state, points, coupling=None, linear_tolerance=0.0):
+        """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual.
+
+        With a `linear_tolerance` the correction is Newton's for flow and induction together (see `coupled`),
+        `coupling` being the result of `couple` at `state`; otherwise heating and forces stay as they are.
+        """
         residual = self.residual(state, points)[self.free]
         matrix = self._free_pattern.copy()
         matrix.data = self.jacobian(state, points).data[self._entries]
+        factors = self._factorised.factors(matrix)
         update = np.zeros(self.space.size)
-        update[self.free] = self._factorised.solve(matrix, -residual)
+        if linear_tolerance:
+            update[self.free] = coupled_solution(
+                factors.solve, self._induced(state, points, coupling), -residual, linear_tolerance
+            )
+        else:
+            update[self.free] = factors.solve(-residual)
         return update, float(np.linalg.norm(residual))
+
+    def _induced(self, state, points, coupling):
+        """Function: change of the free unknowns -> change of the free residual through heating and forces."""
+        cells, heat = self.space.cells, self.space.field(LOG_TEMPERATURE)
+        inputs = self.space.inputs(cells, state)
+        temperature = np.exp(inputs[3 * LOG_TEMPERATURE])
+        lines = property_lines(self.properties, temperature)
+        slope = self.properties.electrical_conductivity(temperature)[1] * temperature
+        # Heating and forces enter linearly: their factors in each row, once.
+        factors = []
+        for name in ("joule_heating", "force_axial", "force_radial"):
+            stepped = replace(points, **{name: getattr(points, name) + 1j * IMAGINARY_STEP})
+            factors.append([np.imag(row) / IMAGINARY_STEP for row in densities(inputs, lines, stepped)])
+        unit = self.induction_power(coupling)
+
+        def induced(change):
+            full = np.zeros(self.space.size)
+            full[self.free] = change
+            warmer = np.zeros(self.space.size)
+            warmer[heat] = full[heat]
+            parts = coupling.tangent(slope * self.space.inputs(cells, warmer)[3 * LOG_TEMPERATURE])
+            growth = (parts[0] * cells.weight).sum() / unit
+            scale = coupling.power / unit
+            now = (coupling.joule_heating, coupling.force_axial, coupling.force_radial)
+            sources = [scale * part - growth * held for part, held in zip(parts, now, strict=True)]
+            rows = [
+                sum(factor[row] * source for factor, source in zip(factors, sources, strict=True))
+                for row in range(len(factors[0]))
+            ]
+            return self.space.residual(cells, np.stack(rows))[self.free]
+
+        return induced
+
+    def induction_power(self, coupling):
+        """Joule power of 1 A of coil amplitude [W]."""
+        tangent = coupling.tangent
+        heating = 0.5 * tangent.conductivity * np.abs(tangent.electric) ** 2
+        return float((heating * self.space.cells.weight).sum())
 
     def physical(self, state):
         """Fields in SI at their own dofs: u_z, u_r [m/s], T [K], p - chamber pressure [Pa]."""

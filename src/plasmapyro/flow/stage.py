@@ -39,25 +39,34 @@ UPGRADE = Schedule(
 )
 # From one condition to a near one Newton's method converges from the first step. A small Courant number would
 # follow the growth of the unsteady shear layer of the cold sheath instead, and lose the solution.
-RESTART_COURANT = 200.0
+RESTART_COURANT, LARGEST_COURANT = 200.0, 1e5
 PATIENCE = 18
+LINEAR_TOLERANCE = 1e-2
 LEAST_RESTART_COURANT = 80.0  # a restart that needs smaller steps started too far away
 # Part of the way to another condition: only the last part has to be steady.
 UNDER_WAY = Schedule(
     RESTART_COURANT,
-    3000.0,
+    LARGEST_COURANT,
     30,
     velocity_tolerance=20.0,
     temperature_tolerance=0.1,
     converged_courant=300.0,
     least_courant=LEAST_RESTART_COURANT,
     patience=PATIENCE,
+    linear_tolerance=LINEAR_TOLERANCE,
 )
 TRIES = 2  # known solutions from which a condition is tried
 LEAST_PART = 1 / 4  # of the first part of the way: where a state cannot be continued further
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
 # Coarser meshes of the error estimate: only as steady as the estimate needs.
-COARSER = Schedule(RESTART_COURANT, 3000.0, 40, velocity_tolerance=2.0, temperature_tolerance=1e-2)
+COARSER = Schedule(
+    RESTART_COURANT,
+    LARGEST_COURANT,
+    40,
+    velocity_tolerance=2.0,
+    temperature_tolerance=1e-2,
+    linear_tolerance=LINEAR_TOLERANCE,
+)
 
 
 def cold_start(
@@ -144,11 +153,12 @@ def cold_start(
     state = transfer(state, source, fine)
     final = Schedule(
         10.0,
-        3000.0,
+        LARGEST_COURANT,
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
         confirmed=True,
+        linear_tolerance=LINEAR_TOLERANCE,
     )
     result = march(fine, state, power, final, label)
     return _finished(fine, setup, reference, result, label)
@@ -225,13 +235,14 @@ def condition(
     power_step = float(positive("power_step", power_step, "W"))
     final = Schedule(
         RESTART_COURANT,
-        3000.0,
+        LARGEST_COURANT,
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
         confirmed=True,
         least_courant=LEAST_RESTART_COURANT,
         patience=PATIENCE,
+        linear_tolerance=LINEAR_TOLERANCE,
     )
     setup = setup_of(start)
     air = Air(gas, emission, setup.wall_temperature)

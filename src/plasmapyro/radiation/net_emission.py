@@ -71,7 +71,7 @@ def net_emission(gas, *, wavelength_range):
         {"net_emission": (("pressure", "temperature"), np.array(rows))},
         {"pressure": gas.pressure.values, "temperature": temperature},
         attrs={
-            "title": "Net emission of optically thin equilibrium air, lower bound: only the wavelengths given",
+            "title": "Net emission of thin equilibrium air: lower bound, only the wavelengths given",
             "wavelength_range": [float(edge) for edge in wavelength_range],
             "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
         },
