@@ -3,7 +3,8 @@
     python benchmarks/flow.py sweep | matters | validation
 
 Each part keeps its solutions in results/benchmark_flow and takes up where it stopped. Needs
-results/gas/air11.nc; `matters` also results/instrument and results/flow of the main job. One thread; CPU
+results/gas/air11.nc; `matters` also results/gas/net_emission.nc, and results/instrument and results/flow of
+the main job. One thread; CPU
 seconds. Writes docs/flow_*.csv, which docs/flow.md quotes, and docs/flow_matters.png.
 """
 
@@ -35,7 +36,6 @@ from plasmapyro.gas.equilibrium import number_density  # noqa: E402
 from plasmapyro.gas.species import SPECIES  # noqa: E402
 from plasmapyro.radiation.bandsignal import gridded_signal  # noqa: E402
 from plasmapyro.radiation.grid import log_grid  # noqa: E402
-from plasmapyro.radiation.net_emission import net_emission  # noqa: E402
 from plasmapyro.radiation.path import gas_path  # noqa: E402
 from plasmapyro.radiation.systems import line_lists  # noqa: E402
 from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance  # noqa: E402
@@ -272,7 +272,7 @@ def varied(gas, factors):
 def matters():
     """Change of gas signal and pyrometer reading per cause, at two powers."""
     gas, start, bench = air(), reference(MATTERS_MESH), Bench()
-    emission = net_emission(gas, wavelength_range=(700e-9, 1200e-9))
+    emission = io.read(ROOT / "results/gas/net_emission.nc", "net_emission")
     rows = []
     for power in MATTERS_POWERS:
         folder = f"matters/{power / 1e3:g}kW"
@@ -373,14 +373,12 @@ FREE_JET = {"probe_shape": "none", "chamber_length": 0.724}
 VARIANTS = {
     "base": {},
     "finer mesh (1.41)": {"mesh": 1.41},
-    "coarser mesh (3)": {"mesh": 3.0},
     "outer boundary at 0.30 m": {"torch": {"chamber_radius": 0.30}},
     "limiter 0.2 behind the torch": {"viscosity_limiter": 0.2},
     "viscosity x 2": {"gas": {"viscosity": 2.0}},
     "viscosity +20 %": {"gas": {"viscosity": 1.2}},
     "thermal conductivity +20 %": {"gas": {"thermal_conductivity": 1.2}},
     "electrical conductivity -20 %": {"gas": {"electrical_conductivity": 0.8}},
-    "thinner inlet jet (slot 2.5 mm)": {"torch": {"slot_inner_radius": 0.0775}},
 }
 VALIDATION_MESH = 2.0
 

@@ -13,8 +13,6 @@ rule net_emission:
         "results/logs/net_emission.log",
     benchmark:
         "results/benchmarks/net_emission.tsv"
-    params:
-        wavelength_nm=config["radiation"]["wavelength_nm"],
     script:
         "../scripts/net_emission.py"
 

@@ -4,14 +4,5 @@ from plasmapyro import io
 from plasmapyro.radiation.net_emission import net_emission
 
 io.log_to(snakemake.log[0])
-result = net_emission(
-    io.read(snakemake.input[0], "gas"),
-    wavelength_range=[edge * 1e-9 for edge in snakemake.params.wavelength_nm],
-)
-io.write(
-    result,
-    snakemake.output[0],
-    "net_emission",
-    sources=snakemake.input,
-    config=dict(snakemake.params),
-)
+result = net_emission(io.read(snakemake.input[0], "gas"))
+io.write(result, snakemake.output[0], "net_emission", sources=snakemake.input)

@@ -30,7 +30,7 @@ def nodal_values(problem, state, field, points):
     A point just outside (on the chord of a finer outline) takes the value of the nearest triangle, continued.
     """
     mesh = problem.mesh
-    _, near = cKDTree(mesh.p[:, mesh.t].mean(axis=1).T).query(points.T, k=NEAREST)
+    _, near = cKDTree(mesh.p[:, mesh.t].mean(axis=1).T).query(points.T, k=min(NEAREST, mesh.nelements))
     corners = mesh.p[:, mesh.t[:, near]]  # (2, 3, N, NEAREST)
     (z0, z1, z2), (r0, r1, r2) = corners
     z, r = points[0][:, None], points[1][:, None]

@@ -11,7 +11,6 @@ result is a LOWER BOUND of the loss.
 import numpy as np
 import xarray as xr
 
-from plasmapyro.checks import within
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import TABLE_RANGE
@@ -22,35 +21,27 @@ from plasmapyro.radiation.systems import line_lists
 from plasmapyro.tables import weakest
 
 GRID_POINTS = 2000  # of the continuum; lines are summed without a grid
-STEP = 20  # the emission is given at every twentieth temperature of the gas table
+STEP = 10  # the emission is given at every tenth temperature of the gas table
 
 
-def net_emission(gas, *, wavelength_range):
-    """Net emission of equilibrium air on a temperature and pressure table.
+def net_emission(gas):
+    """Net emission of equilibrium air within the line tables, by pressure and temperature.
 
     Parameters
     ----------
     gas : Dataset, contract 'gas'
-        Gives the axes: its pressures, and every twentieth of its temperatures.
-    wavelength_range : (shortest, longest) [m]
-        Vacuum, within the line tables.
+        Gives the axes: its pressures, and every tenth of its temperatures.
 
     Returns
     -------
     Dataset, contract 'net_emission'
 
-    Raises
-    ------
-    ValueError
-        Range without line data.
-
     Notes
     -----
     Source: definition, Kirchhoff's law. ASSUME: optically thin, local thermal equilibrium.
     """
-    wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     temperature = gas.temperature.values[::STEP].astype(float)
-    grid = log_grid(wavelength_range, GRID_POINTS)
+    grid = log_grid(TABLE_RANGE, GRID_POINTS)
     lists = line_lists(grid)
     single = _path(temperature, {name: np.ones_like(temperature) for name in SPECIES})
     per_particle = {}
@@ -72,7 +63,7 @@ def net_emission(gas, *, wavelength_range):
         {"pressure": gas.pressure.values, "temperature": temperature},
         attrs={
             "title": "Net emission of thin equilibrium air: lower bound, only the wavelengths given",
-            "wavelength_range": [float(edge) for edge in wavelength_range],
+            "wavelength_range": [float(edge) for edge in TABLE_RANGE],
             "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
         },
     )

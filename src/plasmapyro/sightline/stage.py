@@ -223,7 +223,10 @@ def _inside(flow, angle, points):
     *_, fine_temperature = along(fine, "temperature")
     nodes = ray.spread(fine, fine_temperature, points=points, surface_length=SURFACE_LENGTH)
     z, r, temperature, pressure = along(nodes, "temperature", "pressure")
-    known = {"temperature_error": along(nodes, "temperature_error")[2]} if "temperature_error" in flow else {}
+    known = {}
+    if "temperature_error" in flow:
+        # Between the nodes the quadratic can dip below zero where the error falls steeply.
+        known["temperature_error"] = np.maximum(along(nodes, "temperature_error")[2], 0.0)
     return {
         "path_distance": nodes,
         "axial_position": z,
