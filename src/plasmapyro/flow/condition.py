@@ -18,8 +18,9 @@ UNITS = {
 MAY_BE_ZERO = ("swirl_angle", "radiation_factor")
 LARGEST_SWIRL_ANGLE = np.radians(80.0)
 # Largest change per part of the way: of ln(value) for what is positive by nature, else of the value.
-# The power has a step of its own, given by the caller in watts.
+# The power has a second step, given by the caller in watts.
 STEP = {
+    "numerical_power": 0.25,
     "chamber_pressure": 0.4,
     "mass_flow_rate": 0.4,
     "coil_frequency": 0.4,

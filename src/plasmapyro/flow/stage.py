@@ -56,7 +56,7 @@ UNDER_WAY = Schedule(
     linear_tolerance=LINEAR_TOLERANCE,
 )
 TRIES = 2  # known solutions from which a condition is tried
-LEAST_PART = 1 / 4  # of the first part of the way: where a state cannot be continued further
+LEAST_PART = 1 / 8  # of the first part of the way: where a state cannot be continued further
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
 # Coarser meshes of the error estimate: only as steady as the estimate needs.
 COARSER = Schedule(
