@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.mesh_error import SAFETY, nodal_values, three_mesh_error
+from plasmapyro.flow.mesh_error import SAFETY, SAFETY_OF_TWO, mesh_error, nodal_values
 from plasmapyro.flow.physics import LOG_TEMPERATURE
 
 
@@ -52,7 +52,7 @@ def test_order_and_error_of_a_known_sequence(pipe, power):
         state(case, lambda z, r, k=k: 3000.0 + scale * ratio ** (power * k) + 0 * z)
         for k, case in enumerate(cases)
     ]
-    error, order = three_mesh_error(cases[0], states[0], list(zip(cases[1:], states[1:], strict=True)), ratio)
+    error, order = mesh_error(cases[0], states[0], list(zip(cases[1:], states[1:], strict=True)), ratio)
     assert order == pytest.approx(power, rel=1e-9)
     np.testing.assert_allclose(error, SAFETY * scale, rtol=1e-9)
 
@@ -62,6 +62,18 @@ def test_a_wild_order_is_not_believed(pipe):
     cases = [problem(pipe(n)) for n in (6, 5, 4)]
     levels = (3000.0, 3001.0, 3100.0)
     states = [state(case, lambda z, r, t=level: t + 0 * z) for case, level in zip(cases, levels, strict=True)]
-    error, order = three_mesh_error(cases[0], states[0], list(zip(cases[1:], states[1:], strict=True)), ratio)
+    error, order = mesh_error(cases[0], states[0], list(zip(cases[1:], states[1:], strict=True)), ratio)
     assert order > 10
     assert error.max() == pytest.approx(SAFETY * 100.0 / (ratio**6 - 1), rel=1e-9)
+
+
+def test_two_meshes_give_a_cautious_error(pipe):
+    ratio = 1.5
+    cases = [problem(pipe(n)) for n in (6, 4)]
+    states = [
+        state(case, lambda z, r, t=level: t + 0 * z)
+        for case, level in zip(cases, (3000.0, 3010.0), strict=True)
+    ]
+    error, order = mesh_error(cases[0], states[0], [(cases[1], states[1])], ratio)
+    assert np.isnan(order)
+    np.testing.assert_allclose(error, SAFETY_OF_TWO * 10.0 / (ratio**2 - 1), rtol=1e-9)

@@ -330,3 +330,16 @@ def test_a_plasma_that_goes_out_is_reported_with_the_conditions_between(air, sta
         match=r"the plasma goes out between 90 kW, 50 mbar, 16 g/s .* and 8\d\.\d+ kW, .* ran away",
     ):
         condition(air, start, numerical_power=70e3, **CONDITION, **TOLERANCES)
+
+
+def test_the_error_of_the_mesh_is_stored(air, start):
+    found = condition(
+        air, start, numerical_power=90e3, **{**CONDITION, "error_mesh_ratio": 1.25}, **TOLERANCES
+    )
+    contracts.check(contracts.label(found, "flow"), "flow")
+    error = found.temperature_error.values
+    assert (error >= 0).all()
+    wall = found.temperature.values == found.temperature.values.min()
+    assert error[wall].max() < 1.0  # the walls have their temperature on every mesh
+    # Cells of 10 mm: some per cent of 11 kK in the torch, and not nothing.
+    assert 5.0 < np.median(error) < 500.0

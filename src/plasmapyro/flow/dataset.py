@@ -67,7 +67,8 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
         options["azimuthal_velocity"] = ("node", problem.azimuthal_velocity(result.state)[0])
     if error is not None:
         options["temperature_error"] = ("node", error[0])
-    found = {} if error is None else {"mesh_order": error[1]}
+    # An attribute of NaN would not compare equal to itself.
+    found = {} if error is None or np.isnan(error[1]) else {"mesh_order": error[1]}
     return xr.Dataset(
         {
             "mesh": ((), np.int32(0), topology),

@@ -7,11 +7,12 @@ the error of the finest one:
     \delta T = 1.25\,\max\left(\frac{|T_{rh} - T_h|}{r^p - 1}, \frac{|T_{r^2 h} - T_h|}{r^{2p} - 1}\right)
 
 The norm is the root mean square over the volume of the flow. At a point where one difference passes through
-zero the other one stands.
+zero the other one stands. Where only the first coarser mesh has a solution, p = 2 is taken for granted and
+the safety factor is 3.
 
-Source: Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, safety factor 1.25 for three meshes).
-Deviation: one order for the whole field, limited to 1...3, since orders of single points scatter on meshes
-that are not nested.
+Source: Roache, J. Fluids Eng. 116 (1994) 405 (grid convergence index, safety factor 1.25 for three meshes, 3
+for two). Deviation: one order for the whole field, limited to 1...3, since orders of single points scatter on
+meshes that are not nested.
 """
 
 import numpy as np
@@ -19,7 +20,8 @@ from scipy.spatial import cKDTree
 
 from plasmapyro.flow.physics import LOG_TEMPERATURE
 
-SAFETY = 1.25
+SAFETY, SAFETY_OF_TWO = 1.25, 3.0
+TAKEN_ORDER = 2.0
 ORDER_RANGE = (1.0, 3.0)
 NEAREST = 24  # triangles around a point among which the one that holds it is looked for
 
@@ -49,26 +51,34 @@ def nodal_values(problem, state, field, points):
     return sum(weight * value for weight, value in zip(shape, values, strict=True))
 
 
-def three_mesh_error(problem, state, coarser, ratio):
+def mesh_error(problem, state, coarser, ratio):
     """Estimated error of the temperature at the nodes of ln T [K], and the observed order.
 
     Parameters
     ----------
     problem, state : the finest solution
-    coarser : two pairs (problem, state), the first with cells `ratio` times as large, the second with
+    coarser : one or two pairs (problem, state), the first with cells `ratio` times as large, the second with
         cells `ratio`^2 times as large.
     ratio : float [1], > 1
+
+    Returns
+    -------
+    error (N,) [K] and order; NaN for the order of two meshes
     """
     points = problem.space.points(LOG_TEMPERATURE)
     fine = np.exp(state[problem.space.field(LOG_TEMPERATURE)])
-    middle, coarse = (np.exp(nodal_values(other, found, LOG_TEMPERATURE, points)) for other, found in coarser)
+    middle, *coarse = (
+        np.exp(nodal_values(other, found, LOG_TEMPERATURE, points)) for other, found in coarser
+    )
+    if not coarse:
+        return SAFETY_OF_TWO * np.abs(middle - fine) / (ratio**TAKEN_ORDER - 1), np.nan
     weight = problem.space.node_weights(LOG_TEMPERATURE)
 
     def norm(difference):
         return np.sqrt((weight * difference**2).sum() / weight.sum())
 
-    order = float(np.log(norm(coarse - middle) / norm(middle - fine)) / np.log(ratio))
+    order = float(np.log(norm(coarse[0] - middle) / norm(middle - fine)) / np.log(ratio))
     used = float(np.clip(order, *ORDER_RANGE))
     first = np.abs(middle - fine) / (ratio**used - 1)
-    second = np.abs(coarse - fine) / (ratio ** (2 * used) - 1)
+    second = np.abs(coarse[0] - fine) / (ratio ** (2 * used) - 1)
     return SAFETY * np.maximum(first, second), order

@@ -13,7 +13,7 @@ from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, m
 from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from, to_dataset
 from plasmapyro.flow.geometry import Torch, build_mesh
 from plasmapyro.flow.initial import hot_torch, transfer
-from plasmapyro.flow.mesh_error import three_mesh_error
+from plasmapyro.flow.mesh_error import mesh_error
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
 
@@ -60,11 +60,13 @@ LEAST_PART = 1 / 8  # of the first part of the way: where a state cannot be cont
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
 # Coarser meshes of the error estimate: only as steady as the estimate needs.
 COARSER = Schedule(
-    RESTART_COURANT,
+    50.0,
     LARGEST_COURANT,
-    40,
+    30,
     velocity_tolerance=2.0,
     temperature_tolerance=1e-2,
+    least_courant=5.0,
+    patience=PATIENCE,
     linear_tolerance=LINEAR_TOLERANCE,
 )
 
@@ -366,7 +368,10 @@ def _finished(problem, setup, condition, result, label, air=None, error_mesh_rat
 
 
 def _mesh_error(problem, setup, air, condition, state, ratio, label):
-    """Error of the temperature at the nodes [K] and observed order, from two coarser meshes."""
+    """Error of the temperature at the nodes [K] and observed order, from coarser meshes.
+
+    A coarser mesh without a steady solution is left out; None if there is no other.
+    """
     if not ratio > 1:
         raise ValueError(f"error_mesh_ratio must be 0 or > 1; got {ratio:g}")
     coarser, source, guess = [], problem, state
@@ -375,9 +380,15 @@ def _mesh_error(problem, setup, air, condition, state, ratio, label):
         other = _problem(mesh, setup, air, condition, 2, problem.limiter)
         guess = transfer(guess, source, other)
         where = f"{label}, mesh {ratio**power:.3g} times as coarse"
-        guess = march(other, guess, condition.numerical_power, COARSER, where).state
+        try:
+            guess = march(other, guess, condition.numerical_power, COARSER, where).state
+        except NotConverged as fault:
+            log.info("%s: no error estimate from this mesh: %s", label, fault)
+            break
         coarser.append((other, guess))
         source = other
-    error, order = three_mesh_error(problem, state, coarser, ratio)
+    if not coarser:
+        return None
+    error, order = mesh_error(problem, state, coarser, ratio)
     log.info("%s: observed order of the temperature %.2f", label, order)
     return error, order
