@@ -186,18 +186,17 @@ def test_steps_in_pressure_and_flow_are_bounded():
     assert here.parts_to(here, 1e4) == 0.0
 
 
-def test_an_unfinished_run_is_an_error_that_names_condition_step_and_residual(air, start, caplog):
-    with (
-        caplog.at_level(logging.INFO),
-        pytest.raises(
-            NotConverged,
-            match=r"no steady flow was found between 90 kW, 50 mbar, 16 g/s .* and .*: condition 8[5-9].* kW,"
-            r".*: not converged in 2 steps; residual [0-9.e-]+, last change",
-        ),
-    ):
-        tolerances = {**TOLERANCES, "largest_step_count": 2}
+def test_an_unfinished_run_is_an_error_that_names_conditions_steps_and_residual(air, start, caplog):
+    message = (
+        r"no steady flow was found between .* kW, 50 mbar, 16 g/s .* and .*85 kW, .* of the way: "
+        r"not converged in 2 steps; residual [0-9.e-]+, last change"
+    )
+    tolerances = {**TOLERANCES, "largest_step_count": 2}
+    with caplog.at_level(logging.INFO), pytest.raises(NotConverged, match=message):
         condition(air, start, numerical_power=85e3, **CONDITION, **tolerances)
-    assert sum("at 1 of the way: step" in record.message for record in caplog.records) == 2
+    # Every try of the last part takes the two steps it has.
+    tries = sum("at 1 of the way: step" in record.message for record in caplog.records)
+    assert tries >= 2 and tries % 2 == 0
 
 
 def test_a_cold_torch_is_called_extinguished(problem):
