@@ -337,7 +337,7 @@ def test_the_error_of_the_mesh_is_stored(air, start):
     contracts.check(contracts.label(found, "flow"), "flow")
     error = found.temperature_error.values
     assert (error >= 0).all()
-    wall = found.temperature.values == found.temperature.values.min()
-    assert error[wall].max() < 1.0  # the walls have their temperature on every mesh
+    wall = (found.node_z.values == 0) & (found.node_r.values < 0.074)
+    assert error[wall].max() < 1e-6  # a straight wall has its temperature on every mesh
     # Cells of 10 mm: some per cent of 11 kK in the torch, and not nothing.
     assert 5.0 < np.median(error) < 500.0
