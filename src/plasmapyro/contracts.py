@@ -67,6 +67,10 @@ VARIABLES = {
     "boundary_enthalpy_flow": Variable("W", "enthalpy leaving with the gas, zero at the wall temperature"),
     "boundary_heat_flow": Variable("W", "conducted heat leaving through the boundary"),
     "mass_imbalance": Variable("1", "net mass outflow over gross mass outflow", -1, 1),
+    "radiated_power": Variable("W", "power that the gas radiates away", 0, 1e8),
+    "azimuthal_velocity": Variable("m s-1", "azimuthal velocity (swirl)", -5e3, 5e3),
+    "temperature_error": Variable("K", "estimated error of the temperature from three meshes", 0, 3e4),
+    "net_emission": Variable("W m-3", "net emission of the gas in the tabulated wavelengths", 0, 1e15),
     "energy_imbalance": Variable("1", "net energy outflow minus Joule power, over Joule power", -1, 1),
     "residual_norm": Variable("1", "norm of the discrete residual over that of gas at rest", 0),
     "velocity_change": Variable("m s-1", "largest velocity change of the Newton step", 0),
@@ -353,6 +357,11 @@ DATASETS = {
             )
         },
     },
+    "net_emission": {
+        "pressure": ("pressure",),
+        "temperature": ("temperature",),
+        "net_emission": ("pressure", "temperature"),
+    },
     "flow": {
         "mesh": (),
         "node_z": ("node",),
@@ -373,8 +382,11 @@ DATASETS = {
                 "equivalent_resistance",
                 "mass_imbalance",
                 "energy_imbalance",
+                "radiated_power?",
             )
         },
+        "azimuthal_velocity?": ("node",),
+        "temperature_error?": ("node",),
         "boundary": ("boundary",),
         **{
             name: ("boundary",)
@@ -462,6 +474,7 @@ DATASETS = {
         "electron_temperature?": ("path_distance",),
         "axial_position?": ("path_distance",),
         "radial_position?": ("path_distance",),
+        "temperature_error?": ("path_distance",),
     },
     "surface_view": {
         "species": ("species",),

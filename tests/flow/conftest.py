@@ -9,8 +9,8 @@ from plasmapyro.flow.stage import cold_start
 from plasmapyro.gas.stage import air_table
 
 TORCH = {
-    "torch_length": 0.486,
-    "torch_radius": 0.080,
+    "length": 0.486,
+    "radius": 0.080,
     "slot_inner_radius": 0.075,
     "chamber_length": 0.500,
     "chamber_radius": 0.160,
@@ -18,12 +18,14 @@ TORCH = {
     "probe_radius": 0.025,
     "coil_radius": 0.109,
     "coil_positions": (0.127, 0.177, 0.227, 0.277, 0.327, 0.377),
+    "probe_shape": "hemisphere",
+    "shoulder_radius": 0.0,
 }
 
 
 @pytest.fixture(scope="session")
 def torch_lengths():
-    """Torch, chamber, probe and coil as keyword arguments of `cold_start`."""
+    """Torch, chamber, probe and coil as `cold_start` takes them."""
     return dict(TORCH)
 
 
@@ -43,13 +45,14 @@ def start(air):
         mass_flow_rate=0.016,
         coil_frequency=4e5,
         wall_temperature=350.0,
+        probe_temperature=350.0,
         mesh_factor=2.0,
         start_mesh_factor=1.5,
         viscosity_limiter=0.02,
         velocity_tolerance=0.5,
         temperature_tolerance=5e-3,
         largest_step_count=60,
-        **TORCH,
+        torch=TORCH,
     )
 
 
@@ -74,7 +77,12 @@ def constant_gas():
 
 
 @pytest.fixture
-def pipe():
+def pipe(pipe_mesh):
+    return pipe_mesh
+
+
+@pytest.fixture(scope="session")
+def pipe_mesh():
     """Function n -> triangles of a pipe, z in [0, 0.3] m, r in [0, 0.1] m, with named boundaries."""
 
     def mesh(n):

@@ -78,10 +78,53 @@ def test_the_same_mesh_comes_out_twice(meshes):
         ({"radius": -0.08}, "radius must be > 0 m; got -0.08 m"),
         ({"slot_inner_radius": 0.09}, "slot_inner_radius < radius"),
         ({"coil_radius": 0.05}, "radius < chamber_radius and coil_radius"),
-        ({"probe_distance": 0.49}, "the probe hemisphere must end inside the chamber"),
+        ({"probe_distance": 0.49}, "the probe nose must end inside the chamber"),
         ({"coil_positions": (0.2, 0.1)}, "coil_positions must increase strictly"),
     ],
 )
 def test_an_impossible_torch_is_refused(change, message):
     with pytest.raises(ValueError, match=message):
         replace(TORCH, **change)
+
+
+SHAPES = {  # cross-section of the probe in the meridian plane [m2], and its front in z [m]
+    "hemisphere": np.pi * 0.025**2 / 4 + 0.09 * 0.025,
+    "flat": 0.115 * 0.025,
+    "blunt": 0.115 * 0.025 - (1 - np.pi / 4) * 0.011**2,
+    "none": 0.0,
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_each_probe_takes_its_area_out_of_the_flow(shape):
+    torch = replace(TORCH, probe_shape=shape, shoulder_radius=0.011)
+    flow = flow_mesh(build_mesh(torch, 3.0), torch)
+    whole = 0.486 * 0.08 + 0.5 * 0.16
+    assert whole - area(flow) == pytest.approx(SHAPES[shape], rel=2e-3, abs=1e-9)
+    assert bool(len(flow.boundaries["probe"])) == (shape != "none")
+
+
+@pytest.mark.parametrize(
+    ("shape", "point", "distance"),
+    [
+        ("hemisphere", (0.861, 0.0), 0.010),
+        ("hemisphere", (0.896 - 0.030 / np.sqrt(2), 0.030 / np.sqrt(2)), 0.005),
+        ("flat", (0.861, 0.012), 0.010),
+        ("flat", (0.868, 0.029), 0.005),
+        ("blunt", (0.861, 0.012), 0.010),
+        ("blunt", (0.882 - 0.016 / np.sqrt(2), 0.014 + 0.016 / np.sqrt(2)), 0.005),
+        ("blunt", (0.95, 0.031), 0.006),
+    ],
+)
+def test_clearance_is_the_distance_to_the_probe(shape, point, distance):
+    torch = replace(TORCH, probe_shape=shape, shoulder_radius=0.011)
+    assert float(torch.probe_clearance(*map(np.array, point))) == pytest.approx(distance, rel=1e-12)
+
+
+def test_cells_are_small_where_the_line_of_sight_starts():
+    flow = flow_mesh(build_mesh(TORCH, 2.0), TORCH)
+    ends = flow.p[:, flow.facets[:, flow.boundaries["probe"]]]
+    length = np.hypot(*(ends[:, 0] - ends[:, 1]))
+    from_nose = np.hypot(ends[0].mean(axis=0) - TORCH.nose, ends[1].mean(axis=0))
+    assert length[from_nose < 3.5e-3].max() < 0.25e-3
+    assert length[from_nose < 25e-3].max() < 0.5e-3

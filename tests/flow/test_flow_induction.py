@@ -1,5 +1,7 @@
 """Induction equation against elliptic integrals and the Bessel solution of a cylinder."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk, jv
@@ -65,8 +67,11 @@ def bessel(r):
 @pytest.fixture(scope="module")
 def solved():
     mesh = cylinder(24)
-    induction = Induction(mesh, FREQUENCY, COIL, np.linspace(-HALF_COIL, HALF_COIL, RINGS))
-    r = induction._plasma.r
+    rings = partial(
+        ring_potential, ring_radius=COIL, ring_positions=np.linspace(-HALF_COIL, HALF_COIL, RINGS)
+    )
+    induction = Induction(mesh, FREQUENCY, rings)
+    r = induction.plasma.r
     return r, induction.solve(np.full(r.shape, CONDUCTIVITY)), induction
 
 
@@ -75,6 +80,31 @@ def test_field_in_a_cylinder_is_the_bessel_solution(solved):
     expected = bessel(r)
     # 3e-3: finite solenoid 1.5e-3, P2 cells of 3.3 mm 2e-4.
     assert np.abs(coupling.electric_field - expected).max() < 3e-3 * np.abs(expected).max()
+
+
+def test_field_of_a_uniform_drive_is_the_bessel_solution():
+    # The same drive without end effects, A_c = B0 r / 2, and finer cells: only the discretisation is left.
+    drive = VACUUM_PERMEABILITY * RINGS / (2 * HALF_COIL)
+    mesh = cylinder(40)
+    induction = Induction(mesh, FREQUENCY, lambda r, z: drive * r / 2)
+    r = induction.plasma.r
+    coupling = induction.solve(np.full(r.shape, CONDUCTIVITY))
+    expected = bessel(r)
+    assert np.abs(coupling.electric_field - expected).max() < 1e-4 * np.abs(expected).max()
+    density = 0.5 * CONDUCTIVITY * np.abs(expected) ** 2
+    assert coupling.power == pytest.approx((density * induction.plasma.weight).sum(), rel=1e-5)
+
+
+def test_field_converges_at_third_order():
+    drive = VACUUM_PERMEABILITY * RINGS / (2 * HALF_COIL)
+
+    def error(cells):
+        induction = Induction(cylinder(cells), FREQUENCY, lambda r, z: drive * r / 2)
+        r = induction.plasma.r
+        return np.abs(induction.solve(np.full(r.shape, CONDUCTIVITY)).electric_field - bessel(r)).max()
+
+    order = np.log2(error(12) / error(24))
+    assert 2.7 < order < 3.5
 
 
 def test_joule_power_is_that_of_the_bessel_solution(solved):
@@ -92,7 +122,7 @@ def test_the_plasma_is_pinched_and_feels_no_axial_force(solved):
     amplitude = bessel(np.array([RADIUS]))[0] / jv(1, k * RADIUS)
     field = np.abs(k * amplitude * np.array([1.0, jv(0, k * RADIUS)]) / (2 * np.pi * FREQUENCY)) ** 2
     # Integral over r of a slab of 10 mm by the quadrature of the mesh.
-    total = (coupling.force_radial * induction._plasma.weight / (2 * np.pi * r)).sum() / 0.01
+    total = (coupling.force_radial * induction.plasma.weight / (2 * np.pi * r)).sum() / 0.01
     assert total == pytest.approx((field[0] - field[1]) / (4 * VACUUM_PERMEABILITY), rel=1e-2)
     assert np.abs(coupling.force_axial).max() < 0.02 * np.abs(coupling.force_radial).max()
 
@@ -107,3 +137,25 @@ def test_field_at_nodes_matches_the_quadrature_points(solved):
 def test_without_conductivity_nothing_is_heated(solved):
     r, _, induction = solved
     assert induction.solve(np.zeros(r.shape)).power == 0.0
+
+
+def test_tangent_is_the_derivative_of_the_fields(solved):
+    r, coupling, induction = solved
+    shape = np.cos(30 * r) * CONDUCTIVITY
+    step = 1e-4
+    up, down = (induction.solve(CONDUCTIVITY + sign * step * shape) for sign in (1, -1))
+    tangent = coupling.tangent(shape)
+    for found, name in zip(tangent, ("joule_heating", "force_axial", "force_radial"), strict=True):
+        difference = (getattr(up, name) - getattr(down, name)) / (2 * step)
+        scale = np.abs(getattr(coupling, name)).max()
+        # 1e-6: third derivative times the square of the step, and round-off over the step.
+        np.testing.assert_allclose(found, difference, atol=1e-6 * scale)
+
+
+def test_another_frequency_is_another_skin_depth(solved):
+    r, _, induction = solved
+    moved = induction.at_frequency(4 * FREQUENCY).solve(np.full(r.shape, CONDUCTIVITY))
+    fresh = Induction(cylinder(24), 4 * FREQUENCY, induction._coil_potential)
+    np.testing.assert_array_equal(
+        moved.electric_field, fresh.solve(np.full(r.shape, CONDUCTIVITY)).electric_field
+    )

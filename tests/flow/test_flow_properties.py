@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from plasmapyro.flow.properties import OutsideTable, gas_properties
 
@@ -69,3 +70,21 @@ def test_a_temperature_outside_the_table_is_refused(air):
 def test_a_pressure_outside_the_table_is_refused(air, pressure, message):
     with pytest.raises(ValueError, match=message):
         gas_properties(air, pressure, 350.0)
+
+
+def test_net_emission_is_a_property_with_its_slope(air):
+    pressure = air.pressure.values
+    temperature = np.arange(200.0, 15001.0, 250.0)
+    law = 1e3 * pressure[:, None] * np.exp(-6e4 / temperature)
+    emission = xr.Dataset(
+        {"net_emission": (("pressure", "temperature"), law)},
+        {"pressure": pressure, "temperature": temperature},
+    )
+    assert gas_properties(air, 5e3, 350.0, emission, 0.0).net_emission is None
+    table = gas_properties(air, 5e3, 350.0, emission, 2.0).net_emission
+    at = np.array([4000.0, 7100.0, 10900.0])
+    value, slope = table(at)
+    assert value == pytest.approx(2 * 5e6 * np.exp(-6e4 / at), rel=5e-3)  # monotone cubics over 250 K
+    assert slope == pytest.approx(value * 6e4 / at**2, rel=3e-2)
+    with pytest.raises(ValueError, match="radiation_factor 1 needs a table of net emission"):
+        gas_properties(air, 5e3, 350.0, None, 1.0)

@@ -141,6 +141,20 @@ def test_line_of_sight_honours_the_contract_and_the_rule_beyond_the_field():
     assert path.attrs["angle"] == pytest.approx(35.0, rel=FLOAT_RTOL)
 
 
+def test_the_error_of_the_field_is_carried_along():
+    field = flow(jet)
+    z, r = field.node_z.values, field.node_r.values
+    path = line_of_sight(
+        field.assign(temperature_error=("node", 5 + 100 * r + 20 * z)), angle=ANGLE, points=60, **RULE
+    )
+    contracts.check(contracts.label(path, "sightline"), "sightline")
+    inside = path.path_distance.values <= path.attrs["exit_distance"]
+    expected = 5 + 100 * path.radial_position.values + 20 * path.axial_position.values
+    assert path.temperature_error.values[inside] == pytest.approx(expected[inside], rel=FLOAT_RTOL)
+    assert (path.temperature_error.values[~inside] == 0).all()
+    assert "temperature_error" not in line_of_sight(field, angle=ANGLE, points=60, **RULE)
+
+
 def test_gas_from_the_exit_to_the_window_is_in_the_state_of_the_exit():
     def pressure(z, r):
         return 4000 + 900 * z + 3000 * r

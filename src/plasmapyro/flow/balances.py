@@ -14,13 +14,14 @@ PERMEABLE = ("inlet", "top", "outlet")
 class Balances:
     """Outward flows per boundary name; imbalances as fractions.
 
-    `mass_imbalance`: net outflow over gross outflow. `energy_imbalance`: (enthalpy + heat flows - Joule
-    power) over Joule power.
+    `mass_imbalance`: net outflow over gross outflow. `energy_imbalance`: (enthalpy + heat flows + radiated
+    power - Joule power) over Joule power.
     """
 
     mass_flow: dict
     enthalpy_flow: dict
     heat_flow: dict
+    radiated_power: float
     mass_imbalance: float
     energy_imbalance: float
 
@@ -43,16 +44,20 @@ def balances(problem, state, coupling):
     reaction = _reaction(problem, state, coupling)
     taken = np.zeros(len(reaction), bool)
     for name in (*WALLS, "inlet"):
+        if not len(problem.mesh.boundaries[name]):
+            continue
         dofs = problem.space.boundary_dofs(LOG_TEMPERATURE, (name,))
         # A corner shared by two boundaries counts once, for the first.
         dofs = dofs[~taken[dofs]]
         taken[dofs] = True
         heat_flow[name] = float(-reaction[dofs].sum())
-    leaving = sum(enthalpy_flow.values()) + sum(heat_flow.values())
+    radiated = problem.radiated_power(state)
+    leaving = sum(enthalpy_flow.values()) + sum(heat_flow.values()) + radiated
     return Balances(
         mass_flow,
         enthalpy_flow,
         heat_flow,
+        radiated,
         mass_imbalance=sum(mass_flow.values()) / gross,
         energy_imbalance=leaving / coupling.power - 1,
     )

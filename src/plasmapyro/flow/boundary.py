@@ -1,9 +1,9 @@
 """Boundary values of the flow: walls, axis, inlet profile, open boundaries.
 
 * inlet slot: plug profile u_z = U (1 - s^8), s from -1 to 1 over the slot, u_r = 0, wall temperature; U
-makes the
-  discrete mass flow exact;
-* walls: no slip, wall temperature. ASSUME: one temperature for all walls, as in the CF-ICP cases (350 K);
+  makes the discrete mass flow exact;
+* walls: no slip, wall temperature; the probe has its own. ASSUME: one temperature for all other walls, as in
+  the CF-ICP cases (350 K);
 * axis: u_r = 0;
 * top of the chamber: no axial velocity, so that entrained gas comes in radially (free tangential inflow lets
   vortices cross the boundary, and the solution diverges);
@@ -19,7 +19,7 @@ OPEN = ("top", "outlet")
 PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the slot
 
 
-def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature):
+def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature, probe_temperature):
     """Dirichlet conditions of the four fields.
 
     Parameters
@@ -28,7 +28,7 @@ def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature):
     torch : Torch
     properties : GasProperties
     mass_flow_rate : float [kg s-1]
-    wall_temperature : float [K]
+    wall_temperature, probe_temperature : float [K]
 
     Returns
     -------
@@ -47,6 +47,9 @@ def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature):
     values[space.field(LOG_TEMPERATURE)] = np.where(
         fixed[space.field(LOG_TEMPERATURE)], np.log(wall_temperature), 0.0
     )
+    if torch.has_probe:
+        probe = space.offsets[LOG_TEMPERATURE] + space.boundary_dofs(LOG_TEMPERATURE, ("probe",))
+        values[probe] = np.log(probe_temperature)
     slot = space.boundary_dofs(AXIAL, ("inlet",))
     across = (
         2

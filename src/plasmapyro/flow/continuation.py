@@ -1,9 +1,10 @@
 """Pseudo-transient continuation: one full Newton step of the flow per pseudo-time step.
 
-Each step solves the induction equation for the present temperature (Picard), freezes Joule heating and
-Lorentz force, and takes one Newton step of the implicit Euler equations with a local step dt = CFL h / (|u|
-+ 200 m/s). The Courant number grows while the changes stay small and falls when they do not; at a large one
-the step is Newton's for the steady equations.
+Each step solves the induction equation for the present temperature and takes one Newton step of the implicit
+Euler equations with a local step dt = CFL h / (|u| + 200 m/s), either of flow and induction together
+(`coupled`), or of the flow with frozen Joule heating and Lorentz force (Picard). The Courant number grows
+while the changes stay small and falls when they do not; at a large one the step is Newton's for the steady
+equations.
 
 Residuals are relative: divided by that of gas at rest under the feed, and the heating and force of the first
 step (`Problem.rest_residual`).
@@ -24,18 +25,24 @@ log = logging.getLogger(__name__)
 RMS_LOG_TEMPERATURE, RMS_VELOCITY = 0.25, 2.0
 LARGEST_LOG_TEMPERATURE, LARGEST_VELOCITY = 0.5, 4.0
 REJECTED_LOG_TEMPERATURE, REJECTED_VELOCITY = 0.5, 4.0
-SMALLEST_COURANT = 0.05
 HALVINGS = 6
 TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
 # From here on a step is Newton's for a frozen coupling, and Anderson's method takes over from
 # under-relaxation.
 ACCELERATED_COURANT = 500.0
 ACCELERATION_DEPTH = 5
+STALL_STEPS, STALL_SHARE = 8, 0.3
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
+# A plasma that shrinks conducts less, and at prescribed Joule power the coil current then runs away.
+RUNAWAY = 1.8  # coil current over that of the first step
 
 
 class NotConverged(RuntimeError):
     """The flow did not reach a steady state; the message says where and how far it came."""
+
+
+class Extinguished(NotConverged):
+    """The plasma went out on the way to a steady state."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,9 @@ class Schedule:
     temperature_tolerance: float = 2e-3
     converged_courant: float = 1000.0
     confirmed: bool = False
+    least_courant: float = 0.05
+    patience: int = 0
+    linear_tolerance: float = 0.0
 
     def reached_by(self, step):
         """Whether `step` shows a converged state."""
@@ -125,16 +135,16 @@ def march(problem, state, power, schedule, label):
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
-    passed, scale = False, None
+    passed, scale, first_current = False, None, None
     for number in range(1, schedule.steps + 1):
         target, current = problem.couple(state, power)
-        accelerate = courant >= ACCELERATED_COURANT
-        relaxed = coupling is not None and not accelerate
+        accelerate = not schedule.linear_tolerance and courant >= ACCELERATED_COURANT
+        relaxed = coupling is not None and not accelerate and not schedule.linear_tolerance
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
         scale = scale or problem.rest_residual(coupling)
         points = problem.points(state, coupling, courant)
         try:
-            update, residual = problem.newton_update(state, points)
+            update, residual = problem.newton_update(state, points, target, schedule.linear_tolerance)
         except (ArithmeticError, OutsideTable) as fault:
             raise NotConverged(
                 f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"
@@ -142,9 +152,18 @@ def march(problem, state, power, schedule, label):
         residual /= scale
         step = _measured(space, update, residual, courant)
         steps.append(step)
-        _watch(space, state, step, current, f"{label}: step {number}")
+        first_current = first_current or current
+        _watch(space, state, step, current, first_current, f"{label}: step {number}")
         if passed and schedule.reached_by(step):
             return _result(problem, state, power, steps)
+        if schedule.patience and number > schedule.patience:
+            before = steps[-1 - STALL_STEPS].residual
+            if residual > STALL_SHARE * before and not schedule.reached_by(step):
+                raise NotConverged(
+                    f"{label}: stalls at step {number}, residual {residual:.2e} against {before:.2e} "
+                    f"{STALL_STEPS} steps before, last change {step.velocity_change:.3g} m/s and "
+                    f"{step.temperature_change:.2e} in T at CFL {step.courant:.3g}; the flow is unsteady"
+                )
         new = None
         if step.rms_heat <= REJECTED_LOG_TEMPERATURE and step.rms_speed <= REJECTED_VELOCITY:
             if accelerate:
@@ -153,17 +172,17 @@ def march(problem, state, power, schedule, label):
             new = _applied(problem, state, _damping(step) * update)
         if new is None:
             courant *= 0.4
-            if courant < SMALLEST_COURANT:
-                raise NotConverged(
-                    f"{label}: no acceptable step at CFL {courant:.2g} "
-                    f"(step {number}, residual {residual:.2e})"
-                )
-            continue
-        state = new
-        passed = schedule.reached_by(step)
-        if passed and not schedule.confirmed:
-            return _result(problem, state, power, steps)
-        courant = schedule.next_courant(step)
+        else:
+            state = new
+            passed = schedule.reached_by(step)
+            if passed and not schedule.confirmed:
+                return _result(problem, state, power, steps)
+            courant = schedule.next_courant(step)
+        if courant < schedule.least_courant:
+            raise NotConverged(
+                f"{label}: no acceptable step at CFL {courant:.2g} (step {number}, residual {residual:.2e}, "
+                f"last change {step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T)"
+            )
     if np.isfinite(schedule.converged_courant):
         raise NotConverged(
             f"{label}: not converged in {schedule.steps} steps; residual {residual:.2e}, last change "
@@ -186,7 +205,7 @@ def _measured(space, update, residual, courant):
     )
 
 
-def _watch(space, state, step, current, where):
+def _watch(space, state, step, current, first_current, where):
     """Log the step; raise NotConverged if the state is hopeless."""
     hottest = float(np.exp(state[space.field(LOG_TEMPERATURE)].max()))
     log.info(
@@ -196,8 +215,13 @@ def _watch(space, state, step, current, where):
     if not np.isfinite(step.rms_heat + step.rms_speed):
         raise NotConverged(f"{where} of the flow is not finite; residual {step.residual:.2e}")
     if hottest < EXTINGUISHED:
-        raise NotConverged(
+        raise Extinguished(
             f"{where}: plasma extinguished; hottest gas {hottest:.0f} K, residual {step.residual:.2e}"
+        )
+    if current > RUNAWAY * first_current:
+        raise Extinguished(
+            f"{where}: plasma extinguished; the coil current ran away from {first_current:.0f} A to "
+            f"{current:.0f} A, hottest gas {hottest:.0f} K"
         )
 
 

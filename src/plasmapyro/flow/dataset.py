@@ -17,17 +17,16 @@ class Setup:
     """What fixes mesh and equations, stored in the file so that another condition can start from it."""
 
     torch: Torch
-    frequency: float
     wall_temperature: float
     mesh_factor: float
 
 
-def to_dataset(problem, setup, result, balance):
+def to_dataset(problem, setup, condition, result, balance, error=None):
     """Dataset of contract 'flow' for a converged Taylor-Hood solution.
 
     Nodes are the vertices of the mesh, then the midpoints of its edges. Pressure is linear on each triangle;
     its values at the midpoints are the means of the ends. The last entry of the history belongs to the
-    stored state.
+    stored state. `error`: nodal error of the temperature [K] and observed order, or None.
     """
     mesh = problem.mesh
     axial, radial, temperature, gauge = problem.physical(result.state)
@@ -50,6 +49,7 @@ def to_dataset(problem, setup, result, balance):
         "equivalent_resistance": 2 * power / result.current**2,
         "mass_imbalance": balance.mass_imbalance,
         "energy_imbalance": balance.energy_imbalance,
+        "radiated_power": balance.radiated_power,
     }
     history = {
         "residual_norm": [step.residual for step in result.steps],
@@ -62,6 +62,13 @@ def to_dataset(problem, setup, result, balance):
         "boundary_enthalpy_flow": balance.enthalpy_flow,
         "boundary_heat_flow": balance.heat_flow,
     }
+    options = {}
+    if condition.swirl_angle:
+        options["azimuthal_velocity"] = ("node", problem.azimuthal_velocity(result.state)[0])
+    if error is not None:
+        options["temperature_error"] = ("node", error[0])
+    # An attribute of NaN would not compare equal to itself.
+    found = {} if error is None or np.isnan(error[1]) else {"mesh_order": error[1]}
     return xr.Dataset(
         {
             "mesh": ((), np.int32(0), topology),
@@ -74,6 +81,7 @@ def to_dataset(problem, setup, result, balance):
             "axial_velocity": ("node", axial),
             "radial_velocity": ("node", radial),
             "joule_heating": ("node", heating),
+            **options,
             **{name: ((), float(value)) for name, value in scalars.items()},
             "boundary": ("boundary", np.array(BOUNDARIES, dtype=object)),
             **{
@@ -85,11 +93,15 @@ def to_dataset(problem, setup, result, balance):
         attrs={
             "title": "Axisymmetric LTE plasma torch and jet",
             "torch": json.dumps(asdict(setup.torch), sort_keys=True),
-            "coil_frequency": setup.frequency,
+            "coil_frequency": condition.coil_frequency,
             "wall_temperature": setup.wall_temperature,
+            "probe_temperature": condition.probe_temperature,
+            "swirl_angle": condition.swirl_angle,
+            "radiation_factor": condition.radiation_factor,
             "mesh_factor": setup.mesh_factor,
             "viscosity_limiter": problem.limiter,
             "stagnation_point_z": setup.torch.nose,
+            **found,
         },
     )
 
@@ -101,7 +113,6 @@ def setup_of(dataset):
         lengths["coil_positions"] = tuple(lengths["coil_positions"])
         return Setup(
             torch=Torch(**lengths),
-            frequency=float(dataset.attrs["coil_frequency"]),
             wall_temperature=float(dataset.attrs["wall_temperature"]),
             mesh_factor=float(dataset.attrs["mesh_factor"]),
         )

@@ -63,6 +63,16 @@ class Space:
         facets = np.unique(np.concatenate([self.mesh.boundaries[name] for name in names]))
         return np.unique(self._bases[self.orders[index]].get_dofs(facets).flatten())
 
+    def element_dofs(self, index):
+        """Dofs (within the field) of field `index` by element (3 or 6, E): vertices, then edges."""
+        return self._bases[self.orders[index]].element_dofs
+
+    def node_weights(self, index):
+        """Volume that each dof of field `index` stands for (N,) [m3]: an equal share of its elements'."""
+        dofs = self.element_dofs(index)
+        share = np.broadcast_to(self.cells.weight.sum(axis=1) / len(dofs), dofs.shape)
+        return np.bincount(dofs.ravel(), share.ravel(), minlength=self._bases[self.orders[index]].N)
+
     def subset(self, elements):
         """Patch of some of the cells, by their index in the mesh."""
         return self._patch(

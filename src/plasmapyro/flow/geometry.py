@@ -21,6 +21,8 @@ BOX_MARGIN = 0.5  # [m], axially, each side
 BOX_RADIUS = 0.6  # [m]
 BOX_CELL = 0.08  # [m]
 GRADING = 0.3
+PROBE_SHAPES = ("hemisphere", "flat", "blunt", "none")
+NO_PROBE = 1.0  # [m]: clearance where there is no probe, larger than any length that matters
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,9 @@ class Torch:
 
     `length`, `radius`: torch tube; `slot_inner_radius`: the annular inlet reaches from here to `radius`;
     `chamber_length`, `chamber_radius`: domain behind the torch exit; `probe_distance`: torch exit to nose;
-    `probe_radius`: hemisphere and shaft; `coil_radius`, `coil_positions`: rings in series.
+    `probe_radius`: nose and shaft; `coil_radius`, `coil_positions`: rings in series.
+    `probe_shape`: one of `PROBE_SHAPES`; a blunt nose is flat with a rounded shoulder of `shoulder_radius`
+    (unused otherwise); with 'none', `probe_distance` only says where lines of sight start.
     """
 
     length: float
@@ -41,11 +45,22 @@ class Torch:
     probe_radius: float
     coil_radius: float
     coil_positions: tuple
+    probe_shape: str = "hemisphere"
+    shoulder_radius: float = 0.0
 
     def __post_init__(self):
         for name in self.__dataclass_fields__:
-            if name != "coil_positions":
+            if name not in ("coil_positions", "probe_shape", "shoulder_radius"):
                 positive(name, getattr(self, name), "m")
+        if self.probe_shape not in PROBE_SHAPES:
+            raise ValueError(
+                f"probe_shape must be one of {', '.join(PROBE_SHAPES)}; got '{self.probe_shape}'"
+            )
+        if self.probe_shape == "blunt" and not 0 < self.shoulder_radius < self.probe_radius:
+            raise ValueError(
+                f"shoulder_radius of a blunt probe must lie between 0 and probe_radius "
+                f"{self.probe_radius:g} m; got {self.shoulder_radius:g} m"
+            )
         increasing("coil_positions", self.coil_positions, "m")
         if not self.slot_inner_radius < self.radius < min(self.chamber_radius, self.coil_radius):
             raise ValueError(
@@ -55,7 +70,7 @@ class Torch:
             )
         if self.probe_distance + self.probe_radius >= self.chamber_length:
             raise ValueError(
-                f"the probe hemisphere must end inside the chamber; got {self.probe_distance:g} m + "
+                f"the probe nose must end inside the chamber; got {self.probe_distance:g} m + "
                 f"{self.probe_radius:g} m >= {self.chamber_length:g} m"
             )
 
@@ -68,6 +83,16 @@ class Torch:
     def nose(self):
         """Axial position of the stagnation point [m]."""
         return self.length + self.probe_distance
+
+    @property
+    def has_probe(self):
+        """Whether a probe stands in the jet."""
+        return self.probe_shape != "none"
+
+    @property
+    def shoulder(self):
+        """Radius of curvature where the nose turns into the shaft [m]: 0 for a sharp edge."""
+        return {"hemisphere": self.probe_radius, "blunt": self.shoulder_radius}.get(self.probe_shape, 0.0)
 
     def boundary_at(self, z, r):
         """Name of the boundary that holds the point (z, r); 'probe' if on no straight line of the outline."""
@@ -87,8 +112,12 @@ class Torch:
 
     def probe_clearance(self, z, r):
         """Distance from the probe surface [m], for points outside the probe."""
-        centre = self.nose + self.probe_radius
-        return np.where(z < centre, np.hypot(z - centre, r), r) - self.probe_radius
+        if not self.has_probe:
+            return np.full(np.shape(z), NO_PROBE)
+        ahead = self.nose + self.shoulder - z
+        beside = r - (self.probe_radius - self.shoulder)
+        corner = np.hypot(np.maximum(ahead, 0), np.maximum(beside, 0))
+        return corner + np.minimum(np.maximum(ahead, beside), 0) - self.shoulder
 
 
 # Cell sizes [m] at mesh_factor 1. The back wall (stagnating back-flow), the slot jet, the sheath and the
@@ -100,16 +129,22 @@ EDGE_CELL = {
     "chamber_wall": 8e-3,
     "top": 9e-3,
     "outlet": 8e-3,
-    "probe": 1.0e-3,
+    "probe": 0.2e-3,
+    "nose": 0.1e-3,
+    "shaft": 1.0e-3,
 }
+NOSE_CAP = 4e-3  # [m] along the probe from the stagnation point, where the cells of 'nose' apply
 CORE_CELL = 5.3e-3
 
 
 def _graded_regions(torch):
     """Rectangles (z0, r0, z1, r1 [m], cell [m]), the first that covers a point sets its cell size."""
-    return (
+    nose = (
         (torch.nose - 2.5e-3, 0.0, torch.nose + 0.5e-3, 2.5e-3, 0.25e-3),
         (torch.nose - 8e-3, 0.0, torch.nose + 4e-3, 8e-3, 0.9e-3),
+    )
+    return (
+        *(nose if torch.has_probe else ()),
         (0.0, torch.radius - 0.012, 0.12, torch.radius, 1.8e-3),
         (0.10, torch.radius - 0.016, torch.length, torch.radius, 3.0e-3),
         (torch.length, torch.radius - 0.022, torch.length + 0.16, torch.radius + 0.023, 3.6e-3),
@@ -124,11 +159,30 @@ def _rectangle(z0, r0, z1, r1):
 
 def _outline(torch):
     """Flow domain as one face, edges with their cell size."""
-    path = WorkPlane().MoveTo(0, 0).LineTo(torch.nose, 0).Direction(0, 1).Arc(torch.probe_radius, -90)
-    path.LineTo(torch.end, torch.probe_radius).LineTo(torch.end, torch.chamber_radius)
+    path = WorkPlane().MoveTo(0, 0)
+    if torch.has_probe:
+        path.LineTo(torch.nose, 0)
+        _probe_outline(path, torch)
+        path.LineTo(torch.end, torch.probe_radius)
+    else:
+        path.LineTo(torch.end, 0)
+    path.LineTo(torch.end, torch.chamber_radius)
     path.LineTo(torch.length, torch.chamber_radius).LineTo(torch.length, torch.radius)
     path.LineTo(0, torch.radius).LineTo(0, torch.slot_inner_radius).LineTo(0, 0)
     return path.Face()
+
+
+def _probe_outline(path, torch):
+    """Draw the nose from the stagnation point to the shaft; the cap is an edge of its own."""
+    flat, shoulder = torch.probe_radius - torch.shoulder, torch.shoulder
+    if flat > 0:
+        cap = min(NOSE_CAP, flat / 2)
+        path.LineTo(torch.nose, cap).LineTo(torch.nose, flat).Direction(0, 1)
+        if shoulder > 0:
+            path.Arc(shoulder, -90)
+    else:
+        cap = min(np.degrees(NOSE_CAP / shoulder), 45.0)
+        path.Direction(0, 1).Arc(shoulder, -cap).Arc(shoulder, cap - 90)
 
 
 def _shapes(torch, mesh_factor):
@@ -137,6 +191,10 @@ def _shapes(torch, mesh_factor):
     for edge in outline.edges:
         middle = edge.center
         name = torch.boundary_at(middle.x, middle.y)
+        if name == "probe" and np.hypot(middle.x - torch.nose, middle.y) < NOSE_CAP:
+            name = "nose"
+        elif name == "probe" and middle.x > torch.nose + torch.shoulder + ON_LINE:
+            name = "shaft"
         if name in EDGE_CELL:
             edge.maxh = EDGE_CELL[name] * mesh_factor
     box = _rectangle(-BOX_MARGIN, 0, torch.end + BOX_MARGIN, BOX_RADIUS) - outline

@@ -12,13 +12,14 @@ Source: same physics as Fagnani et al., LTE torch model; vector-potential form a
 Boulos, J. Phys. D 34 (2001) 1897. Deviation: the coil field is subtracted in closed form.
 """
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 
 from plasmapyro.constants import VACUUM_PERMEABILITY
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.linear import Factorised, Factors
 
 AGM_STEPS = 6  # quadratic convergence: round-off from a modulus of 1 - 1e-6 on
 DIFFERENCE = 1e-6  # [m]: central difference of A_c, error 1e-10 relative at 30 mm from the rings
@@ -77,6 +78,47 @@ class Coupling:
     force_radial: np.ndarray
     electric_field: np.ndarray
     scattered: np.ndarray
+    tangent: "Tangent | None" = None
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Derivative of the fields for 1 A with respect to the conductivity; made by `Induction.solve`."""
+
+    induction: "Induction"
+    factors: Factors
+    conductivity: np.ndarray
+    electric: np.ndarray
+    magnetic_r: np.ndarray
+    magnetic_z: np.ndarray
+
+    def __call__(self, change):
+        r"""Changes of heating, axial and radial force for a change of conductivity (E, Q) [S m-1].
+
+        .. math:: K\,\delta E_p = -i\omega\mu_0\,\delta\sigma\,E, \qquad
+            \delta q = \tfrac12\delta\sigma |E|^2 + \sigma\,\mathrm{Re}(E^*\delta E_p)
+
+        and in the same way for the forces.
+        """
+        other = self.induction
+        electric = other.scattered_by(self.factors, change * self.electric)
+        value, slope_z, slope_r = electric
+        omega, sigma = other.angular_frequency, self.conductivity
+        magnetic_r = -1j / omega * slope_z
+        magnetic_z = 1j / omega * (slope_r + value / other.plasma.r)
+
+        def force(magnetic, magnetic_change):
+            direct = change * np.real(self.electric * np.conj(magnetic))
+            return direct + sigma * np.real(
+                value * np.conj(magnetic) + self.electric * np.conj(magnetic_change)
+            )
+
+        heating = 0.5 * change * np.abs(self.electric) ** 2 + sigma * np.real(np.conj(self.electric) * value)
+        return (
+            heating,
+            -0.5 * force(self.magnetic_r, magnetic_r),
+            0.5 * force(self.magnetic_z, magnetic_z),
+        )
 
 
 class Induction:
@@ -87,16 +129,17 @@ class Induction:
     mesh : MeshTri
         Subdomain 'flow', boundaries 'axis' and 'far'.
     frequency : float [Hz]
-    ring_radius, ring_positions : [m]
+    potential : function (r, z) -> A_c [V s m-1 per A]
+        Vector potential of the coil for 1 A; r > 0.
     order : int
         Element order, 1 or 2.
     """
 
-    def __init__(self, mesh, frequency, ring_radius, ring_positions, order=2):
+    def __init__(self, mesh, frequency, potential, order=2):
         self.angular_frequency = 2 * np.pi * frequency
-        self._ring_radius, self._ring_positions = ring_radius, ring_positions
+        self._coil_potential = potential
         self._space = Space(mesh, (order,))
-        self._plasma = self._space.subset(mesh.subdomains["flow"])
+        self.plasma = self._space.subset(mesh.subdomains["flow"])
         whole = self._space.cells
         derivatives = np.zeros((*whole.r.shape, 3, 3))
         derivatives[..., 0, 0] = 1 / whole.r**2
@@ -108,16 +151,19 @@ class Induction:
         self._entries = entries.data - 1
         self._free_pattern = entries
         self._factorised = Factorised(self._free)
-        z, r = self._plasma.z, self._plasma.r
-
-        def potential(r, z):
-            return ring_potential(r, z, ring_radius, ring_positions)
+        z, r = self.plasma.z, self.plasma.r
 
         self._potential = potential(r, z)
         self._potential_z = (potential(r, z + DIFFERENCE) - potential(r, z - DIFFERENCE)) / (2 * DIFFERENCE)
         # Quadrature points may lie closer to the axis than the difference step.
         step = np.minimum(DIFFERENCE, r / 2)
         self._potential_r = (potential(r + step, z) - potential(r - step, z)) / (2 * step)
+
+    def at_frequency(self, frequency):
+        """The same equation at another frequency [Hz]; mesh and bases are shared."""
+        other = copy(self)
+        other.angular_frequency = 2 * np.pi * frequency
+        return other
 
     def solve(self, conductivity):
         """Fields for 1 A of coil amplitude.
@@ -131,7 +177,7 @@ class Induction:
         -------
         Coupling
         """
-        omega, space, plasma = self.angular_frequency, self._space, self._plasma
+        omega, space, plasma = self.angular_frequency, self._space, self.plasma
         strength = omega * VACUUM_PERMEABILITY * conductivity
         derivatives = np.zeros((*strength.shape, 3, 3))
         derivatives[..., 0, 0] = strength
@@ -142,9 +188,8 @@ class Induction:
         # Coil term on the right-hand side: i omega mu0 sigma (i omega A_c) = -omega^2 mu0 sigma A_c.
         load[0] = -strength * omega * self._potential
         scattered = np.zeros(space.size, dtype=complex)
-        scattered[self._free] = self._factorised.solve(
-            matrix, space.residual(plasma, load)[self._free].astype(complex)
-        )
+        factors = self._factorised.factors(matrix)
+        scattered[self._free] = factors.solve(space.residual(plasma, load)[self._free].astype(complex))
         value, slope_z, slope_r = space.inputs(plasma, scattered)
         electric = value - 1j * omega * self._potential
         magnetic_r = -1j / omega * (slope_z - 1j * omega * self._potential_z)
@@ -157,7 +202,21 @@ class Induction:
             force_radial=0.5 * conductivity * np.real(electric * np.conj(magnetic_z)),
             electric_field=electric,
             scattered=scattered,
+            tangent=Tangent(self, factors, conductivity, electric, magnetic_r, magnetic_z),
         )
+
+    def scattered_by(self, factors, current):
+        """Value, d/dz, d/dr (3, E, Q) of the field that a complex current density (E, Q) [A m-2] scatters."""
+        space = self._space
+        load = np.zeros((3, *current.shape))
+        load[0] = current.real
+        real = space.residual(self.plasma, load)
+        load[0] = current.imag
+        source = real + 1j * space.residual(self.plasma, load)
+        scattered = np.zeros(space.size, dtype=complex)
+        strength = -1j * self.angular_frequency * VACUUM_PERMEABILITY
+        scattered[self._free] = factors.solve(strength * source[self._free])
+        return space.inputs(self.plasma, scattered)
 
     def field_at(self, z, r, scattered):
         """Electric field at nodes (z, r) of the flow triangles for 1 A of coil amplitude [V m-1], complex."""
@@ -165,6 +224,6 @@ class Induction:
         field = np.zeros(len(z), dtype=complex)
         off = np.flatnonzero(r > 0)
         nodes = np.array([place[z[index], r[index]] for index in off])
-        potential = ring_potential(r[off], z[off], self._ring_radius, self._ring_positions)
+        potential = self._coil_potential(r[off], z[off])
         field[off] = scattered[nodes] - 1j * self.angular_frequency * potential
         return field

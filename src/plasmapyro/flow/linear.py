@@ -31,12 +31,16 @@ class Factorised:
         self._order = None
 
     def solve(self, matrix, right_hand_side):
-        """Solve A x = b for a CSR matrix A (N, N), real or complex.
+        """Solve A x = b for a CSR matrix A (N, N), real or complex; raises as `Factors.solve`."""
+        return self.factors(matrix).solve(right_hand_side)
+
+    def factors(self, matrix):
+        """Factors of a CSR matrix (N, N), real or complex, for any number of right-hand sides.
 
         Raises
         ------
         ArithmeticError
-            If A is singular or the residual shows that the factorisation lost its accuracy.
+            If the matrix is singular.
         """
         if self._order is None:
             self._analyse(matrix)
@@ -52,14 +56,7 @@ class Factorised:
             )
         except RuntimeError as fault:
             raise ArithmeticError(f"singular matrix of {matrix.shape[0]} unknowns ({fault})") from None
-        solution = np.empty_like(right_hand_side)
-        solution[self._order] = factors.solve(right_hand_side[self._order])
-        error = np.linalg.norm(matrix @ solution - right_hand_side)
-        if not error <= RESIDUAL_LIMIT * np.linalg.norm(right_hand_side):
-            raise ArithmeticError(
-                f"inaccurate factorisation: residual {error:g} of {matrix.shape[0]} unknowns"
-            )
-        return solution
+        return Factors(matrix, self._order, factors)
 
     def _analyse(self, matrix):
         """Fill-reducing order, and where the entries of `matrix` go in the permuted columns."""
@@ -70,6 +67,28 @@ class Factorised:
         permuted = numbered[self._order][:, self._order].tocsc()
         permuted.sort_indices()
         self._places, self._indices, self._indptr = permuted.data - 1, permuted.indices, permuted.indptr
+
+
+class Factors:
+    """A factorised matrix; made by `Factorised.factors`."""
+
+    def __init__(self, matrix, order, factors):
+        self._matrix, self._order, self._factors = matrix, order, factors
+
+    def solve(self, right_hand_side):
+        """Solve A x = b.
+
+        Raises
+        ------
+        ArithmeticError
+            If the residual shows that the factorisation lost its accuracy.
+        """
+        solution = np.empty_like(right_hand_side)
+        solution[self._order] = self._factors.solve(right_hand_side[self._order])
+        error = np.linalg.norm(self._matrix @ solution - right_hand_side)
+        if not error <= RESIDUAL_LIMIT * np.linalg.norm(right_hand_side):
+            raise ArithmeticError(f"inaccurate factorisation: residual {error:g} of {len(solution)} unknowns")
+        return solution
 
 
 def _node_dissection(matrix, groups):

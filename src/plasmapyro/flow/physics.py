@@ -1,20 +1,21 @@
 r"""Pointwise equations of the plasma flow: from values and gradients to weak-form densities.
 
-Low-Mach, axisymmetric, without swirl, local thermodynamic equilibrium. With D = d/dt + u . grad and ' = d/dT:
+Low-Mach, axisymmetric, local thermodynamic equilibrium; a swirl acts through its centrifugal force (see
+`swirl`). With D = d/dt + u . grad and ' = d/dT:
 
 .. math::
     \rho\,D u = -\nabla p + \nabla\cdot\tau + F, \qquad
     \tau = \mu\,(\nabla u + \nabla u^T - \tfrac23 I\,\nabla\cdot u)
 
-    \rho c_p\,D T = \nabla\cdot(\kappa\nabla T) + q
+    \rho c_p\,D T = \nabla\cdot(\kappa\nabla T) + q - q_{rad}
 
     R_c = \nabla\cdot u + \frac{\rho'}{\rho}\,D T = 0
 
-q is the Joule heating and F the Lorentz force per volume. rho, mu, kappa, c_p are functions of T at the
-chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change by 2 K, the Mach number is 0.1 in
-the plasma). kappa holds the reactive part and c_p the heat of reaction, so the energy equation needs no
-source for them. ASSUME: no radiation loss (2 % of the line-of-sight temperature at 90 kW, 5 % at the torch
-exit).
+q is the Joule heating, F the Lorentz (and centrifugal) force per volume, q_rad(T) the net emission. rho, mu,
+kappa, c_p are functions of T at the chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change
+by 2 K, the Mach number is 0.1 in the plasma). kappa holds the reactive part and c_p the heat of reaction, so
+the energy equation needs no source for them. ASSUME: radiation leaves the gas where it
+is emitted (optically thin); without a table of net emission nothing is lost.
 
 The unknown is theta = ln T, not T: upwind undershoots at the cold sheath then stay positive, and ln rho ~
 -theta is nearly linear. The pseudo-time derivative of rho stays in R_c: without it the step freezes T in the
@@ -66,8 +67,8 @@ class Points:
 
     `inverse_step`: 1/(pseudo-time step), zero for the steady residual; `old_*`: state at the start of the
     step;
-    `viscosity_limiter`: C blended to zero inside the torch, see `_limited`; `equal_order`: 1 for P1 pressure
-    with P1 velocity, 0 for Taylor-Hood.
+    `viscosity_limiter`: C blended to zero inside the torch, see `limited_viscosity`; `equal_order`: 1 for P1
+    pressure with P1 velocity, 0 for Taylor-Hood.
     """
 
     radius: np.ndarray
@@ -95,7 +96,8 @@ def property_lines(properties, temperature):
 
     A complex step sees a function only through its value and slope; one look-up then serves all twelve steps.
     """
-    return {name: (*getattr(properties, name)(temperature), temperature) for name in PROPERTY_NAMES}
+    names = PROPERTY_NAMES if properties.net_emission is None else (*PROPERTY_NAMES, "net_emission")
+    return {name: (*getattr(properties, name)(temperature), temperature) for name in names}
 
 
 def _on_line(line, temperature):
@@ -103,8 +105,8 @@ def _on_line(line, temperature):
     return value + slope * (temperature - base)
 
 
-def _limited(points, density, speed, viscosity):
-    """Viscosity added where the cell Reynolds number exceeds 1/C, C = viscosity_limiter: with e = C Re - 1,
+def limited_viscosity(limiter, size, density, speed, viscosity):
+    """Viscosity added where the cell Reynolds number exceeds 1/C, C = `limiter`: with e = C Re - 1,
 
         mu e^2 / (e + 0.3)  for e > 0, else exactly 0;
 
@@ -113,7 +115,7 @@ def _limited(points, density, speed, viscosity):
     Only for the cold annular sheath that enters the chamber at Re ~ 2e4, the one part that is physically
     unsteady.
     """
-    excess = points.viscosity_limiter * density * speed * points.element_size / viscosity - 1
+    excess = limiter * density * speed * size / viscosity - 1
     # The sign is decided by the real part, so that a complex step goes through.
     positive = np.where(np.real(excess) > 0, excess, 0.0)
     return viscosity * positive * positive / (positive + LIMITER_ONSET)
@@ -144,7 +146,7 @@ def densities(inputs, lines, points):
     )
     h, rate, radius = points.element_size, points.inverse_step, points.radius
     speed = np.sqrt(uz * uz + ur * ur + SMALL_SPEED**2)
-    added = _limited(points, density, speed, viscosity)
+    added = limited_viscosity(points.viscosity_limiter, h, density, speed, viscosity)
     viscosity = viscosity + added
     conductivity = conductivity + added * heat_capacity
 
@@ -159,9 +161,11 @@ def densities(inputs, lines, points):
     momentum_z, momentum_r = inertia_z + p_z, inertia_r + p_r
     capacity = density * heat_capacity
     energy = capacity * heating_rate - points.joule_heating
+    if "net_emission" in lines:
+        energy = energy + _on_line(lines["net_emission"], temperature)
 
-    tau_momentum = _stabilisation_time(density, speed, viscosity, h, rate)
-    tau_energy = _stabilisation_time(capacity, speed, conductivity, h, rate)
+    tau_momentum = stabilisation_time(density, speed, viscosity, h, rate)
+    tau_energy = stabilisation_time(capacity, speed, conductivity, h, rate)
     compression = density * speed * h / 2 * continuity
 
     bulk = 2 / 3 * viscosity * divergence
@@ -189,7 +193,7 @@ def densities(inputs, lines, points):
     return [scale * row for scale, row in zip(ROW_SCALE, rows, strict=True)]
 
 
-def _stabilisation_time(inertia, speed, diffusivity, h, rate):
+def stabilisation_time(inertia, speed, diffusivity, h, rate):
     """tau of the module docstring [s per unit inertia]."""
     return 1 / np.sqrt(
         (2 * inertia * speed / h) ** 2 + (12 * diffusivity / h**2) ** 2 + (2 * inertia * rate) ** 2

@@ -3,27 +3,33 @@ mesh."""
 
 from copy import copy
 from dataclasses import replace
+from functools import cached_property, partial
 
 import numpy as np
 
 from plasmapyro.flow.boundary import OPEN, fixed_values
+from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import flow_mesh
-from plasmapyro.flow.induction import Induction
+from plasmapyro.flow.induction import Induction, ring_potential
 from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
+    IMAGINARY_STEP,
     LOG_TEMPERATURE,
     RADIAL,
     REFERENCE_PRESSURE,
     REFERENCE_VELOCITY,
+    SMALL_SPEED,
     Points,
     backflow_densities,
     complex_step_derivatives,
     densities,
+    limited_viscosity,
     property_lines,
 )
+from plasmapyro.flow.swirl import Swirl
 
 CHUNK = 1500  # elements per pass: the temporaries of the pointwise physics stay in the cache
 SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
@@ -41,21 +47,39 @@ class Problem:
     frequency : float [Hz]
     mass_flow_rate : float [kg s-1]
     wall_temperature : float [K]
+    probe_temperature : float [K]
+        Of the probe wall; `wall_temperature` if not given.
+    swirl_angle : float [rad]
+        Between the gas that enters and the axis.
     limiter : float [1]
-        Coefficient C of the viscosity limiter in the chamber (`physics._limited`); 0 for none.
+        Coefficient C of the viscosity limiter in the chamber (`physics.limited_viscosity`); 0 for none.
     order : int
         1: P1 for all fields with pressure stabilisation; 2: Taylor-Hood, P2 for velocity and ln T, P1 for
         pressure.
     """
 
     def __init__(
-        self, mesh, torch, properties, *, frequency, mass_flow_rate, wall_temperature, order, limiter=0.0
+        self,
+        mesh,
+        torch,
+        properties,
+        *,
+        frequency,
+        mass_flow_rate,
+        wall_temperature,
+        order,
+        limiter=0.0,
+        probe_temperature=None,
+        swirl_angle=0.0,
     ):
         self.torch, self.order, self.limiter = torch, order, limiter
         self.wall_temperature = wall_temperature
         self.mesh = flow_mesh(mesh, torch)
         self.space = Space(self.mesh, (order, order, order, 1))
-        self.induction = Induction(mesh, frequency, torch.coil_radius, torch.coil_positions, order)
+        coil = partial(ring_potential, ring_radius=torch.coil_radius, ring_positions=torch.coil_positions)
+        self.induction = Induction(mesh, frequency, coil, order)
+        self.swirl_angle = swirl_angle
+        self.probe_temperature = wall_temperature if probe_temperature is None else probe_temperature
         self._set_gas(properties, mass_flow_rate)
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
@@ -73,7 +97,12 @@ class Problem:
     def _set_gas(self, properties, mass_flow_rate):
         self.properties, self.mass_flow_rate = properties, mass_flow_rate
         self.fixed, self.values = fixed_values(
-            self.space, self.torch, properties, mass_flow_rate, self.wall_temperature
+            self.space,
+            self.torch,
+            properties,
+            mass_flow_rate,
+            self.wall_temperature,
+            self.probe_temperature,
         )
         self._outside = (
             float(properties.density(self.wall_temperature)[0]),
@@ -81,9 +110,11 @@ class Problem:
             self.wall_temperature,
         )
 
-    def with_gas(self, properties, mass_flow_rate):
-        """The same problem for another gas table or mass flow; mesh, bases and orderings are shared."""
+    def at(self, properties, *, mass_flow_rate, frequency, probe_temperature, swirl_angle):
+        """The same problem at another condition; mesh, bases and orderings are shared."""
         other = copy(self)
+        other.induction = self.induction.at_frequency(frequency)
+        other.probe_temperature, other.swirl_angle = probe_temperature, swirl_angle
         other._set_gas(properties, mass_flow_rate)
         return other
 
@@ -98,7 +129,10 @@ class Problem:
         return np.exp(self.space.inputs(self.space.cells, state)[3 * LOG_TEMPERATURE])
 
     def couple(self, state, power):
-        """Induction coupling at Joule power `power` [W]; returns Coupling and coil amplitude [A]."""
+        """Induction coupling at Joule power `power` [W]; returns Coupling and coil amplitude [A].
+
+        The centrifugal force of a swirl is part of `force_radial`.
+        """
         conductivity, _ = self.properties.electrical_conductivity(self.temperature_at_points(state))
         unit = self.induction.solve(np.maximum(conductivity, 0.0))
         square = power / unit.power
@@ -109,7 +143,48 @@ class Problem:
             force_axial=square * unit.force_axial,
             force_radial=square * unit.force_radial,
         )
+        if self.swirl_angle:
+            density = self.properties.density(self.temperature_at_points(state))[0]
+            turning = self.azimuthal_velocity(state)[1]
+            centrifugal = density * turning**2 / self.space.cells.r
+            scaled = replace(scaled, force_radial=scaled.force_radial + centrifugal)
         return scaled, float(np.sqrt(square))
+
+    @cached_property
+    def _swirl(self):
+        return Swirl(self.mesh, self.order, OPEN)
+
+    def azimuthal_velocity(self, state):
+        """Azimuthal velocity at the dofs of the axial one and at the quadrature points [m s-1]."""
+        cells = self.space.cells
+        axial, radial, temperature = self._velocity_and_temperature(cells, state)
+        density = self.properties.density(temperature)[0]
+        viscosity = self.properties.viscosity(temperature)[0]
+        speed = np.sqrt(axial**2 + radial**2 + SMALL_SPEED**2)
+        limiter = self.limiter * self._limiter_blend
+        viscosity = viscosity + limited_viscosity(limiter, self._size, density, speed, viscosity)
+        axial_edge, radial_edge, _ = self._velocity_and_temperature(self._open, state)
+        outward = axial_edge * self._open.normal[0] + radial_edge * self._open.normal[1]
+        entering = self._outside[0] * np.maximum(-outward, 0.0)
+        inlet = self._swirl.inlet_values(
+            REFERENCE_VELOCITY * self.values[self.space.field(AXIAL)], self.swirl_angle
+        )
+        return self._swirl.solve(axial, radial, density, viscosity, self._size, inlet, entering)
+
+    def _velocity_and_temperature(self, patch, state):
+        inputs = self.space.inputs(patch, state)
+        return (
+            REFERENCE_VELOCITY * inputs[3 * AXIAL],
+            REFERENCE_VELOCITY * inputs[3 * RADIAL],
+            np.exp(inputs[3 * LOG_TEMPERATURE]),
+        )
+
+    def radiated_power(self, state):
+        """Net emission of the whole gas [W]; zero without a table."""
+        if self.properties.net_emission is None:
+            return 0.0
+        emission = self.properties.net_emission(self.temperature_at_points(state))[0]
+        return float((emission * self.space.cells.weight).sum())
 
     def points(self, state, coupling, courant):
         """Frozen data of one pseudo-time step from `state`; `courant` = inf gives the steady equations."""
@@ -173,14 +248,62 @@ class Problem:
         data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
         return self.space.matrix(data)
 
-    def newton_update(self, state, points):
-        """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual."""
+    def newton_update(self, state, points, coupling=None, linear_tolerance=0.0):
+        """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual.
+
+        With a `linear_tolerance` the correction is Newton's for flow and induction together (see `coupled`),
+        `coupling` being the result of `couple` at `state`; otherwise heating and forces stay as they are.
+        """
         residual = self.residual(state, points)[self.free]
         matrix = self._free_pattern.copy()
         matrix.data = self.jacobian(state, points).data[self._entries]
+        factors = self._factorised.factors(matrix)
         update = np.zeros(self.space.size)
-        update[self.free] = self._factorised.solve(matrix, -residual)
+        if linear_tolerance:
+            update[self.free] = coupled_solution(
+                factors.solve, self._induced(state, points, coupling), -residual, linear_tolerance
+            )
+        else:
+            update[self.free] = factors.solve(-residual)
         return update, float(np.linalg.norm(residual))
+
+    def _induced(self, state, points, coupling):
+        """Function: change of the free unknowns -> change of the free residual through heating and forces."""
+        cells, heat = self.space.cells, self.space.field(LOG_TEMPERATURE)
+        inputs = self.space.inputs(cells, state)
+        temperature = np.exp(inputs[3 * LOG_TEMPERATURE])
+        lines = property_lines(self.properties, temperature)
+        slope = self.properties.electrical_conductivity(temperature)[1] * temperature
+        # Heating and forces enter linearly: their factors in each row, once.
+        factors = []
+        for name in ("joule_heating", "force_axial", "force_radial"):
+            stepped = replace(points, **{name: getattr(points, name) + 1j * IMAGINARY_STEP})
+            factors.append([np.imag(row) / IMAGINARY_STEP for row in densities(inputs, lines, stepped)])
+        unit = self.induction_power(coupling)
+
+        def induced(change):
+            full = np.zeros(self.space.size)
+            full[self.free] = change
+            warmer = np.zeros(self.space.size)
+            warmer[heat] = full[heat]
+            parts = coupling.tangent(slope * self.space.inputs(cells, warmer)[3 * LOG_TEMPERATURE])
+            growth = (parts[0] * cells.weight).sum() / unit
+            scale = coupling.power / unit
+            now = (coupling.joule_heating, coupling.force_axial, coupling.force_radial)
+            sources = [scale * part - growth * held for part, held in zip(parts, now, strict=True)]
+            rows = [
+                sum(factor[row] * source for factor, source in zip(factors, sources, strict=True))
+                for row in range(len(factors[0]))
+            ]
+            return self.space.residual(cells, np.stack(rows))[self.free]
+
+        return induced
+
+    def induction_power(self, coupling):
+        """Joule power of 1 A of coil amplitude [W]."""
+        tangent = coupling.tangent
+        heating = 0.5 * tangent.conductivity * np.abs(tangent.electric) ** 2
+        return float((heating * self.space.cells.weight).sum())
 
     def physical(self, state):
         """Fields in SI at their own dofs: u_z, u_r [m/s], T [K], p - chamber pressure [Pa]."""

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from plasmapyro.checks import positive, within
 
 FINE_POINTS = 6001  # 2.5 K over 200-15000 K: Hermite error below 1e-9 of a 25 K spline
+EMISSION_FLOOR = 1e-3  # [W m-3]: keeps the logarithm finite in cold gas
 CONDUCTIVITY_FLOOR = 1e-4  # [S m-1]: keeps ln(sigma) finite in cold gas; nothing couples there
 
 
@@ -67,9 +68,10 @@ class GasProperties:
     electrical_conductivity: HermiteTable
     low: float
     high: float
+    net_emission: HermiteTable | None = None
 
 
-def gas_properties(gas, pressure, reference_temperature):
+def gas_properties(gas, pressure, reference_temperature, emission=None, radiation_factor=0.0):
     """Property tables at `pressure` from the dataset of the gas stage.
 
     Parameters
@@ -81,10 +83,16 @@ def gas_properties(gas, pressure, reference_temperature):
     reference_temperature : float [K]
         Where the enthalpy is zero (the wall temperature).
 
+    emission : Dataset, contract 'net_emission', optional
+        Power that the gas radiates per volume.
+    radiation_factor : float [1]
+        Multiplies it; at 0 nothing is radiated.
+
     Raises
     ------
     ValueError
-        `pressure` outside the table, or a table with fewer than four temperatures.
+        A radiation factor without `emission`; `pressure` outside the table, or a table with fewer than four
+        temperatures.
     """
     pressure = float(positive("chamber_pressure", pressure, "Pa"))
     nodes = gas.pressure.values
@@ -127,6 +135,25 @@ def gas_properties(gas, pressure, reference_temperature):
         ),
         low=float(temperature[0]),
         high=float(temperature[-1]),
+        net_emission=_radiation(emission, pressure, float(radiation_factor), fine, step),
+    )
+
+
+def _radiation(emission, pressure, factor, fine, step):
+    """Net emission times `factor` as a table on the fine grid; None for no loss."""
+    if factor == 0.0:
+        return None
+    if emission is None:
+        raise ValueError(f"radiation_factor {factor:g} needs a table of net emission; none was given")
+    temperature, nodes = emission.temperature.values.astype(float), emission.pressure.values
+    within("chamber_pressure", pressure, nodes.min(), nodes.max(), "Pa")
+    table = np.log(emission.net_emission.transpose("pressure", "temperature").values + EMISSION_FLOOR)
+    logarithm = PchipInterpolator(temperature, _at_log_pressure(nodes, table, pressure))
+    inside = np.clip(fine, temperature[0], temperature[-1])
+    values = np.exp(logarithm(inside))
+    slopes = np.where(inside == fine, values * logarithm(inside, 1), 0.0)
+    return HermiteTable(
+        float(fine[0]), float(step), factor * np.maximum(values - EMISSION_FLOOR, 0.0), factor * slopes * step
     )
 
 

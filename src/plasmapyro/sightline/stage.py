@@ -47,7 +47,8 @@ def line_of_sight(
     Returns
     -------
     Dataset
-        Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m].
+        Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m]. The
+        `temperature_error` of the field, if it holds one, is carried along.
 
     Raises
     ------
@@ -84,8 +85,9 @@ def line_of_sight(
         "radial_position": r,
         "temperature": _two(inside["temperature"][-1], chamber, laboratory_temperature, laboratory),
         "pressure": _two(inside["pressure"][-1], chamber, laboratory_pressure, laboratory),
+        "temperature_error": np.zeros(beyond.size),
     }
-    whole = {name: np.concatenate([inside[name], outside[name]]) for name in outside}
+    whole = {name: np.concatenate([inside[name], outside[name]]) for name in inside}
     return _dataset(
         whole,
         angle=float(np.degrees(angle)),
@@ -221,12 +223,17 @@ def _inside(flow, angle, points):
     *_, fine_temperature = along(fine, "temperature")
     nodes = ray.spread(fine, fine_temperature, points=points, surface_length=SURFACE_LENGTH)
     z, r, temperature, pressure = along(nodes, "temperature", "pressure")
+    known = {}
+    if "temperature_error" in flow:
+        # Between the nodes the quadratic can dip below zero where the error falls steeply.
+        known["temperature_error"] = np.maximum(along(nodes, "temperature_error")[2], 0.0)
     return {
         "path_distance": nodes,
         "axial_position": z,
         "radial_position": r,
         "temperature": temperature,
         "pressure": pressure,
+        **known,
     }
 
 
