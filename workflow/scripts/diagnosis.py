@@ -13,7 +13,9 @@ inputs = command.load_inputs(
     Path(paths.variations).parent,
     keys.powers,
 )
-result = command.diagnose_test(paths.test, inputs, without=tuple(keys.without), draws=keys.draws, seed=keys.seed)
+result = command.diagnose_test(
+    paths.test, inputs, without=tuple(keys.without), draws=keys.draws, seed=keys.seed
+)
 command.write_all(
     result,
     Path(snakemake.output.report).parent,
