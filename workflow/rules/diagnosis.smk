@@ -1,3 +1,7 @@
+# What the simulation of each test gets wrong; results/diagnosis/{test}/index.html is the page to read.
+RESULTS += expand("results/diagnosis/{test}/diagnosis.json", test=TESTS)
+
+
 def tests_condition(wildcards):
     """The simulation that a test is compared with."""
     return TESTS[wildcards.test].get("twin", {}).get("condition") or config["diagnosis"]["condition"]

@@ -11,6 +11,7 @@ rule report:
             f"results/experiment/{test}/{instrument}_correction.nc" for test, instrument in CORRECTIONS
         ],
         claims="results/claims.nc",
+        diagnoses=expand("results/diagnosis/{test}/index.html", test=TESTS),
         everything=RESULTS,
     output:
         "results/report.html",
@@ -18,6 +19,7 @@ rule report:
         "results/logs/report.log",
     params:
         tests=[test for test, _ in CORRECTIONS],
+        diagnosed=list(TESTS),
         rules=lambda wildcards: [rule.name for rule in workflow.rules],
         configuration=config,
     script:

@@ -13,8 +13,9 @@ inputs = command.load_inputs(
     Path(paths.variations).parent,
     keys.powers,
 )
-settings = {"without": tuple(keys.without), "draws": keys.draws, "seed": keys.seed}
-result = command.diagnose_test(paths.test, inputs, **settings)
+result = command.diagnose_test(
+    paths.test, inputs, without=tuple(keys.without), draws=keys.draws, seed=keys.seed
+)
 command.write_all(
     result,
     Path(snakemake.output.report).parent,

@@ -22,6 +22,7 @@ page = compose(
     figures,
     io.read(given.claims, "claims"),
     list(zip(keys.tests, corrections, strict=True)),
+    diagnoses=list(zip(keys.diagnosed, map(io.read_text, given.diagnoses), strict=True)),
     timings=timings,
     configuration=keys.configuration,
 )

@@ -12,6 +12,7 @@ from plasmapyro.instrument.spectrometer import USABLE, measured_radiance
 SATURATION = 65000.0  # [count]
 UNIFORM = np.sqrt(3)  # half width of a uniform law over its standard deviation
 DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 counts of noise, some ten scans
+PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
 POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
 GROUP_SIGMA = 0.08  # [1] of the strength of a group of lines, cf. `component_uncertainty`
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
@@ -176,7 +177,7 @@ def _spectrometer(test, calibration, library, edges):
         raw_moment=np.stack([time - half / UNIFORM, time + half / UNIFORM], axis=1),
         raw_bin=np.where(index >= 0, renumber[index], -1),
         raw_clean=np.isfinite(raw),
-        pattern=np.maximum(pattern, 1e-4) / np.sqrt(in_bin),
+        pattern=PATTERN_MARGIN * np.maximum(pattern, 1e-4) / np.sqrt(in_bin),
         dark=np.full(centres.size, DARK_COUNTS) * binned_factor / np.sqrt(in_bin),
     )
 

@@ -14,6 +14,7 @@ ROUNDS = 3
 LEVELS = 6  # groups of samples by signal, per channel
 LARGEST_MEMORY = 0.9  # autocorrelation of neighbours that is believed
 LEAST_MEMORY = 0.04  # smaller ones count as none
+FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
 FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
 START_CONSTANT = 0.05  # [1] and of the gas
@@ -295,7 +296,7 @@ def on_bins(model_noise, instrument, prediction):
     # Variance of the mean of n samples with geometric memory (exact).
     n = mean_samples
     shared = (1 + memory) / (1 - memory) - 2 * memory * (1 - memory**n) / (n * (1 - memory) ** 2)
-    flicker = model_noise.flicker / n * shared
+    flicker = FLICKER_MARGIN * model_noise.flicker / n * shared
     return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker)
 
 
