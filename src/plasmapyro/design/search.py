@@ -8,7 +8,7 @@ from scipy.optimize import differential_evolution
 STRAYED = 10.0  # [1], score of a design without any signal
 
 
-def optimise(score, bands, wavelength_range, width_range, *, seed, population, generations):
+def optimise(score, bands, wavelength_range, width_range, *, seed, population, generations, start=None):
     """Centres and widths with the smallest score, by differential evolution.
 
     Parameters
@@ -21,6 +21,8 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
         Same seed, same design.
     population, generations : int
         Population per unknown, most generations.
+    start : (centre (N,), fwhm (N,)) [m], optional
+        A design to begin with besides the random ones; the result is never worse.
 
     Returns
     -------
@@ -40,6 +42,11 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
         result = score(np.take_along_axis(centre, order, 1), np.take_along_axis(fwhm, order, 1))
         return np.where(np.isfinite(result), result, STRAYED)
 
+    def fold(centre, fwhm):
+        room = np.diff(wavelength_range)[0] - fwhm
+        place = (centre - fwhm / 2 - wavelength_range[0]) / room
+        return np.clip(np.concatenate([place, np.log(fwhm / low) / np.log(high / low)]), 0.0, 1.0)
+
     found = differential_evolution(
         values,
         [(0.0, 1.0)] * (2 * bands),
@@ -50,6 +57,7 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
         polish=False,
         updating="deferred",
         vectorized=True,
+        x0=None if start is None else fold(*map(np.asarray, start)),
     )
     centre, fwhm = (row[0] for row in unfold(found.x[:, None]))
     order = np.argsort(centre)

@@ -304,10 +304,23 @@ def _searched(bench, judge, settings):
                     reach,
                     width,
                     **settings["search"],
+                    start=_best_boxes(bench, detector, value_of, settings) if bands == 2 else None,
                 )
                 name = f"{bands}-band {kind}, {detector}, {shape}"
                 found.append(_entry(name, kind, detector, shape, centre, fwhm, value))
     return found
+
+
+def _best_boxes(bench, detector, value_of, settings):
+    """Centre and fwhm (2,) [m] of the best pair of boxes on the coarse grid; None if none fits."""
+    centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
+    chosen = search.pairs(centre)
+    if not len(chosen):
+        return None
+    best = chosen[
+        np.argmin(value_of(bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)))
+    ]
+    return centre[best], fwhm[best]
 
 
 def _brute_force(bench, judge, settings, optimum):
