@@ -188,6 +188,7 @@ def test_gradients_are_those_of_the_objective(response, made, which):
     def objective(moved_path, moved_values):
         return data.information(moved_path, moved_values, of).value
 
+    np.testing.assert_allclose(data.state_matrix(path, values, of), information.state_matrix, rtol=1e-12)
     scale = np.abs(information.state_gradient).max(axis=0)
     for sample in range(4):
         for place, step in enumerate((1e-2, 1e-2, 1e-5, 1e-5)):

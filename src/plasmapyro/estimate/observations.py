@@ -103,6 +103,20 @@ class PyrometerData:
         surface, gas, _ = self.predict(path, values, of)
         return (self.signal - surface - gas) / self.noise
 
+    def _by_state(self, band, gas, slope):
+        """Derivative (n, 4) of the whitened prediction of a band by the states."""
+        rows = np.zeros((gas.shape[1], SIZE))
+        rows[:, TEMPERATURE] = slope[band] / self.noise[band]
+        rows[:, GAS] = rows[:, FLICKER] = gas[band] / self.noise[band]
+        return rows
+
+    def state_matrix(self, path, values, of):
+        """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
+        surface, gas, slope = self.predict(path, values, of)
+        weight = robust_weight((self.signal - surface - gas) / self.noise)
+        rows = np.stack([self._by_state(band, gas, slope) for band in (0, 1)])
+        return np.einsum("bn,bni,bnj->nij", weight, rows, rows)
+
     def information(self, path, values, of):
         surface, gas, slope = self.predict(path, values, of)
         residual = (self.signal - surface - gas) / self.noise
@@ -114,9 +128,7 @@ class PyrometerData:
         for band in (0, 1):
             w, r = weight[band], np.nan_to_num(residual[band])
             scale = 1 / self.noise[band]
-            by_state = np.zeros((count, SIZE))
-            by_state[:, TEMPERATURE] = slope[band] * scale
-            by_state[:, GAS] = by_state[:, FLICKER] = gas[band] * scale
+            by_state = self._by_state(band, gas, slope)
             level = values[of("gas_signal")[band]]
             columns = {
                 of("log_emittance")[0]: surface[band],
@@ -196,6 +208,24 @@ class SpectrometerData:
         white = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         return np.where(np.isfinite(self.radiance), white, np.nan)
 
+    def _by_state(self, gas, slope):
+        """Derivative (S, C, 4) of the prediction by the states."""
+        rows = np.zeros((*gas.shape, SIZE))
+        rows[:, :, TEMPERATURE] = slope
+        rows[:, :, RATE] = slope * self.offset[:, None]
+        rows[:, :, GAS] = gas
+        return rows
+
+    def state_matrix(self, path, values, of):
+        """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
+        surface, gas, slope = self.predict(path, values, of)
+        residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
+        weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
+        rows = self._whitened(gas, self._by_state(gas, slope))
+        result = np.zeros((len(path), SIZE, SIZE))
+        np.add.at(result, self.place, np.matmul(np.swapaxes(rows * weight[:, :, None], 1, 2), rows))
+        return result
+
     def information(self, path, values, of):
         surface, gas, slope = self.predict(path, values, of)
         frames, bins = surface.shape
@@ -203,9 +233,7 @@ class SpectrometerData:
         residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
         jacobian = np.zeros((frames, bins, SIZE + size))
-        jacobian[:, :, TEMPERATURE] = slope
-        jacobian[:, :, RATE] = slope * self.offset[:, None]
-        jacobian[:, :, GAS] = gas
+        jacobian[:, :, :SIZE] = self._by_state(gas, slope)
         jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
         jacobian[:, :, SIZE + of("scale_error")[0]] = surface
         jacobian[:, :, SIZE + of("source_error")[0]] = -self.source_slope * surface

@@ -5,7 +5,7 @@ import xarray as xr
 
 from plasmapyro.estimate import prepare
 from plasmapyro.estimate.dynamics import GAS, TEMPERATURE, Dynamics
-from plasmapyro.estimate.smoother import Chain, fit, spread_of
+from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
 from plasmapyro.experiment import inputs, status
 from plasmapyro.experiment.stage import CARRIED, calibrated_radiance
 from plasmapyro.forward.stage import BANDS, forward_model
@@ -150,6 +150,7 @@ def estimate(
     # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
     observations = [prepare.rescaled(one, found, fixed) for one in observations]
     found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
+    found = marginalised(chain, observations, fixed, found)
     if not found.converged:
         raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
     spread = spread_of(chain, observations, fixed, found)

@@ -1,0 +1,138 @@
+"""Constants of the largest marginal density, against the exact evidence of a linear Gaussian model."""
+
+import dataclasses
+import types
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+from scipy.stats import multivariate_normal, norm
+
+from plasmapyro.estimate.banded import Factor
+from plasmapyro.estimate.dynamics import SIZE, TEMPERATURE, Dynamics
+from plasmapyro.estimate.observations import Information, constants
+from plasmapyro.estimate.smoother import Chain, Fit, fit, marginalised
+
+TIME = np.linspace(0.0, 20.0, 60)
+QUIET = 25.0  # [K2 s-3]
+START, RATE_START = 40.0, 20.0  # [K], [K/s] standard deviations of the first state, mean 0
+NOISE = 2.0
+PRIOR = 0.05  # standard deviation of the logarithm of the gain
+DYNAMICS = Dynamics(QUIET, 1e-12, 1.0, 0.0, 1e-4, 1e-3, 0.01, 0.3)
+
+
+@dataclasses.dataclass(frozen=True)
+class Scaled:
+    """Signal = e^theta T^power + noise: the smaller T, the cheaper its path, and theta makes good for it."""
+
+    signal: np.ndarray
+    power: int = 1
+    noise: float = NOISE
+    table = types.SimpleNamespace(temperatures=(-1e6, 1e6))
+
+    def slope(self, path, values):
+        """Whitened, by the temperature."""
+        return np.exp(values[0]) * self.power * path[:, TEMPERATURE] ** (self.power - 1) / self.noise
+
+    def residual(self, path, values, of):
+        return (self.signal - np.exp(values[0]) * path[:, TEMPERATURE] ** self.power) / self.noise
+
+    def state_matrix(self, path, values, of):
+        matrix = np.zeros((len(path), SIZE, SIZE))
+        matrix[:, TEMPERATURE, TEMPERATURE] = self.slope(path, values) ** 2
+        return matrix
+
+    def information(self, path, values, of):
+        slope, rest = self.slope(path, values), self.residual(path, values, of)
+        by_constant = np.exp(values[0]) * path[:, TEMPERATURE] ** self.power / self.noise
+        gradient, border = np.zeros((len(path), SIZE)), np.zeros((len(path), SIZE, 1))
+        gradient[:, TEMPERATURE] = -slope * rest
+        border[:, TEMPERATURE, 0] = slope * by_constant
+        return Information(
+            0.5 * rest @ rest,
+            gradient,
+            self.state_matrix(path, values, of),
+            border,
+            np.array([[by_constant @ by_constant]]),
+            np.array([-by_constant @ rest]),
+        )
+
+
+def covariance():
+    """Of an integrated Wiener process with a random start, closed form."""
+    first, last = np.minimum.outer(TIME, TIME), np.maximum.outer(TIME, TIME)
+    walk = QUIET * first**2 * (3 * last - first) / 6
+    return START**2 + RATE_START**2 * first * last + walk
+
+
+def most_probable(signal):
+    """Logarithm of the gain of the largest exact posterior density, the path integrated out."""
+    prior = covariance()
+
+    def cost(value):
+        whole = np.exp(2 * value) * prior + NOISE**2 * np.eye(TIME.size)
+        return -multivariate_normal(None, whole).logpdf(signal) - norm(0, PRIOR).logpdf(value)
+
+    return minimize_scalar(cost, bounds=(-0.5, 0.5), method="bounded", options={"xatol": 1e-6}).x
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_gain_is_that_of_the_exact_evidence(seed):
+    random = np.random.default_rng(seed)
+    truth = random.multivariate_normal(np.zeros(TIME.size), covariance())
+    signal = truth + NOISE * random.standard_normal(TIME.size)
+    spread = np.diag([START**2, RATE_START**2, 1e-6, 1e-4])
+    chain, data, gain = (
+        Chain(TIME, (), -1.0, np.zeros(4), spread),
+        [Scaled(signal)],
+        constants("gain", 0, PRIOR),
+    )
+    start = np.zeros((TIME.size, SIZE))
+    start[:, TEMPERATURE] = signal
+    joint = fit(chain, data, gain, DYNAMICS, start, np.zeros(1), 0)
+    found, exact = marginalised(chain, data, gain, joint), most_probable(signal)
+    # What the correction leaves out is of the second order in the shift, itself at most one deviation.
+    assert found.converged
+    assert found.values[0] == pytest.approx(exact, abs=0.03 * PRIOR)
+    assert joint.values[0] - exact > 0.3 * PRIOR
+
+
+def test_the_path_belongs_to_the_constants_found():
+    signal = 30 * np.sin(TIME / 3)
+    spread = np.diag([START**2, RATE_START**2, 1e-6, 1e-4])
+    chain, gain = Chain(TIME, (), -1.0, np.zeros(4), spread), constants("gain", 0, PRIOR)
+    begin = Fit(np.zeros((TIME.size, SIZE)), np.zeros(1), DYNAMICS, 0, True)
+    joint = fit(chain, [Scaled(signal)], gain, DYNAMICS, begin.path, begin.values, 0)
+    found = marginalised(chain, [Scaled(signal)], gain, joint)
+    whole = np.exp(2 * found.values[0]) * covariance() + NOISE**2 * np.eye(TIME.size)
+    expected = np.exp(found.values[0]) * covariance() @ np.linalg.solve(whole, signal)
+    np.testing.assert_allclose(found.path[:, TEMPERATURE], expected, atol=0.02 * NOISE)
+
+
+def test_a_curved_signal_counts_its_change_of_slope():
+    """With a signal as T^3 the information changes with the path too: against the profile of the density."""
+    random = np.random.default_rng(4)
+    truth = 30 + 8 * np.sin(TIME / 2)
+    data = [Scaled(truth**3 * np.exp(-0.03) + 3e3 * random.standard_normal(TIME.size), 3, 3e3)]
+    spread = np.diag([START**2, RATE_START**2, 1e-6, 1e-4])
+    chain = Chain(TIME, (), -1.0, np.zeros(4), spread)
+    start = np.zeros((TIME.size, SIZE))
+    start[:, TEMPERATURE] = truth
+
+    def density(value):
+        held = constants("gain", value, 1e-9)
+        path = fit(chain, data, held, DYNAMICS, start, held.mean.copy(), 0).path
+        prior = chain.prior(DYNAMICS)
+        diagonal, below = prior.blocks()
+        value = np.array([value])
+        rest = data[0].residual(path, value, None)
+        determinant = Factor(diagonal + data[0].state_matrix(path, value, None), below).log_determinant()
+        own = 0.5 * (value[0] / PRIOR) ** 2
+        return 0.5 * rest @ rest + prior.value_and_gradient(path)[0] + 0.5 * determinant + own
+
+    gain = constants("gain", 0, PRIOR)
+    joint = fit(chain, data, gain, DYNAMICS, start, np.zeros(1), 0)
+    found = marginalised(chain, data, gain, joint)
+    best = minimize_scalar(density, bounds=(-0.2, 0.2), method="bounded", options={"xatol": 1e-5}).x
+    assert found.values[0] == pytest.approx(best, abs=0.03 * PRIOR)
+    assert abs(joint.values[0] - best) > 0.3 * PRIOR
