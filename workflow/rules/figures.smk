@@ -35,12 +35,6 @@ FIGURES = [
             "fig7b_relative_error",
             "fig7c_error_map",
             "fig7d_transient",
-            "design_bands",
-            "design_trade_off",
-            "design_error_maps",
-            "design_shelf",
-            "reflecting_samples",
-            "trust",
         ]
     ),
     *drawn(
@@ -48,6 +42,12 @@ FIGURES = [
             "fig4a_temperature_field",
             "flow_convergence",
             "flow_balances",
+            "design_bands",
+            "design_trade_off",
+            "design_error_maps",
+            "design_shelf",
+            "reflecting_samples",
+            "trust",
             *[f"flow_{condition}" for condition in COMPUTED],
         ]
         if COMPUTED
@@ -212,7 +212,7 @@ rule figures_design:
         "results/logs/figures_design.log",
     params:
         field_condition=config["figures"]["field_condition"],
-        shown=list(CONDITIONS)[:: max(1, len(CONDITIONS) // 3)],
+        shown=COMPUTED[:: max(1, len(COMPUTED) // 3)],
     script:
         "../scripts/figures_design.py"
 

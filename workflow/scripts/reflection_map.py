@@ -7,10 +7,11 @@ from plasmapyro.analysis.stage import reflection_map
 
 io.log_to(snakemake.log[0])
 keys = snakemake.params
+spectra = io.read(snakemake.input.spectra, "gas_spectra")
 start, stop, step = keys.object_temperature_k
 result = reflection_map(
-    io.read(snakemake.input.gas, "gas_signal"),
-    io.read(snakemake.input.spectra, "gas_spectra"),
+    io.read(snakemake.input.gas, "gas_signal").sel(condition=spectra.condition.values),
+    spectra,
     io.read(snakemake.input.response, "response"),
     io.read(snakemake.input.curve, "ratio_curve"),
     object_temperature=np.arange(start, stop + step / 2, step),
