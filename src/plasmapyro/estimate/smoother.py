@@ -129,9 +129,14 @@ def _slope_of_determinant(chain, observations, prior_constants, found):
         return 0.5 * np.einsum("kij,kji->k", own, matrix)
 
     slope = np.zeros(size)
+    # A surface as cold as the tables begin gives no signal: there a step inwards tells as much.
+    coldest, hottest = observations[0].table.temperatures
+    middle = found.path.copy()
+    step = STATE_STEPS[TEMPERATURE]
+    middle[:, TEMPERATURE] = np.clip(middle[:, TEMPERATURE], coldest + step, hottest - step)
     for place, step in enumerate(STATE_STEPS):
         move = step * np.eye(SIZE)[place]
-        change = each(found.path + move, found.values) - each(found.path - move, found.values)
+        change = each(middle + move, found.values) - each(middle - move, found.values)
         slope -= (change / (2 * step)) @ effect[:, place]
     for place, step in enumerate(CONSTANT_STEP * prior_constants.deviation):
         move = step * np.eye(size)[place]
