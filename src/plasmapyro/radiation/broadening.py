@@ -13,7 +13,7 @@ from plasmapyro.constants import (
     RYDBERG,
     VACUUM_PERMITTIVITY,
 )
-from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE
+from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE, once
 
 COULOMB_SQUARE = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY)  # e^2/(4 pi eps0) [J m]
 CLASSICAL_RADIUS = COULOMB_SQUARE / (ELECTRON_MASS * LIGHT_SPEED**2)  # of the electron [m]
@@ -189,7 +189,7 @@ def lorentz_hwhm(
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
     hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
     natural, stark, neutral, resonance = (
-        _once(values)
+        once(values)
         for values in (lines.natural_hwhm, lines.stark_hwhm, lines.van_der_waals_hwhm, lines.resonance_hwhm)
     )
     width = natural
@@ -200,8 +200,3 @@ def lorentz_hwhm(
     if resonance.any():
         width = width + resonance * own_density
     return np.broadcast_to(width, len(lines))
-
-
-def _once(values):
-    """One element of an array that repeats a number (see `LineList`), else the array."""
-    return values[:1] if values.strides == (0,) else values

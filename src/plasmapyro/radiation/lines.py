@@ -136,3 +136,8 @@ class LineList:
         """Return the list of the lines where `keep` (boolean or index array over the lines) says so."""
         parts = {field.name: getattr(self, field.name) for field in fields(self)}
         return LineList(**{name: value[keep] if name in _NUMBERS else value for name, value in parts.items()})
+
+
+def once(values):
+    """One element of an array that repeats a number (see `LineList`), else the array."""
+    return values[:1] if values.strides == (0,) else values

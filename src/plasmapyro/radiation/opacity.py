@@ -9,18 +9,29 @@ from scipy.sparse import csr_array
 from plasmapyro.checks import non_negative, positive
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.radiation.grid import points_for
-from plasmapyro.radiation.lines import LineList
+from plasmapyro.radiation.lines import LineList, once
+from plasmapyro.radiation.sharp import (
+    COARSENING,
+    CROSSING,
+    KAISER_POINTS,
+    WINDOW,
+    SharpLines,
+    broad_share,
+    kaiser,
+    kaiser_transform,
+    sharp_lines,
+    sharp_part,
+)
 
 SPLINE_DEGREE = 5  # of the B-spline that puts a line between grid points
 PADDING = 0.15  # [1], of the grid; periodic images of lines stay at least half of it outside the grid
-COARSENINGS = (1, 2, 4, 8, 16, 32)  # of the grid that places lines of great Lorentz width
-COARSE_WIDTH = 6.0  # coarse grid steps in the least Lorentz width placed there; 1e-9 of the peak
+FEW_LINES = 4.0  # [1], windows of sharp parts over the grid; more lines are cheaper by spreading alone
 EQUAL_WIDTHS = 0.01  # [1]; where the widths of many lines differ by less, all take the middle one
 BATCH = 2  # Fourier transforms taken together: a processor's vector holds them, the cache not many more
-FEW_LINES = 0.05  # [1], of the grid points; fewer leave most points of the grid untouched
 FAR_CELLS = 512  # of the axis on which far wings are smooth
-FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; strengths are gathered so for their far wings
-FAR_LEAST = 1e-3  # [1]; nearer by, the far correction keeps its value at this distance, to 1e-6
+FAR_BIN = 1e-3  # [1], of the logarithm of the wavenumber; strengths are gathered so for their far wings, and
+# nearer by than that the far correction keeps its value at this distance, to 1e-6
+FAR_SHARE = 2e-3  # [1], of the padded grid, the widest bin; periodic images lie half of `PADDING` off
 SMALLEST_SIGMA_STEPS = 1.0  # Doppler sigma in grid steps; a profile keeps 99.8 % of its Fourier content
 NODE_SCALE = 3.0  # Doppler sigmas; Lorentz widths below are spaced evenly, above geometrically
 LEAST_SEPARATION = 1e-6  # [1], Doppler sigmas between two nodes; their difference keeps ten digits
@@ -87,29 +98,31 @@ def line_emission(lines, upper_population):
 
 @dataclass(frozen=True)
 class Spreader:
-    """A line list on one grid: B-spline weights (points, lines), their frequencies, and far wings.
+    """A line list on one grid: weights (P, lines), their frequencies, sharp parts, and far wings.
 
-    `weights`, the points of the padded grid `touched` by them and `deconvolution` hold one array for each of
-    the first `COARSENINGS`. `rate` (Q,) [1] is the angular frequency of the transforms, `wavelength` (P,) [m]
-    that of the padded grid. Far wings: gathering of the padded grid (B, P) and of the lines `outside` it
-    (C, outside) into bins, and the kernel from all bins to the far axis (F, B + C), which holds every
-    `far_cell`-th point of the grid.
+    B-splines place lines on the padded grid; where lines are few, Kaiser-Bessel kernels place them on a
+    coarse one that takes their broad parts alone, and `sharp` holds the rest. `rate` (Q,) [1] is the angular
+    frequency of the transforms, `deconvolution` (Q,) [1] what they are multiplied by for the kernels,
+    `wavelength` (P,) [m] that of the points which take the lines, `blur` [1] the least width these resolve.
+    Far wings: gathering of the padded grid (B, P) and of the lines `outside` it (C, outside) into bins, and
+    the kernel from all bins to the far axis (F, B + C), which holds every `far_cell`-th point of the grid.
     """
 
     lines: LineList
     first: int
     points: int
-    touched: tuple
-    weights: tuple
+    length: int
+    weights: csr_array
     rate: np.ndarray
-    deconvolution: tuple
+    deconvolution: np.ndarray
     wavelength: np.ndarray
+    blur: float
+    sharp: SharpLines | None
     outside: np.ndarray
     far_inside: csr_array
     far_outside: csr_array
     far_kernel: np.ndarray
     far_cell: int
-    step: float
 
 
 def prepare(lines, grid):
@@ -136,67 +149,71 @@ def prepare(lines, grid):
     Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
     Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
     """
-    coarsest = COARSENINGS[-1]
-    length = coarsest * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / coarsest)), real=True)
+    length = COARSENING * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / COARSENING)), real=True)
     first = (length - len(grid)) // 2
     position = np.log(lines.wavenumber / grid.wavenumber[0])
     place = position / grid.step + first
-    inside = (place >= SPLINE_DEGREE) & (place <= length - 1 - SPLINE_DEGREE)
+    inside = (place >= 0) & (place <= length - 1)
     if not inside.any():
         raise ValueError(
             f"no line of {lines.component} within {1 / grid.wavenumber[-1]:g}-{1 / grid.wavenumber[0]:g} m"
         )
-    frequency = rfftfreq(length)
-    few = len(lines) < FEW_LINES * length
-    touched, weights, deconvolution = [], [], []
-    for factor in COARSENINGS if few else COARSENINGS[:1]:
-        matrix = _spline_weights(place / factor, inside, length // factor)
-        touched.append(np.flatnonzero(np.diff(matrix.indptr)) if few else slice(None))
-        weights.append(matrix[touched[-1]])
-        known = frequency[: length // factor // 2 + 1] * factor
-        deconvolution.append(np.sinc(known) ** -(SPLINE_DEGREE + 1) / grid.step)
-    padded = (np.arange(length) - first) * grid.step
+    few = np.count_nonzero(inside) * WINDOW <= FEW_LINES * length
+    factor = COARSENING if few else 1
+    phase = 2 * np.pi * rfftfreq(length // factor)  # angular frequency times step of the grid that takes them
+    if few:
+        weights = _grid_weights(place / factor, inside, length // factor, KAISER_POINTS, kaiser)
+        deconvolution = broad_share(phase) / kaiser_transform(phase)
+    else:
+        weights = _grid_weights(place, inside, length, SPLINE_DEGREE + 1, _cardinal_spline)
+        deconvolution = np.sinc(phase / (2 * np.pi)) ** -(SPLINE_DEGREE + 1)
+    padded = (np.arange(0, length, factor) - first) * grid.step
     return Spreader(
         lines,
         first,
         len(grid),
-        tuple(touched),
-        tuple(weights),
-        2 * np.pi / grid.step * frequency,
-        tuple(deconvolution),
+        length,
+        weights,
+        phase / (factor * grid.step),
+        deconvolution / grid.step,
         np.exp(-padded) / grid.wavenumber[0],
+        factor * grid.step / (CROSSING * np.pi) if few else 0.0,
+        sharp_lines(place - first, len(grid), grid.step) if few else None,
         np.flatnonzero(~inside),
-        *_far_wings(position[~inside], padded, len(grid), first),
-        grid.step,
+        *_far_wings(position[~inside], (first, length, len(grid)), grid.step),
     )
 
 
-def _spline_weights(place, inside, length):
-    """Weights (length, L) of the lines at their places on a periodic grid; none for those outside."""
-    offset = (SPLINE_DEGREE + 1) / 2 - place[inside]
-    start = np.ceil(-offset)
-    values = _cardinal_spline(start + offset, SPLINE_DEGREE)
-    rows = (start.astype(int) + np.arange(SPLINE_DEGREE + 1)[:, None]) % length
+def _grid_weights(place, inside, length, width, kernel):
+    """Weights (length, L) of the lines at their places on a periodic grid; none for those outside.
+
+    `kernel` gives its values at its first `width` points, at a fraction of a step from its edge and on.
+    """
+    start = np.ceil(place[inside] - width / 2)
+    values = kernel(start - place[inside] + width / 2)
+    rows = (start.astype(int) + np.arange(width)[:, None]) % length
     columns = np.broadcast_to(np.flatnonzero(inside), rows.shape)
     return csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(place)))
 
 
-def _far_wings(outside, padded, points, first):
+def _far_wings(outside, sizes, step):
     """Gathering of the padded grid and of the lines outside it, kernel and cell, as in `Spreader`.
 
     Lines on the padded grid need the true wing minus the sum over their periodic images, the others the
-    true wing.
+    true wing. `sizes`: first point of the grid on the padded one, number of points there, and of the grid.
     """
-    step = padded[1] - padded[0]
-    period, cell = len(padded) * step, -(-points // FAR_CELLS)
-    axis = padded[first] + step * cell * np.arange(-(-points // cell) + 1)
-    gather_inside, bins = _far_bins(padded)
-    distance = _far_distance(axis, bins)
+    first, length, points = sizes
+    period, cell = length * step, -(-points // FAR_CELLS)
+    axis = step * cell * np.arange(-(-points // cell) + 1)
+    padded = (np.arange(0, length, COARSENING) + (COARSENING - 1) / 2 - first) * step
+    width = min(FAR_BIN, FAR_SHARE * period)
+    gather_inside, bins = _far_bins(padded, width)
+    distance = _far_distance(axis, bins, width)
     # The far axis lies on the grid: no bin is a period away from it.
     images = np.pi / (period * np.sin(np.pi * distance / period)) ** 2
     kernel = _far_wing(distance) - images
-    gather_outside, bins = _far_bins(outside)
-    kernel = np.hstack([kernel, _far_wing(_far_distance(axis, bins))])
+    gather_outside, bins = _far_bins(outside, width)
+    kernel = np.hstack([kernel, _far_wing(_far_distance(axis, bins, width))])
     return gather_inside, gather_outside, kernel, cell
 
 
@@ -204,32 +221,27 @@ def _far_wing(distance):
     return 1 / (4 * np.pi * np.sinh(distance / 2) ** 2)
 
 
-def _far_distance(axis, bins):
+def _far_distance(axis, bins, least):
     distance = axis[:, None] - bins
-    return np.where(np.abs(distance) < FAR_LEAST, FAR_LEAST, distance)
+    return np.where(np.abs(distance) < least, least, distance)
 
 
-def _far_bins(position):
-    """Gathering of positions into bins, linearly (bins, P), and the places of the bins."""
+def _far_bins(position, width):
+    """Gathering of positions into bins, linearly (bins, P), and the places of the bins that take any."""
     if not len(position):
         return csr_array((0, 0)), np.zeros(0)
-    low = position.min() - FAR_BIN
-    place = (position - low) / FAR_BIN
+    place = (position - position.min()) / width
     below, column = place.astype(int), np.arange(len(position))
-    gather = csr_array(
-        (
-            np.concatenate([1 - (place - below), place - below]),
-            (np.concatenate([below, below + 1]), np.concatenate([column, column])),
-        ),
-        shape=(below.max() + 2, len(position)),
-    )
-    return gather, low + FAR_BIN * np.arange(gather.shape[0])
+    share = np.concatenate([1 - (place - below), place - below])
+    bins, row = np.unique(np.concatenate([below, below + 1]), return_inverse=True)
+    gather = csr_array((share, (row, np.tile(column, 2))), shape=(len(bins), len(position)))
+    return gather, position.min() + width * bins
 
 
-def _cardinal_spline(fraction, degree):
-    """Cardinal B-spline of `degree` (support 0..degree+1) at fraction + 0, 1, ..., degree: (degree+1, L)."""
+def _cardinal_spline(fraction):
+    """Cardinal B-spline (support 0..degree+1) at fraction + 0, 1, ..., degree: (degree+1, L)."""
     values = np.ones((1, len(fraction)))
-    for k in range(1, degree + 1):
+    for k in range(1, SPLINE_DEGREE + 1):
         place = fraction + np.arange(k + 1)[:, None]
         here = np.vstack([values, np.zeros_like(fraction)])
         before = np.vstack([np.zeros_like(fraction), values])
@@ -254,13 +266,13 @@ def require_resolution(grid, sigma, what):
         )
 
 
-def _width_nodes(width, sigma):
+def _width_nodes(width, scale):
     """Chebyshev nodes of the Lorentz widths and each width's interpolation weights: (K,), (K, L)."""
-    low, high = _on_width_scale((width.min(), width.max()), sigma)
+    low, high = _on_width_scale((width.min(), width.max()), scale)
     count = int(np.ceil(NODES_AT_LEAST + NODES_PER_RANGE * (high - low)))
     angle = np.pi * (2 * np.arange(count) + 1) / (2 * count)
     nodes = (low + high) / 2 + (high - low) / 2 * np.cos(angle)
-    distance = np.arcsinh(width / (NODE_SCALE * sigma)) - nodes[:, None]
+    distance = _on_width_scale(width, scale) - nodes[:, None]
     on_node = distance == 0
     hit = on_node.any()
     if hit:
@@ -269,16 +281,16 @@ def _width_nodes(width, sigma):
     if hit:
         share = np.where(on_node.any(axis=0), on_node, share)
     share /= share.sum(axis=0)
-    return NODE_SCALE * sigma * np.sinh(nodes), share
+    return scale * np.sinh(nodes), share
 
 
-def _on_width_scale(width, sigma):
+def _on_width_scale(width, scale):
     """Lorentz widths on the scale of the nodes."""
-    return np.arcsinh(np.array(width) / (NODE_SCALE * sigma))
+    return np.arcsinh(np.asarray(width) / scale)
 
 
-def _narrow_transform(spreader, placed, widths, sigma):
-    """Transform of lines whose widths lie close together, without their Doppler profile (Q,).
+def _narrow_transform(spreader, placed, widths, common, sigma):
+    """Transform of lines whose widths lie close together (Q,), times the factor `common` to all.
 
     Between two nodes the decay is linear in the width, so strength and strength times width suffice: the
     rows of `placed` (2, P), which is overwritten.
@@ -291,48 +303,34 @@ def _narrow_transform(spreader, placed, widths, sigma):
     np.exp(decay, out=decay)
     np.exp(slope, out=slope)
     slope -= decay
-    slope /= upper - lower
+    slope *= common / (upper - lower)
+    decay *= common
     by_width *= slope
     slope *= lower
     decay -= slope
     transform *= decay
     transform += by_width
-    transform *= spreader.deconvolution[0]
     return transform
 
 
-def _place(spreader, level, strength, placed):
-    """Strengths (L,) into a padded grid of one coarsening, empty or held by the same lines."""
-    placed[spreader.touched[level]] = spreader.weights[level] @ strength
-
-
-def _wide_transform(spreader, strength, relative, sigma, placed=None):
-    """Transform of lines of any widths, without their Doppler profile (Q,).
+def _wide_transform(spreader, strength, relative, common, scale, placed=None):
+    """Transform of lines of any widths (Q,), times the factor `common` to all.
 
     `relative` are the widths of the lines, or those at the points of the grid if the strengths are `placed`.
     """
-    nodes, share = _width_nodes(relative, sigma)
-    limits = np.array(COARSENINGS[1 : len(spreader.weights)]) * COARSE_WIDTH * spreader.step
-    coarse = np.searchsorted(limits, nodes)
+    nodes, share = _width_nodes(relative, scale)
     transform = np.zeros(len(spreader.rate), dtype=complex)
-    for level in np.unique(coarse):
-        deconvolution = spreader.deconvolution[level]
-        here, rate = np.flatnonzero(coarse == level), spreader.rate[: len(deconvolution)]
-        # Kept from batch to batch: lines touch the same points in all, and clean memory is dear.
-        parts = np.zeros((min(BATCH, len(here)), len(spreader.wavelength) // COARSENINGS[level]))
-        total, decay = np.zeros(len(deconvolution), dtype=complex), np.empty(len(deconvolution))
-        for first in range(0, len(here), BATCH):
-            batch = here[first : first + BATCH]
-            if placed is None:
-                for part, weight in zip(parts, share[batch], strict=False):
-                    _place(spreader, level, strength * weight, part)
-            else:
-                np.multiply(share[batch], placed, out=parts[: len(batch)])
-            for node, part in zip(nodes[batch], rfft(parts[: len(batch)]), strict=True):
-                part *= np.exp(np.multiply(rate, -node, out=decay), out=decay)
-                total += part
-        total *= deconvolution
-        transform[: len(rate)] += total
+    decay = np.empty(len(spreader.rate))
+    for first in range(0, len(nodes), BATCH):
+        batch = slice(first, first + BATCH)
+        if placed is None:
+            parts = np.array([spreader.weights @ (strength * weight) for weight in share[batch]])
+        else:
+            parts = share[batch] * placed
+        for node, part in zip(nodes[batch], rfft(parts), strict=True):
+            part *= np.exp(np.multiply(spreader.rate, -node, out=decay), out=decay)
+            transform += part
+    transform *= common
     return transform
 
 
@@ -346,10 +344,11 @@ def spread(spreader, strength, hwhm, sigma):
     with far wings :math:`\delta_l / 4\pi \sinh^2 (x - x_l)/2`, those of a Lorentz profile in wavenumber.
 
     Lines enter the Fourier transform through B-splines, which are divided out; lines of different
-    Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width; great
-    widths leave only low frequencies and take a coarser grid. Where all lines have one width in wavenumber,
-    as in a band, the relative width is taken from the place on the grid. No wing
-    is cut; what the periodicity of the transform adds to the far wings is taken off on a coarse axis.
+    Lorentz width share a few transforms by interpolation between Chebyshev nodes of the width. Where all
+    lines have one width in wavenumber, as in a band, the relative width is taken from the place on the grid.
+    Few lines take a coarse grid for the low frequencies, and the exact transform of each for the high ones,
+    which fade within a short window. No wing is cut; what the periodicity of the transform adds to the far
+    wings is taken off on a coarse axis.
 
     Parameters
     ----------
@@ -370,35 +369,42 @@ def spread(spreader, strength, hwhm, sigma):
     -----
     Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`.
     """
-    low, high = hwhm.min(), hwhm.max()
+    distinct = once(hwhm)
+    low, high = distinct.min(), distinct.max()
     alike = high - low <= EQUAL_WIDTHS * high
+    few = spreader.sharp is not None
+    widths = hwhm / spreader.lines.wavenumber if few or not alike else None
     # Strength, and strength times relative width; of many lines with one width that follows the place on the
     # grid, to the few steps that a B-spline covers.
-    placed = np.zeros((2, len(spreader.wavelength)))
-    _place(spreader, 0, strength, placed[0])
+    placed = np.empty((2, len(spreader.wavelength)))
+    placed[0] = spreader.weights @ strength
     if alike:
         relative = (low + high) / 2 * spreader.wavelength
         np.multiply(placed[0], relative, out=placed[1])
     else:
-        relative = hwhm / spreader.lines.wavenumber
-        _place(spreader, 0, strength * relative, placed[1])
-    far = _far_correction(spreader, placed[1], strength, hwhm)
-    widths = relative.min(), relative.max()
-    if np.ptp(_on_width_scale(widths, sigma)) < NARROW_RANGE:
-        transform = _narrow_transform(spreader, placed, widths, sigma)
+        relative = widths
+        placed[1] = spreader.weights @ (strength * relative)
+    total = _far_correction(spreader, placed[1], strength, hwhm)
+    common = np.square(spreader.rate)
+    common *= -(sigma**2) / 2
+    np.exp(common, out=common)
+    common *= spreader.deconvolution
+    ends, scale = (relative.min(), relative.max()), NODE_SCALE * np.hypot(sigma, spreader.blur)
+    if np.ptp(_on_width_scale(ends, scale)) < NARROW_RANGE:
+        transform = _narrow_transform(spreader, placed, ends, common, sigma)
     else:
-        transform = _wide_transform(spreader, strength, relative, sigma, placed[0] if alike else None)
-    thermal = np.square(spreader.rate)
-    thermal *= -(sigma**2) / 2
-    transform *= np.exp(thermal, out=thermal)
-    profile = irfft(transform, n=len(spreader.wavelength), overwrite_x=True)
-    far += profile[spreader.first : spreader.first + spreader.points]
-    return far
+        transform = _wide_transform(spreader, strength, relative, common, scale, placed[0] if alike else None)
+    profile = irfft(transform, n=spreader.length, overwrite_x=True)
+    total += profile[spreader.first : spreader.first + spreader.points]
+    if few:
+        total += sharp_part(spreader.sharp, strength, widths, sigma)
+    return total
 
 
 def _far_correction(spreader, moment, strength, hwhm):
     """What the far wings lack on the grid (G,), from strength times relative width on the padded grid."""
-    bins, outside = spreader.far_inside @ moment, spreader.outside
+    cells = np.einsum("cp->c", moment.reshape(spreader.far_inside.shape[1], -1))
+    bins, outside = spreader.far_inside @ cells, spreader.outside
     if len(outside):
         product = strength[outside] * hwhm[outside] / spreader.lines.wavenumber[outside]
         bins = np.concatenate([bins, spreader.far_outside @ product])
