@@ -104,8 +104,9 @@ class Spreader:
     coarse one that takes their broad parts alone, and `sharp` holds the rest. `rate` (Q,) [1] is the angular
     frequency of the transforms, `deconvolution` (Q,) [1] what they are multiplied by for the kernels,
     `wavelength` (P,) [m] that of the points which take the lines, `blur` [1] the least width these resolve.
-    Far wings: gathering of the padded grid (B, P) and of the lines `outside` it (C, outside) into bins, and
-    the kernel from all bins to the far axis (F, B + C), which holds every `far_cell`-th point of the grid.
+    Far wings: gathering into bins of the padded grid in coarse steps (B, C) and of the lines `outside` it
+    (D, outside), and the kernel from all bins to the far axis (F, B + D), which holds every `far_cell`-th
+    point of the grid.
     """
 
     lines: LineList
@@ -168,6 +169,7 @@ def prepare(lines, grid):
         weights = _grid_weights(place, inside, length, SPLINE_DEGREE + 1, _cardinal_spline)
         deconvolution = np.sinc(phase / (2 * np.pi)) ** -(SPLINE_DEGREE + 1)
     padded = (np.arange(0, length, factor) - first) * grid.step
+    cells = padded.reshape(-1, COARSENING // factor).mean(axis=1)
     return Spreader(
         lines,
         first,
@@ -180,7 +182,7 @@ def prepare(lines, grid):
         factor * grid.step / (CROSSING * np.pi) if few else 0.0,
         sharp_lines(place - first, len(grid), grid.step) if few else None,
         np.flatnonzero(~inside),
-        *_far_wings(position[~inside], (first, length, len(grid)), grid.step),
+        *_far_wings(position[~inside], cells, length * grid.step, grid),
     )
 
 
@@ -196,18 +198,17 @@ def _grid_weights(place, inside, length, width, kernel):
     return csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(length, len(place)))
 
 
-def _far_wings(outside, sizes, step):
+def _far_wings(outside, cells, period, grid):
     """Gathering of the padded grid and of the lines outside it, kernel and cell, as in `Spreader`.
 
     Lines on the padded grid need the true wing minus the sum over their periodic images, the others the
-    true wing. `sizes`: first point of the grid on the padded one, number of points there, and of the grid.
+    true wing. `cells`: where `COARSENING` points of the padded grid have their middle; all from the grid's
+    first point.
     """
-    first, length, points = sizes
-    period, cell = length * step, -(-points // FAR_CELLS)
-    axis = step * cell * np.arange(-(-points // cell) + 1)
-    padded = (np.arange(0, length, COARSENING) + (COARSENING - 1) / 2 - first) * step
+    cell = -(-len(grid) // FAR_CELLS)
+    axis = grid.step * cell * np.arange(-(-len(grid) // cell) + 1)
     width = min(FAR_BIN, FAR_SHARE * period)
-    gather_inside, bins = _far_bins(padded, width)
+    gather_inside, bins = _far_bins(cells, width)
     distance = _far_distance(axis, bins, width)
     # The far axis lies on the grid: no bin is a period away from it.
     images = np.pi / (period * np.sin(np.pi * distance / period)) ** 2
