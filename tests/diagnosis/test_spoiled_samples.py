@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis import noise, observation
-from plasmapyro.diagnosis.binning import mean_in_bins
+from plasmapyro.diagnosis import binning, noise, observation
 
 SAMPLES, CHANNELS = 200, 60
 
@@ -59,7 +58,7 @@ def test_replaced_samples_leave_time_and_mean_of_their_bin(random):
     hit = np.zeros(raw.shape, dtype=bool)
     hit[3, 0] = True
     clean = noise.without_outliers(one, ramp, hit)
-    assert clean.value == pytest.approx(mean_in_bins(ramp, one.raw_bin, 2)[0])
+    assert clean.value == pytest.approx(binning.mean_in_bins(ramp, one.raw_bin, 2)[0])
     assert clean.number[0].tolist() == [9, 9, 10]
 
 
@@ -77,6 +76,14 @@ def test_what_saturation_leaves_has_no_bias(random):
     error = 0.05 / np.sqrt(kept.size)
     assert abs(kept.mean()) < 4 * error < abs(naive.mean())
     assert lost[saturated].all()
+
+
+def test_no_bin_holds_pixels_from_both_sides_of_a_gap():
+    wavelength = np.delete(np.linspace(750e-9, 1030e-9, 361), slice(101, 160))
+    edges = binning.pixel_edges(wavelength, np.ones(wavelength.size), 0.75e-9)
+    first, last = wavelength[edges[:-1]], wavelength[edges[1:] - 1]
+    assert (last - first).max() < 3e-9
+    assert edges[0] == 0 and edges[-1] == wavelength.size
 
 
 def test_sorted_variances_are_the_clipped_ones(random):
