@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from blind import bench, board, draw, make, run
+from blind import bench, board, calibrate, draw, make, run
 from blind.metric import Metric
 from blind.score import judge_temperature, score
 from invented import DISTANCE, RESPONSE, SPECIES, TEMPERATURE, density, spectra
@@ -161,7 +161,7 @@ class Spy:
 def test_analyser_gets_the_data_and_nothing_else(workbench, tmp_path):
     case = draw.Case("single-x", "single", 11, effects=(("winE", 20.0, 1, {}),))
     spy = Spy()
-    record = run.run_case(case, workbench, [tmp_path] * 4, tmp_path, tmp_path, spy)
+    record = run.run_case(case, workbench, [tmp_path] * draw.LABORATORIES, tmp_path, tmp_path, spy)
     assert record["outcome"] == "failed" and record["reason"] == "only looking"
     assert spy.seen == ["data", "test.nc"]
     assert "winE" not in spy.words and "seed" not in spy.words
@@ -206,6 +206,7 @@ def answer(status, named=(), sets=(), probability=None):
             "named": list(named),
             "set": [list(one) for one in sets],
             "probability": probability or {},
+            "uncalibrated": max((probability or {"none": 1.0}).values()),
         },
         "base": {"adequate": True, "chi2": 10.0, "dof": 10.0},
         "show": {"line_hump": {"closest": "refl"}},
@@ -359,3 +360,29 @@ def test_calibration_files_of_a_laboratory_are_those_a_user_would_make(tmp_path)
         ratios.append(float(calibration.sensitivity_ratio))
     assert len(set(ratios)) == draw.LABORATORIES
     np.testing.assert_allclose(ratios, campaign.Pyrometer().sensitivity_ratio, rtol=0.01)
+
+
+def test_calibration_table_holds_shares_of_right_answers_as_of_the_full_mix():
+    nothing, single = made("null", ()), made()
+    records = [entry("null", (), nothing, answer("null", probability={"none": 0.9})) for _ in range(40)]
+    records += [entry("single", (), single, answer("null", probability={"none": 0.9})) for _ in range(60)]
+    records += [
+        entry("single", (), single, answer("named", [name], [[name]], {name: 0.99}))
+        for name in ["winE"] * 30 + ["clock"] * 30
+    ]
+    rows = {status: calibrate.steps(cases) for status, cases in calibrate.pairs(records).items()}
+    # Nulls count 400/40 each, singles 1150/120: of 975 that are called none, 400 are.
+    assert rows["null"][0][1] == pytest.approx(400 / (400 + 60 * 1150 / 120), abs=0.01)
+    assert sum(size for _, _, size in rows["named"]) == 60
+    assert [right for _, right, _ in rows["named"]] == pytest.approx([0.5] * len(rows["named"]), abs=0.02)
+
+
+def test_staircase_of_right_answers_rises_with_what_is_stated():
+    random = np.random.default_rng(4)
+    stated = random.uniform(0.4, 1.0, 3000)
+    right = random.random(3000) < stated**2
+    rows = calibrate.steps([(s, bool(r), 1.0) for s, r in zip(stated, right, strict=True)])
+    x, y, size = np.array(rows).T
+    assert np.all(np.diff(y) > 0) and size.sum() == 3000
+    # Steps of 30 cases and more, pooled: 0.1 is three standard errors.
+    assert y == pytest.approx(x**2, abs=0.12)

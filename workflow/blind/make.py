@@ -21,6 +21,7 @@ class Made:
     base: bench.Base
     effects: tuple  # of dicts: effect, amplitude, shape, snr
     test: xr.Dataset
+    metric: Metric | None = None  # of the base, if it was needed
 
     def truth(self):
         """What was hidden, for the record."""
@@ -47,13 +48,13 @@ def make(case, workbench):
     if case.kind == "puzzle":
         return _puzzle(case, workbench)
     base = bench.draw_base(case.seed, LABORATORIES)
-    effects = ()
+    effects, metric = (), None
     if case.effects:
         metric = Metric(workbench, base)
         effects = tuple(_sized(metric, *one) for one in case.effects)
     gas, scene = workbench.gas(base), workbench.scene(base)
     test, _ = workbench.record(bench.apply(scene, gas, effects, case.noise), gas, base)
-    return Made(case, base, effects, test)
+    return Made(case, base, effects, test, metric)
 
 
 def _sized(metric, effect, snr, sign, shape):

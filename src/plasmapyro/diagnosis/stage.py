@@ -1,6 +1,6 @@
 """Stage: the diagnosis of one test, from its data to a report, a map of the residuals and temperatures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -10,10 +10,11 @@ from plasmapyro.diagnosis.base import fit_base
 from plasmapyro.diagnosis.build import base_model
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.extension import fragment
-from plasmapyro.diagnosis.gain import gain
+from plasmapyro.diagnosis.gain import cross_condition, gain
 from plasmapyro.diagnosis.inference import free_numbers
 from plasmapyro.diagnosis.kelvin import PaperShift, fitted_shift, paper_temperature
 from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.diagnosis.probability import honest
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
 from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
@@ -58,6 +59,7 @@ def diagnose(
     seed=1,
     provenance=None,
     thresholds=None,
+    others=(),
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -77,6 +79,8 @@ def diagnose(
         Goes into the report.
     thresholds : Thresholds, optional
         Of an alike data set, instead of new ones.
+    others : sequence of (test, variations)
+        Tests with the same instruments, at other conditions, on which the terms are tried.
 
     Returns
     -------
@@ -92,31 +96,44 @@ def diagnose(
         raise ValueError(
             f"exclude must name effects among {', '.join(EFFECTS)}; got {', '.join(sorted(unknown))}"
         )
-    fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
-    condition = str(test.attrs["condition"])
-    library = gas_library(condition, radiation, powers, variations, fwhm=fwhm)
-    model = base_model(test, library, calibration, response, spectrometer_calibration)
-    base = fit_base(model)
+
+    def fitted(test, variations):
+        fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
+        library = gas_library(str(test.attrs["condition"]), radiation, powers, variations, fwhm=fwhm)
+        return fit_base(base_model(test, library, calibration, response, spectrometer_calibration))
+
+    base = fitted(test, variations)
     if variations is None:
         exclude = (*exclude, *NEED_VARIATIONS)
     selector = Selector(base.model, base.fitter, thresholds, exclude, draws, seed)
     selection = selector.run(base.solution)
+    crossed = None
+    if selection.final.settings and others:
+        crossed = sum(_crossed(base, selection.final, fitted(*other)) for other in others)
     curve = None
     if calibration is not None:
         curve = (
             calibration["calibration_temperature"].values,
             calibration["calibration_ratio"].values,
         )
-    return _Report(test, base, selection, selector, curve, provenance or {}).make()
+    return _Report(test, base, selection, selector, curve, provenance or {}, crossed).make()
+
+
+def _crossed(base, final, other):
+    """Log score of another test with the terms of this one."""
+    start = replace(other.solution.state, amplitudes=final.state.amplitudes)
+    with_terms = other.fitter.fit(start, final.settings)
+    sizes = [one.model.size + len(one.model.parameters) for one in (base, other)]
+    return cross_condition(final, other.solution, with_terms, *sizes)
 
 
 class _Report:
     """Puts the pieces together."""
 
-    def __init__(self, test, base, selection, selector, curve, provenance):
+    def __init__(self, test, base, selection, selector, curve, provenance, crossed):
         self.test, self.base, self.selection, self.selector = test, base, selection, selector
         self.model, self.fitter = base.model, base.fitter
-        self.curve, self.provenance = curve, provenance
+        self.curve, self.provenance, self.crossed = curve, provenance, crossed
         self.size = self.model.size + len(self.model.parameters)
         self.window = np.asarray(test.attrs.get("reference_window", (0.0, 6.0)), dtype=float)
         self.paper = PaperShift(self.model, base.solution, self.window, curve)
@@ -129,6 +146,7 @@ class _Report:
         gained = gain(self.model, self.base.solution, final) if final.settings else None
         applied = bool(gained is not None and gained.improves)
         status, why = self._status(final)
+        self.probability, uncalibrated = honest(self._log_weights(first), status)
         candidates = self._candidates(first, final)
         limits = self._limits(first)
         terms = [setting.id for setting in final.settings]
@@ -145,7 +163,6 @@ class _Report:
             for row in pulls
             if row["finding"]
         ]
-        probability = self._probability(first)
         sets = [list(one) for one in self.selection.sets]
         correlation, quantile = show.series(self.model, z_base)
         _, columns = columns_of_candidates(self.model, self.base.solution, self.selector.exclude)
@@ -194,7 +211,8 @@ class _Report:
                 "named": terms,
                 "set": sets,
                 "class": [EFFECTS[identity].klass for identity in terms],
-                "probability": probability,
+                "probability": self.probability,
+                "uncalibrated": uncalibrated,
                 "p_base": p_base,
                 "temperature_shift": shift,
                 "sentences": verdict_sentences(
@@ -325,7 +343,7 @@ class _Report:
     def _candidates(self, first, final):
         """Entries of the terms named, as fitted, and of the others, as linearised."""
         found, gains = first.found, first.gains
-        probability = self._probability(first)
+        probability = self.probability
         evidence = linear_evidence(found)
         own = np.diag(found.information)[: found.count]
         angle = angles(found.information[: found.count, : found.count])
@@ -399,8 +417,8 @@ class _Report:
         ]
         return self.size + rows[0]
 
-    def _probability(self, first):
-        """Probabilities over ids, none and unknown."""
+    def _log_weights(self, first):
+        """Logarithms of the weights of ids, none and unknown."""
         found = first.found
         evidence = linear_evidence(found)
         log = {"none": np.log(PRIOR_NONE)}
@@ -419,10 +437,7 @@ class _Report:
             log["unknown"] = min(log["unknown"], max(log.values()) - 5.0)
         if self.selection.status == "null":
             log["none"] = max(log["none"], max(log.values()) + 1.0)
-        top = max(log.values())
-        weight = {identity: float(np.exp(value - top)) for identity, value in log.items()}
-        total = sum(weight.values())
-        return {identity: value / total for identity, value in weight.items() if value / total > 1e-6}
+        return log
 
     def _limits(self, first):
         found = first.found
@@ -547,9 +562,10 @@ class _Report:
         return {
             "heldout_log_score": gained.total,
             "heldout_standard_error": gained.standard_error,
+            "calibration": gained.calibration,
             "blocks": [{"start": a, "end": b, "difference": d} for a, b, d in gained.blocks],
             "cross_instrument": gained.cross_instrument,
-            "cross_condition": None,
+            "cross_condition": self.crossed,
             "kappa_before": lines(self.base.solution),
             "kappa_after": lines(final),
             "temperature_shift": shift,
@@ -611,11 +627,12 @@ class _Report:
         basis = self.model.history.basis(times)
         size = self.model.size
 
-        def estimate(solution):
+        def estimate(solution, unsure=0.0):
             mean = basis @ solution.state.knots
-            spread = np.sqrt(
-                np.maximum(np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis), 0)
-            )
+            variance = np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis)
+            # What the model leaves of the data beyond their noise is in the interval as well.
+            misfit = max(solution.objective / max(solution.count - self.size, 1), 1.0)
+            spread = np.sqrt(np.maximum(misfit * variance, 0) + unsure**2)
             keep = times >= 0
             return [
                 np.where(keep, values, np.nan)
@@ -623,7 +640,9 @@ class _Report:
             ]
 
         base = estimate(self.base.solution)
-        extended = estimate(final) if applied else base
+        # Terms that the data ask for but held-out data do not confirm: their shift is an uncertainty.
+        shift = basis @ (final.state.knots - self.base.solution.state.knots)
+        extended = estimate(final) if applied else estimate(self.base.solution, shift)
         paper = np.full(times.size, np.nan)
         for one in self.model.instruments:
             if one.kind == "pyrometer" and self.curve is not None:
