@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from blind import bench, board, calibrate, draw, make, run
+from blind import bench, board, calibrate, draw, make, page, run
 from blind.metric import Metric
 from blind.score import judge_temperature, score
 from invented import DISTANCE, RESPONSE, SPECIES, TEMPERATURE, density, spectra
@@ -302,15 +302,18 @@ def test_board_counts_what_happened(tmp_path):
     assert summary["at_least_20"]["exact"]["rate"] == 0.5 and summary["ladder"]["20"]["class"]["rate"] == 0.5
     assert summary["double"]["both_classes"]["rate"] == 1.0 and summary["double"]["both_exact"]["rate"] == 0.0
     assert summary["outside"]["unknown"]["rate"] == 1.0 and summary["puzzle"]["right"]["rate"] == 1.0
-    assert summary["temperature"]["reduction_where_biased"] == pytest.approx(10.0)
+    assert summary["temperature"]["reduction_where_biased"]["value"] == pytest.approx(10.0)
     assert summary["confusion"] == {"winE": {"winE": 1, "phi": 1}}
     assert summary["skipped"] == {"single": 1}
     held = {row["bar"]: row["held"] for row in summary["bars"]}
     assert held["false alarms, right noise"] is False and held["class named, SNR >= 8"] is False
     assert held["sabotaged formula: still named exactly"] is None
-    page = board.text(summary, "Seed `x`.", ["A note."])
-    assert "| false alarms, right noise | 0.25 | <= 0.05 | **missed** |" in page and "A note." in page
-    board.figure(summary, tmp_path / "board.png")
+    told = page.text(summary, "Seed `x`.", ["A note."])
+    assert (
+        "| false alarms, right noise | 0.25 (0.00631 to 0.806) | 4 | <= 0.05 | **missed** |" in told
+        and "A note." in told
+    )
+    page.figure(summary, tmp_path / "board.png")
     assert (tmp_path / "board.png").stat().st_size > 10_000
 
 

@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import xarray as xr
 from twin import campaign
 
-from blind import bench, board
+from blind import bench, board, page
 from blind.draw import KINDS, LABORATORIES, SNR_LADDER, draw, number
 from blind.make import BeyondRange, make
 from blind.metric import Metric
@@ -161,8 +161,8 @@ def publish(out, heading, notes, targets):
     for target in (Path(out) / "scoreboard", *map(Path, targets)):
         target.parent.mkdir(parents=True, exist_ok=True)
         target.with_suffix(".json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-        target.with_suffix(".md").write_text(board.text(summary, heading, notes), encoding="utf-8")
-        board.figure(summary, target.with_suffix(".png"))
+        target.with_suffix(".md").write_text(page.text(summary, heading, notes), encoding="utf-8")
+        page.figure(summary, target.with_suffix(".png"))
     return summary
 
 
