@@ -253,8 +253,8 @@ class _Report:
         status = self.selection.status
         last = self.selection.final
         misfit = last.objective / max(last.count - self.model.size, 1)
-        if not self.base.solution.converged:
-            return "not-adequate", "The base fit did not converge."
+        if not last.converged:
+            return "not-adequate", "The fit did not converge."
         if status == "null" and misfit > LARGEST_MISFIT:
             return (
                 "not-adequate",
