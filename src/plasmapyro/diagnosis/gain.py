@@ -51,7 +51,13 @@ def blocks_of(off):
     )
 
 
-def log_score(model, solution, chosen):
+def normal_matrix(solution):
+    """The matrix whose Cholesky factor a solution holds."""
+    root = np.triu(solution.factor[0])
+    return root.T @ root
+
+
+def log_score(model, solution, chosen, matrix=None):
     r"""Log density of some bins given all others, linearised about the fit.
 
     .. math:: \ln p(y_b | y_{-b}) = -\tfrac12\left[ r'^T (\Sigma_b + J_b M^{-1} J_b^T)^{-1} r'
@@ -66,6 +72,7 @@ def log_score(model, solution, chosen):
     model : Model
     solution : Solution
     chosen : list per instrument of bool (n,)
+    matrix : `normal_matrix` of the solution, optional
 
     Notes
     -----
@@ -80,10 +87,10 @@ def log_score(model, solution, chosen):
     ]
     block, vector = gram(columns, patterns, weighers, residuals)
     chi2 = sum(float(np.sum(r * w(r))) for r, w in zip(residuals, weighers, strict=True))
-    return _held_out(solution, block, vector, chi2)
+    return _held_out(solution, block, vector, chi2, matrix)
 
 
-def calibration_score(model, solution):
+def calibration_score(model, solution, matrix=None):
     """Log density of what the calibrations say given the data of the test, as `log_score`.
 
     The calibrations are measurements like any other: ratio of the bands, source, error of each channel.
@@ -103,13 +110,12 @@ def calibration_score(model, solution):
             own = slice(place, place + one.channels)
             weight[own], off[own] = prior[: one.channels], -pattern
             prior, place = prior[3 * one.channels :], place + 3 * one.channels
-    return _held_out(solution, np.diag(weight), weight * off, float(weight @ off**2))
+    return _held_out(solution, np.diag(weight), weight * off, float(weight @ off**2), matrix)
 
 
-def _held_out(solution, block, vector, chi2):
+def _held_out(solution, block, vector, chi2, matrix=None):
     """Log density of a part of the data with the normal matrix, pull and chi-squared it brings to the fit."""
-    whole = np.triu(solution.factor[0])
-    matrix = whole.T @ whole
+    matrix = normal_matrix(solution) if matrix is None else matrix
     rest = cho_factor(matrix - block + 1e-12 * np.diag(np.diag(matrix)))
     # The whole fit balances: without the block its pull is missing, and the parameters move by -M^-1 g_b.
     moved = -cho_solve(rest, vector)
@@ -117,7 +123,9 @@ def _held_out(solution, block, vector, chi2):
     chi2 = chi2 - 2 * moved @ vector + moved @ block @ moved
     pull = vector - block @ moved
     quadratic = chi2 - pull @ cho_solve(solution.factor, pull)
-    log_determinant = 2 * (np.sum(np.log(np.abs(np.diag(whole)))) - np.sum(np.log(np.abs(np.diag(rest[0])))))
+    log_determinant = 2 * (
+        np.sum(np.log(np.abs(np.diag(solution.factor[0])))) - np.sum(np.log(np.abs(np.diag(rest[0]))))
+    )
     return -0.5 * (quadratic + log_determinant)
 
 
@@ -177,13 +185,17 @@ def gain(model, base, extended):
     Gain
     """
     found = []
+    whole = [normal_matrix(solution) for solution in (extended, base)]
+
+    def difference(function, *about):
+        return float(function(model, extended, *about, whole[0]) - function(model, base, *about, whole[1]))
+
     times = [one.moment.mean(axis=1) for one in model.instruments]
     for start, end in blocks_of(model.off):
         chosen = [(time >= start) & (time < end) for time in times]
         if not any(part.any() for part in chosen):
             continue
-        difference = log_score(model, extended, chosen) - log_score(model, base, chosen)
-        found.append((start, end, float(difference)))
+        found.append((start, end, difference(log_score, chosen)))
     values = np.array([row[2] for row in found])
     spread = float(np.std(values, ddof=1) * np.sqrt(values.size)) if values.size > 1 else float("inf")
     cross = None
@@ -192,6 +204,6 @@ def gain(model, base, extended):
             np.full(time.size, one.kind == "pyrometer")
             for time, one in zip(times, model.instruments, strict=True)
         ]
-        cross = float(log_score(model, extended, chosen) - log_score(model, base, chosen))
-    calibration = float(calibration_score(model, extended) - calibration_score(model, base))
+        cross = difference(log_score, chosen)
+    calibration = difference(calibration_score)
     return Gain(tuple(found), calibration, float(values.sum()) + calibration, spread, cross)
