@@ -15,7 +15,7 @@ WALK_STEPS = 40
 SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 ROUNDING = 1e-5  # [1], relative, added to a singular covariance
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
-LEAST_LEFT = 1e-5  # [1], of the information of a direction that the base parameters must leave
+LEAST_LEFT = 1e-6  # [1], of the information of a direction that the base parameters must leave
 
 
 @dataclass(frozen=True)
@@ -64,15 +64,23 @@ class Screen:
             self.score[: self.count], np.diag(self.information)[: self.count], self.left[: self.count]
         )
 
-    def amplitudes(self):
-        """Best amplitude of each candidate alone."""
+    def linear(self):
+        """Best number of each candidate alone along its column, see `Effect.linear_of`."""
         own = np.diag(self.information)[: self.count]
         return self.score[: self.count] / np.where(own > 0, own, np.inf)
 
+    def amplitudes(self):
+        """Best amplitude of each candidate alone."""
+        return np.array(
+            [EFFECTS[one.id].amplitude_of(x) for one, x in zip(self.candidates, self.linear(), strict=True)]
+        )
+
     def signed_gains(self):
         """As `gains`, but 0 where the best amplitude lies outside what the term allows."""
-        low, high = np.array([EFFECTS[c.id].bounds for c in self.candidates]).T
-        size = self.amplitudes()
+        low, high = np.array(
+            [[EFFECTS[c.id].linear_of(end) for end in EFFECTS[c.id].bounds] for c in self.candidates]
+        ).T
+        size = self.linear()
         # One standard deviation of slack: the linear estimate is not the last word.
         slack = 1 / np.sqrt(np.maximum(np.diag(self.information)[: self.count], 1e-300))
         allowed = (size > low - slack) & (size < high + slack) | (low < 0) & (high > 0)
