@@ -150,7 +150,8 @@ def _list():
         e("wshift", "wavelength scale of the spectrometer", "wavelength scale", "optics", "shift", "nm", 0.3,
           (-3.0, 3.0), SPECTROMETER, ALL, "a line lamp", KNOWN, light=device.wavelength_shift),
         e("lsf", "slit function of the spectrometer", "slit function", "optics", "further standard deviation",
-          "nm", 0.2, (0.0, 1.0), SPECTROMETER, BURNING, "a line lamp", KNOWN, quadratic=True, light=device.wider_slit),
+          "nm", 0.2, (0.0, 1.0), SPECTROMETER, BURNING, "a line lamp", KNOWN, quadratic=True,
+          light=device.wider_slit),
         e("second", "second order of the grating", "stray light", "optics", "share", "1", 0.5, (0.0, 10.0),
           SPECTROMETER, BURNING, "a long-pass filter of 550 nm", KNOWN, light=gas.second_order),
         # the detectors

@@ -19,8 +19,8 @@ class Effect:
     `light(scene, amplitude, **shape)` and `output(output, amplitude, **shape)` return a changed copy;
     `clock(kind, amplitude, shape)` a shift of time [s]. `sigma` is the standard deviation of the prior of the
     amplitude, in `unit`; `shapes` the further numbers at which the effect is looked for; `shape_bounds` where
-    they may move in the fit; `measurement` what would decide whether it is there. `quadratic`: the data change
-    with the square of the amplitude, as with a spread or a width.
+    they may move in the fit; `measurement` what would decide whether it is there. `quadratic`: the data
+    change with the square of the amplitude, as with a spread or a width.
     """
 
     id: str
@@ -58,7 +58,7 @@ class Effect:
         return size if self.bounds[1] > 0 else -size
 
     def amplitude_of(self, linear):
-        r"""Amplitude behind a linear estimate (...) along the secant: :math:`\sqrt{x s}` for the quadratic."""
+        r"""Amplitude behind a linear estimate (...) along the secant; :math:`\sqrt{x s}` if quadratic."""
         if not self.quadratic:
             return linear
         return np.sqrt(np.maximum(linear * self.step, 0.0))

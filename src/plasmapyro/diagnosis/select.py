@@ -245,7 +245,7 @@ class Selector:
         return 0.5 * gained - 5.0 > top_unknown - MARGIN
 
     def _of_formulas(self, steps):
-        """Chi-squared (candidates,) that the inexact formulas of the terms fitted so far may leave to each."""
+        """Chi-squared (candidates,) that inexact formulas of the terms fitted so far may leave to each."""
         found, candidates = steps[0].found, steps[-1].found.candidates
         place = {(one.id, tuple(one.shape.items())): i for i, one in enumerate(found.candidates)}
         here = [place[one.id, tuple(one.shape.items())] for one in candidates]
