@@ -600,7 +600,11 @@ class _Report:
         line = [name for name in self.model.groups if "O I 77" in name]
         hump = [name for name in self.model.groups if "945" in name]
         errors = (error(line[0]) if line else 0.05, error(hump[0]) if hump else 0.05)
-        return show.line_hump(library, (spectrum, errors), show.explanations(library, self.model.emittance))
+        moved = any(
+            row["finding"] for row in self._pulls(self.base.solution) if row["id"].startswith("gain_")
+        )
+        tracks = show.explanations(library, self.model.emittance)
+        return show.line_hump(library, (spectrum, errors), tracks, calibration=moved)
 
     def _angles(self, first):
         found = first.found
