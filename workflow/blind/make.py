@@ -60,11 +60,16 @@ def make(case, workbench):
 def _sized(metric, effect, snr, sign, shape):
     """The effect with the amplitude that gives the SNR; signatures may be curved, so it is iterated."""
     entry = hidden.EFFECTS[effect]
-    amplitude = sign * entry.unit * 0.1
-    for _ in range(3):
+    amplitude, power, before = sign * entry.unit * 0.1, 1.0, None
+    for _ in range(5):
         amplitude = float(np.clip(amplitude, entry.low, entry.high))
         _, size = metric.signature([{"effect": effect, "amplitude": amplitude, "shape": shape}])
-        wanted = amplitude * snr / size
+        if before is not None and amplitude != before[0]:
+            # Spreads and widths act by their square: the power is measured, or the steps would swing.
+            measured = np.log(size / before[1]) / np.log(amplitude / before[0])
+            power = float(np.clip(measured, 0.5, 3.0))
+        before = amplitude, size
+        wanted = amplitude * (snr / size) ** (1 / power)
         if abs(wanted / amplitude - 1) < 0.02:
             break
         amplitude = wanted

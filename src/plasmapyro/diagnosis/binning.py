@@ -71,13 +71,14 @@ def pixel_edges(wavelength, gas, fwhm):
     """
     steepness = np.abs(np.gradient(np.log(np.maximum(gas, 1e-6 * gas.max()))))
     cost = np.cumsum(np.maximum(np.gradient(wavelength) / PIXEL_BIN, steepness / LINE_CHANGE))
+    before = np.concatenate([[0.0], cost])  # of all pixels before each: a bin may be a single pixel
     finest = FINEST_PER_FWHM * fwhm
     edges = [0]
     step = np.diff(wavelength)
     gap = np.append(False, step > GAP * np.median(step))
     for pixel in range(1, wavelength.size):
         wide = wavelength[pixel] - wavelength[edges[-1]] >= finest * (1 - 1e-6)
-        if gap[pixel] or wide and cost[pixel - 1] - cost[edges[-1]] + 1e-9 >= 0.75:
+        if gap[pixel] or wide and before[pixel] - before[edges[-1]] + 1e-9 >= 0.75:
             edges.append(pixel)
     edges.append(wavelength.size)
     return np.array(edges)

@@ -359,6 +359,8 @@ class _Report:
             error = float(1 / np.sqrt(own[index])) if found.left[index] > 1e-5 else float(10 * effect.sigma)
             if found.left[index] <= 1e-5:
                 amplitude = 0.0
+            elif effect.quadratic:
+                error = float(effect.amplitude_of(effect.linear_of(amplitude) + error)) - amplitude
             shape = {name: float(value) for name, value in candidate.shape.items()}
             if candidate.id in fitted:
                 setting, at = final.settings[fitted[candidate.id]], self._place(final, fitted[candidate.id])
@@ -367,7 +369,9 @@ class _Report:
             others = [j for j in order if found.candidates[j].id != candidate.id and found.left[j] > 1e-5]
             nearest = min(others, key=lambda j: angle[index, j]) if others else None
             paper, when = self.paper(candidate.id, amplitude, shape)
-            fit, when_fit = fitted_shift(self.model, self.base.solution, found, index, amplitude)
+            fit, when_fit = fitted_shift(
+                self.model, self.base.solution, found, index, effect.linear_of(amplitude)
+            )
             entry = {
                 "id": candidate.id,
                 "name": effect.name,
@@ -450,18 +454,19 @@ class _Report:
         for identity, index in best.items():
             effect = EFFECTS[identity]
             seen = found.left[index] > 1e-5
-            five = 5 / np.sqrt(own[index]) if seen else np.inf
+            five = effect.amplitude_of(5 / np.sqrt(own[index])) if seen else np.inf
             largest = max(abs(effect.bounds[0]), abs(effect.bounds[1]))
             paper_unit, _ = self.paper(identity, effect.step, found.candidates[index].shape)
-            paper_unit /= effect.step
+            paper_unit /= effect.linear_of(effect.step)
+            limit = float(min(five, largest))
             rows.append(
                 {
                     "id": identity,
                     "name": effect.name,
-                    "amplitude_5sigma": float(min(five, largest)),
+                    "amplitude_5sigma": limit,
                     "unit": effect.unit,
-                    "temperature_5sigma": float(abs(paper_unit) * min(five, largest)),
-                    "temperature_prior": float(abs(paper_unit) * effect.sigma),
+                    "temperature_5sigma": float(abs(paper_unit * effect.linear_of(limit))),
+                    "temperature_prior": float(abs(paper_unit * effect.linear_of(effect.sigma))),
                     "invisible": bool(five > effect.sigma),
                     "measurement": effect.measurement,
                 }
@@ -611,7 +616,11 @@ class _Report:
         line = [name for name in self.model.groups if "O I 77" in name]
         hump = [name for name in self.model.groups if "945" in name]
         errors = (error(line[0]) if line else 0.05, error(hump[0]) if hump else 0.05)
-        return show.line_hump(library, (spectrum, errors), show.explanations(library, self.model.emittance))
+        moved = any(
+            row["finding"] for row in self._pulls(self.base.solution) if row["id"].startswith("gain_")
+        )
+        tracks = show.explanations(library, self.model.emittance)
+        return show.line_hump(library, (spectrum, errors), tracks, calibration=moved)
 
     def _angles(self, first):
         found = first.found
