@@ -7,7 +7,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
 SEED ?= $(shell git rev-parse HEAD 2>/dev/null || echo blind)
-CASES ?= --null 400 --liar 160 --single 1400 --double 150 --outside 150 --without 100 --sabotage 40 --puzzle 60
+CASES ?= --null 400 --liar 96 --single 1230 --double 100 --outside 90 --without 60 --sabotage 24 --puzzle 48
 SHARE ?= 1/1
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from blind import bench, board, draw, make, run
+from blind import bench, board, calibrate, draw, make, page, run
 from blind.metric import Metric
 from blind.score import judge_temperature, score
 from invented import DISTANCE, RESPONSE, SPECIES, TEMPERATURE, density, spectra
@@ -161,7 +161,7 @@ class Spy:
 def test_analyser_gets_the_data_and_nothing_else(workbench, tmp_path):
     case = draw.Case("single-x", "single", 11, effects=(("winE", 20.0, 1, {}),))
     spy = Spy()
-    record = run.run_case(case, workbench, [tmp_path] * 4, tmp_path, tmp_path, spy)
+    record = run.run_case(case, workbench, [tmp_path] * draw.LABORATORIES, tmp_path, tmp_path, spy)
     assert record["outcome"] == "failed" and record["reason"] == "only looking"
     assert spy.seen == ["data", "test.nc"]
     assert "winE" not in spy.words and "seed" not in spy.words
@@ -206,6 +206,7 @@ def answer(status, named=(), sets=(), probability=None):
             "named": list(named),
             "set": [list(one) for one in sets],
             "probability": probability or {},
+            "uncalibrated": max((probability or {"none": 1.0}).values()),
         },
         "base": {"adequate": True, "chi2": 10.0, "dof": 10.0},
         "show": {"line_hump": {"closest": "refl"}},
@@ -301,15 +302,18 @@ def test_board_counts_what_happened(tmp_path):
     assert summary["at_least_20"]["exact"]["rate"] == 0.5 and summary["ladder"]["20"]["class"]["rate"] == 0.5
     assert summary["double"]["both_classes"]["rate"] == 1.0 and summary["double"]["both_exact"]["rate"] == 0.0
     assert summary["outside"]["unknown"]["rate"] == 1.0 and summary["puzzle"]["right"]["rate"] == 1.0
-    assert summary["temperature"]["reduction_where_biased"] == pytest.approx(10.0)
+    assert summary["temperature"]["reduction_where_biased"]["value"] == pytest.approx(10.0)
     assert summary["confusion"] == {"winE": {"winE": 1, "phi": 1}}
     assert summary["skipped"] == {"single": 1}
     held = {row["bar"]: row["held"] for row in summary["bars"]}
     assert held["false alarms, right noise"] is False and held["class named, SNR >= 8"] is False
     assert held["sabotaged formula: still named exactly"] is None
-    page = board.text(summary, "Seed `x`.", ["A note."])
-    assert "| false alarms, right noise | 0.25 | <= 0.05 | **missed** |" in page and "A note." in page
-    board.figure(summary, tmp_path / "board.png")
+    told = page.text(summary, "Seed `x`.", ["A note."])
+    assert (
+        "| false alarms, right noise | 0.25 (0.00631 to 0.806) | 4 | <= 0.05 | **missed** |" in told
+        and "A note." in told
+    )
+    page.figure(summary, tmp_path / "board.png")
     assert (tmp_path / "board.png").stat().st_size > 10_000
 
 
@@ -359,3 +363,29 @@ def test_calibration_files_of_a_laboratory_are_those_a_user_would_make(tmp_path)
         ratios.append(float(calibration.sensitivity_ratio))
     assert len(set(ratios)) == draw.LABORATORIES
     np.testing.assert_allclose(ratios, campaign.Pyrometer().sensitivity_ratio, rtol=0.01)
+
+
+def test_calibration_table_holds_shares_of_right_answers_as_of_the_full_mix():
+    nothing, single = made("null", ()), made()
+    records = [entry("null", (), nothing, answer("null", probability={"none": 0.9})) for _ in range(40)]
+    records += [entry("single", (), single, answer("null", probability={"none": 0.9})) for _ in range(60)]
+    records += [
+        entry("single", (), single, answer("named", [name], [[name]], {name: 0.99}))
+        for name in ["winE"] * 30 + ["clock"] * 30
+    ]
+    rows = {status: calibrate.steps(cases) for status, cases in calibrate.pairs(records).items()}
+    # Nulls count 400/40 each, singles of SNR 20 132/120: of 466 that are called none, 400 are.
+    assert rows["null"][0][1] == pytest.approx(400 / (400 + 60 * 132 / 120), abs=0.01)
+    assert sum(size for _, _, size in rows["named"]) == 60
+    assert [right for _, right, _ in rows["named"]] == pytest.approx([0.5] * len(rows["named"]), abs=0.02)
+
+
+def test_staircase_of_right_answers_rises_with_what_is_stated():
+    random = np.random.default_rng(4)
+    stated = random.uniform(0.4, 1.0, 3000)
+    right = random.random(3000) < stated**2
+    rows = calibrate.steps([(s, bool(r), 1.0) for s, r in zip(stated, right, strict=True)])
+    x, y, size = np.array(rows).T
+    assert np.all(np.diff(y) > 0) and size.sum() == 3000
+    # Steps of 30 cases and more, pooled: 0.1 is three standard errors.
+    assert y == pytest.approx(x**2, abs=0.12)

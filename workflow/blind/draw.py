@@ -7,7 +7,7 @@ import numpy as np
 from twin import hidden, liars
 
 SNR_LADDER = (2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 50.0)
-LABORATORIES = 4
+LABORATORIES = 16  # the bias of a lamp is the largest error of the temperature: few would not show its spread
 # Six explanations of more light than the simulated power would give; amplitudes as they are hidden.
 PUZZLE = {
     "refl": ("refl", 1.0),

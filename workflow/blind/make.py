@@ -21,6 +21,7 @@ class Made:
     base: bench.Base
     effects: tuple  # of dicts: effect, amplitude, shape, snr
     test: xr.Dataset
+    metric: Metric | None = None  # of the base, if it was needed
 
     def truth(self):
         """What was hidden, for the record."""
@@ -47,23 +48,28 @@ def make(case, workbench):
     if case.kind == "puzzle":
         return _puzzle(case, workbench)
     base = bench.draw_base(case.seed, LABORATORIES)
-    effects = ()
+    effects, metric = (), None
     if case.effects:
         metric = Metric(workbench, base)
         effects = tuple(_sized(metric, *one) for one in case.effects)
     gas, scene = workbench.gas(base), workbench.scene(base)
     test, _ = workbench.record(bench.apply(scene, gas, effects, case.noise), gas, base)
-    return Made(case, base, effects, test)
+    return Made(case, base, effects, test, metric)
 
 
 def _sized(metric, effect, snr, sign, shape):
     """The effect with the amplitude that gives the SNR; signatures may be curved, so it is iterated."""
     entry = hidden.EFFECTS[effect]
-    amplitude = sign * entry.unit * 0.1
-    for _ in range(3):
+    amplitude, power, before = sign * entry.unit * 0.1, 1.0, None
+    for _ in range(5):
         amplitude = float(np.clip(amplitude, entry.low, entry.high))
         _, size = metric.signature([{"effect": effect, "amplitude": amplitude, "shape": shape}])
-        wanted = amplitude * snr / size
+        if before is not None and amplitude != before[0]:
+            # Spreads and widths act by their square: the power is measured, or the steps would swing.
+            measured = np.log(size / before[1]) / np.log(amplitude / before[0])
+            power = float(np.clip(measured, 0.5, 3.0))
+        before = amplitude, size
+        wanted = amplitude * (snr / size) ** (1 / power)
         if abs(wanted / amplitude - 1) < 0.02:
             break
         amplitude = wanted

@@ -1,9 +1,11 @@
 """How large an effect is in standard deviations of the data, and how alike two effects are."""
 
 import dataclasses
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy import sparse
+from scipy.special import erf
 from twin import campaign, hidden, light, sensors
 from twin.light import planck
 from twin.sensors import Pyrometer
@@ -22,6 +24,21 @@ KNOTS = np.array(
 def _no_glow(instrument, wavelength, temperature, time):
     """A surface that does not shine."""
     return 0.0
+
+
+@lru_cache(maxsize=4)
+def slit(device):
+    """Edges of bins (B+1,) [m] and the matrix (W, B) from their means to the pixels of a spectrometer."""
+    edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
+    sigma = device.fwhm / np.sqrt(8 * np.log(2))
+    place = np.searchsorted(edges, device.wavelength)
+    reach = int(np.ceil(6 * sigma / (edges[1] - edges[0]))) + 1
+    near = place[:, None] + np.arange(-reach, reach + 1)
+    weight = np.diff(erf((edges[near] - device.wavelength[:, None]) / (np.sqrt(2) * sigma)))
+    weight /= weight.sum(axis=1, keepdims=True)
+    rows = np.repeat(np.arange(place.size), weight.shape[1])
+    shape = (place.size, edges.size - 1)
+    return edges, sparse.csr_array((weight.ravel(), (rows, near[:, :-1].ravel())), shape=shape)
 
 
 class Metric:
@@ -79,12 +96,12 @@ class Metric:
     def _without_pattern(self, rates):
         """Take out what the noise of lamp and dark scans, the same in all frames (S, W), can explain."""
         columns, inner = self._patterns
-        share = np.einsum("wij,swj,sw->wi", inner, columns, rates)
-        return rates - np.einsum("swi,wi->sw", columns, share)
+        share = inner @ (columns @ rates.T[:, :, None])
+        return rates - (columns.transpose(0, 2, 1) @ share)[:, :, 0].T
 
     @cached_property
     def _patterns(self):
-        """Columns (S, W, 2) scaled by their prior, and the core of the root of the projector."""
+        """Columns (W, 2, S) scaled by their prior, and the core (W, 2, 2) of the root of the projector."""
         device, source = self.scene.spectrometer, campaign.Source()
         lamp = device.rate_per_radiance(planck) * planck(device.wavelength, source.spectrometer_temperature)
         exposure = source.spectrometer_integration_time
@@ -92,9 +109,9 @@ class Metric:
         relative = np.sqrt(noise / source.scans) / (lamp * exposure)
         dark = sensors.counts_variance(device, 0.0 * lamp, self.exposure) / campaign.DARK_SCANS
         rate, sigma = self.reference[1][self.usable[1]], self.sigma[1][self.usable[1]]
-        columns = np.stack([rate * relative, np.sqrt(dark) / self.exposure * np.ones_like(rate)], -1)
-        columns /= sigma[:, :, None]
-        value, vector = np.linalg.eigh(np.einsum("swi,swj->wij", columns, columns))
+        columns = np.stack([rate * relative, np.sqrt(dark) / self.exposure * np.ones_like(rate)])
+        columns = np.ascontiguousarray((columns / sigma).transpose(2, 0, 1))
+        value, vector = np.linalg.eigh(columns @ columns.transpose(0, 2, 1))
         value = np.maximum(value, 1e-12)
         shrink = (1 - 1 / np.sqrt(1 + value)) / value
         return columns, np.einsum("wik,wk,wjk->wij", vector, shrink, vector)
@@ -161,9 +178,8 @@ class Metric:
         for name in ("responsivity_wide", "responsivity_narrow"):
             edges, _, weight = light.band(nodes, self.bench.response[name].values)
             bands.append(light.bin_mean(self.gas.centres, total, edges) @ weight)
-        edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
-        bins = light.bin_mean(self.gas.centres, total, edges)
-        return np.array(bands), light.through_slit(edges, bins, device.wavelength, device.fwhm)
+        edges, matrix = slit(device)
+        return np.array(bands), matrix @ light.bin_mean(self.gas.centres, total, edges)
 
     def _of_gas(self, radiance, **plasma):
         """Whitened output for some light of the gas (C, B) and none of the surface."""

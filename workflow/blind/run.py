@@ -9,12 +9,14 @@ Finished cases are kept: the same command goes on where it was stopped. Needs th
 import argparse
 import contextlib
 import json
+import os
 import selectors
 import shutil
 import subprocess
 import sys
 import time
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -22,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import xarray as xr
 from twin import campaign
 
-from blind import bench, board
+from blind import bench, board, page
 from blind.draw import KINDS, LABORATORIES, SNR_LADDER, draw, number
 from blind.make import BeyondRange, make
 from blind.metric import Metric
@@ -77,15 +79,19 @@ def laboratories(out, results, response, seed, analyser):
     folders = []
     for index in range(LABORATORIES):
         folder = out / "laboratories" / str(index)
-        if not (folder / "spectrometer_calibration.nc").is_file():
+        if not folder.is_dir():
             own = number(seed, "laboratory", index) % 2**32
-            campaign.write(campaign.calibration_points(response, own), folder / "calibration_points.nc")
+            part = folder.with_name(f"{index}-{os.getpid()}")  # other shares may be at it
+            campaign.write(campaign.calibration_points(response, own), part / "calibration_points.nc")
             counts = campaign.spectrometer_counts(own, spectrometer=bench.spectrometer())
-            campaign.write(counts, folder / "spectrometer_counts.nc")
-            shutil.copy(Path(results) / "instrument/response.nc", folder / "response.nc")
-            answer = analyser.ask({"do": "prepare", "laboratory": str(folder.resolve())})
+            campaign.write(counts, part / "spectrometer_counts.nc")
+            shutil.copy(Path(results) / "instrument/response.nc", part / "response.nc")
+            answer = analyser.ask({"do": "prepare", "laboratory": str(part.resolve())})
             if not answer["ok"]:
                 raise RuntimeError(f"no calibration: {answer['fault']}\n{answer.get('trace', '')}")
+            with contextlib.suppress(OSError):  # another share was faster
+                part.rename(folder)
+            shutil.rmtree(part, ignore_errors=True)
         folders.append(folder)
     return folders
 
@@ -115,12 +121,13 @@ def run_case(case, workbench, folders, out, results, analyser):
     if not answer["ok"]:
         return record | {"outcome": "failed", "reason": answer["fault"], "trace": answer.get("trace")}
     report = json.loads((folder / "out/diagnosis.json").read_text(encoding="utf-8"))
-    metric = []
+
+    @cache
+    def metric():
+        return made.metric or Metric(workbench, made.base)
 
     def angle(one, other):
-        if not metric:
-            metric.append(Metric(workbench, made.base))
-        return metric[0].angle(one, other, {e["effect"]: e for e in made.effects})
+        return metric().angle(one, other, {e["effect"]: e for e in made.effects})
 
     with xr.open_dataset(folder / "out/temperature.nc") as temperature:
         scored = score(made, report, temperature.load(), angle)
@@ -154,8 +161,8 @@ def publish(out, heading, notes, targets):
     for target in (Path(out) / "scoreboard", *map(Path, targets)):
         target.parent.mkdir(parents=True, exist_ok=True)
         target.with_suffix(".json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-        target.with_suffix(".md").write_text(board.text(summary, heading, notes), encoding="utf-8")
-        board.figure(summary, target.with_suffix(".png"))
+        target.with_suffix(".md").write_text(page.text(summary, heading, notes), encoding="utf-8")
+        page.figure(summary, target.with_suffix(".png"))
     return summary
 
 

@@ -5,6 +5,7 @@ import numpy as np
 ALIKE = 15.0  # degrees: below, two causes are one class
 WARM = 18.0  # [s] from which temperatures are judged
 CONFIDENT = 0.8
+RUN = 9  # successive temperatures whose mean error is a bias, not noise
 NAMED = ("named", "one-of", "named+unknown")
 UNKNOWN = ("unknown", "named+unknown")
 PROBABILITY_FLOOR = 1e-4
@@ -48,6 +49,7 @@ def score(made, report, temperature, angle):
         "brier": float(
             sum((p - (name == key)) ** 2 for name, p in probability.items()) + (key not in probability)
         ),
+        "uncalibrated": float(verdict["uncalibrated"]),
         "stated": float(max(probability.values())) if probability else None,
         "stated_right": bool(probability) and max(probability, key=probability.get) == key,
         "adequate": bool(report["base"]["adequate"]),
@@ -94,6 +96,9 @@ def judge_temperature(made, temperature):
             "rms": float(np.sqrt(np.mean(error**2))) if error.size else None,
             "worst": float(np.abs(error).max()) if error.size else None,
             "mean": float(error.mean()) if error.size else None,
+            "bias": float(np.abs(np.convolve(error, np.full(RUN, 1 / RUN), "valid")).max())
+            if error.size >= RUN
+            else None,
         }
         if which == "paper":
             continue

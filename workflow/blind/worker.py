@@ -46,15 +46,16 @@ def prepare(order):
     return {}
 
 
-def diagnose(order, kept={}):  # noqa: B006  (the inputs are read once per laboratory and process)
+def diagnose(order, kept={}):  # noqa: B006  (spectra are read once, calibrations once per laboratory)
     """Diagnose the folder of one case."""
     from plasmapyro.diagnosis import command
 
     os.chdir(order["data"])
-    if kept.get("laboratory") != order["laboratory"]:
-        kept.clear()
-        kept["inputs"] = command.load_inputs(Path(order["radiance"]), Path(order["laboratory"]))
-        kept["laboratory"] = order["laboratory"]
+    laboratory = order["laboratory"]
+    if not kept:
+        kept[laboratory] = command.load_inputs(Path(order["radiance"]), Path(laboratory))
+    if laboratory not in kept:
+        kept[laboratory] = command.with_instrument(next(iter(kept.values())), laboratory)
     start, processor = time.monotonic(), time.process_time()
     more = {}
     if order["without"]:
@@ -63,7 +64,7 @@ def diagnose(order, kept={}):  # noqa: B006  (the inputs are read once per labor
         from blind.sabotage import sabotaged
 
         more["catalogue"] = sabotaged(order["sabotage"])
-    result = command.diagnose_test(Path("test.nc"), kept["inputs"], **more)
+    result = command.diagnose_test(Path("test.nc"), kept[laboratory], **more)
     cost = {"wall": time.monotonic() - start, "processor": time.process_time() - processor}
     out = Path(order["out"])
     out.mkdir(parents=True, exist_ok=True)

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 # What the simulation of each test gets wrong; results/diagnosis/{test}/index.html is the page to read.
 RESULTS += expand("results/diagnosis/{test}/diagnosis.json", test=TESTS)
 
@@ -25,9 +27,20 @@ rule gas_variations:
         "../scripts/gas_variations.py"
 
 
+def other_tests(wildcards):
+    """Tests at other conditions: what is named in one is tried on them."""
+    mine = tests_condition(wildcards)
+    return [
+        test_file(SimpleNamespace(test=other))
+        for other in TESTS
+        if tests_condition(SimpleNamespace(test=other)) != mine
+    ]
+
+
 rule diagnosis:
     input:
         test=test_file,
+        others=other_tests,
         radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
         variations=lambda wildcards: f"results/radiation_variations/{tests_condition(wildcards)}.nc",
         response="results/instrument/response.nc",

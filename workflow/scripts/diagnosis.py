@@ -14,7 +14,12 @@ inputs = command.load_inputs(
     keys.powers,
 )
 result = command.diagnose_test(
-    paths.test, inputs, without=tuple(keys.without), draws=keys.draws, seed=keys.seed
+    paths.test,
+    inputs,
+    without=tuple(keys.without),
+    draws=keys.draws,
+    seed=keys.seed,
+    others=list(paths.others),
 )
 command.write_all(
     result,

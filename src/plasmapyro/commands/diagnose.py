@@ -57,6 +57,13 @@ def add(commands):
         help="effects to leave out",
     )
     command.add_argument(
+        "--also",
+        nargs="*",
+        default=[],
+        metavar="TEST",
+        help="tests at other conditions with the same instruments: what is named is tried on them",
+    )
+    command.add_argument(
         "--fail-on-finding",
         action="store_true",
         help="exit status 3 or 4 for a finding",
@@ -69,15 +76,24 @@ def run(options, progress):
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: is a file; name a folder")
     progress.step(f"reading {options.test}")
-    path = Path(options.test)
-    test = path / "test.nc" if path.is_dir() and not (path / "test.yaml").exists() else path
-    data = io.read(test, "test") if test.is_file() else read_test(test)
+    test, data = _read(options.test)
+    others = [_read(one) for one in options.also]
     inputs = diagnosis.load_inputs(options.radiance, options.instrument, options.variations)
     progress.step("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
     digest = io.digest(test) if test.is_file() else None
-    result = diagnosis.diagnose_test(data, inputs, without=tuple(options.without), digest=digest)
+    result = diagnosis.diagnose_test(
+        data, inputs, without=tuple(options.without), digest=digest, others=[one for _, one in others]
+    )
     progress.step(f"writing {out}")
-    diagnosis.write_all(result, out, sources=[test] if test.is_file() else [], page=diagnosis.page_writer())
+    sources = [path for path in (test, *(path for path, _ in others)) if path.is_file()]
+    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
     sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
     progress.step("done")
     return diagnosis.exit_status(result.report, options.fail_on_finding)
+
+
+def _read(word):
+    """Path and dataset of a test."""
+    path = Path(word)
+    test = path / "test.nc" if path.is_dir() and not (path / "test.yaml").exists() else path
+    return test, io.read(test, "test") if test.is_file() else read_test(test)

@@ -108,10 +108,13 @@ def renoised(model, solution, settings=()):
             noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
             + law.flicker * gas**2
         )
-        # A slow misfit is no outlier: samples are judged against the others of their bin.
-        mean, _ = noises.binning.mean_in_bins(left, one.raw_bin, one.value.shape[0])
-        own = np.where(one.raw_bin[:, None] >= 0, mean[one.raw_bin], 0.0)
-        cleaned = noises.without_outliers(one, left - np.nan_to_num(own), sigma)
+        # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
+        hit = noises.outliers(left / sigma, one.raw_bin >= 0, phase)
+        mean, _ = noises.binning.mean_in_bins(np.where(hit, np.nan, left), one.raw_bin, one.value.shape[0])
+        own = np.where(one.raw_bin[:, None] >= 0, np.nan_to_num(mean)[one.raw_bin], 0.0)
+        expected = value + np.nan_to_num(residual - left) + own
+        hit |= np.abs(np.nan_to_num(left - own)) > noises.CLIP * sigma
+        cleaned = noises.without_outliers(one, expected, hit)
         found.append(law)
         instruments.append(cleaned)
         bins.append(noises.on_bins(law, cleaned, solution.prediction[which]))

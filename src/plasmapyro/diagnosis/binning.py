@@ -10,6 +10,7 @@ PRE_STEP = 4.0  # [s]
 PIXEL_BIN = 2.0e-9  # [m] where the spectrum of the gas is smooth
 LINE_CHANGE = 1.0  # [1], of the light in a bin: where the gas changes by more, bins are finer
 FINEST_PER_FWHM = 1.0
+GAP = 1.5  # steps from pixel to pixel, beyond which some are missing
 
 
 def time_edges(start, end, injection, off):
@@ -59,7 +60,7 @@ def membership(begin, finish, edges, injection, off):
 
 
 def pixel_edges(wavelength, gas, fwhm):
-    """First pixels (P+1,) of the wavelength bins: fine where the gas has structure.
+    """First pixels (P+1,) of the wavelength bins: fine where the gas has structure, none across a gap.
 
     Parameters
     ----------
@@ -70,11 +71,14 @@ def pixel_edges(wavelength, gas, fwhm):
     """
     steepness = np.abs(np.gradient(np.log(np.maximum(gas, 1e-6 * gas.max()))))
     cost = np.cumsum(np.maximum(np.gradient(wavelength) / PIXEL_BIN, steepness / LINE_CHANGE))
+    before = np.concatenate([[0.0], cost])  # of all pixels before each: a bin may be a single pixel
     finest = FINEST_PER_FWHM * fwhm
     edges = [0]
+    step = np.diff(wavelength)
+    gap = np.append(False, step > GAP * np.median(step))
     for pixel in range(1, wavelength.size):
         wide = wavelength[pixel] - wavelength[edges[-1]] >= finest * (1 - 1e-6)
-        if wide and cost[pixel - 1] - cost[edges[-1]] + 1e-9 >= 0.75:
+        if gap[pixel] or wide and before[pixel] - before[edges[-1]] + 1e-9 >= 0.75:
             edges.append(pixel)
     edges.append(wavelength.size)
     return np.array(edges)

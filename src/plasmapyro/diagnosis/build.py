@@ -82,6 +82,7 @@ def _pyrometer(test, calibration, response, library, edges):
     injection, off = float(test.attrs["injection_time"]), float(test.attrs["plasma_off_time"])
     index = binning.membership(time - half, time + half, edges, injection, off)
     raw = np.stack([test["signal_wide"].values, test["signal_narrow"].values], axis=1)
+    index = observation.without_lost(index, raw)
     moment, count = observation.instants(time - half, time + half, index, edges.size - 1)
     value, number = binning.mean_in_bins(raw, index, edges.size - 1)
     kept = count > 0
@@ -122,11 +123,13 @@ def _spectrometer(test, calibration, library, edges):
     injection, off = float(test.attrs["injection_time"]), float(test.attrs["plasma_off_time"])
     index = binning.membership(time - half, time + half, edges, injection, off)
     wavelength = test["wavelength"].values
+    saturated = np.zeros((time.size, wavelength.size), dtype=bool)
     if "counts" in test.variables:
         counts = test["counts"].values.astype(float)
+        saturated = counts >= SATURATION
         factor = calibration["calibration_factor"].values / (2 * half)
         radiance = measured_radiance(
-            np.where(counts < SATURATION, counts, np.nan),
+            np.where(saturated, np.nan, counts),
             test["background_counts"].values,
             calibration["calibration_factor"].values,
             2 * half,
@@ -154,6 +157,10 @@ def _spectrometer(test, calibration, library, edges):
     pixels = binning.pixel_edges(wavelength, seen, fwhm)
     raw, number_of_pixels = observation.in_pixel_bins(radiance, pixels)
     in_bin = number_of_pixels.max(axis=0)
+    # The mean of some pixels of a bin is that of another wavelength.
+    raw = np.where(number_of_pixels == in_bin, raw, np.nan)
+    index = observation.without_lost(index, np.where(saturated[:, chosen], 0.0, radiance))
+    raw = np.where(observation.beside_saturation(saturated[:, chosen], index, pixels), np.nan, raw)
     moment, count = observation.instants(time - half, time + half, index, edges.size - 1)
     value, number = binning.mean_in_bins(raw, index, edges.size - 1)
     kept = count > 0

@@ -7,7 +7,7 @@ import os
 import shutil
 import tempfile
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from plasmapyro.experiment.inputs import faults
 from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
+INSTRUMENT = ("response", "calibration", "spectrometer_calibration")
 VARIATIONS = "radiation_variations"  # folder beside that of the radiance
 NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html")
 FINDINGS = {"named": 3, "one-of": 3, "named+unknown": 3, "unknown": 4}  # exit status with --fail-on-finding
@@ -62,7 +63,7 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
     ContractError
         A file that is missing or breaches its contract.
     """
-    radiance, instrument = Path(radiance), Path(instrument)
+    radiance = Path(radiance)
     files = sorted(radiance.glob("*.nc"))
     if not files:
         raise contracts.ContractError(f"{radiance}: holds no spectra ({{condition}}.nc)")
@@ -77,30 +78,46 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
         for path in sorted(folder.glob("*.nc"))
         if path.stem in spectra
     }
-    found = {
-        name: instrument / f"{name}.nc" for name in ("response", "calibration", "spectrometer_calibration")
-    }
+    gas = Inputs(
+        radiation=spectra,
+        powers=powers or {name: _power(name) for name in spectra},
+        variations=varied,
+        response=None,
+        calibration=None,
+        spectrometer_calibration=None,
+        origin="",
+        digests={f"radiation/{path.name}": io.digest(path) for path in files},
+    )
+    return with_instrument(gas, instrument)
+
+
+def with_instrument(inputs, folder):
+    """The inputs with the instrument of another folder.
+
+    Parameters
+    ----------
+    inputs : Inputs
+    folder : with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as needed
+
+    Returns
+    -------
+    Inputs
+
+    Raises
+    ------
+    ContractError
+        A file that is missing or breaches its contract.
+    """
+    found = {name: Path(folder) / f"{name}.nc" for name in INSTRUMENT}
     read = {
         name: io.read(path, name) if name == "response" or path.exists() else None
         for name, path in found.items()
     }
-    used = [*files, *(path for path in found.values() if path.exists())]
-    origins = [
-        one.attrs.get("origin", "modelled") for one in (*spectra.values(), *read.values()) if one is not None
-    ]
-    return Inputs(
-        radiation=spectra,
-        powers=powers or {name: _power(name) for name in spectra},
-        variations=varied,
-        response=read["response"],
-        calibration=read["calibration"],
-        spectrometer_calibration=read["spectrometer_calibration"],
-        origin=weakest(origins),
-        digests={
-            path.name if path.parent == instrument else f"radiation/{path.name}": io.digest(path)
-            for path in used
-        },
-    )
+    kept = {name: digest for name, digest in inputs.digests.items() if name.startswith("radiation/")}
+    own = {path.name: io.digest(path) for path in found.values() if path.exists()}
+    parts = [one for one in (*inputs.radiation.values(), *read.values()) if one is not None]
+    origin = weakest([one.attrs.get("origin", "modelled") for one in parts])
+    return replace(inputs, **read, origin=origin, digests=kept | own)
 
 
 def _power(condition):
@@ -114,7 +131,7 @@ def _power(condition):
         ) from None
 
 
-def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=1, digest=None):
+def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=1, digest=None, others=()):
     """Diagnose a test, from a file or a dataset.
 
     Parameters
@@ -126,6 +143,8 @@ def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=
         Entries that replace those of the catalogue.
     draws, seed : int
         Simulated nulls behind the thresholds.
+    others : tests at other conditions, as `test`, with the same instruments
+        What is named is tried on them.
 
     Returns
     -------
@@ -138,14 +157,9 @@ def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=
     """
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
-    found = faults(test)
-    if found:
-        raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
-    condition = str(test.attrs.get("condition", ""))
-    if condition not in inputs.radiation:
-        raise ValueError(
-            f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"
-        )
+    condition = _usable(test, inputs)
+    others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
+    pairs = [(one, inputs.variations.get(_usable(one, inputs))) for one in others]
     provenance = {
         "version": version("plasmapyro"),
         "files": inputs.digests,
@@ -165,7 +179,21 @@ def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=
             draws=draws,
             seed=seed,
             provenance=provenance,
+            others=pairs,
         )
+
+
+def _usable(test, inputs):
+    """Condition of a test; ValueError if it cannot be processed or compared."""
+    found = faults(test)
+    if found:
+        raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
+    condition = str(test.attrs.get("condition", ""))
+    if condition not in inputs.radiation:
+        raise ValueError(
+            f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"
+        )
+    return condition
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the power beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
-LINE_ERROR = 0.01  # [1] of the gas in one channel: single lines, shape of the slit
+LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, lines err in groups
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 

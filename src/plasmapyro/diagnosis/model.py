@@ -13,9 +13,10 @@ from plasmapyro.diagnosis.scene import Output, Scene, planck_and_slope
 STEP = 1e-4  # of finite differences, in units of the prior
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
-CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after an event,
+CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after the injection,
+CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
 CURVATURE_TIME = 15.0  # [s] which falls off with this time
-CURVATURE_FLOOR = 0.01  # [K s-2] to this
+CURVATURE_FLOOR = 0.002  # [K s-2] to this
 
 
 @dataclass(frozen=True)
@@ -73,14 +74,17 @@ class History:
         """Rows (R, K) of second differences over their prior [1]: smoothness of the heating and the
         cooling."""
         rows = []
-        for chosen, start in ((self.before, self.knots[0]), (self.after, self.off)):
+        for chosen, start, bend in (
+            (self.before, self.knots[0], CURVATURE),
+            (self.after, self.off, CURVATURE_OFF),
+        ):
             place = np.flatnonzero(chosen)
             for left, middle, right in zip(place[:-2], place[1:-1], place[2:], strict=True):
                 a, b = np.diff(self.knots[[left, middle, right]])
                 row = np.zeros(self.knots.size)
                 row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
                 since = self.knots[middle] - start
-                rows.append(row / (CURVATURE * np.exp(-since / CURVATURE_TIME) + CURVATURE_FLOOR))
+                rows.append(row / (bend * np.exp(-since / CURVATURE_TIME) + CURVATURE_FLOOR))
         first = np.zeros(self.knots.size)
         first[0] = 1 / INITIAL_UNCERTAINTY
         return np.array([*rows, first])

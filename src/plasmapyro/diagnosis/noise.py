@@ -1,6 +1,7 @@
 """How noisy each instrument is, from what neighbours in time do not share once the base model is taken
 away."""
 
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +11,12 @@ from plasmapyro.diagnosis import binning
 from plasmapyro.diagnosis.inference import Noise
 
 CLIP = 4.5  # standard deviations beyond which a sample is left out
+NEIGHBOURS = 7  # samples in time that an outlier is held against
+MEDIAN_ERROR = 1.15  # [1] of a sample less the median of seven, itself among them, over that of a sample
+MOST_HIT = 0.1  # [1] of the channels of one sample: where more stand out it is no hit
 ROUNDS = 3
 LEVELS = 6  # groups of samples by signal, per channel
+LEAST_IN_CHANNEL, LEAST_IN_GROUP = 8, 6  # samples that make a variance
 LARGEST_MEMORY = 0.9  # autocorrelation of neighbours that is believed
 LEAST_MEMORY = 0.04  # smaller ones count as none
 FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
@@ -62,6 +67,15 @@ def clipped_variance(values, axis=None):
     centre = np.nanmedian(np.abs(values), axis=axis, keepdims=True) * 1.4826
     kept = np.where(np.abs(values) <= CLIP * np.maximum(centre, 1e-300), values, np.nan)
     return np.nanmean(kept**2, axis=axis)
+
+
+def _clipped_by_sorting(values, count):
+    """`clipped_variance` along axis 1 of values (L, m, C), the first `count` (L, C) of which are finite."""
+    size = np.sort(np.abs(values), axis=1)
+    middle = [np.maximum(rank, 0)[:, None] for rank in ((count - 1) // 2, count // 2)]
+    low, high = (np.take_along_axis(size, rank, axis=1) for rank in middle)
+    kept = size <= CLIP * np.maximum(1.4826 * (low + high) / 2, 1e-300)
+    return np.sum(np.where(kept, size**2, 0.0), axis=1) / np.maximum(kept.sum(axis=1), 1)
 
 
 def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
@@ -244,23 +258,22 @@ def sample_variance(constant, linear, quadratic, level, factor, pixels):
 
 def _fit_variance(difference, level, factor, pixels, kind):
     """Non-negative a, b, c of `NoiseModel` from differences of neighbours (d, C)."""
-    rows, variances = [], []
-    for channel in range(difference.shape[1]):
-        good = np.isfinite(difference[:, channel])
-        if good.sum() < 8:
-            continue
-        own, at = difference[good, channel], level[good, channel]
-        edges = np.quantile(at, np.linspace(0, 1, LEVELS + 1))
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
-            inside = (at >= low) & (at <= high)
-            if inside.sum() < 6:
-                continue
-            mean = at[inside].mean()
-            f, n = factor[channel], pixels[channel]
-            linear = f * mean / n if kind == "spectrometer" else 0.0
-            rows.append((f**2 / n, linear, mean**2))
-            variances.append(clipped_variance(own[inside]) / 2)
-    rows, variances = np.array(rows), np.array(variances)
+    order = np.argsort(np.where(np.isfinite(difference), level, np.inf), axis=0)
+    number = np.isfinite(difference).sum(axis=0)
+    # Ranks (L, m, C) of the samples of each group, alike in number; beyond the end of a group: none.
+    edges = number * np.arange(LEVELS + 1)[:, None] // LEVELS
+    place = edges[:-1, None] + np.arange(np.diff(edges, axis=0).max(initial=0))[:, None]
+    inside = place < edges[1:, None]
+    index = np.take_along_axis(order[None], np.where(inside, place, 0), axis=1)
+    own = np.where(inside, np.take_along_axis(difference[None], index, axis=1), np.nan)
+    at = np.where(inside, np.take_along_axis(level[None], index, axis=1), 0.0)
+    count = inside.sum(axis=1)
+    enough = (count >= LEAST_IN_GROUP) & (number >= LEAST_IN_CHANNEL)
+    mean = at.sum(axis=1) / np.maximum(count, 1)
+    linear = factor * mean / pixels if kind == "spectrometer" else np.zeros_like(mean)
+    constant = np.broadcast_to(factor**2 / pixels, mean.shape)
+    rows = np.stack([constant, linear, mean**2], axis=-1)[enough]
+    variances = _clipped_by_sorting(own, count)[enough] / 2
     scale = np.maximum(rows.max(axis=0), 1e-300)
     solution = np.zeros(3)
     weight = 1 / np.maximum(variances, 1e-300)
@@ -300,20 +313,61 @@ def on_bins(model_noise, instrument, prediction):
     return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker)
 
 
-def without_outliers(instrument, residual, sigma):
-    """The instrument with samples beyond `CLIP` standard deviations replaced by what their bin makes expect.
+def slow_part(scaled, chosen, phase):
+    """Running medians (t, C) over `NEIGHBOURS` chosen samples of the same phase: what is no outlier.
+
+    Parameters
+    ----------
+    scaled : (t, C), NaN where nothing was measured
+    chosen : (t,) bool
+    phase : (t,) int
+    """
+    result = np.zeros(scaled.shape)
+    for one in np.unique(phase[chosen]):
+        place = np.flatnonzero(chosen & (phase == one))
+        width = min(NEIGHBOURS, 2 * ((place.size - 1) // 2) + 1)
+        half = width // 2
+        first = np.clip(np.arange(place.size) - half, 0, place.size - width)
+        windows = scaled[place][first[:, None] + np.arange(width)]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # a channel without a sample
+            result[place] = np.nan_to_num(np.nanmedian(windows, axis=1))
+    return result
+
+
+def outliers(scaled, chosen, phase):
+    """Samples (t, C) that stand out from their neighbours in time, alone among the channels.
+
+    What stands out in many channels at once is light, not a hit: it stays.
+
+    Parameters
+    ----------
+    scaled : (t, C)
+        Residuals over their standard deviations; NaN where nothing was measured.
+    chosen : (t,) bool
+    phase : (t,) int
+        Neighbours are of the same phase.
+    """
+    apart = np.abs(np.nan_to_num(scaled - slow_part(scaled, chosen, phase))) > CLIP * MEDIAN_ERROR
+    apart &= chosen[:, None]
+    alone = apart.sum(axis=1) <= max(1, MOST_HIT * scaled.shape[1])
+    return apart & alone[:, None]
+
+
+def without_outliers(instrument, expected, hit):
+    """The instrument with samples that were hit, or are missing, replaced by what is expected of them.
 
     They do not count as samples; left out altogether they would move the mean time of their bin.
 
     Parameters
     ----------
     instrument : Instrument
-    residual : (t, C)
-        Of the samples, less the mean of their bin.
-    sigma : (t, C)
+    expected : (t, C)
+        Samples as the model and the others of their bin make expect.
+    hit : (t, C) bool
     """
-    clean = np.isfinite(instrument.raw) & ~(np.abs(residual) > CLIP * sigma)
-    filled = np.where(clean, instrument.raw, instrument.raw - residual)
+    clean = np.isfinite(instrument.raw) & ~hit
+    filled = np.where(clean, instrument.raw, expected)
     value, _ = binning.mean_in_bins(filled, instrument.raw_bin, instrument.value.shape[0])
     _, number = binning.mean_in_bins(
         np.where(clean, instrument.raw, np.nan), instrument.raw_bin, instrument.value.shape[0]

@@ -122,6 +122,32 @@ def in_pixel_bins(values, edges):
     return np.where(number > 0, total / np.maximum(number, 1), np.nan), number
 
 
+def beside_saturation(saturated, index, edges):
+    """Samples (t, C) of the bins of time and pixels in which some pixel was saturated, and of the bins beside
+    them in time.
+
+    Of a pixel near its limit only the samples with low noise are left: their mean would be too low.
+
+    Parameters
+    ----------
+    saturated : (t, P) bool
+    index : (t,) bin in time of each sample, -1 for none
+    edges : (C+1,) first pixel of each bin of pixels
+    """
+    hit = np.logical_or.reduceat(saturated, edges[:-1], axis=1)
+    bins = np.zeros((index.max(initial=-1) + 1, hit.shape[1]), dtype=bool)
+    np.logical_or.at(bins, index[index >= 0], hit[index >= 0])
+    wide = bins.copy()
+    wide[1:] |= bins[:-1]
+    wide[:-1] |= bins[1:]
+    return np.where((index >= 0)[:, None], wide[index], hit)
+
+
+def without_lost(index, values):
+    """Bins (t,) of the samples, -1 for those that are missing: in all channels, or in most."""
+    return np.where(np.isfinite(values).mean(axis=1) > 0.5, index, -1)
+
+
 def time_bins(test):
     """Edges (n+1,) [s] of the time bins of a test."""
     axes = [test[name].values for name in ("time", "spectrum_time") if name in test.variables]

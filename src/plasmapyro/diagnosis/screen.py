@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, eigh
+from scipy.special import ndtr
 
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import gram, own_patterns
 from plasmapyro.diagnosis.model import Setting
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 SCALES = (3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1)  # [1] relative size of an unknown structure
 MAP_WAVES = 8
@@ -15,7 +17,7 @@ WALK_STEPS = 40
 SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 ROUNDING = 1e-5  # [1], relative, added to a singular covariance
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
-LEAST_LEFT = 1e-5  # [1], of the information of a direction that the base parameters must leave
+LEAST_LEFT = 1e-6  # [1], of the information of a direction that the base parameters must leave
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,16 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Structure:
-    """A class of unknown structures: its columns, all at once or one of them, to be scaled by `SCALES`."""
+    """A class of unknown structures: its columns, all at once or one of them, to be scaled by `SCALES`.
+
+    With `basis` (columns, b) one of b combinations of them stands for a single column.
+    """
 
     id: str
     name: str
     columns: slice
     single: bool = False
+    basis: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -64,15 +70,23 @@ class Screen:
             self.score[: self.count], np.diag(self.information)[: self.count], self.left[: self.count]
         )
 
-    def amplitudes(self):
-        """Best amplitude of each candidate alone."""
+    def linear(self):
+        """Best number of each candidate alone along its column, see `Effect.linear_of`."""
         own = np.diag(self.information)[: self.count]
         return self.score[: self.count] / np.where(own > 0, own, np.inf)
 
+    def amplitudes(self):
+        """Best amplitude of each candidate alone."""
+        return np.array(
+            [EFFECTS[one.id].amplitude_of(x) for one, x in zip(self.candidates, self.linear(), strict=True)]
+        )
+
     def signed_gains(self):
         """As `gains`, but 0 where the best amplitude lies outside what the term allows."""
-        low, high = np.array([EFFECTS[c.id].bounds for c in self.candidates]).T
-        size = self.amplitudes()
+        low, high = np.array(
+            [[EFFECTS[c.id].linear_of(end) for end in EFFECTS[c.id].bounds] for c in self.candidates]
+        ).T
+        size = self.linear()
         # One standard deviation of slack: the linear estimate is not the last word.
         slack = 1 / np.sqrt(np.maximum(np.diag(self.information)[: self.count], 1e-300))
         allowed = (size > low - slack) & (size < high + slack) | (low < 0) & (high > 0)
@@ -173,8 +187,10 @@ def structures_of(model, solution):
     smooth = [_smooth(model, one, value) for one, value in zip(instruments, solution.prediction, strict=True)]
     if any(rows is not None for rows in smooth):
         add("smooth", "smooth map over time and wavelength", smooth)
-    for identity, name, channels in named:
+    spectral = []
+    for (place, _), (identity, name, channels) in zip(patterns, named, strict=True):
         classes.append(Structure(identity, name, slice(total, total + channels)))
+        spectral.append((place, classes[-1]))
         total += channels
     singles = [
         Structure(
@@ -182,6 +198,18 @@ def structures_of(model, solution):
         )
         for one in classes
         if one.id.split("_")[0] in SINGLE_NAMES and one.id != "walk_gas"
+    ]
+    singles += [
+        Structure(f"line_{one.id}", f"one line: {one.name}", one.columns, True, _line_shapes(model, place))
+        for place, one in spectral
+        if one.id != "pattern"
+    ]
+    singles += [
+        Structure(
+            "fringe_pattern", "fringes over wavelength, always", one.columns, True, _fringes(model, place)
+        )
+        for place, one in spectral
+        if one.id == "pattern"
     ]
     classes = [one for one in classes if not one.id.startswith("wave")] + singles
     return tuple(classes), [np.concatenate(block, axis=2) for block in blocks], patterns
@@ -194,6 +222,7 @@ SINGLE_NAMES = {
     "gas": "one channel: {name}",
     "released": "one channel: {name}",
 }
+FRINGE_PHASES = np.arange(3) * np.pi / 3
 _BANDS = (
     ("walk_pyrometer", "wandering gain of the pyrometer", (1.0, 1.0)),
     ("walk_ratio", "wandering ratio of the pyrometer", (1.0, -1.0)),
@@ -217,6 +246,29 @@ def _waves(time, off):
     phases = np.arange(3) * np.pi / 3
     angle = 2 * np.pi * time[:, None, None] / periods[:, None] + phases
     return np.sin(angle).reshape(time.size, -1)
+
+
+def _fringes(model, place):
+    r"""Fringes (C, b) :math:`\sin(2\pi n x + \varphi)` over the wavenumber x, 0 to 1 over the spectrum.
+
+    From 4 fringes (slower ones are no fringes but a slope) to what the median channel can follow.
+    """
+    wavenumber = 1 / model.instruments[place].wavelength
+    x = (wavenumber - wavenumber.min()) / np.ptp(wavenumber)
+    fastest = 0.5 / np.median(np.abs(np.diff(x)))
+    count = np.arange(4.0, max(fastest, 4.5), 0.5)
+    angle = 2 * np.pi * x[:, None, None] * count[:, None] + FRINGE_PHASES
+    return np.sin(angle).reshape(x.size, -1)
+
+
+def _line_shapes(model, place):
+    """Shapes (C, b) of single lines behind the slit, at the middle of each channel and between two."""
+    centre = model.instruments[place].wavelength
+    edges = np.concatenate([centre[:1], (centre[1:] + centre[:-1]) / 2, centre[-1:]])
+    where = np.sort(np.concatenate([centre, edges[1:-1]]))
+    sigma = model.library.slit_fwhm / FWHM_PER_SIGMA
+    mean = np.diff(ndtr((edges[:, None] - where) / sigma), axis=0) / np.diff(edges)[:, None]
+    return mean / mean.max(axis=0)
 
 
 def _common_walk(instruments, gas, off):
@@ -318,24 +370,28 @@ class Unknowns:
         self.parts = []
         for structure in found.structures:
             place = slice(found.count + structure.columns.start, found.count + structure.columns.stop)
-            if structure.single:
+            if structure.basis is not None:
+                kept = structure.basis * (found.left[place] > LEAST_LEFT)[:, None]
+                value = np.einsum("cb,cd,db->b", kept, found.information[place, place], kept)
+                self.parts.append((place, value, kept, True))
+            elif structure.single:
                 value = np.where(found.left[place] > LEAST_LEFT, np.diag(found.information)[place], 0.0)
-                self.parts.append((place, value, None))
+                self.parts.append((place, value, None, True))
             else:
                 value, vector = eigh(found.information[place, place])
                 good = value > 1e-10 * max(value.max(), 1e-300)
-                self.parts.append((place, value[good], vector[:, good]))
+                self.parts.append((place, value[good], vector[:, good], False))
 
     def __call__(self, scores):
         """Log Bayes factors (..., classes) of scores (..., m): the best scale, less the price of having
         tried."""
         result = []
-        for place, value, vector in self.parts:
+        for place, value, vector, single in self.parts:
             q = scores[..., place] if vector is None else scores[..., place] @ vector
             best = np.full(scores.shape[:-1], -np.inf)
             for scale in SCALES:
                 loss, won = np.log1p(scale**2 * value), q**2 / (value + scale**-2)
-                if vector is None:
+                if single:
                     log_bayes = 0.5 * np.max(np.where(value > 0, won - loss, 0.0), axis=-1) - np.log(
                         value.size
                     )
@@ -344,6 +400,31 @@ class Unknowns:
                 best = np.maximum(best, log_bayes)
             result.append(best - np.log(len(SCALES)))
         return np.stack(result, axis=-1)
+
+    def gains_beside(self, found, which):
+        """Chi-squared gained by each candidate (candidates,) when the unknown structure `which` is there too.
+
+        A structure with a Gaussian prior of its best scale joins the covariance; of a class of single columns
+        the best column does.
+        """
+        place, value, vector, single = self.parts[which]
+        score = found.score[place] if vector is None else vector.T @ found.score[place]
+        cross = found.information[: found.count, place]
+        cross = cross if vector is None else cross @ vector
+        worth = []
+        for scale in SCALES:
+            loss, won = np.log1p(scale**2 * value), score**2 / (value + scale**-2)
+            each = 0.5 * np.where(value > 0, won - loss, 0.0)
+            worth.append(each.max() if single else each.sum())
+        inverse = SCALES[int(np.argmax(worth))] ** -2.0
+        if single:
+            kept = int(np.argmax(np.where(value > 0, score**2 / (value + inverse), 0.0)))
+            score, value, cross = score[[kept]], value[[kept]], cross[:, [kept]]
+        own = np.diag(found.information)[: found.count]
+        less = own - np.sum(cross**2 / (value + inverse), axis=1)
+        rest = found.score[: found.count] - cross @ (score / (value + inverse))
+        share = found.left[: found.count] * less / np.where(own > 0, own, np.inf)
+        return gain(rest, less, share)
 
 
 def simulated(found, draws, generator):

@@ -19,6 +19,9 @@ WANDER = "gas_drift"  # the term that may follow the brightness of the gas freel
 LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
 LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
 PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
+SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
+KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
+FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,7 @@ class Step:
     found: Screen
     gains: np.ndarray
     unknown: np.ndarray  # log Bayes factor per class of structures
+    beside: np.ndarray  # as `gains`, with the most likely unknown structure in the data too
 
 
 @dataclass(frozen=True)
@@ -134,8 +138,13 @@ class Selector:
         """Screen beside a fit."""
         used = {setting.id for setting in solution.settings}
         found = screen(self.model, solution, exclude=(*self.exclude, *used))
-        unknown = Unknowns(found)(found.score) if found.structures else np.full(1, -np.inf)
-        return Step(solution, found, found.signed_gains(), unknown)
+        gains = found.signed_gains()
+        if not found.structures:
+            return Step(solution, found, gains, np.full(1, -np.inf), gains)
+        unknowns = Unknowns(found)
+        unknown = unknowns(found.score)
+        beside = unknowns.gains_beside(found, int(unknown.argmax()))
+        return Step(solution, found, gains, unknown, np.where(gains > 0, beside, 0.0))
 
     def fit(self, solution, settings):
         """Fit with terms, started from another fit."""
@@ -167,12 +176,13 @@ class Selector:
         trials, unknown = {}, None
         while len(step.solution.settings) < MOST_TERMS:
             first = not step.solution.settings
-            needed = limits.effect if first else limits.third
-            order = best_by_id(step.found.candidates, step.gains)
+            needed = limits.effect if first else limits.third + self._of_formulas(steps)
+            wanted = np.where(step.gains > needed, step.gains, 0.0)
+            order = best_by_id(step.found.candidates, wanted)
             best = order[0] if order else None
             evidence = linear_evidence(step.found)
             top_unknown = float(step.unknown.max())
-            enough = best is not None and step.gains[best] > needed
+            enough = best is not None and wanted[best] > 0
             if first and enough:
                 pair, one, two = best_pair(step.found, step.gains)
                 if pair > step.gains[best] + PAIR_PRICE * limits.third:
@@ -193,8 +203,13 @@ class Selector:
                         continue
                     unknown = step.found.structures[int(step.unknown.argmax())].id
                 break
-            chosen = self._best_refit(step, order, trials if first else None)
+            chosen = self._best_refit(step, wanted, trials if first else None)
             if beaten and not self._explains(chosen, step, top_unknown):
+                beside = np.where(step.beside > max(limits.third, 2 * SHARE * top_unknown), step.beside, 0.0)
+                if (wanted * beside > 0).any():
+                    step = self.look(self._pruned(self._best_refit(step, np.where(wanted > 0, beside, 0.0))))
+                    steps.append(step)
+                    continue
                 wandering = self._wandering(step)
                 if wandering is not None:
                     step = self.look(wandering)
@@ -229,10 +244,28 @@ class Selector:
         gained = step.solution.objective - chosen.objective
         return 0.5 * gained - 5.0 > top_unknown - MARGIN
 
-    def _best_refit(self, step, order, trials):
+    def _of_formulas(self, steps):
+        """Chi-squared (candidates,) that inexact formulas of the terms fitted so far may leave to each."""
+        found, candidates = steps[0].found, steps[-1].found.candidates
+        place = {(one.id, tuple(one.shape.items())): i for i, one in enumerate(found.candidates)}
+        here = [place[one.id, tuple(one.shape.items())] for one in candidates]
+        information = found.information[: found.count, : found.count]
+        length = np.sqrt(np.maximum(np.diag(information), 1e-300))
+        left = np.zeros(len(candidates))
+        for setting in steps[-1].solution.settings:
+            own = [i for i, one in enumerate(found.candidates) if one.id == setting.id]
+            if not own:
+                continue
+            mine = max(own, key=lambda i: steps[0].gains[i])
+            cosine = np.abs(information[mine, here]) / (length[mine] * length[here])
+            left += np.where(cosine > KIN, FORMULA * steps[0].gains[mine], 0.0)
+        return left
+
+    def _best_refit(self, step, gains, trials=None):
         """The best of the refits of the candidates that explain about as much."""
-        top = step.gains[order[0]]
-        near = [index for index in order if step.gains[index] > 0.5 * top][:REFITTED]
+        order = best_by_id(step.found.candidates, gains)
+        top = gains[order[0]]
+        near = [index for index in order if gains[index] > 0.5 * top][:REFITTED]
         fits = []
         for index in near:
             fits.append(self.extended(step, index))

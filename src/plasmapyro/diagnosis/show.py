@@ -191,7 +191,10 @@ def gas_monitor(model, fitter, solution, test):
     }
 
 
-def line_hump(library, strengths, explanations):
+ONE_CAUSE = {"core": "P_eff"}  # tracks that the catalogue counts as one: more power, a hotter core
+
+
+def line_hump(library, strengths, explanations, calibration=False):
     """Line and hump of the gas against the simulation: the measured point and where explanations lead.
 
     Parameters
@@ -199,6 +202,8 @@ def line_hump(library, strengths, explanations):
     library : GasLibrary
     strengths : (spectrum (K,), relative errors of line and hump), what the fit makes of the gas
     explanations : mapping id -> (name, amplitudes, function amplitude -> spectrum (K,))
+    calibration : bool
+        Whether the throughput of an instrument left its prior: surface and gas err alike.
     """
     axis = library.wavelength
     line = np.abs(axis - 777.6e-9) < LINE_REACH
@@ -224,7 +229,8 @@ def line_hump(library, strengths, explanations):
                 "hump": [p[1] for p in points],
             }
         )
-        distance[identity] = min(_away(at, point, errors) for point in points)
+        distance[identity] = _from_track(at, points, errors)
+    closest = min(distance, key=lambda identity: distance[identity] + (identity != "none") * 1.0)
     return {
         "measured": {
             "line": at[0],
@@ -233,13 +239,21 @@ def line_hump(library, strengths, explanations):
             "hump_error": at[1] * errors[1],
         },
         "tracks": tracks,
-        "closest": min(distance, key=lambda identity: distance[identity] + (identity != "none") * 1.0),
+        "closest": "calibration" if calibration else ONE_CAUSE.get(closest, closest),
     }
 
 
 def _away(one, other, errors):
     """Distance of two points in standard deviations, in logarithms."""
     return float(np.hypot(*(np.log(np.array(one) / np.array(other)) / np.maximum(errors, 0.01))))
+
+
+def _from_track(at, points, errors):
+    """Least distance from the line, in logarithms, through the points of a track."""
+    steps = np.linspace(0, 1, 25)
+    logs = np.log(points)
+    between = [(1 - step) * a + step * b for a, b in zip(logs[:-1], logs[1:], strict=True) for step in steps]
+    return min(_away(at, np.exp(point), errors) for point in between)
 
 
 def explanations(library, emittance):

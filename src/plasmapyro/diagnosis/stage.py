@@ -1,6 +1,6 @@
 """Stage: the diagnosis of one test, from its data to a report, a map of the residuals and temperatures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -10,10 +10,11 @@ from plasmapyro.diagnosis.base import fit_base
 from plasmapyro.diagnosis.build import base_model
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.extension import fragment
-from plasmapyro.diagnosis.gain import gain
+from plasmapyro.diagnosis.gain import cross_condition, gain
 from plasmapyro.diagnosis.inference import free_numbers
 from plasmapyro.diagnosis.kelvin import PaperShift, fitted_shift, paper_temperature
 from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.diagnosis.probability import honest
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
 from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
@@ -58,6 +59,7 @@ def diagnose(
     seed=1,
     provenance=None,
     thresholds=None,
+    others=(),
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -77,6 +79,8 @@ def diagnose(
         Goes into the report.
     thresholds : Thresholds, optional
         Of an alike data set, instead of new ones.
+    others : sequence of (test, variations)
+        Tests with the same instruments, at other conditions, on which the terms are tried.
 
     Returns
     -------
@@ -92,31 +96,44 @@ def diagnose(
         raise ValueError(
             f"exclude must name effects among {', '.join(EFFECTS)}; got {', '.join(sorted(unknown))}"
         )
-    fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
-    condition = str(test.attrs["condition"])
-    library = gas_library(condition, radiation, powers, variations, fwhm=fwhm)
-    model = base_model(test, library, calibration, response, spectrometer_calibration)
-    base = fit_base(model)
+
+    def fitted(test, variations):
+        fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
+        library = gas_library(str(test.attrs["condition"]), radiation, powers, variations, fwhm=fwhm)
+        return fit_base(base_model(test, library, calibration, response, spectrometer_calibration))
+
+    base = fitted(test, variations)
     if variations is None:
         exclude = (*exclude, *NEED_VARIATIONS)
     selector = Selector(base.model, base.fitter, thresholds, exclude, draws, seed)
     selection = selector.run(base.solution)
+    crossed = None
+    if selection.final.settings and others:
+        crossed = sum(_crossed(base, selection.final, fitted(*other)) for other in others)
     curve = None
     if calibration is not None:
         curve = (
             calibration["calibration_temperature"].values,
             calibration["calibration_ratio"].values,
         )
-    return _Report(test, base, selection, selector, curve, provenance or {}).make()
+    return _Report(test, base, selection, selector, curve, provenance or {}, crossed).make()
+
+
+def _crossed(base, final, other):
+    """Log score of another test with the terms of this one."""
+    start = replace(other.solution.state, amplitudes=final.state.amplitudes)
+    with_terms = other.fitter.fit(start, final.settings)
+    sizes = [one.model.size + len(one.model.parameters) for one in (base, other)]
+    return cross_condition(final, other.solution, with_terms, *sizes)
 
 
 class _Report:
     """Puts the pieces together."""
 
-    def __init__(self, test, base, selection, selector, curve, provenance):
+    def __init__(self, test, base, selection, selector, curve, provenance, crossed):
         self.test, self.base, self.selection, self.selector = test, base, selection, selector
         self.model, self.fitter = base.model, base.fitter
-        self.curve, self.provenance = curve, provenance
+        self.curve, self.provenance, self.crossed = curve, provenance, crossed
         self.size = self.model.size + len(self.model.parameters)
         self.window = np.asarray(test.attrs.get("reference_window", (0.0, 6.0)), dtype=float)
         self.paper = PaperShift(self.model, base.solution, self.window, curve)
@@ -129,6 +146,7 @@ class _Report:
         gained = gain(self.model, self.base.solution, final) if final.settings else None
         applied = bool(gained is not None and gained.improves)
         status, why = self._status(final)
+        self.probability, uncalibrated = honest(self._log_weights(first), status)
         candidates = self._candidates(first, final)
         limits = self._limits(first)
         terms = [setting.id for setting in final.settings]
@@ -145,7 +163,6 @@ class _Report:
             for row in pulls
             if row["finding"]
         ]
-        probability = self._probability(first)
         sets = [list(one) for one in self.selection.sets]
         correlation, quantile = show.series(self.model, z_base)
         _, columns = columns_of_candidates(self.model, self.base.solution, self.selector.exclude)
@@ -194,7 +211,8 @@ class _Report:
                 "named": terms,
                 "set": sets,
                 "class": [EFFECTS[identity].klass for identity in terms],
-                "probability": probability,
+                "probability": self.probability,
+                "uncalibrated": uncalibrated,
                 "p_base": p_base,
                 "temperature_shift": shift,
                 "sentences": verdict_sentences(
@@ -235,8 +253,8 @@ class _Report:
         status = self.selection.status
         last = self.selection.final
         misfit = last.objective / max(last.count - self.model.size, 1)
-        if not self.base.solution.converged:
-            return "not-adequate", "The base fit did not converge."
+        if not last.converged:
+            return "not-adequate", "The fit did not converge."
         if status == "null" and misfit > LARGEST_MISFIT:
             return (
                 "not-adequate",
@@ -325,7 +343,7 @@ class _Report:
     def _candidates(self, first, final):
         """Entries of the terms named, as fitted, and of the others, as linearised."""
         found, gains = first.found, first.gains
-        probability = self._probability(first)
+        probability = self.probability
         evidence = linear_evidence(found)
         own = np.diag(found.information)[: found.count]
         angle = angles(found.information[: found.count, : found.count])
@@ -341,6 +359,8 @@ class _Report:
             error = float(1 / np.sqrt(own[index])) if found.left[index] > 1e-5 else float(10 * effect.sigma)
             if found.left[index] <= 1e-5:
                 amplitude = 0.0
+            elif effect.quadratic:
+                error = float(effect.amplitude_of(effect.linear_of(amplitude) + error)) - amplitude
             shape = {name: float(value) for name, value in candidate.shape.items()}
             if candidate.id in fitted:
                 setting, at = final.settings[fitted[candidate.id]], self._place(final, fitted[candidate.id])
@@ -349,7 +369,9 @@ class _Report:
             others = [j for j in order if found.candidates[j].id != candidate.id and found.left[j] > 1e-5]
             nearest = min(others, key=lambda j: angle[index, j]) if others else None
             paper, when = self.paper(candidate.id, amplitude, shape)
-            fit, when_fit = fitted_shift(self.model, self.base.solution, found, index, amplitude)
+            fit, when_fit = fitted_shift(
+                self.model, self.base.solution, found, index, effect.linear_of(amplitude)
+            )
             entry = {
                 "id": candidate.id,
                 "name": effect.name,
@@ -399,8 +421,8 @@ class _Report:
         ]
         return self.size + rows[0]
 
-    def _probability(self, first):
-        """Probabilities over ids, none and unknown."""
+    def _log_weights(self, first):
+        """Logarithms of the weights of ids, none and unknown."""
         found = first.found
         evidence = linear_evidence(found)
         log = {"none": np.log(PRIOR_NONE)}
@@ -419,10 +441,7 @@ class _Report:
             log["unknown"] = min(log["unknown"], max(log.values()) - 5.0)
         if self.selection.status == "null":
             log["none"] = max(log["none"], max(log.values()) + 1.0)
-        top = max(log.values())
-        weight = {identity: float(np.exp(value - top)) for identity, value in log.items()}
-        total = sum(weight.values())
-        return {identity: value / total for identity, value in weight.items() if value / total > 1e-6}
+        return log
 
     def _limits(self, first):
         found = first.found
@@ -435,18 +454,19 @@ class _Report:
         for identity, index in best.items():
             effect = EFFECTS[identity]
             seen = found.left[index] > 1e-5
-            five = 5 / np.sqrt(own[index]) if seen else np.inf
+            five = effect.amplitude_of(5 / np.sqrt(own[index])) if seen else np.inf
             largest = max(abs(effect.bounds[0]), abs(effect.bounds[1]))
             paper_unit, _ = self.paper(identity, effect.step, found.candidates[index].shape)
-            paper_unit /= effect.step
+            paper_unit /= effect.linear_of(effect.step)
+            limit = float(min(five, largest))
             rows.append(
                 {
                     "id": identity,
                     "name": effect.name,
-                    "amplitude_5sigma": float(min(five, largest)),
+                    "amplitude_5sigma": limit,
                     "unit": effect.unit,
-                    "temperature_5sigma": float(abs(paper_unit) * min(five, largest)),
-                    "temperature_prior": float(abs(paper_unit) * effect.sigma),
+                    "temperature_5sigma": float(abs(paper_unit * effect.linear_of(limit))),
+                    "temperature_prior": float(abs(paper_unit * effect.linear_of(effect.sigma))),
                     "invisible": bool(five > effect.sigma),
                     "measurement": effect.measurement,
                 }
@@ -547,9 +567,10 @@ class _Report:
         return {
             "heldout_log_score": gained.total,
             "heldout_standard_error": gained.standard_error,
+            "calibration": gained.calibration,
             "blocks": [{"start": a, "end": b, "difference": d} for a, b, d in gained.blocks],
             "cross_instrument": gained.cross_instrument,
-            "cross_condition": None,
+            "cross_condition": self.crossed,
             "kappa_before": lines(self.base.solution),
             "kappa_after": lines(final),
             "temperature_shift": shift,
@@ -595,7 +616,11 @@ class _Report:
         line = [name for name in self.model.groups if "O I 77" in name]
         hump = [name for name in self.model.groups if "945" in name]
         errors = (error(line[0]) if line else 0.05, error(hump[0]) if hump else 0.05)
-        return show.line_hump(library, (spectrum, errors), show.explanations(library, self.model.emittance))
+        moved = any(
+            row["finding"] for row in self._pulls(self.base.solution) if row["id"].startswith("gain_")
+        )
+        tracks = show.explanations(library, self.model.emittance)
+        return show.line_hump(library, (spectrum, errors), tracks, calibration=moved)
 
     def _angles(self, first):
         found = first.found
@@ -611,11 +636,12 @@ class _Report:
         basis = self.model.history.basis(times)
         size = self.model.size
 
-        def estimate(solution):
+        def estimate(solution, unsure=0.0):
             mean = basis @ solution.state.knots
-            spread = np.sqrt(
-                np.maximum(np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis), 0)
-            )
+            variance = np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis)
+            # What the model leaves of the data beyond their noise is in the interval as well.
+            misfit = max(solution.objective / max(solution.count - self.size, 1), 1.0)
+            spread = np.sqrt(np.maximum(misfit * variance, 0) + unsure**2)
             keep = times >= 0
             return [
                 np.where(keep, values, np.nan)
@@ -623,7 +649,9 @@ class _Report:
             ]
 
         base = estimate(self.base.solution)
-        extended = estimate(final) if applied else base
+        # Terms that the data ask for but held-out data do not confirm: their shift is an uncertainty.
+        shift = basis @ (final.state.knots - self.base.solution.state.knots)
+        extended = estimate(final) if applied else estimate(self.base.solution, shift)
         paper = np.full(times.size, np.nan)
         for one in self.model.instruments:
             if one.kind == "pyrometer" and self.curve is not None:

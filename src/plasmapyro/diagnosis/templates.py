@@ -8,9 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
-ATOMIC_GAP = (
-    2.2e-9  # [m]; lines of an atom closer than this share a strength (a multiplet and its neighbours)
-)
+ATOMIC_GAP = 1.0e-9  # [m] of darkness: lines of an atom with less between them share a strength (a multiplet)
 MOLECULAR_EDGES = (
     np.array([700, 800, 945, 1200]) * 1e-9
 )  # [m] between sequences of N2 1P (2, 1, 0 more vibration)
@@ -88,15 +86,15 @@ def line_groups(wavelength, component, radiance):
 
     Notes
     -----
-    ASSUME: lines of one atom within 2.2 nm (a multiplet and its neighbours) share an error of strength, as
-    do the
-    bands of N2 1P of one sequence.
+    ASSUME: lines of one atom with less than 1 nm of darkness between them (a multiplet) share an error of
+    strength, as do the faint lines of one atom, and the bands of N2 1P of one sequence.
     """
     names, rows = [], []
     whole = radiance.sum()
     rest = np.zeros(wavelength.size)
     for name, light in zip(component, radiance, strict=True):
         if name in ATOMS:
+            faint = np.zeros(wavelength.size)
             for first, last in _clusters(wavelength, light):
                 inside = (wavelength >= first) & (wavelength < last)
                 if light[inside].sum() > SMALL * whole:
@@ -105,7 +103,10 @@ def line_groups(wavelength, component, radiance):
                     )
                     rows.append(np.where(inside, light, 0.0))
                 else:
-                    rest = rest + np.where(inside, light, 0.0)
+                    faint = faint + np.where(inside, light, 0.0)
+            if faint.any():
+                names.append(f"faint lines of {name}")
+                rows.append(faint)
         elif name == BANDS_OF:
             for first, last in zip(MOLECULAR_EDGES[:-1], MOLECULAR_EDGES[1:], strict=True):
                 inside = (wavelength >= first) & (wavelength < last)

@@ -1,5 +1,7 @@
 """Terms between the gas and the instruments: windows and air."""
 
+from functools import cache
+
 import numpy as np
 
 from plasmapyro import tables
@@ -30,8 +32,10 @@ window_e, window_e_sloped = _window("spectrometer")
 def absorber(name):
     """A term: more absorption in air than during the calibration, :math:`e^{-a k(\\lambda)}`."""
 
+    load = cache(tables.load)  # at every evaluation it would be a tenth of a diagnosis
+
     def apply(scene, amplitude):
-        table = tables.load(f"diagnosis/{name}")
+        table = load(f"diagnosis/{name}")
         shape = np.interp(scene.wavelength, table["wavelength"], table["absorption"], left=0.0, right=0.0)
         return scene.but(path=scene.path * np.exp(-amplitude * shape))
 

@@ -1,0 +1,38 @@
+"""The log score of held-out data, against the density of a linear Gaussian model written out."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_factor
+from scipy.stats import multivariate_normal
+
+from plasmapyro.diagnosis.gain import _held_out
+
+SIGMA = 0.3
+
+
+@pytest.mark.parametrize("held", [slice(0, 7), slice(20, 21), slice(40, 45)])
+def test_score_of_a_block_is_its_density_given_the_rest(held):
+    """Rows 40 to 44 measure single parameters, as calibrations do."""
+    random = np.random.default_rng(3)
+    rows = np.concatenate([random.standard_normal((40, 5)), np.eye(5)])
+    data = rows @ random.standard_normal(5) + SIGMA * random.standard_normal(45)
+    matrix = rows.T @ rows / SIGMA**2 + np.eye(5)
+    best = np.linalg.solve(matrix, rows.T @ data / SIGMA**2)
+    own, left = rows[held], data[held] - rows[held] @ best
+    found = _held_out(
+        SimpleNamespace(factor=cho_factor(matrix)),
+        own.T @ own / SIGMA**2,
+        own.T @ left / SIGMA**2,
+        left @ left / SIGMA**2,
+    )
+    others = np.ones(45, dtype=bool)
+    others[held] = False
+    covariance = np.linalg.inv(rows[others].T @ rows[others] / SIGMA**2 + np.eye(5))
+    mean = covariance @ rows[others].T @ data[others] / SIGMA**2
+    spread = SIGMA**2 * np.eye(left.size) + own @ covariance @ own.T
+    density = multivariate_normal(own @ mean, spread).logpdf(data[held])
+    # The score leaves out what no model changes: the density of the noise alone at zero.
+    constant = -0.5 * left.size * np.log(2 * np.pi * SIGMA**2)
+    assert found == pytest.approx(density - constant, rel=1e-6)

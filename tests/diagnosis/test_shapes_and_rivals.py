@@ -1,0 +1,98 @@
+"""Bins of single pixels, terms that act by their square, and names beside unknown structures."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis import screen as screens
+from plasmapyro.diagnosis.binning import pixel_edges
+from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.screen import Candidate, Screen, Structure, Unknowns
+from plasmapyro.diagnosis.templates import line_groups
+
+ALGEBRA = 1e-8  # relative, of two ways to the same number
+
+
+def test_a_pixel_as_wide_as_the_slit_may_be_a_bin_of_its_own_at_a_line():
+    wavelength = np.linspace(750e-9, 850e-9, 129)
+    gas = 1 + 50 * np.exp(-(((wavelength - 800.3e-9) / 0.4e-9) ** 2))
+    size = np.diff(pixel_edges(wavelength, gas, 0.75e-9))
+    edges = pixel_edges(wavelength, gas, 0.75e-9)
+    at_line = np.searchsorted(edges, np.argmax(gas), side="right") - 1
+    assert (size[at_line - 2 : at_line + 3] == 1).any()
+    assert size[3] > 1  # away from the line pixels are joined
+
+
+@pytest.mark.parametrize(("identity", "tolerance"), [("grad", 0.02), ("lsf", 0.12), ("ripple", 0.4)])
+def test_a_term_that_acts_by_its_square_is_found_near_its_amplitude(model, identity, tolerance):
+    """The secant over the prior is the start of a fit at half of it; higher powers are left."""
+    effect = EFFECTS[identity]
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([p.centre for p in model.parameters])
+    half = 0.5 * effect.step
+
+    def change(amplitude):
+        plain = model.evaluate(1, knots, values)
+        return model.evaluate(1, knots, values, (Setting(identity, amplitude, {}),)) - plain
+
+    column = change(effect.step) / effect.step
+    linear = np.sum(column * change(half)) / np.sum(column**2)
+    assert effect.amplitude_of(linear) == pytest.approx(half, rel=tolerance)
+    assert effect.linear_of(effect.amplitude_of(linear)) == pytest.approx(linear, rel=1e-12)
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_the_gain_beside_a_structure_is_that_of_least_squares_with_its_covariance(single):
+    random = np.random.default_rng(3)
+    rows = random.normal(size=(30, 5)) * np.array([3.0, 2.0, 40.0, 40.0, 40.0])
+    data = rows[:, 0] + rows[:, 2] * 0.3 + random.normal(size=30)
+    structure = Structure("pattern", "three", slice(0, 3), single)
+    found = Screen(
+        (Candidate("winE", {}, 1.0), Candidate("phi", {}, 1.0)),
+        (structure,),
+        rows.T @ data,
+        rows.T @ rows,
+        np.ones(5),
+        None,
+    )
+    gains = Unknowns(found).gains_beside(found, 0)
+    best = -np.inf
+    for scale in screens.SCALES:
+        for chosen in [[2], [3], [4]] if single else [[2, 3, 4]]:
+            covariance = np.eye(30) + scale**2 * rows[:, chosen] @ rows[:, chosen].T
+            inverse = np.linalg.inv(covariance)
+            evidence = -0.5 * data @ inverse @ data - 0.5 * np.linalg.slogdet(covariance)[1]
+            if evidence > best:
+                best = evidence
+                expected = [(row @ inverse @ data) ** 2 / (row @ inverse @ row) for row in rows[:, :2].T]
+    assert np.allclose(gains, expected, rtol=ALGEBRA)
+
+
+def test_fringes_are_found_as_one_combination_of_the_channels():
+    """A fringe of 12 standard deviations spread over 60 channels, none of which shows it alone."""
+    x = np.linspace(0, 1, 60)
+    fringe = np.sin(2 * np.pi * 9 * x + 0.4)
+    fringe *= 12 / np.linalg.norm(fringe)
+    angle = 2 * np.pi * x[:, None, None] * np.arange(4, 25)[:, None] + np.arange(3) * np.pi / 3
+    basis = np.sin(angle).reshape(60, -1)
+    classes = (
+        Structure("one_pattern", "one", slice(0, 60), True),
+        Structure("fringe_pattern", "fringes", slice(0, 60), True, basis),
+    )
+    scale = 100.0  # of the data per unit of a channel
+    found = Screen((), classes, scale * fringe, scale**2 * np.eye(60), np.ones(60), None)
+    one, many = Unknowns(found)(found.score)
+    assert one < 2 and many > 40
+
+
+def test_two_multiplets_with_darkness_between_them_err_by_themselves():
+    axis = np.linspace(850e-9, 880e-9, 3001)
+    light = sum(
+        a * np.exp(-(((axis - c) / 0.45e-9) ** 2))
+        for c, a in ((862.0e-9, 1), (862.9e-9, 2), (868.3e-9, 6), (870.5e-9, 2))
+    )
+    names, rows = line_groups(axis, ["N I"], light[None])
+    assert np.allclose(rows.sum(axis=0), light)
+    strong = [row for row in rows if row.sum() > 0.1 * light.sum()]
+    assert len(strong) == 2
+    assert axis[strong[0] > 0].max() < 867e-9 and axis[strong[1] > 0].min() > 864e-9
