@@ -14,6 +14,7 @@ MOST_STEPS = 25
 LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, lines err in groups
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 CONVERGED = 0.02  # of the objective, in units of chi-squared
+FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
 
 @dataclass(frozen=True)
@@ -119,29 +120,49 @@ def gram(columns, patterns, weighers, residuals):
     starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
     for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
-        root = weigher.root(column)
-        matrix[:k, :k] += root.T @ root
         weighted = weigher(residual)
-        vector[:k] += column.reshape(-1, k).T @ weighted.ravel()
         mine = [
             (slice(a, a + n), row)
             for a, n, (at, row) in zip(starts, sizes, patterns, strict=False)
             if at == place
         ]
-        if not mine:
-            continue
-        by_channel = np.ascontiguousarray(column.transpose(1, 0, 2))
-        along = np.matmul(weigher.gas[:, None, :], column)[:, 0] * weigher.common[:, None]
-        for part, row in mine:
-            part_cross = np.matmul((row * weigher.weight).T[:, None, :], by_channel)[:, 0]
-            part_cross -= (row * weigher.gas).T @ along
-            matrix[part, :k], matrix[:k, part] = part_cross, part_cross.T
-            vector[part] = np.sum(row * weighted, axis=0)
+        rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
+        cross = np.zeros((residual.shape[1], len(mine), k))
+        along = np.zeros((len(residual), k))
+        for chosen, live in _parts(column):
+            part, some = column[chosen][..., live], weigher.of(chosen)
+            root = some.root(part)
+            matrix[:k, :k][_square(live)] += root.T @ root
+            vector[:k][live] += part.reshape(-1, part.shape[2]).T @ weighted[chosen].ravel()
+            if mine:
+                along[chosen, live] = np.matmul(some.gas[:, None, :], part)[:, 0] * some.common[:, None]
+                scaled = rows[:, chosen] * some.weight
+                cross[..., live] += np.matmul(scaled.transpose(2, 0, 1), part.transpose(1, 0, 2))
+        for at, (block, row) in enumerate(mine):
+            gas = row * weigher.gas
+            part = cross[:, at] - gas.T @ along
+            matrix[block, :k], matrix[:k, block] = part, part.T
+            vector[block] = np.sum(row * weighted, axis=0)
             for other, second in mine:
-                block = -(row * weigher.gas).T @ (weigher.common[:, None] * second * weigher.gas)
-                block[np.diag_indices_from(block)] += np.sum(row * second * weigher.weight, axis=0)
-                matrix[part, other] = block
+                both = -gas.T @ (weigher.common[:, None] * second * weigher.gas)
+                both[np.diag_indices_from(both)] += np.sum(row * second * weigher.weight, axis=0)
+                matrix[block, other] = both
     return matrix, vector
+
+
+def _parts(column):
+    """Bins (slices) with the columns that are not zero in them: one bin at a time where most effects touch few
+    of the bins, else everything at once."""
+    live = np.any(column, axis=1)
+    if column.shape[1] < FEW_CHANNELS or live.mean() > FULL:
+        yield slice(None), slice(None)
+        return
+    for at, mask in enumerate(live):
+        yield slice(at, at + 1), np.flatnonzero(mask)
+
+
+def _square(live):
+    return np.ix_(live, live) if isinstance(live, np.ndarray) else (live, live)
 
 
 def own_patterns(instruments, values, gases):

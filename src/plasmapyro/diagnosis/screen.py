@@ -330,15 +330,15 @@ def screen(model, solution, exclude=(), structures=True):
     Screen
     """
     candidates, columns = columns_of_candidates(model, solution, exclude)
-    classes, patterns = (), []
+    classes, patterns, sought = (), [], [columns]
     if structures:
         classes, unknown, patterns = structures_of(model, solution)
-        columns = [np.concatenate(pair, axis=2) for pair in zip(columns, unknown, strict=True)]
+        sought.append(unknown)
     fitted = solution.jacobian[0].shape[2]
-    dense = [np.concatenate(pair, axis=2) for pair in zip(solution.jacobian, columns, strict=True)]
+    dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, *sought, strict=True)]
     mine = own_patterns(model.instruments, solution.plain, solution.gas)
     matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual)
-    tests = columns[0].shape[2]
+    tests = dense[0].shape[2] - fitted
     base_patterns = sum(row.shape[1] for _, row in mine)
     first = fitted + tests
     base = np.r_[0:fitted, first : first + base_patterns]
