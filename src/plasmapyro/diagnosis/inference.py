@@ -151,8 +151,8 @@ def gram(columns, patterns, weighers, residuals):
 
 
 def _parts(column):
-    """Bins (slices) with the columns that are not zero in them: one bin at a time where most effects touch few
-    of the bins, else everything at once."""
+    """Bins (slices) with the columns that are not zero in them: one by one where most columns touch few bins,
+    else all at once."""
     live = np.any(column, axis=1)
     if column.shape[1] < FEW_CHANNELS or live.mean() > FULL:
         yield slice(None), slice(None)
