@@ -37,10 +37,13 @@ matplotlib.use("agg")
 CELL_RADIUS = 3.75e-3  # [m]: centre of the cells next to the axis
 # z [m], T [K], u_z [m/s] of the cells next to the axis
 AXIS = (
-    (0.0009, 7630, -7), (0.0028, 8744, -14), (0.049, 10831, -244), (0.232, 11245, -20), (0.399, 11257, 299),
+    (0.049, 10831, -244), (0.232, 11245, -20), (0.399, 11257, 299),
     (0.506, 11119, 341), (0.601, 10825, 315), (0.700, 10300, 278), (0.797, 9477, 248), (0.875, 8481, 231),
     (0.991, 7152, 215), (1.195, 6457, 195),
 )  # fmt: skip
+# r [m], T [K] of the cells at the back wall, their centres 0.89 mm from it
+WALL_CELLS = ((0.0109, 7630), (0.0287, 8774), (0.0458, 8901), (0.0575, 8690), (0.0654, 6927))
+WALL_DISTANCE = 0.89e-3  # [m]
 EXIT = 0.4851  # [m]: last cells of the torch; r [m], u_z [m/s], T [K]
 EXIT_CELLS = (
     (0.00375, 342.5, 11160), (0.0109, 328.0, 11056), (0.0233, 261.4, 10292), (0.0287, 222.9, 9399),
@@ -206,10 +209,11 @@ def measures(found):
         np.append(r, bench.TORCH["radius"]), np.append(exit_speed, 0), np.append(exit_temperature, bench.WALL)
     )
     pinch = np.diff(found.gauge(STAGNATION, np.array([BESIDE, CELL_RADIUS])))[0]
-    return row_of(at, pinch, enthalpy, found.back_wall_heat)
+    near = found.temperature(WALL_DISTANCE, np.array([row[0] for row in WALL_CELLS]))
+    return row_of(at, pinch, enthalpy, found.back_wall_heat, near)
 
 
-def row_of(at, pinch, enthalpy, heat):
+def row_of(at, pinch, enthalpy, heat, near_wall):
     return {
         "backflow_m_s": f"{at[0.049][1]:.0f}",
         "torch_k": f"{at[0.049][0]:.0f}",
@@ -220,6 +224,7 @@ def row_of(at, pinch, enthalpy, heat):
         "end_k": f"{at[1.195][0]:.0f}",
         "exit_enthalpy_kw": f"{enthalpy / 1e3:.1f}",
         "back_wall_kw": f"{heat / 1e3:.1f}",
+        "near_back_wall_k": f"{min(near_wall):.0f} to {max(near_wall):.0f}",
     }
 
 
@@ -228,7 +233,7 @@ def published():
     r, u, t = np.array(EXIT_CELLS).T
     mass, enthalpy = flows(r, u, t)
     logging.warning("published exit: %.2f g/s, %.1f kW", 1e3 * mass, enthalpy / 1e3)
-    return row_of(at, PINCH, enthalpy, POWER - enthalpy)
+    return row_of(at, PINCH, enthalpy, POWER - enthalpy, [row[1] for row in WALL_CELLS])
 
 
 def draw(solutions):
