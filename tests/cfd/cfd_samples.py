@@ -116,6 +116,66 @@ def tecplot_block():
     return text
 
 
+def tecplot_blocks_of_one_zone(location=""):
+    """FEBLOCK with VARLOCATION; without it all values stand at nodes."""
+    points, cells = triangles()
+    where = points[cells].mean(axis=1) if location else points
+    blocks = [*points.T, pressure(*where.T), temperature(*where.T)]
+    nodes = "\n".join(" ".join(str(node + 1) for node in cell) for cell in cells)
+    return (
+        f'TITLE = "t"\nVARIABLES = "x0", "x1", "p", "T"\n'
+        f'ZONE T="a" N={len(points)} E={len(cells)} F=FEBLOCK ET=TRIANGLE {location}\n'
+        + "\n".join(map(lines_of, blocks))
+        + f"\n{nodes}\n"
+    )
+
+
+def vtk_grid(kind):
+    """Legacy VTK text of a structured or a rectilinear grid of 7 x 5 nodes."""
+    if kind == "STRUCTURED_GRID":
+        points, _ = triangles()
+        shape = f"POINTS {len(points)} double\n" + "\n".join(f"{x!r} {y!r} 0" for x, y in points.tolist())
+    else:
+        lines = np.linspace(0, 0.3, 7), np.linspace(0, 0.1, 5), np.zeros(1)
+        points = np.stack([part.ravel() for part in np.meshgrid(*lines[:2])], axis=1)
+        shape = "\n".join(
+            f"{name}_COORDINATES {len(line)} double\n" + " ".join(map(repr, line.tolist()))
+            for name, line in zip("XYZ", lines, strict=True)
+        )
+    fields = "\n".join(
+        f"{name} 1 {len(points)} double\n" + "\n".join(map(repr, values.tolist()))
+        for name, values in (("T", temperature(*points.T)), ("p", pressure(*points.T)))
+    )
+    return (
+        f"# vtk DataFile Version 3.0\nflow\nASCII\nDATASET {kind}\nDIMENSIONS 7 5 1\n{shape}\n"
+        f"POINT_DATA {len(points)}\nFIELD FieldData 2\n{fields}\n"
+    )
+
+
+def vtu_text(cells, types):
+    """VTU in text with quadrilaterals of the rectangle under the numbers of VTK's cell types."""
+    points, _ = triangles(shear=0.0)
+    flat = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
+
+    def array(name, values, kind="Float64", extra=""):
+        words = " ".join(map(repr, np.ravel(values).tolist()))
+        return f'<DataArray type="{kind}" Name="{name}" format="ascii"{extra}>{words}</DataArray>'
+
+    return (
+        '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">'
+        f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(cells)}"><PointData>'
+        + array("T", temperature(*points.T))
+        + array("p", pressure(*points.T))
+        + "</PointData><CellData/><Points>"
+        + array("Points", flat, extra=' NumberOfComponents="3"')
+        + "</Points><Cells>"
+        + array("connectivity", cells, "Int64")
+        + array("offsets", 4 * np.arange(1, len(cells) + 1), "Int64")
+        + array("types", types, "UInt8")
+        + "</Cells></Piece></UnstructuredGrid></VTKFile>"
+    )
+
+
 def tecplot_ordered():
     """An ordered zone, point by point, counts I and J, Fortran exponents and repeat counts."""
     points, _ = triangles()

@@ -79,6 +79,14 @@ def test_a_body_in_the_way_is_said(tmp_path, capsys):
     assert io.read(tmp_path / "a.nc", "sightline").attrs["path_end"] == "body"
 
 
+def test_a_field_that_begins_away_from_the_surface_is_said(folder, capsys):
+    mapping = samples.settings("planar", ray={"origin": [-0.1, 0.05], "direction": [1.0, 0.0]})
+    (folder / "map.yaml").write_text(yaml.safe_dump(mapping))
+    assert run(folder, "flow.vtu", "--map", "map.yaml", "--out", "a.nc") == 0
+    words = "plasmapyro: warning: the line of sight begins 100 mm from its origin, where the field does"
+    assert words in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

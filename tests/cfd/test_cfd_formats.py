@@ -1,12 +1,14 @@
 """Every format that is read, from files of other programs or after the published layout."""
 
 import cfd_samples as samples
+import meshio
 import numpy as np
 import pytest
 
 from plasmapyro.cfd.stage import sightline
 
 LINEAR_RTOL = 1e-10  # of a linear field on simplices; text files print eleven digits or more
+SINGLE_RTOL = 5e-7  # 2^-22: rounding of coordinates and values in single precision
 CELL_RTOL = 1e-8  # from values in cells: the least squares are regularised by 1e-10
 
 
@@ -45,6 +47,32 @@ def test_vtk_volume_of_hexahedra_wedges_tetrahedra_and_pyramids():
     check(samples.FILES / "half_block.vtu", samples.settings("three_dimensional"))
 
 
+@pytest.mark.parametrize("kind", ["STRUCTURED_GRID", "RECTILINEAR_GRID"])
+def test_legacy_vtk_of_grids_without_cells_of_their_own(tmp_path, kind):
+    (tmp_path / "flow.vtk").write_text(samples.vtk_grid(kind))
+    check(tmp_path / "flow.vtk", samples.settings())
+
+
+@pytest.mark.parametrize("origin", [[0.29, 0.0], [0.3, 0.0]])
+def test_single_precision_as_most_programs_write_it(tmp_path, origin):
+    points, cells = samples.triangles()
+    state = {"T": samples.temperature(*points.T), "p": samples.pressure(*points.T)}
+    mesh = meshio.Mesh(
+        np.pad(points, ((0, 0), (0, 1))).astype("f4"),
+        [("triangle", cells)],
+        point_data={name: values.astype("f4") for name, values in state.items()},
+    )
+    meshio.vtu.write(str(tmp_path / "flow.vtu"), mesh)
+    # The last edge of the rectangle lies at 0.3 m to 4e-8 only.
+    line = check(
+        tmp_path / "flow.vtu",
+        samples.settings(ray={"origin": origin, "direction": [-1.0, 0.0]}),
+        rtol=SINGLE_RTOL,
+    )
+    assert line.attrs["path_end"] == "boundary" and line.path_distance.values[0] == 0
+    assert line.attrs["exit_distance"] == pytest.approx(origin[0], rel=SINGLE_RTOL)
+
+
 def cgns_settings(geometry):
     state = {
         "temperature": {"name": "Temperature", "unit": "K"},
@@ -78,6 +106,30 @@ def test_tecplot_degenerate_quadrilaterals_are_triangles(tmp_path):
     four = np.concatenate([cells, cells[:, 2:]], axis=1)
     (tmp_path / "flow.plt").write_text(samples.tecplot_fepoint(points, four, "QUADRILATERAL"))
     check(tmp_path / "flow.plt", samples.settings(**TECPLOT))
+
+
+@pytest.mark.parametrize(
+    ("location", "rtol"),
+    [
+        ("", LINEAR_RTOL),
+        ("VARLOCATION=(NODAL, NODAL, CELLCENTERED, CELLCENTERED)", CELL_RTOL),
+        ("VARLOCATION=([3,4]=CELLCENTERED)", CELL_RTOL),
+        ("varlocation=(3=cellcentered, 4=cellcentered)", CELL_RTOL),
+        ("VARLOCATION=([3-4]=CELLCENTERED)", CELL_RTOL),
+    ],
+)
+def test_every_way_to_say_which_variables_stand_in_cells(tmp_path, location, rtol):
+    (tmp_path / "flow.dat").write_text(samples.tecplot_blocks_of_one_zone(location))
+    check(tmp_path / "flow.dat", samples.settings(**TECPLOT), rtol=rtol)
+
+
+def test_tecplot_with_the_words_of_its_newer_versions_and_line_ends_of_windows(tmp_path):
+    text = samples.tecplot_fepoint(*samples.triangles())
+    newer = "Nodes=35, Elements=48, ZONETYPE=FETriangle\nDATAPACKING=POINT\nDT=(SINGLE SINGLE SINGLE SINGLE)"
+    text = text.replace("N=35, E=48, F=FEPOINT, ET=TRIANGLE", newer)
+    assert newer in text
+    (tmp_path / "flow.dat").write_bytes(text.replace("\n", "\r\n").encode())
+    check(tmp_path / "flow.dat", samples.settings(**TECPLOT))
 
 
 def test_tecplot_blocks_with_values_in_cells_comments_and_two_zones(tmp_path):

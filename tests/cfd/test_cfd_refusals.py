@@ -157,6 +157,57 @@ def test_any_damage_gives_a_sight_line_or_one_message(tmp_path, name):
             assert np.isfinite(line.temperature).all()
 
 
+QUADS = samples.quads()[1]
+
+
+@pytest.mark.parametrize(
+    ("types", "words"),
+    [
+        ([7] * 12 + [9] * 12, "holds cells of kind polygon, which are not read"),
+        ([9] * 12 + [8] * 12, "holds cells of kind pixel, which are not read"),
+        ([10] * 24, "holds volumes (tetra), not a plane; set `geometry: three_dimensional`"),
+    ],
+)
+def test_cells_that_would_leave_a_hole_are_refused(tmp_path, types, words):
+    (tmp_path / "flow.vtu").write_text(samples.vtu_text(QUADS, types))
+    message = refusal(tmp_path / "flow.vtu", samples.settings())
+    assert words in message and "\n" not in message
+
+
+def test_the_grid_of_the_refusals_is_good(tmp_path):
+    (tmp_path / "flow.vtu").write_text(samples.vtu_text(QUADS, [9] * 24))
+    line = sightline(tmp_path / "flow.vtu", samples.settings(), points=60)
+    x, y, _ = samples.along(line, samples.settings())
+    assert line.temperature.values == pytest.approx(samples.temperature(x, y), rel=1e-10, abs=0)
+
+
+def test_a_cell_of_a_vtk_file_that_names_no_node(tmp_path):
+    cells = QUADS.copy()
+    cells[3, 2] = 99
+    (tmp_path / "flow.vtu").write_text(samples.vtu_text(cells, [9] * 24))
+    assert "quad 4 of zone 'flow' names node 100 of 35" in refusal(tmp_path / "flow.vtu", samples.settings())
+
+
+def test_fewer_values_than_nodes_in_a_vtk_file(tmp_path):
+    text = samples.vtu_text(QUADS, [9] * 24).replace('NumberOfPoints="35"', 'NumberOfPoints="36"')
+    (tmp_path / "flow.vtu").write_text(text)
+    assert "cannot be read as VTK" in refusal(tmp_path / "flow.vtu", samples.settings())
+
+
+def test_a_node_without_coordinates(tmp_path):
+    text = samples.scattered(samples.triangles()[0]).replace("0.3,0.0,", "nan,0.0,")
+    assert "nan" in text
+    (tmp_path / "flow.csv").write_text(text)
+    assert "of zone 'table' has no finite coordinates" in refusal(tmp_path / "flow.csv", samples.settings())
+
+
+@pytest.mark.parametrize("ending", ["pvtu", "vtm", "szplt", "foam"])
+def test_kinds_of_files_that_are_not_read_say_what_to_do(tmp_path, ending):
+    (tmp_path / f"flow.{ending}").write_text("x")
+    message = refusal(tmp_path / f"flow.{ending}", samples.settings())
+    assert f"is of a kind that is not read (.{ending}); save it as one .vtu file" in message
+
+
 def test_su2_needs_its_mesh(tmp_path):
     points, _ = samples.triangles()
     (tmp_path / "restart.csv").write_text(samples.su2_restart_text(points))
@@ -206,7 +257,7 @@ def test_a_ray_outside_the_field():
     ("name", "changes", "words"),
     [
         ("mixed_ascii.vtu", {"geometry": "three_dimensional"}, "holds no cells of a three_dimensional field"),
-        ("half_block.vtu", {}, "holds no cells of a axisymmetric field"),
+        ("half_block.vtu", {}, "holds volumes (hexahedron), not a plane"),
         ("mixed_ascii.vtu", {"zones": ["inlet"]}, "has no zone 'inlet'; zones are 1: 'mixed_ascii'"),
         ("mixed_ascii.vtu", {"format": "cgns"}, "cannot be read as CGNS in HDF5"),
         ("README.md", {}, "is of a kind that its name does not tell (.md)"),

@@ -259,7 +259,16 @@ def test_the_same_flow_gives_the_same_bytes(tmp_path):
         write_vtu(flow, tmp_path / name)
     assert (tmp_path / "a.vtu").read_bytes() == (tmp_path / "b.vtu").read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.vtu", "b.vtu"]
-    stored = meshio.vtu.read(str(tmp_path / "a.vtu")).point_data
+    mesh = meshio.vtu.read(str(tmp_path / "a.vtu"))
+    stored = mesh.point_data
+    # VTK's quadratic triangle: node 3 + k lies between the corners k and k + 1, counter-clockwise.
+    (block,) = mesh.cells
+    assert block.type == "triangle6" and (mesh.points[:, 2] == 0).all()
+    corner, middle = mesh.points[block.data[:, :3], :2], mesh.points[block.data[:, 3:], :2]
+    np.testing.assert_allclose(middle, (corner + np.roll(corner, -1, axis=1)) / 2, atol=1e-12)
+    side, other = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    assert (side[:, 0] * other[:, 1] > side[:, 1] * other[:, 0]).all()
+    np.testing.assert_array_equal(mesh.points[:, :2], np.stack([flow.node_z, flow.node_r], axis=1))
     velocity = np.stack([flow.axial_velocity, flow.radial_velocity, 0 * flow.node_z], axis=1)
     np.testing.assert_array_equal(stored["velocity"], velocity)
     np.testing.assert_array_equal(stored["joule_heating"], flow.joule_heating)
@@ -315,6 +324,9 @@ def test_a_ray_may_start_outside_and_begins_where_the_field_does():
     line = sightline(samples.FILES / "mixed_ascii.vtu", mapping, points=60)
     assert line.attrs["entry_distance"] == pytest.approx(0.1, rel=1e-9)
     assert line.path_distance.values[[0, -1]] == pytest.approx([0.1, 0.4], rel=1e-9)
+    assert line.attrs["path_status"] == (
+        "begins 100 mm from its origin, where the field does, and leaves the field 400 mm from its origin"
+    )
 
 
 def test_a_surface_just_before_the_first_cell_counts_as_its_beginning():

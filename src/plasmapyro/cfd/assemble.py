@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
 from plasmapyro.cfd import cgns, columns, su2, tecplot, vtk_files
-from plasmapyro.cfd.grid import Field, kept_cells, simplices_of
+from plasmapyro.cfd.grid import DIMENSION, LOWER, OTHER_CELLS, Field, kept_cells, simplices_of
 from plasmapyro.cfd.nodes import to_nodes
 from plasmapyro.readers.text import quote, refuse
 
@@ -30,6 +30,7 @@ READERS = {
     "points": columns.read,
     "table": columns.read,
 }
+OTHER_PROGRAMS = (".pvtu", ".pvd", ".vtm", ".vts", ".vtr", ".vti", ".szplt", ".foam", ".cas", ".h5", ".exo")
 SHOWN = 25  # names that a message lists
 SIDE = 1e-9  # of the extent: nodes nearer to the mirror plane or the axis than this lie on it
 
@@ -52,6 +53,12 @@ def read_zones(path, mapping, mesh=None):
     kind = mapping.format or ("su2" if mesh else ENDINGS.get(ending))
     if ending == ".su2":
         refuse(path, "is a mesh, not a solution", "give the restart file, and the mesh as `mesh`")
+    if kind is None and ending in OTHER_PROGRAMS:
+        refuse(
+            path,
+            f"is of a kind that is not read ({ending})",
+            "save it as one .vtu file (ParaView reads most kinds)",
+        )
     if kind is None:
         refuse(path, f"is of a kind that its name does not tell ({ending})", "state `format` in the map")
     zones = su2.read(path, mesh) if kind == "su2" else READERS[kind](path)
@@ -155,6 +162,7 @@ def _zone_field(zone, mapping, path, dimension):
         refuse(path, f"node {node + 1} of zone {zone.name!r} has no finite coordinates", "export it again")
     if not zone.cells and zone.name == "table":
         zone.cells = [_triangulated(points, mapping.largest_cell, path)]
+    _require_readable(zone, dimension, path)
     kept = [block for block in kept_cells(zone, dimension) if len(block[1])]
     if not kept:
         return None
@@ -172,6 +180,21 @@ def _zone_field(zone, mapping, path, dimension):
     cut = [simplices_of(kind, connectivity, points) for kind, connectivity, _ in kept]
     simplices, middles = (np.concatenate(part) for part in zip(*cut, strict=True))
     return Field(points, simplices, middles, {name: values[name] for name in wanted_names(mapping)})
+
+
+def _require_readable(zone, dimension, path):
+    """Refuse cells that would be left out and leave a hole, and surfaces of a volume taken for a plane."""
+    for kind, connectivity in zone.cells:
+        if not len(connectivity) or kind in LOWER:
+            continue
+        if kind not in DIMENSION:
+            refuse(path, f"zone {zone.name!r} holds cells of kind {kind}, which are not read", OTHER_CELLS)
+        if DIMENSION[kind] > dimension:
+            refuse(
+                path,
+                f"zone {zone.name!r} holds volumes ({kind}), not a plane",
+                "set `geometry: three_dimensional`, or export a slice",
+            )
 
 
 def _require_whole(zone, kept, count, path):

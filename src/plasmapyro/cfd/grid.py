@@ -51,6 +51,10 @@ DIMENSION = {
     **dict.fromkeys(("wedge", "wedge15", "wedge18"), 3),
     **dict.fromkeys(("hexahedron", "hexahedron20", "hexahedron24", "hexahedron27"), 3),
 }
+LOWER = ("vertex", "line", "line3")  # kinds of points and lines: no part of a field
+OTHER_CELLS = (
+    "cut the cells into triangles or tetrahedra (in ParaView: Filters, Tetrahedralize) and save again"
+)
 EDGES = {  # corners that each middle node of a quadratic cell lies between
     "triangle6": ((0, 1), (1, 2), (2, 0)),
     "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),

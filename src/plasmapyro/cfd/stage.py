@@ -212,6 +212,11 @@ def _along_ray(field, mapping, points, angle):
     attributes["exit_distance"] = leaves
     attributes.setdefault("path_status", f"leaves the field {1e3 * leaves:.4g} mm from its origin")
     start = 0.0 if first <= START_GAP else first
+    if start > 0:
+        attributes["path_status"] = (
+            f"begins {1e3 * start:.4g} mm from its origin, where the field does, and "
+            + attributes["path_status"]
+        )
     fine = start + SURFACE_LENGTH * np.expm1(
         np.linspace(0, np.log1p((leaves - start) / SURFACE_LENGTH), FINE_SAMPLES)
     )

@@ -151,8 +151,11 @@ def _count(path, settings, keys, start, title, default=None):
 
 
 def _cell_centred(location, count):
-    """Indices of the variables that VARLOCATION puts in cells."""
+    """Indices of the variables that VARLOCATION puts in cells: by number, or one word per variable."""
     found = set()
+    words = location.strip().strip("()").replace(",", " ").upper().split()
+    if words and set(words) <= {"NODAL", "CELLCENTERED"}:
+        found = {k for k, word in enumerate(words) if word == "CELLCENTERED"}
     for group, single, where in LOCATION.findall(location):
         for part in (group or single).split(","):
             first, _, last = part.partition("-")

@@ -2,12 +2,13 @@
 
 import meshio
 
-from plasmapyro.cfd.grid import Zone
+from plasmapyro.cfd.grid import OTHER_CELLS, Zone
 from plasmapyro.readers.text import refuse, regular_file
 
 LARGEST = 4_000_000_000  # [byte]
 READERS = {".vtu": meshio.vtu.read, ".vtk": meshio.vtk.read}
 COORDINATES = ("x", "y", "z")
+UNREAD = ("pixel", "voxel")  # cells of image data that meshio does not know
 
 
 def read(path):
@@ -28,6 +29,8 @@ def read(path):
     try:
         mesh = READERS[path.suffix.lower()](str(path))
     except Exception as reason:  # whatever a parser of other people's bytes runs into
+        if isinstance(reason, KeyError) and reason.args[0] in UNREAD:
+            refuse(path, f"holds cells of kind {reason.args[0]}, which are not read", OTHER_CELLS)
         words = " ".join(str(reason).split()) or type(reason).__name__
         refuse(path, f"cannot be read as VTK ({words})", "it may be cut off; save it again as .vtu")
     points = {name: mesh.points[:, k] for k, name in enumerate(COORDINATES[: mesh.points.shape[1]])}

@@ -4,7 +4,7 @@ import argparse
 
 from plasmapyro import configuration, io
 from plasmapyro.cfd.mapping import SCHEMA
-from plasmapyro.cfd.stage import sightline
+from plasmapyro.cfd.stage import START_GAP, sightline
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.sightline import neqair
 
@@ -67,6 +67,7 @@ def run(options, progress):
     io.write(result, options.out, "sightline", sources=sources, config={"cfd": settings})
     if options.line_of_sight_text:
         io.write_text(neqair.compose(result), options.line_of_sight_text)
-    if result.attrs["path_end"] == "body":
+    late = result.attrs["path_end"] != "profile" and result.attrs["entry_distance"] > START_GAP
+    if result.attrs["path_end"] == "body" or late:
         progress.warn(f"the line of sight {result.attrs['path_status']}")
     progress.step("done")

@@ -47,7 +47,7 @@ def temperature_field(flow, sightline, paths):
         ls="--",
         label=r"line of sight $\zeta$",
     )
-    axes.legend(loc="upper left", labelcolor="cyan")
+    axes.legend(loc="upper left", labelcolor="0.3")
     axes.set(xlabel="Axial position $z$ [mm]", ylabel="Radial position $r$ [mm]", aspect="equal")
     axes.grid(False)
     power = float(flow.numerical_power) / 1e3

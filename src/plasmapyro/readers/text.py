@@ -49,19 +49,19 @@ def regular_file(path, limit):
     path = Path(path)
     try:
         if not path.exists():
-            refuse(path, "no such file", "check the name in test.yaml, upper and lower case included")
+            refuse(path, "no such file", "check the name, upper and lower case included")
         if not path.is_file():
             refuse(path, "not a plain file", "give the name of a file")
         size = path.stat().st_size
     except (OSError, ValueError) as reason:
         refuse(quote(path), f"cannot be opened ({reason})", "check the name and the access rights")
     if size == 0:
-        refuse(path, "is empty", "copy it again from the instrument")
+        refuse(path, "is empty", "copy it again")
     if size > limit:
         refuse(
             path,
             f"is {size / 1e6:.0f} MB large, the limit is {limit / 1e6:.0f} MB",
-            "split it, or cut it to the test",
+            "split it, or cut it to the part that is needed",
         )
     return path
 
