@@ -137,7 +137,10 @@ def march(problem, state, power, schedule, label):
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
     passed, scale, first_current = False, None, None
     for number in range(1, schedule.steps + 1):
-        target, current = problem.couple(state, power)
+        try:
+            target, current = problem.couple(state, power)
+        except OutsideTable as fault:
+            raise NotConverged(f"{label}: step {number} starts outside the gas table: {fault}") from None
         accelerate = not schedule.linear_tolerance and courant >= ACCELERATED_COURANT
         relaxed = coupling is not None and not accelerate and not schedule.linear_tolerance
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target

@@ -148,7 +148,7 @@ def densities(inputs, lines, points):
     speed = np.sqrt(uz * uz + ur * ur + SMALL_SPEED**2)
     added = limited_viscosity(points.viscosity_limiter, h, density, speed, viscosity)
     viscosity = viscosity + added
-    conductivity = conductivity + added * heat_capacity
+    added_conductivity = added * heat_capacity
 
     divergence = uz_z + ur_r + ur / radius
     acceleration_z = (uz - points.old_axial) * rate + uz * uz_z + ur * uz_r
@@ -165,7 +165,7 @@ def densities(inputs, lines, points):
         energy = energy + _on_line(lines["net_emission"], temperature)
 
     tau_momentum = stabilisation_time(density, speed, viscosity, h, rate)
-    tau_energy = stabilisation_time(capacity, speed, conductivity, h, rate)
+    tau_energy = stabilisation_time(capacity, speed, conductivity + added_conductivity, h, rate)
     compression = density * speed * h / 2 * continuity
 
     bulk = 2 / 3 * viscosity * divergence
@@ -184,8 +184,8 @@ def densities(inputs, lines, points):
         stress_zr + upwind_z * momentum_r,
         stress_rr - p + upwind_r * momentum_r + compression,
         energy + enthalpy * density * continuity,
-        conductivity * t_z + heat_upwind * uz,
-        conductivity * t_r + heat_upwind * ur,
+        added_conductivity * t_z + heat_upwind * uz,
+        added_conductivity * t_r + heat_upwind * ur,
         density * continuity,
         pressure_upwind * momentum_z,
         pressure_upwind * momentum_r,
