@@ -1,6 +1,6 @@
 """What the flow solver can do and what its inputs are worth.
 
-    python benchmarks/flow.py sweep | matters | validation
+    python benchmarks/flow.py sweep | probes | starts | matters | validation
 
 Each part keeps its solutions in results/benchmark_flow and takes up where it stopped. Needs
 results/gas/air11.nc; `matters` also results/gas/net_emission.nc, and results/instrument and results/flow of
@@ -191,6 +191,94 @@ def sweep():
         rows.append(row)
         write_table("flow_sweep", rows)
         logging.warning("%s: %s, %s s; %d left", name, row["converged"], row["cpu_s"], len(left))
+
+
+PROBES = {
+    "hemisphere": {},
+    "flat": {"probe_shape": "flat"},
+    "blunt, shoulder of 11 mm": {"probe_shape": "blunt", "shoulder_radius": 0.011},
+    "none": {"probe_shape": "none"},
+}
+PROBE_MESH = 2.0
+AHEAD = (1e-3, 2e-3, 5e-3, 20e-3)  # [m] upstream of the stagnation point, on the axis
+
+
+def on_axis(flow, z, *names):
+    """Fields `names` of a flow at axial positions `z`, a list of arrays."""
+    place = sampling.locate(
+        flow.node_z.values, flow.node_r.values, flow.face_node.values, z, np.full_like(z, 1e-7)
+    )
+    return [
+        sampling.interpolate(flow[name].values, flow.face_node.values, flow.face_midnode.values, place)
+        for name in names
+    ]
+
+
+def probes():
+    """Every probe shape, and none, at the reference condition."""
+    rows = []
+    for probe, torch in PROBES.items():
+        flow = reference(PROBE_MESH, **torch)
+        nose = float(flow.attrs["stagnation_point_z"])
+        temperature, pressure, speed = on_axis(
+            flow, nose - np.array(AHEAD)[::-1], "temperature", "pressure", "axial_velocity"
+        )
+        heat = dict(zip(flow.boundary.values, flow.boundary_heat_flow.values, strict=True))
+        rows.append(
+            {
+                "probe": probe,
+                **{
+                    f"temperature_{1e3 * ahead:g}_mm_k": round(float(value))
+                    for ahead, value in zip(AHEAD, temperature[::-1], strict=True)
+                },
+                "speed_20_mm_m_s": round(float(speed[0]), 1),
+                "stagnation_pressure_pa": round(float(pressure[-1] - flow.chamber_pressure), 1),
+                "heat_to_probe_w": round(float(heat["probe"])),
+                "mass_imbalance": f"{float(flow.mass_imbalance):.2e}",
+                "energy_imbalance": f"{float(flow.energy_imbalance):.2e}",
+            }
+        )
+        write_table("flow_probes", rows)
+        logging.warning("%s", rows[-1])
+
+
+START_CASE = {"numerical_power": 100e3}
+
+
+def starts():
+    """One condition on the default mesh from below, from above and from cold: what differs."""
+    gas = air()
+    known = {
+        "90 kW": io.read(ROOT / "results/flow/90kW.nc", "flow"),
+        "110 kW": io.read(ROOT / "results/flow/110kW.nc", "flow"),
+    }
+    found = {
+        origin: stored(
+            f"starts/from_{origin.replace(' ', '_')}", lambda start=start: solve(gas, start, **START_CASE)
+        )
+        for origin, start in known.items()
+    }
+    found["cold"] = stored(
+        "starts/cold",
+        lambda: stage.cold_start(
+            gas,
+            torch=TORCH,
+            wall_temperature=WALL,
+            mesh_factor=1.0,
+            start_mesh_factor=1.5,
+            **{**REFERENCE, **START_CASE},
+            **TOLERANCES,
+        ),
+    )
+    first = found["90 kW"]
+    for origin, other in found.items():
+        logging.warning(
+            "from %s: %.3g K, %.3g m/s, %.3g A from the first",
+            origin,
+            np.abs(other.temperature - first.temperature).max(),
+            np.abs(other.axial_velocity - first.axial_velocity).max(),
+            abs(other.coil_current - first.coil_current),
+        )
 
 
 # What may be wrong with a simulated flow: inputs, and properties by the tolerances of their tests.
@@ -429,7 +517,7 @@ def validation():
         logging.warning("%s: %s K, %s m/s", variant, np.round(temperature), np.round(speed))
 
 
-PARTS = {"sweep": sweep, "matters": matters, "validation": validation}
+PARTS = {"sweep": sweep, "probes": probes, "starts": starts, "matters": matters, "validation": validation}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(

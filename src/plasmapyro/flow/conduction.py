@@ -28,10 +28,9 @@ class Conduction:
     def __init__(self, space):
         cells = space.cells
         self._dofs = space.element_dofs(LOG_TEMPERATURE).T  # within the field
-        first = sum(len(space.element_dofs(field)) for field in range(LOG_TEMPERATURE))
-        self.columns = slice(first, first + self._dofs.shape[1])
+        self.columns = cells.local(LOG_TEMPERATURE)
         self._field, self._size = space.field(LOG_TEMPERATURE), space.size
-        slope = cells.shape[:, :, 3 * LOG_TEMPERATURE + 1 : 3 * LOG_TEMPERATURE + 3, self.columns]
+        slope = cells.shapes[LOG_TEMPERATURE][:, :, 1:]
         scale = ROW_SCALE[3 * LOG_TEMPERATURE]
         self._stiffness = scale * np.einsum("eqdi,eq,eqdj->eij", slope, cells.weight, slope, optimize=True)
 

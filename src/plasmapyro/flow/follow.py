@@ -27,6 +27,8 @@ UNDER_WAY = Schedule(
     patience=PATIENCE,
     linear_tolerance=LINEAR_TOLERANCE,
 )
+# The cold sheath is unsteady in the chamber at high flow; more viscosity there carries the state along.
+HELD_LIMITER, LIMITER_RATIO = 0.15, 2.8
 LEAST_PART = 1 / 8  # of the first part of the way: where a state cannot be continued further
 
 
@@ -51,19 +53,29 @@ def follow(problem, state, air, origin, target, power_step, final, label):
     """
     first = 1 / max(int(np.ceil(origin.parts_to(target, power_step) - 1e-9)), 1)
     share, part, here = 0.0, first, origin
+    limiter, held = problem.limiter, problem.limiter
     while True:
         ahead = share + part if share + part < 1 - 1e-9 else 1.0
         there = origin.towards(target, ahead)
-        trial = moved(problem, air, there)
+        trial = moved(problem.with_limiter(held), air, there)
         guess = state.copy()
         guess[trial.fixed] = trial.values[trial.fixed]
-        schedule = final if ahead == 1.0 else UNDER_WAY
+        where = f"{label}, at {ahead:.3g} of the way"
         try:
-            result = march(
-                trial, guess, there.numerical_power, schedule, f"{label}, at {ahead:.3g} of the way"
-            )
+            if ahead == 1.0:
+                return _arrived(trial, guess, there.numerical_power, limiter, final, where)
+            state = march(trial, guess, there.numerical_power, UNDER_WAY, where).state
         except NotConverged as fault:
             part /= 2
+            if held < HELD_LIMITER:
+                log.info("%s: limiter %g on the way after: %s", label, HELD_LIMITER, fault)
+                try:
+                    state = _held(moved(problem, air, here), state, here.numerical_power, where)
+                except NotConverged as lost:
+                    log.info("%s", lost)
+                else:
+                    held, part = HELD_LIMITER, 2 * part
+                    continue
             if part < LEAST_PART * first:
                 out = isinstance(fault, Extinguished)
                 found = "the plasma goes out" if out else "no steady flow was found"
@@ -73,7 +85,23 @@ def follow(problem, state, air, origin, target, power_step, final, label):
                 ) from None
             log.info("%s: part halved after: %s", label, fault)
             continue
-        if ahead == 1.0:
-            return trial, result
-        share, state, here = ahead, result.state, there
+        share, here = ahead, there
         part = min(2 * part, first)
+
+
+def _held(problem, state, power, where):
+    """State at the same condition with `HELD_LIMITER`."""
+    limiter = problem.limiter
+    while limiter < HELD_LIMITER:
+        limiter = min(max(limiter, HELD_LIMITER / LIMITER_RATIO**2) * LIMITER_RATIO, HELD_LIMITER)
+        held = problem.with_limiter(limiter)
+        state = march(held, state, power, UNDER_WAY, f"{where}, limiter {limiter:.3g}").state
+    return state
+
+
+def _arrived(problem, guess, power, limiter, final, where):
+    """Problem with `limiter` and its Result, from a guess found with a larger limiter or the same."""
+    while problem.limiter > limiter:
+        guess = march(problem, guess, power, UNDER_WAY, f"{where}, limiter {problem.limiter:.3g}").state
+        problem = problem.with_limiter(max(limiter, problem.limiter / LIMITER_RATIO))
+    return problem, march(problem, guess, power, final, where)

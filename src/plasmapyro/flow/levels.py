@@ -21,7 +21,7 @@ COARSER = Schedule(
     LARGEST_COURANT,
     30,
     velocity_tolerance=2.0,
-    temperature_tolerance=1e-2,
+    temperature_tolerance=2e-2,
     least_courant=5.0,
     patience=PATIENCE,
     linear_tolerance=LINEAR_TOLERANCE,

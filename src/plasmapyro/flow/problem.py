@@ -128,7 +128,7 @@ class Problem:
 
     def temperature_at_points(self, state):
         """Temperature (E, Q) at the quadrature points [K]."""
-        return np.exp(self.space.inputs(self.space.cells, state)[3 * LOG_TEMPERATURE])
+        return np.exp(self.space.field_inputs(self.space.cells, LOG_TEMPERATURE, state)[0])
 
     def couple(self, state, power):
         """Induction coupling at Joule power `power` [W]; returns Coupling and coil amplitude [A].
@@ -274,7 +274,7 @@ class Problem:
 
     def _induced(self, state, points, coupling):
         """Function: change of the free unknowns -> change of the free residual through heating and forces."""
-        cells, heat = self.space.cells, self.space.field(LOG_TEMPERATURE)
+        cells = self.space.cells
         inputs = self.space.inputs(cells, state)
         temperature = np.exp(inputs[3 * LOG_TEMPERATURE])
         lines = property_lines(self.properties, temperature)
@@ -289,9 +289,7 @@ class Problem:
         def induced(change):
             full = np.zeros(self.space.size)
             full[self.free] = change
-            warmer = np.zeros(self.space.size)
-            warmer[heat] = full[heat]
-            parts = coupling.tangent(slope * self.space.inputs(cells, warmer)[3 * LOG_TEMPERATURE])
+            parts = coupling.tangent(slope * self.space.field_inputs(cells, LOG_TEMPERATURE, full)[0])
             growth = (parts[0] * cells.weight).sum() / unit
             scale = coupling.power / unit
             now = (coupling.joule_heating, coupling.force_axial, coupling.force_radial)
