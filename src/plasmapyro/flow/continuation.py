@@ -32,6 +32,7 @@ TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
 ACCELERATED_COURANT = 500.0
 ACCELERATION_DEPTH = 5
 STALL_STEPS, STALL_SHARE = 8, 0.3
+CYCLE_SHARE, CYCLE_COURANT, LEAST_SHARE = 0.7, 1000.0, 0.25
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
 # A plasma that shrinks conducts less, and at prescribed Joule power the coil current then runs away.
 RUNAWAY = 1.8  # coil current over that of the first step
@@ -135,7 +136,7 @@ def march(problem, state, power, schedule, label):
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
-    passed, scale, first_current = False, None, None
+    passed, scale, first_current, share = False, None, None, 1.0
     for number in range(1, schedule.steps + 1):
         try:
             target, current = problem.couple(state, power)
@@ -172,7 +173,8 @@ def march(problem, state, power, schedule, label):
             if accelerate:
                 memory = [*memory, (state, update)][-ACCELERATION_DEPTH - 1 :]
                 update = _accelerated(memory)
-            new = _applied(problem, state, _damping(step) * update)
+            share = _share(share, steps)
+            new = _applied(problem, state, share * _damping(step) * update)
         if new is None:
             courant *= 0.4
         else:
@@ -232,6 +234,17 @@ def _damping(step):
     """Factor that keeps the rms changes inside the trust region."""
     heat, speed = max(step.rms_heat, 1e-300), max(step.rms_speed, 1e-300)
     return min(1.0, RMS_LOG_TEMPERATURE / heat, RMS_VELOCITY / speed)
+
+
+def _share(share, steps):
+    """Share of Newton's step to take: halved while the residual is no smaller than two steps before.
+
+    At large Courant number that is a cycle of two states around a front that is thinner than a cell.
+    """
+    cycles = len(steps) > 2 and steps[-1].residual > CYCLE_SHARE * steps[-3].residual
+    if cycles and steps[-3].courant >= CYCLE_COURANT:
+        return max(share / 2, LEAST_SHARE)
+    return min(2 * share, 1.0)
 
 
 def _applied(problem, state, update):

@@ -174,9 +174,9 @@ class Space:
             elements, points, rows, local = shape.shape
             own = densities[rows * field : rows * (field + 1)]
             weighted = np.moveaxis(own * patch.weight, 0, 2).reshape(elements, 1, points * rows)
-            found[:, patch.local(field)] = np.matmul(
-                weighted, shape.reshape(elements, points * rows, local)
-            )[:, 0]
+            found[:, patch.local(field)] = np.matmul(weighted, shape.reshape(elements, points * rows, local))[
+                :, 0
+            ]
         return np.bincount(patch.dofs.ravel(), found.ravel(), minlength=self.size)
 
     @staticmethod

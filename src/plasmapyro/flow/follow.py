@@ -53,7 +53,7 @@ def follow(problem, state, air, origin, target, power_step, final, label):
     """
     first = 1 / max(int(np.ceil(origin.parts_to(target, power_step) - 1e-9)), 1)
     share, part, here = 0.0, first, origin
-    limiter, held = problem.limiter, problem.limiter
+    limiter, held, lost = problem.limiter, problem.limiter, False
     while True:
         ahead = share + part if share + part < 1 - 1e-9 else 1.0
         there = origin.towards(target, ahead)
@@ -66,16 +66,16 @@ def follow(problem, state, air, origin, target, power_step, final, label):
                 return _arrived(trial, guess, there.numerical_power, limiter, final, where)
             state = march(trial, guess, there.numerical_power, UNDER_WAY, where).state
         except NotConverged as fault:
-            part /= 2
-            if held < HELD_LIMITER:
+            if held < HELD_LIMITER and not lost:
                 log.info("%s: limiter %g on the way after: %s", label, HELD_LIMITER, fault)
                 try:
                     state = _held(moved(problem, air, here), state, here.numerical_power, where)
-                except NotConverged as lost:
-                    log.info("%s", lost)
-                else:
-                    held, part = HELD_LIMITER, 2 * part
+                    held = HELD_LIMITER
                     continue
+                except NotConverged as again:
+                    log.info("%s", again)
+                    lost = True
+            part /= 2
             if part < LEAST_PART * first:
                 out = isinstance(fault, Extinguished)
                 found = "the plasma goes out" if out else "no steady flow was found"
