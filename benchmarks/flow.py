@@ -164,7 +164,11 @@ def sweep():
             name: min(way(one, Condition(**case)) for one in (start, *known.values()))
             for name, case in left.items()
         }
-        name = min(near, key=near.get)
+        # Little power for much gas comes last: each such case costs several tries.
+        name = min(
+            near,
+            key=lambda one: (left[one]["mass_flow_rate"] / left[one]["numerical_power"] > 4e-7, near[one]),
+        )
         case = left.pop(name)
         target = Condition(**case)
         neighbours = sorted(known.values(), key=lambda one: way(one, target))[:NEIGHBOURS]  # noqa: B023

@@ -73,13 +73,15 @@ class GasProperties:
     net_emission: HermiteTable | None = None
 
     def temperature_of(self, potential):
-        """Temperature [K] where the heat-flux potential is `potential` [W m-1]; the nearest in the table.
-
-        Linear between the nodes of the table: 0.01 K.
-        """
+        """Temperature [K] where the heat-flux potential is `potential` [W m-1]; the nearest in the table."""
         table = self.heat_flux_potential
         grid = table.low + table.step * np.arange(len(table.values))
-        return np.interp(potential, table.values, grid)
+        guess = np.interp(potential, table.values, grid)
+        # One step of Newton's method: round-off from 0.01 K.
+        value, slope = table(guess)
+        return np.clip(guess - (value - potential) / slope, guess - table.step, guess + table.step).clip(
+            self.low, self.high
+        )
 
 
 def gas_properties(gas, pressure, reference_temperature, emission=None, radiation_factor=0.0):
