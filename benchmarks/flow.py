@@ -246,42 +246,24 @@ def probes():
         logging.warning("%s", rows[-1])
 
 
-START_CASE = {"numerical_power": 100e3}
+AWAY = (80e3, 130e3)
 
 
 def starts():
-    """One condition on the default mesh from below, from above and from cold: what differs."""
-    gas = air()
-    known = {
-        "90 kW": io.read(ROOT / "results/flow/90kW.nc", "flow"),
-        "110 kW": io.read(ROOT / "results/flow/110kW.nc", "flow"),
-    }
-    found = {
-        origin: stored(
-            f"starts/from_{origin.replace(' ', '_')}", lambda start=start: solve(gas, start, **START_CASE)
-        )
-        for origin, start in known.items()
-    }
-    found["cold"] = stored(
-        "starts/cold",
-        lambda: stage.cold_start(
-            gas,
-            torch=TORCH,
-            wall_temperature=WALL,
-            mesh_factor=1.0,
-            start_mesh_factor=1.5,
-            **{**REFERENCE, **START_CASE},
-            **TOLERANCES,
-        ),
-    )
-    first = found["90 kW"]
-    for origin, other in found.items():
+    """The reference condition on the default mesh from cold and back from other powers: what differs."""
+    gas, cold = air(), reference(1.0)
+    for power in AWAY:
+        name = f"{power / 1e3:g}kW"
+        away = stored(f"starts/{name}", lambda power=power: solve(gas, cold, numerical_power=power))
+        back = stored(f"starts/back_from_{name}", lambda away=away: solve(gas, away))
         logging.warning(
-            "from %s: %.3g K, %.3g m/s, %.3g A from the first",
-            origin,
-            np.abs(other.temperature - first.temperature).max(),
-            np.abs(other.axial_velocity - first.axial_velocity).max(),
-            abs(other.coil_current - first.coil_current),
+            "90 kW back from %s: %.2g K, %.2g m/s, %.2g A from the cold start; %s itself %.2g K",
+            name,
+            np.abs(back.temperature - cold.temperature).max(),
+            np.abs(back.axial_velocity - cold.axial_velocity).max(),
+            abs(back.coil_current - cold.coil_current),
+            name,
+            np.abs(away.temperature - cold.temperature).max(),
         )
 
 

@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 # Coarser meshes of the error estimate: only as steady as the estimate needs.
 COARSER = Schedule(
-    50.0,
+    150.0,
     LARGEST_COURANT,
     30,
     velocity_tolerance=2.0,
@@ -26,6 +26,8 @@ COARSER = Schedule(
     patience=PATIENCE,
     linear_tolerance=LINEAR_TOLERANCE,
 )
+# Where the coarse way begins: what is left of its error is small against the change along the way.
+COARSE_BEGIN = replace(COARSER, velocity_tolerance=5.0, temperature_tolerance=0.1)
 COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
 COARSEST = 2  # level of the coarsest mesh
 
@@ -54,8 +56,9 @@ def coarse_way(known, case, origin, target):
     ------
     NotConverged
     """
-    here = solved_on(COARSEST, known, case, origin)
-    if origin == target:
+    same = origin == target
+    here = solved_on(COARSEST, known, case, origin, COARSER if same else COARSE_BEGIN)
+    if same:
         return here, known.state
     label = f"{case.label}, coarse mesh"
     problem, result = follow(
@@ -65,14 +68,14 @@ def coarse_way(known, case, origin, target):
     return there, known.state + carried(there.state - here.state, there.problem, known.problem)
 
 
-def solved_on(level, known, case, condition):
+def solved_on(level, known, case, condition, schedule=COARSER):
     """Solution on a coarser mesh: cells `mesh_ratio`^level times those of `known`, same condition."""
     factor = case.mesh_ratio**level
     mesh = build_mesh(case.setup.torch, case.setup.mesh_factor * factor)
     problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
     guess = transfer(known.state, known.problem, problem)
     label = f"{case.label}, mesh {factor:.3g} times as coarse"
-    return Solution(problem, march(problem, guess, condition.numerical_power, COARSER, label).state)
+    return Solution(problem, march(problem, guess, condition.numerical_power, schedule, label).state)
 
 
 def estimated_error(known, coarsest, case, condition):
