@@ -346,10 +346,17 @@ def test_a_plasma_that_goes_out_is_reported_with_the_conditions_between(air, sta
         condition(air, start, numerical_power=70e3, **CONDITION, **TOLERANCES)
 
 
-def test_the_error_of_the_mesh_is_stored(air, start):
-    found = condition(
-        air, start, numerical_power=90e3, **{**CONDITION, "error_mesh_ratio": 1.25}, **TOLERANCES
-    )
+def test_the_error_of_the_mesh_is_stored_and_its_coarse_mesh_leads_there(air, start, at_80, caplog):
+    with caplog.at_level(logging.INFO):
+        found = condition(
+            air, start, numerical_power=80e3, **{**CONDITION, "error_mesh_ratio": 1.25}, **TOLERANCES
+        )
+    messages = [record.message for record in caplog.records]
+    assert any("from the coarse mesh: step" in message for message in messages)
+    assert not any("the way is tried on the fine mesh" in message for message in messages)
+    # The same flow as without the coarse mesh, in fewer steps on the fine one.
+    assert np.abs(np.log(found.temperature / at_80.temperature)).max() < TOLERANCES["temperature_tolerance"]
+    assert found.sizes["iteration"] <= at_80.sizes["iteration"]
     contracts.check(contracts.label(found, "flow"), "flow")
     error = found.temperature_error.values
     assert (error >= 0).all()

@@ -48,7 +48,7 @@ UPGRADE = Schedule(
 TRIES = 2  # known solutions from which a condition is tried
 NEAR_GROWTH = 4.0  # of the Courant number, from a guess that the coarse mesh corrected
 LOW_MACH = 0.7  # at the inlet; density follows the chamber pressure within some 20 % below
-MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
+MASS_BAR, ENERGY_BAR = 1e-2, 2e-2  # worst imbalance of a solution that is handed on
 
 
 def cold_start(
