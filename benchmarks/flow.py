@@ -155,6 +155,10 @@ def sweep():
         }  # fmt: skip
     for row in rows:
         left.pop(row["case"])
+
+    def hard(case):
+        return case["mass_flow_rate"] > 0.02 or case["numerical_power"] < 40e3
+
     while left:
 
         def way(one, target):
@@ -164,11 +168,8 @@ def sweep():
             name: min(way(one, Condition(**case)) for one in (start, *known.values()))
             for name, case in left.items()
         }
-        # Little power for much gas comes last: each such case costs several tries.
-        name = min(
-            near,
-            key=lambda one: (left[one]["mass_flow_rate"] / left[one]["numerical_power"] > 4e-7, near[one]),
-        )
+        # Much gas and little power come last: these cases cost several tries.
+        name = min(near, key=lambda one: (hard(left[one]), near[one]))
         case = left.pop(name)
         target = Condition(**case)
         neighbours = sorted(known.values(), key=lambda one: way(one, target))[:NEIGHBOURS]  # noqa: B023

@@ -138,6 +138,8 @@ def march(problem, state, power, schedule, label):
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
     passed, scale, first_current, share = False, None, None, 1.0
     for number in range(1, schedule.steps + 1):
+        if schedule.linear_tolerance:
+            coupling = target = None  # the factors they hold, before new ones are made
         try:
             target, current = problem.couple(state, power)
         except OutsideTable as fault:
