@@ -1,4 +1,8 @@
-"""The way from one condition to another on one mesh, by parts that are halved where they fail."""
+"""The way from one condition to another on one mesh, by parts.
+
+A part that fails is gone again with the viscosity limiter of the chamber raised to `HELD_LIMITER`, which is
+lowered to its own value where the way ends; a part that fails all the same is halved, down to `LEAST_PART`.
+"""
 
 import logging
 

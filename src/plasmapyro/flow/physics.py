@@ -14,7 +14,8 @@ Low-Mach, axisymmetric, local thermodynamic equilibrium; a swirl acts through it
 q is the Joule heating, F the Lorentz (and centrifugal) force per volume, q_rad(T) the net emission. rho, mu,
 kappa, c_p are functions of T at the chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change
 by 2 K, the Mach number is 0.1 in the plasma). kappa holds the reactive part and c_p the heat of reaction, so
-the energy equation needs no source for them. ASSUME: radiation leaves the gas where it
+the energy equation needs no source for them; the term div(kappa grad T) itself is in `conduction`, only the
+conduction that the limiter adds is here. ASSUME: radiation leaves the gas where it
 is emitted (optically thin); without a table of net emission nothing is lost.
 
 The unknown is theta = ln T, not T: upwind undershoots at the cold sheath then stay positive, and ln rho ~

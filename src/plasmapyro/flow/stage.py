@@ -172,8 +172,9 @@ def condition(
 
     All quantities move together from the known solution to the condition, in parts small enough that none
     changes the power by much more than `power_step`, nor another quantity by more than its step in
-    `condition.STEP`. A part that fails is halved, down to `LEAST_PART`. If the way from the nearest solution
-    fails, the next nearest is tried; `start`, itself a cold start, is one of those known.
+    `condition.STEP`; see `follow` for parts that fail. With meshes for an error estimate the way is gone on
+    the coarsest of them, see `levels`. If the way from the nearest solution fails, the next nearest is tried;
+    `start`, itself a cold start, is one of those known.
 
     Parameters
     ----------
