@@ -1,5 +1,6 @@
 """The way between two conditions, on a problem that only remembers what was asked of it."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -111,3 +112,21 @@ def test_steps_are_halved_in_a_cycle_and_whole_again_outside():
     assert share(0.5, steps(3.4e-4, 5.0e-4, 1.0e-4)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4, 3.4e-4, courant=200.0)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4)) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("temperature", "words"),
+    [
+        ((400.0, 9000.0), ""),
+        ((400.0, 14999.0), "hottest gas.* 15000 K"),
+        ((200.1, 9000.0), "coldest gas.* 200 K"),
+    ],
+)
+def test_a_temperature_held_at_an_end_of_the_table_is_said(temperature, words):
+    problem = SimpleNamespace(
+        properties=SimpleNamespace(low=200.0, high=15000.0),
+        space=SimpleNamespace(field=lambda index: slice(1, 3)),
+    )
+    state = np.array([0.0, *np.log(temperature)])
+    assert re.search(words, continuation._at_an_end(problem, state))
+    assert bool(words) == bool(continuation._at_an_end(problem, state))

@@ -168,7 +168,8 @@ def march(problem, state, power, schedule, label):
                 raise NotConverged(
                     f"{label}: stalls at step {number}, residual {residual:.2e} against {before:.2e} "
                     f"{STALL_STEPS} steps before, last change {step.velocity_change:.3g} m/s and "
-                    f"{step.temperature_change:.2e} in T at CFL {step.courant:.3g}; the flow is unsteady"
+                    f"{step.temperature_change:.2e} in T at CFL {step.courant:.3g}"
+                    + (_at_an_end(problem, state) or "; the flow is unsteady")
                 )
         new = None
         if step.rms_heat <= REJECTED_LOG_TEMPERATURE and step.rms_speed <= REJECTED_VELOCITY:
@@ -189,6 +190,7 @@ def march(problem, state, power, schedule, label):
             raise NotConverged(
                 f"{label}: no acceptable step at CFL {courant:.2g} (step {number}, residual {residual:.2e}, "
                 f"last change {step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T)"
+                + _at_an_end(problem, state)
             )
     if np.isfinite(schedule.converged_courant):
         raise NotConverged(
@@ -196,6 +198,17 @@ def march(problem, state, power, schedule, label):
             f"{step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T at CFL {step.courant:.3g}"
         )
     return _result(problem, state, power, steps)
+
+
+def _at_an_end(problem, state):
+    """What to add to a message where the temperature is held at an end of the property table; else ''."""
+    low, high = problem.properties.low * TABLE_MARGIN, problem.properties.high / TABLE_MARGIN
+    temperature = np.exp(state[problem.space.field(LOG_TEMPERATURE)])
+    if temperature.max() > high * (1 - 1e-9):
+        return f"; the hottest gas reaches the end of the gas table, {problem.properties.high:g} K"
+    if temperature.min() < low * (1 + 1e-9):
+        return f"; the coldest gas reaches the end of the gas table, {problem.properties.low:g} K"
+    return ""
 
 
 def _measured(space, update, residual, courant):
