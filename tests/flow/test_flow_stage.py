@@ -349,7 +349,7 @@ def test_a_plasma_that_goes_out_is_reported_with_the_conditions_between(air, sta
 def test_the_error_of_the_mesh_is_stored_and_its_coarse_mesh_leads_there(air, start, at_80, caplog):
     with caplog.at_level(logging.INFO):
         found = condition(
-            air, start, numerical_power=80e3, **{**CONDITION, "error_mesh_ratio": 1.25}, **TOLERANCES
+            air, start, numerical_power=80e3, **{**CONDITION, "error_mesh_ratio": 1.15}, **TOLERANCES
         )
     messages = [record.message for record in caplog.records]
     assert any("from the coarse mesh: step" in message for message in messages)

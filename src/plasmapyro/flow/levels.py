@@ -29,6 +29,7 @@ COARSER = Schedule(
 # Where the coarse way begins: what is left of its error is small against the change along the way.
 COARSE_BEGIN = replace(COARSER, velocity_tolerance=5.0, temperature_tolerance=0.1)
 COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
+SLOW_COURANT = 30.0  # where a coarse mesh is not reached at the first try
 COARSEST = 2  # level of the coarsest mesh
 
 
@@ -75,7 +76,13 @@ def solved_on(level, known, case, condition, schedule=COARSER):
     problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
     guess = transfer(known.state, known.problem, problem)
     label = f"{case.label}, mesh {factor:.3g} times as coarse"
-    return Solution(problem, march(problem, guess, condition.numerical_power, schedule, label).state)
+    power = condition.numerical_power
+    try:
+        return Solution(problem, march(problem, guess, power, schedule, label).state)
+    except NotConverged as fault:
+        log.info("%s; again from CFL %g", fault, SLOW_COURANT)
+    schedule = replace(schedule, first_courant=SLOW_COURANT)
+    return Solution(problem, march(problem, guess, power, schedule, label).state)
 
 
 def estimated_error(known, coarsest, case, condition):
