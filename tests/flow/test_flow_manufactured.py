@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import Points, complex_step_derivatives, densities, property_lines
@@ -166,13 +167,17 @@ def errors_of_the_flow(mesh, gas):
     fixed += [space.offsets[RADIAL] + space.boundary_dofs(RADIAL, (*around, "axis"))]
     fixed += [space.offsets[HEAT] + space.boundary_dofs(HEAT, around), [space.offsets[GAUGE]]]
     free = np.setdiff1d(np.arange(space.size), np.concatenate(fixed))
-    solver = Factorised(space.nodes()[free])
+    solver, conduction = Factorised(space.nodes()[free]), Conduction(space)
     for _ in range(12):
         inputs = space.inputs(cells, state)
         lines = property_lines(gas, np.exp(inputs[6]))
         residual = space.residual(cells, np.stack(densities(inputs, lines, data)))
+        residual += conduction.residual(state, gas)
         slopes = complex_step_derivatives(lambda x, lines=lines: densities(x, lines, data), list(inputs))
-        matrix = space.matrix(space.gathered(cells, space.element_matrices(cells, slopes)))
+        matrices = space.element_matrices(cells, slopes)
+        own = conduction.columns
+        matrices[:, own, own] += conduction.element_matrices(state, gas, slice(None))
+        matrix = space.matrix(space.gathered(cells, matrices))
         update = solver.solve(matrix[free][:, free].tocsr(), -residual[free])
         state[free] += update
         if np.abs(update).max() < 1e-9:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from plasmapyro.flow.boundary import inlet_mach_number
+from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.properties import OutsideTable, gas_properties
 
 HERMITE_RTOL = 2e-6  # fine grid of 2.5 K resampled from a 50 K spline
@@ -88,3 +90,19 @@ def test_net_emission_is_a_property_with_its_slope(air):
     assert slope == pytest.approx(value * 6e4 / at**2, rel=3e-2)
     with pytest.raises(ValueError, match="radiation_factor 1 needs a table of net emission"):
         gas_properties(air, 5e3, 350.0, None, 1.0)
+
+
+def test_the_mach_number_of_the_feed(air, torch_lengths):
+    # Dry air at 350 K: gamma 1.40, R 287 J/(kg K), a = 375 m/s. 16 g/s at 50 mbar through the slot: 133 m/s.
+    velocity = 0.016 * 287.0 * 350.0 / (5e3 * np.pi * (0.080**2 - 0.075**2))
+    found = inlet_mach_number(Torch(**torch_lengths), gas_properties(air, 5e3, 350.0), 0.016, 350.0)
+    assert found == pytest.approx(velocity / np.sqrt(1.4 * 287.0 * 350.0), rel=0.01)
+
+
+def test_the_heat_flux_potential_is_inverted_and_its_slope_is_the_conductivity(air):
+    properties = gas_properties(air, 5e3, 350.0)
+    temperature = np.linspace(210.0, 14900.0, 777)
+    potential, slope = properties.heat_flux_potential(temperature)
+    np.testing.assert_allclose(slope, properties.thermal_conductivity(temperature)[0], rtol=1e-4)
+    np.testing.assert_allclose(properties.temperature_of(potential), temperature, rtol=1e-6)
+    assert properties.temperature_of(np.array([-1.0, 1e9])) == pytest.approx([200.0, 15000.0])

@@ -65,3 +65,17 @@ def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature, pro
     flux = float((inlet.weight * REFERENCE_VELOCITY * space.inputs(inlet, values)[3 * AXIAL]).sum() * density)
     values[space.offsets[AXIAL] + slot] *= mass_flow_rate / flux
     return fixed, values
+
+
+def inlet_mach_number(torch, properties, mass_flow_rate, temperature):
+    """Mean velocity in the slot over the speed of sound there, at the chamber pressure [1].
+
+    With a^2 = gamma p / rho and gamma = c_p / (c_p - p / (rho T)) for the gas at `temperature` [K], an ideal
+    gas. The equations are those of a small one; above 1 a real slot chokes.
+    """
+    density, heat_capacity = properties.density(temperature)[0], properties.heat_capacity(temperature)[0]
+    gas_constant = properties.pressure / (density * temperature)
+    ratio = heat_capacity / (heat_capacity - gas_constant)
+    area = np.pi * (torch.radius**2 - torch.slot_inner_radius**2)
+    velocity = mass_flow_rate / (density * area)
+    return float(velocity / np.sqrt(ratio * gas_constant * temperature))

@@ -32,6 +32,7 @@ TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
 ACCELERATED_COURANT = 500.0
 ACCELERATION_DEPTH = 5
 STALL_STEPS, STALL_SHARE = 8, 0.3
+CYCLE_SHARE, CYCLE_COURANT, LEAST_SHARE = 0.7, 1000.0, 0.25
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
 # A plasma that shrinks conducts less, and at prescribed Joule power the coil current then runs away.
 RUNAWAY = 1.8  # coil current over that of the first step
@@ -135,9 +136,14 @@ def march(problem, state, power, schedule, label):
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
-    passed, scale, first_current = False, None, None
+    passed, scale, first_current, share = False, None, None, 1.0
     for number in range(1, schedule.steps + 1):
-        target, current = problem.couple(state, power)
+        if schedule.linear_tolerance:
+            coupling = target = None  # the factors they hold, before new ones are made
+        try:
+            target, current = problem.couple(state, power)
+        except OutsideTable as fault:
+            raise NotConverged(f"{label}: step {number} starts outside the gas table: {fault}") from None
         accelerate = not schedule.linear_tolerance and courant >= ACCELERATED_COURANT
         relaxed = coupling is not None and not accelerate and not schedule.linear_tolerance
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
@@ -162,14 +168,16 @@ def march(problem, state, power, schedule, label):
                 raise NotConverged(
                     f"{label}: stalls at step {number}, residual {residual:.2e} against {before:.2e} "
                     f"{STALL_STEPS} steps before, last change {step.velocity_change:.3g} m/s and "
-                    f"{step.temperature_change:.2e} in T at CFL {step.courant:.3g}; the flow is unsteady"
+                    f"{step.temperature_change:.2e} in T at CFL {step.courant:.3g}"
+                    + (_at_an_end(problem, state) or "; the flow is unsteady")
                 )
         new = None
         if step.rms_heat <= REJECTED_LOG_TEMPERATURE and step.rms_speed <= REJECTED_VELOCITY:
             if accelerate:
                 memory = [*memory, (state, update)][-ACCELERATION_DEPTH - 1 :]
                 update = _accelerated(memory)
-            new = _applied(problem, state, _damping(step) * update)
+            share = _share(share, steps)
+            new = _applied(problem, state, share * _damping(step) * update)
         if new is None:
             courant *= 0.4
         else:
@@ -182,6 +190,7 @@ def march(problem, state, power, schedule, label):
             raise NotConverged(
                 f"{label}: no acceptable step at CFL {courant:.2g} (step {number}, residual {residual:.2e}, "
                 f"last change {step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T)"
+                + _at_an_end(problem, state)
             )
     if np.isfinite(schedule.converged_courant):
         raise NotConverged(
@@ -189,6 +198,17 @@ def march(problem, state, power, schedule, label):
             f"{step.velocity_change:.3g} m/s and {step.temperature_change:.2e} in T at CFL {step.courant:.3g}"
         )
     return _result(problem, state, power, steps)
+
+
+def _at_an_end(problem, state):
+    """What to add to a message where the temperature is held at an end of the property table; else ''."""
+    low, high = problem.properties.low * TABLE_MARGIN, problem.properties.high / TABLE_MARGIN
+    temperature = np.exp(state[problem.space.field(LOG_TEMPERATURE)])
+    if temperature.max() > high * (1 - 1e-9):
+        return f"; the hottest gas reaches the end of the gas table, {problem.properties.high:g} K"
+    if temperature.min() < low * (1 + 1e-9):
+        return f"; the coldest gas reaches the end of the gas table, {problem.properties.low:g} K"
+    return ""
 
 
 def _measured(space, update, residual, courant):
@@ -229,6 +249,17 @@ def _damping(step):
     """Factor that keeps the rms changes inside the trust region."""
     heat, speed = max(step.rms_heat, 1e-300), max(step.rms_speed, 1e-300)
     return min(1.0, RMS_LOG_TEMPERATURE / heat, RMS_VELOCITY / speed)
+
+
+def _share(share, steps):
+    """Share of Newton's step to take: halved while the residual is no smaller than two steps before.
+
+    At large Courant number that is a cycle of two states around a front that is thinner than a cell.
+    """
+    cycles = len(steps) > 2 and steps[-1].residual > CYCLE_SHARE * steps[-3].residual
+    if cycles and steps[-3].courant >= CYCLE_COURANT:
+        return max(share / 2, LEAST_SHARE)
+    return min(2 * share, 1.0)
 
 
 def _applied(problem, state, update):

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import xarray as xr
 
+from plasmapyro.flow.boundary import inlet_mach_number
 from plasmapyro.flow.geometry import BOUNDARIES, Torch, build_mesh
 from plasmapyro.flow.physics import AXIAL
 
@@ -101,6 +102,9 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
             "mesh_factor": setup.mesh_factor,
             "viscosity_limiter": problem.limiter,
             "stagnation_point_z": setup.torch.nose,
+            "inlet_mach_number": inlet_mach_number(
+                setup.torch, problem.properties, problem.mass_flow_rate, setup.wall_temperature
+            ),
             **found,
         },
     )

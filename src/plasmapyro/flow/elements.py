@@ -21,17 +21,24 @@ COMPONENTS = 3  # value, d/dz, d/dr
 class Patch:
     """A set of elements (cells, or boundary facets of cells) with its quadrature.
 
-    `shape` (E, Q, 3 n, L): inputs of every local dof; `dofs` (E, L); `z`, `r` (E, Q) [m];
+    `shapes`: for each field (E, Q, 3, l), value and gradient of its shape functions, shared by fields of one
+    order; `dofs` (E, L): of all fields, one after the other; `z`, `r` (E, Q) [m];
     `weight` (E, Q): quadrature weight times 2 pi r [m3 for cells, m2 for facets];
     `normal` (2, E, Q): outward unit normal, None for cells.
     """
 
-    shape: np.ndarray
+    shapes: tuple
     dofs: np.ndarray
     z: np.ndarray
     r: np.ndarray
     weight: np.ndarray
     normal: np.ndarray | None = None
+
+    def local(self, field):
+        """Columns of `dofs` that belong to field `field`."""
+        sizes = [shape.shape[3] for shape in self.shapes]
+        first = sum(sizes[:field])
+        return slice(first, first + sizes[field])
 
 
 class Space:
@@ -99,18 +106,16 @@ class Space:
         first = next(iter(bases.values()))
         z, r = first.global_coordinates()
         elements, points = first.dx.shape
-        blocks, dofs = [], []
-        for index, order in enumerate(self.orders):
-            basis = bases[order]
-            block = np.zeros((elements, points, COMPONENTS * len(self.orders), basis.Nbfun))
+        shapes = {}
+        for order, basis in bases.items():
+            shapes[order] = np.empty((elements, points, COMPONENTS, basis.Nbfun))
             for local, (function,) in enumerate(basis.basis):
-                block[:, :, COMPONENTS * index, local] = function
-                block[:, :, COMPONENTS * index + 1, local] = function.grad[0]
-                block[:, :, COMPONENTS * index + 2, local] = function.grad[1]
-            blocks.append(block)
-            dofs.append(self.offsets[index] + basis.element_dofs.T)
+                shapes[order][:, :, 0, local] = function
+                shapes[order][:, :, 1, local] = function.grad[0]
+                shapes[order][:, :, 2, local] = function.grad[1]
+        dofs = [self.offsets[k] + bases[order].element_dofs.T for k, order in enumerate(self.orders)]
         return Patch(
-            shape=np.ascontiguousarray(np.concatenate(blocks, axis=3)),
+            shapes=tuple(shapes[order] for order in self.orders),
             dofs=np.hstack(dofs).astype(np.int64),
             z=np.array(z),
             r=np.array(r),
@@ -127,47 +132,74 @@ class Space:
         pattern = (ones.T @ ones).tocsr()
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices
-        self._keys = _keys(np.repeat(np.arange(self.size), np.diff(self.indptr)), self.indices, self.size)
-        self._cell_places = self._places(self.cells)
+        self._known_places = {}
 
     @staticmethod
     def _rows(patch):
         return np.repeat(np.arange(len(patch.dofs)), patch.dofs.shape[1])
 
     def _places(self, patch):
-        rows = np.repeat(patch.dofs, patch.dofs.shape[1], axis=1).ravel()
-        columns = np.tile(patch.dofs, (1, patch.dofs.shape[1])).ravel()
-        return np.searchsorted(self._keys, _keys(rows, columns, self.size))
+        """Place in the CSR data of each entry of the element matrices (E L L,); kept for each patch."""
+        if id(patch) not in self._known_places:
+            numbered = self.matrix(np.arange(len(self.indices)))
+            local = patch.dofs.shape[1]
+            places = np.empty((len(patch.dofs), local, local), dtype=np.int32)
+            for row in range(local):
+                rows = np.repeat(patch.dofs[:, row], local)
+                places[:, row] = np.asarray(numbered[rows, patch.dofs.ravel()]).reshape(-1, local)
+            self._known_places[id(patch)] = patch, places.ravel()
+        return self._known_places[id(patch)][1]
 
     def inputs(self, patch, state):
         """Values and gradients (3 n, E, Q) of the fields with dof vector `state` at the quadrature points."""
-        return np.moveaxis(np.matmul(patch.shape, state[patch.dofs][:, None, :, None])[..., 0], 2, 0)
+        found = np.empty((COMPONENTS * len(self.orders), *patch.r.shape), dtype=state.dtype)
+        for field in range(len(self.orders)):
+            part = slice(COMPONENTS * field, COMPONENTS * (field + 1))
+            found[part] = self.field_inputs(patch, field, state)
+        return found
+
+    @staticmethod
+    def field_inputs(patch, field, state):
+        """Value and gradient (3, E, Q) of one field."""
+        shape = patch.shapes[field]
+        elements, points, rows, local = shape.shape
+        values = state[patch.dofs[:, patch.local(field)]][..., None]
+        found = np.matmul(shape.reshape(elements, points * rows, local), values)
+        return np.moveaxis(found.reshape(elements, points, rows), 2, 0)
 
     def residual(self, patch, densities):
         """Vector (size,) of the weak form with `densities` (3 n, E, Q)."""
-        elements, points, rows, local = patch.shape.shape
-        weighted = np.moveaxis(densities * patch.weight, 0, 2).reshape(elements, 1, points * rows)
-        contribution = np.matmul(weighted, patch.shape.reshape(elements, points * rows, local))[:, 0]
-        return np.bincount(patch.dofs.ravel(), contribution.ravel(), minlength=self.size)
+        found = np.empty(patch.dofs.shape)
+        for field, shape in enumerate(patch.shapes):
+            elements, points, rows, local = shape.shape
+            own = densities[rows * field : rows * (field + 1)]
+            weighted = np.moveaxis(own * patch.weight, 0, 2).reshape(elements, 1, points * rows)
+            found[:, patch.local(field)] = np.matmul(weighted, shape.reshape(elements, points * rows, local))[
+                :, 0
+            ]
+        return np.bincount(patch.dofs.ravel(), found.ravel(), minlength=self.size)
 
     @staticmethod
     def element_matrices(patch, derivatives, part=slice(None)):
         """Element matrices (E, L, L) of some elements with density derivatives (E, Q, outputs, inputs)."""
-        shape = patch.shape[part]
-        elements, points, rows, local = shape.shape
         weighted = derivatives * patch.weight[part][:, :, None, None]
-        trial = np.matmul(weighted, shape).reshape(elements, points * rows, local)
-        return np.matmul(shape.reshape(elements, points * rows, local).transpose(0, 2, 1), trial)
+        elements, points, rows, _ = weighted.shape
+        trial = np.empty((elements, points, rows, patch.dofs.shape[1]))
+        for field, shape in enumerate(patch.shapes):
+            own = slice(COMPONENTS * field, COMPONENTS * (field + 1))
+            np.matmul(weighted[..., own], shape[part], out=trial[..., patch.local(field)])
+        matrices = np.empty((elements, *2 * (patch.dofs.shape[1],)))
+        for field, shape in enumerate(patch.shapes):
+            own = slice(COMPONENTS * field, COMPONENTS * (field + 1))
+            tests = shape[part].reshape(elements, points * COMPONENTS, -1).transpose(0, 2, 1)
+            ahead = trial[:, :, own].reshape(elements, points * COMPONENTS, -1)
+            np.matmul(tests, ahead, out=matrices[:, patch.local(field)])
+        return matrices
 
     def gathered(self, patch, matrices):
         """CSR data (nnz,) of the sum of element matrices (E, L, L)."""
-        places = self._cell_places if patch is self.cells else self._places(patch)
-        return np.bincount(places, matrices.ravel(), minlength=len(self.indices))
+        return np.bincount(self._places(patch), matrices.ravel(), minlength=len(self.indices))
 
     def matrix(self, data):
         """Sparse matrix (size, size) of CSR `data` in the pattern of the space."""
         return sparse.csr_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
-
-
-def _keys(rows, columns, size):
-    return rows.astype(np.int64) * size + columns

@@ -1,7 +1,6 @@
-"""First guess of a cold start, and transfer of a state to another mesh or element order."""
+"""First guess of a cold start."""
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
 from plasmapyro.flow.physics import AXIAL, GAUGE_PRESSURE, LOG_TEMPERATURE
 
@@ -41,19 +40,3 @@ def hot_torch(problem):
     axial = np.maximum(sheath, core)
     gauge = np.zeros(problem.space.points(GAUGE_PRESSURE).shape[1])
     return problem.state_of(axial, np.zeros_like(axial), temperature, gauge)
-
-
-def transfer(state, source, target):
-    """State of problem `source` as a first guess for problem `target` (another mesh, order or condition)."""
-    fields = []
-    for index, values in enumerate(source.physical(state)):
-        here, there = source.space.points(index).T, target.space.points(index).T
-        if here.shape == there.shape and np.array_equal(here, there):
-            fields.append(values)
-            continue
-        guess = LinearNDInterpolator(here, values)(there)
-        # Points of the finer probe outline can lie just outside the coarser one.
-        outside = np.isnan(guess)
-        guess[outside] = NearestNDInterpolator(here, values)(there[outside])
-        fields.append(guess)
-    return target.state_of(*fields)

@@ -14,7 +14,8 @@ Low-Mach, axisymmetric, local thermodynamic equilibrium; a swirl acts through it
 q is the Joule heating, F the Lorentz (and centrifugal) force per volume, q_rad(T) the net emission. rho, mu,
 kappa, c_p are functions of T at the chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change
 by 2 K, the Mach number is 0.1 in the plasma). kappa holds the reactive part and c_p the heat of reaction, so
-the energy equation needs no source for them. ASSUME: radiation leaves the gas where it
+the energy equation needs no source for them; the term div(kappa grad T) itself is in `conduction`, only the
+conduction that the limiter adds is here. ASSUME: radiation leaves the gas where it
 is emitted (optically thin); without a table of net emission nothing is lost.
 
 The unknown is theta = ln T, not T: upwind undershoots at the cold sheath then stay positive, and ln rho ~
@@ -148,7 +149,7 @@ def densities(inputs, lines, points):
     speed = np.sqrt(uz * uz + ur * ur + SMALL_SPEED**2)
     added = limited_viscosity(points.viscosity_limiter, h, density, speed, viscosity)
     viscosity = viscosity + added
-    conductivity = conductivity + added * heat_capacity
+    added_conductivity = added * heat_capacity
 
     divergence = uz_z + ur_r + ur / radius
     acceleration_z = (uz - points.old_axial) * rate + uz * uz_z + ur * uz_r
@@ -165,7 +166,7 @@ def densities(inputs, lines, points):
         energy = energy + _on_line(lines["net_emission"], temperature)
 
     tau_momentum = stabilisation_time(density, speed, viscosity, h, rate)
-    tau_energy = stabilisation_time(capacity, speed, conductivity, h, rate)
+    tau_energy = stabilisation_time(capacity, speed, conductivity + added_conductivity, h, rate)
     compression = density * speed * h / 2 * continuity
 
     bulk = 2 / 3 * viscosity * divergence
@@ -184,8 +185,8 @@ def densities(inputs, lines, points):
         stress_zr + upwind_z * momentum_r,
         stress_rr - p + upwind_r * momentum_r + compression,
         energy + enthalpy * density * continuity,
-        conductivity * t_z + heat_upwind * uz,
-        conductivity * t_r + heat_upwind * ur,
+        added_conductivity * t_z + heat_upwind * uz,
+        added_conductivity * t_r + heat_upwind * ur,
         density * continuity,
         pressure_upwind * momentum_z,
         pressure_upwind * momentum_r,

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from plasmapyro.flow.boundary import OPEN, fixed_values
+from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import flow_mesh
@@ -83,6 +84,7 @@ class Problem:
         self._set_gas(properties, mass_flow_rate)
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
+        self._conduction = Conduction(self.space)
         numbered = self.space.matrix(np.arange(1, len(self.space.indices) + 1))[self.free][:, self.free]
         self._free_pattern, self._entries = numbered.astype(float), numbered.data - 1
         self._factorised = Factorised(self.space.nodes()[self.free])
@@ -126,7 +128,7 @@ class Problem:
 
     def temperature_at_points(self, state):
         """Temperature (E, Q) at the quadrature points [K]."""
-        return np.exp(self.space.inputs(self.space.cells, state)[3 * LOG_TEMPERATURE])
+        return np.exp(self.space.field_inputs(self.space.cells, LOG_TEMPERATURE, state)[0])
 
     def couple(self, state, power):
         """Induction coupling at Joule power `power` [W]; returns Coupling and coil amplitude [A].
@@ -211,7 +213,8 @@ class Problem:
         lines = property_lines(self.properties, np.exp(inputs[3 * LOG_TEMPERATURE]))
         inner = self.space.residual(cells, np.stack(densities(inputs, lines, points)))
         rows = self._backflow(self.space.inputs(self._open, state))
-        return inner + self.space.residual(self._open, np.stack(rows))
+        conducted = self._conduction.residual(state, self.properties)
+        return inner + conducted + self.space.residual(self._open, np.stack(rows))
 
     def rest_residual(self, coupling):
         """Norm of the free steady residual of gas at rest at wall temperature and chamber pressure.
@@ -243,6 +246,8 @@ class Problem:
                 lambda stepped, lines=lines, local=local: densities(stepped, lines, local), list(some)
             )
             matrices[part] = self.space.element_matrices(cells, derivatives, part)
+            heat = self._conduction.columns
+            matrices[part, heat, heat] += self._conduction.element_matrices(state, self.properties, part)
         data = self.space.gathered(cells, matrices)
         backflow = complex_step_derivatives(self._backflow, list(self.space.inputs(self._open, state)))
         data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
@@ -269,7 +274,7 @@ class Problem:
 
     def _induced(self, state, points, coupling):
         """Function: change of the free unknowns -> change of the free residual through heating and forces."""
-        cells, heat = self.space.cells, self.space.field(LOG_TEMPERATURE)
+        cells = self.space.cells
         inputs = self.space.inputs(cells, state)
         temperature = np.exp(inputs[3 * LOG_TEMPERATURE])
         lines = property_lines(self.properties, temperature)
@@ -284,9 +289,7 @@ class Problem:
         def induced(change):
             full = np.zeros(self.space.size)
             full[self.free] = change
-            warmer = np.zeros(self.space.size)
-            warmer[heat] = full[heat]
-            parts = coupling.tangent(slope * self.space.inputs(cells, warmer)[3 * LOG_TEMPERATURE])
+            parts = coupling.tangent(slope * self.space.field_inputs(cells, LOG_TEMPERATURE, full)[0])
             growth = (parts[0] * cells.weight).sum() / unit
             scale = coupling.power / unit
             now = (coupling.joule_heating, coupling.force_axial, coupling.force_radial)

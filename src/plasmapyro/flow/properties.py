@@ -54,6 +54,7 @@ class HermiteTable:
 class GasProperties:
     """Tables of T [K] at one pressure, SI units; `enthalpy` is zero at `reference_temperature`.
 
+    `heat_flux_potential` is the integral of the thermal conductivity from the lowest temperature [W m-1].
     `density_slope` is d rho/dT and `heat_capacity` is dh/dT of the same spline as `enthalpy`: the convective
     and the conservative form of the energy equation then agree to round-off.
     """
@@ -65,10 +66,22 @@ class GasProperties:
     heat_capacity: HermiteTable
     viscosity: HermiteTable
     thermal_conductivity: HermiteTable
+    heat_flux_potential: HermiteTable
     electrical_conductivity: HermiteTable
     low: float
     high: float
     net_emission: HermiteTable | None = None
+
+    def temperature_of(self, potential):
+        """Temperature [K] where the heat-flux potential is `potential` [W m-1]; the nearest in the table."""
+        table = self.heat_flux_potential
+        grid = table.low + table.step * np.arange(len(table.values))
+        guess = np.interp(potential, table.values, grid)
+        # One step of Newton's method: round-off from 0.01 K.
+        value, slope = table(guess)
+        return np.clip(guess - (value - potential) / slope, guess - table.step, guess + table.step).clip(
+            self.low, self.high
+        )
 
 
 def gas_properties(gas, pressure, reference_temperature, emission=None, radiation_factor=0.0):
@@ -118,6 +131,10 @@ def gas_properties(gas, pressure, reference_temperature, emission=None, radiatio
     rho, log_slope, log_curvature = np.exp(log_density(fine)), log_density(fine, 1), log_density(fine, 2)
     sigma, kappa = np.exp(log_sigma(fine)), np.exp(log_kappa(fine))
     step = (temperature[-1] - temperature[0]) / (FINE_POINTS - 1)
+    kappa_slope = kappa * log_kappa(fine, 1)
+    # Integral of each cubic piece of kappa.
+    pieces = step * (kappa[1:] + kappa[:-1]) / 2 + step**2 * (kappa_slope[:-1] - kappa_slope[1:]) / 12
+    potential = np.concatenate([[0.0], np.cumsum(pieces)])
 
     def table(values, slopes):
         return HermiteTable(float(temperature[0]), float(step), values, slopes * step)
@@ -129,7 +146,8 @@ def gas_properties(gas, pressure, reference_temperature, emission=None, radiatio
         enthalpy=table(enthalpy(fine) - enthalpy(reference_temperature), enthalpy(fine, 1)),
         heat_capacity=table(enthalpy(fine, 1), enthalpy(fine, 2)),
         viscosity=table(viscosity(fine), viscosity(fine, 1)),
-        thermal_conductivity=table(kappa, kappa * log_kappa(fine, 1)),
+        thermal_conductivity=table(kappa, kappa_slope),
+        heat_flux_potential=table(potential, kappa),
         electrical_conductivity=table(
             np.maximum(sigma - CONDUCTIVITY_FLOOR, 0.0), sigma * log_sigma(fine, 1)
         ),

@@ -1,0 +1,70 @@
+"""The gas tables of a run, what stays the same during it, and the discrete problem of a condition."""
+
+from dataclasses import dataclass
+
+import xarray as xr
+
+from plasmapyro.flow.dataset import Setup
+from plasmapyro.flow.problem import Problem
+from plasmapyro.flow.properties import gas_properties
+
+
+@dataclass(frozen=True)
+class Air:
+    """The gas tables of all conditions: contract 'gas', contract 'net_emission' or None, wall temperature."""
+
+    gas: xr.Dataset
+    emission: xr.Dataset | None
+    wall_temperature: float
+
+    def properties(self, condition):
+        """GasProperties at a condition."""
+        return gas_properties(
+            self.gas,
+            condition.chamber_pressure,
+            self.wall_temperature,
+            self.emission,
+            condition.radiation_factor,
+        )
+
+
+@dataclass(frozen=True)
+class Case:
+    """What stays the same on the way to a condition.
+
+    `power_step` [W]: see `Condition.parts_to`; `mesh_ratio` [1]: of the cell sizes of successive meshes of
+    the error estimate, 0 for none; `label` names the run in log records and errors.
+    """
+
+    setup: Setup
+    air: Air
+    power_step: float
+    mesh_ratio: float
+    label: str
+
+
+def problem_of(mesh, setup, air, condition, order, limiter=0.0):
+    """The Problem of a Condition on a mesh from `geometry.build_mesh`, torch and walls as in `setup`."""
+    return Problem(
+        mesh,
+        setup.torch,
+        air.properties(condition),
+        frequency=condition.coil_frequency,
+        mass_flow_rate=condition.mass_flow_rate,
+        wall_temperature=setup.wall_temperature,
+        probe_temperature=condition.probe_temperature,
+        swirl_angle=condition.swirl_angle,
+        order=order,
+        limiter=limiter,
+    )
+
+
+def moved(problem, air, condition):
+    """The same problem at another Condition."""
+    return problem.at(
+        air.properties(condition),
+        mass_flow_rate=condition.mass_flow_rate,
+        frequency=condition.coil_frequency,
+        probe_temperature=condition.probe_temperature,
+        swirl_angle=condition.swirl_angle,
+    )

@@ -1,0 +1,132 @@
+"""The way between two conditions, on a problem that only remembers what was asked of it."""
+
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.flow import continuation, follow
+from plasmapyro.flow.condition import Condition
+from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule
+from plasmapyro.flow.follow import HELD_LIMITER, LEAST_PART
+
+HERE = Condition(90e3, 5e3, 0.016, 4e5, 350.0)
+THERE = replace(HERE, numerical_power=60e3)
+FINAL = Schedule(200.0, 1e5, 50)
+
+
+class Torch:
+    """A problem whose state is the power it was solved at."""
+
+    fixed, values = np.zeros(1, bool), np.zeros(1)
+
+    def __init__(self, limiter=0.02):
+        self.limiter = limiter
+
+    def with_limiter(self, limiter):
+        return Torch(limiter)
+
+
+@pytest.fixture
+def marched(monkeypatch):
+    """Function (refuses) -> list of (power, limiter, final) that `follow` marched to; refuses(...) raises."""
+
+    def install(refuses):
+        calls = []
+
+        def march(problem, guess, power, schedule, label):
+            calls.append((power, problem.limiter, schedule is FINAL))
+            refuses(guess[0], power, problem.limiter)
+            return SimpleNamespace(state=np.array([power]))
+
+        monkeypatch.setattr(follow, "march", march)
+        monkeypatch.setattr(follow, "moved", lambda problem, air, condition: problem)
+        return calls
+
+    return install
+
+
+def go(target=THERE):
+    return follow.follow(Torch(), np.array([90e3]), None, HERE, target, 1e4, FINAL, "x")
+
+
+def test_equal_parts_lead_to_the_target(marched):
+    calls = marched(lambda *call: None)
+    problem, result = go()
+    assert [power for power, _, _ in calls] == pytest.approx([90e3 * (2 / 3) ** (k / 3) for k in (1, 2, 3)])
+    assert [last for _, _, last in calls] == [False, False, True]
+    assert result.state[0] == 60e3 and problem.limiter == 0.02
+
+
+def test_a_part_that_fails_is_gone_with_more_viscosity_which_is_taken_back(marched):
+    def refuses(start, power, limiter):
+        if start - power > 1e3 and limiter < 0.1:
+            raise NotConverged("unsteady")
+
+    calls = marched(refuses)
+    problem, _ = go()
+    assert problem.limiter == 0.02 and calls[-1] == (60e3, 0.02, True)
+    held = [power for power, limiter, _ in calls if limiter == HELD_LIMITER]
+    assert held[0] == 90e3 and held[-1] == 60e3  # taken up where the failed part began
+    assert [limiter for _, limiter, _ in calls[-4:]] == sorted(
+        [limiter for _, limiter, _ in calls[-4:]], reverse=True
+    )
+
+
+def test_a_part_that_fails_all_the_same_is_halved(marched):
+    def refuses(start, power, limiter):
+        if start - power > 6e3 or limiter > 0.02:
+            raise NotConverged("unsteady")
+
+    calls = marched(refuses)
+    assert go()[1].state[0] == 60e3
+    assert sum(limiter > 0.02 for _, limiter, _ in calls) == 1  # more viscosity is tried once
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"), [(NotConverged, "no steady flow was found"), (Extinguished, "the plasma goes out")]
+)
+def test_a_lost_flow_names_the_conditions_between_which_it_was_lost(marched, kind, words):
+    def refuses(start, power, limiter):
+        if power < 80e3:
+            raise kind("because")
+
+    calls = marched(refuses)
+    with pytest.raises(kind, match=rf"x: {words} between 8\d\.\d+ kW, .* and 7\d\.\d+ kW, .*90 kW.*because"):
+        go()
+    lost = min(power for power, _, _ in calls if power >= 80e3)
+    least = max(power for power, _, _ in calls if power < 80e3)
+    assert lost / least < 1.5 ** (2 * LEAST_PART / 3 + 1e-9)  # halved down to the least part
+
+
+def steps(*residuals, courant=1e4):
+    return [continuation.Step(residual, 1.0, 0.1, courant, 0.1, 0.1) for residual in residuals]
+
+
+def test_steps_are_halved_in_a_cycle_and_whole_again_outside():
+    share = continuation._share
+    assert share(1.0, steps(3.4e-4, 5.0e-4, 3.4e-4)) == 0.5
+    assert share(0.25, steps(3.4e-4, 5.0e-4, 3.4e-4)) == 0.25
+    assert share(0.5, steps(3.4e-4, 5.0e-4, 1.0e-4)) == 1.0
+    assert share(1.0, steps(3.4e-4, 5.0e-4, 3.4e-4, courant=200.0)) == 1.0
+    assert share(1.0, steps(3.4e-4, 5.0e-4)) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("temperature", "words"),
+    [
+        ((400.0, 9000.0), ""),
+        ((400.0, 14999.0), "hottest gas.* 15000 K"),
+        ((200.1, 9000.0), "coldest gas.* 200 K"),
+    ],
+)
+def test_a_temperature_held_at_an_end_of_the_table_is_said(temperature, words):
+    problem = SimpleNamespace(
+        properties=SimpleNamespace(low=200.0, high=15000.0),
+        space=SimpleNamespace(field=lambda index: slice(1, 3)),
+    )
+    state = np.array([0.0, *np.log(temperature)])
+    assert re.search(words, continuation._at_an_end(problem, state))
+    assert bool(words) == bool(continuation._at_an_end(problem, state))
