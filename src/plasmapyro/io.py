@@ -7,15 +7,16 @@ import os
 import shutil
 import sys
 from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
 
 import xarray as xr
 
 from plasmapyro import contracts, workspace
 from plasmapyro.tables import ORIGINS, weakest
+from plasmapyro.versions import versions
 
 REMEDY = "free space or give write permission and call again: finished files are kept"
+LICENCE = "BSD-3-Clause"  # of a result, unless the data it was made from bring a `license` of their own
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
@@ -101,10 +102,12 @@ def _labelled(dataset, contract, sources, config):
     origins = [dataset.attrs.get("origin", "modelled"), *(_origin(source) for source in sources)]
     dataset.attrs = {
         "Conventions": "CF-1.10",
+        "license": LICENCE,
         **dataset.attrs,
         "contract": contract,
         "origin": weakest(origin for origin in origins if origin),
-        "plasmapyro_version": version("plasmapyro"),
+        "plasmapyro_version": dict(versions())["plasmapyro"],
+        "versions": ", ".join(f"{name} {number}" for name, number in versions()),
         "configuration": json.dumps(config or {}, sort_keys=True, default=str),
         "sources": "\n".join(f"{digest(source)}  {source}" for source in sources),
     }

@@ -17,6 +17,8 @@ rule report:
         "results/report.html",
     log:
         "results/logs/report.log",
+    benchmark:
+        "results/benchmarks/report.tsv"
     params:
         tests=[test for test, _ in CORRECTIONS],
         diagnosed=list(TESTS),

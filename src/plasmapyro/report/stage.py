@@ -2,15 +2,14 @@
 
 import json
 import re
-from importlib.metadata import PackageNotFoundError, version
 
 import jinja2
 import numpy as np
 
 from plasmapyro.report.captions import describe
+from plasmapyro.versions import versions
 
 CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument", "Design"]
-PACKAGES = ("numpy", "scipy", "xarray", "netCDF4", "cantera", "scikit-fem", "netgen-mesher", "pymetis")
 
 
 def compose(figures, claims, corrections, diagnoses=(), timings=(), configuration=None):
@@ -55,7 +54,7 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         tests=[_summary(name, corrected) for name, corrected in corrections],
         diagnoses=diagnoses,
         timings=_times(timings),
-        versions=_versions(claims),
+        versions=dict(versions()) | {"plasmapyro": claims.attrs.get("plasmapyro_version", "")},
         configuration=json.dumps(configuration or {}, indent=1, default=str),
         sources=claims.attrs.get("sources", "").splitlines(),
     )
@@ -131,13 +130,3 @@ def _times(timings):
         }
         for name, rows in sorted(rules.items(), key=lambda item: -sum(row["s"] for row in item[1]))
     ]
-
-
-def _versions(claims):
-    found = {"plasmapyro": claims.attrs.get("plasmapyro_version", "")}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
