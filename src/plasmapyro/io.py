@@ -11,7 +11,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts, workspace
+from plasmapyro import contracts, progress, workspace
 from plasmapyro.tables import ORIGINS, weakest
 from plasmapyro.versions import versions
 
@@ -201,11 +201,13 @@ def digest(path):
 def log_to(path):
     """Send the log records, warnings and the last words of this process to `path`.
 
-    Faults that the package itself foresees end with their message alone, all others with a traceback.
+    On a terminal the steps of a long stage are drawn as well (see `progress`). Faults that the package
+    itself foresees end with their message alone, all others with a traceback.
     """
     logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every basis it makes
     logging.captureWarnings(True)
+    progress.show(sys.stderr)
     sys.excepthook = _last_words
 
 
