@@ -21,7 +21,8 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         File name without suffix, and the PNG.
     claims : Dataset, contract 'claims'
     corrections : list of (test, Dataset)
-        Name of the test and its file of contract 'pyrometer_correction' or 'spectrometer_correction'.
+        Name of the test and its file of contract 'pyrometer_correction', 'spectrometer_correction' or
+        'joint_estimate'.
     diagnoses : list of (test, html)
         Name of the test and the page of its diagnosis.
     timings : list of (name, dict)
@@ -93,7 +94,11 @@ def _verdicts(claims):
 
 def _summary(name, corrected):
     """What a reader wants to know first of a corrected test."""
-    if "corrected_temperature" in corrected:
+    if "surface_temperature" in corrected:
+        time, instrument = corrected["time"].values, "joint estimate"
+        temperature = corrected["surface_temperature"].where(corrected["estimate_status"] == 0).values
+        spread = corrected["surface_temperature_uncertainty"].values
+    elif "corrected_temperature" in corrected:
         time, temperature = corrected["time"].values, corrected["corrected_temperature"].values
         spread, instrument = corrected["corrected_temperature_uncertainty"].values, "pyrometer"
     else:
