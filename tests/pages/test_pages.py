@@ -183,19 +183,38 @@ def project(tmp_path_factory):
     return place
 
 
-def planned(words):
-    """A call of Snakemake as a dry run on this machine."""
-    words = [PLACEHOLDERS.get(word, word) for word in words]
-    words = [re.sub(r"\{test\}", PLACEHOLDERS["{test}"], word) for word in words]
-    return ["--executor", "local", *words] if "--profile" in words or "--executor" in words else words
+def call_of_snakemake(command):
+    """Options that matter, and targets, of a call; cores and profiles are those of the machine."""
+    options, targets, words = [], [], iter(command.words[1:])
+    for word in words:
+        if word == "--configfile":
+            options += [word, next(words)]
+        elif word == "--profile":
+            assert (ROOT / next(words) / "config.yaml").exists(), command.line
+        elif word in ("--cores", "--jobs", "--executor"):
+            next(words)
+        elif word.startswith("-"):
+            options.append(word)
+        else:
+            targets.append(re.sub(r"\{test\}", PLACEHOLDERS["{test}"], word))
+    return tuple(options), targets
 
 
-@parametrize("command", list({one.line: one for one in all_commands("snakemake")}.values()))
-def test_calls_of_snakemake_plan_their_jobs(command, project):
-    words = planned(command.words[1:])
+def calls_of_snakemake():
+    """Options -> all targets that pages ask for with them, and whether one asks for no target."""
+    calls = {}
+    for command in all_commands("snakemake"):
+        options, targets = call_of_snakemake(command)
+        calls.setdefault((options, bool(targets)), set()).update(targets)
+    return [(options, sorted(targets)) for (options, _), targets in calls.items()]
+
+
+@pytest.mark.parametrize(("options", "targets"), calls_of_snakemake(), ids=str)
+def test_calls_of_snakemake_plan_their_jobs(options, targets, project):
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    words = [*targets, *options, "--cores", "2", "--dry-run", "--quiet", "rules"]
     run = subprocess.run(
-        [sys.executable, "-m", "snakemake", *words, "--dry-run", "--quiet", "rules"],
+        [sys.executable, "-m", "snakemake", *words],
         cwd=project,
         capture_output=True,
         text=True,
