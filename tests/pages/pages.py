@@ -11,7 +11,8 @@ LOG = "decisions.md"  # tells what was done, not what to do
 FENCE = re.compile(r"^```(\w*)([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SPAN = re.compile(r"(?<!`)`([^`\n]+(?:\n[^`\n]+)?)`(?!`)")
 INDENTED = re.compile(r"\n\n((?:    \S[^\n]*\n(?:    [^\n]*\n)*)+)")
-PROGRAMS = ("make", "snakemake", "plasmapyro", "python", "pytest", "pip", "cp", ".")
+NEED_A_CLUSTER = ("kubectl", "sbatch", "sinfo", "squeue")  # known, and run by nobody here
+PROGRAMS = ("make", "snakemake", "plasmapyro", "python", "pytest", "pip", "git", "cp", ".", *NEED_A_CLUSTER)
 LANGUAGES = {"sh", "python", "yaml", "text"}
 
 

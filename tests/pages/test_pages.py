@@ -26,6 +26,7 @@ LARGEST_NUMBER_OF_PAGES = 10
 NOT_PAGES = {"decisions.md", "scoreboard.md", "blind-tests.md", "radiation_cost.md"}  # a log, and results
 RUN_ELSEWHERE = {"your-own-data.md": "tests/readers/test_own_data_page.py"}  # box after box, as they stand
 PLACEHOLDERS = {"{test}": "csic_160kW", "FOLDER": "docs/example/my_test"}
+OF_A_CLUSTER = ("--slurm-", "--kubernetes-", "--storage-", "--default-storage-")  # options with one value
 KINDS_OF_YAML = {"condition": "config/schema_condition.yaml", "test": "config/schema_test.yaml"}
 PYTHON = [page for page in PAGES if page.name in ("radiation.md", "file-formats.md")]
 
@@ -191,7 +192,7 @@ def call_of_snakemake(command):
             options += [word, next(words)]
         elif word == "--profile":
             assert (ROOT / next(words) / "config.yaml").exists(), command.line
-        elif word in ("--cores", "--jobs", "--executor"):
+        elif word in ("--cores", "--jobs", "--executor") or word.startswith(OF_A_CLUSTER):
             next(words)
         elif word.startswith("-"):
             options.append(word)
@@ -247,8 +248,12 @@ def test_tests_named_on_pages_exist(command):
 def test_what_is_installed_and_activated_exists():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     for command in all_commands("pip"):
-        (extra,) = re.findall(r"^pip install plasmapyro\[(\w+)\]$", command.line)
-        assert re.search(rf"^{extra} = \[", project, re.MULTILINE)
+        for package in command.words[2:]:
+            extra = re.fullmatch(r"plasmapyro\[(\w+)\]", package)
+            plugin = re.fullmatch(r"snakemake-(executor|storage)-plugin-\w+", package)
+            assert plugin or re.search(rf"^{extra[1]} = \[", project, re.MULTILINE), command.line
+    for command in all_commands("git"):
+        assert command.words[1] == "clone", command.line
     for command in all_commands("."):
         assert command.line == ". .venv/bin/activate"
     for command in all_commands("cp"):
