@@ -32,7 +32,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__", ".pytest_cache", ".ruff_cache")
-MOST_JOBS, LATEST_KILL = 3, 4.0  # a kill comes after up to so many jobs of a run, and up to so many seconds
+MOST_JOBS, LATEST_KILL = (
+    4,
+    4.0,
+)  # a kill comes when up to so many jobs of a run began, up to so many seconds later
 SMALL_DISK, LARGE_DISK = "2m", "400m"
 UNPRIVILEGED = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
 
@@ -53,7 +56,7 @@ class Run:
             text=True,
             start_new_session=True,
         )
-        self.lines, self.finished, self.at_work, self.ended = [], 0, {}, threading.Event()
+        self.lines, self.begun, self.at_work, self.ended = [], 0, {}, threading.Event()
         self.reader = threading.Thread(target=self._read)
         self.reader.start()
 
@@ -65,9 +68,9 @@ class Run:
                 rule = begun[1]
             elif job := re.match(r"    jobid: (\d+)", line):
                 self.at_work[job[1]] = rule
+                self.begun += 1
             elif job := re.match(r"Finished jobid: (\d+)", line):
                 self.at_work.pop(job[1], None)
-                self.finished += 1
         self.ended.set()
 
     def wait(self):
@@ -151,7 +154,7 @@ def kill(project, undisturbed, count, chance):
         while survived < count:
             run = project.start()
             jobs, delay = chance.randint(0, MOST_JOBS), chance.uniform(0.0, LATEST_KILL)
-            while run.finished < jobs and not run.ended.wait(0.02):
+            while run.begun < jobs and not run.ended.wait(0.02):
                 pass
             if run.ended.wait(delay):
                 run.wait()
