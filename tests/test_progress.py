@@ -19,7 +19,8 @@ LONG_STAGES = {  # module -> how it speaks: a step, or a record of its log, whic
     "radiation/path.py": "progress(done, len(crossed))",
     "experiment/correction.py": "step(",
     "estimate/smoother.py": "step(",
-    "diagnosis/stage.py": "step(",
+    "diagnosis/base.py": "step(",
+    "diagnosis/select.py": "step(",
     "design/search.py": "step(",
 }
 

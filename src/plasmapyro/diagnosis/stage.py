@@ -17,7 +17,6 @@ from plasmapyro.diagnosis.library import gas_library
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
 from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
-from plasmapyro.progress import step
 
 SCHEMA = "plasmapyro-diagnosis-1"
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
@@ -96,13 +95,11 @@ def diagnose(
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     condition = str(test.attrs["condition"])
     library = gas_library(condition, radiation, powers, variations, fwhm=fwhm)
-    step("diagnosis", 1, 3, "base model")
     model = base_model(test, library, calibration, response, spectrometer_calibration)
     base = fit_base(model)
     if variations is None:
         exclude = (*exclude, *NEED_VARIATIONS)
     selector = Selector(base.model, base.fitter, thresholds, exclude, draws, seed)
-    step("diagnosis", 2, 3, f"{draws} simulated nulls, effects one by one")
     selection = selector.run(base.solution)
     curve = None
     if calibration is not None:
@@ -110,7 +107,6 @@ def diagnose(
             calibration["calibration_temperature"].values,
             calibration["calibration_ratio"].values,
         )
-    step("diagnosis", 3, 3, "gain on held-out data, kelvin")
     return _Report(test, base, selection, selector, curve, provenance or {}).make()
 
 
