@@ -41,6 +41,9 @@ FILES = {  # contract -> where a run leaves it; "" for files that only commands 
     "reflection": "results/design/reflection.nc",
     "trust": "results/design/trust.nc",
     "claims": "results/claims.nc",
+    "study": "results/study.nc",
+    "study_flow": "results/study/flow/{flow}.nc",
+    "study_signal": "results/study/signal/{sight_line}.nc",
 }
 
 
@@ -61,7 +64,7 @@ def describe(contract):
 
 def tables():
     """All sections, in the order of the chain."""
-    return "\n".join(describe(contract) for contract in FILES)
+    return "\n".join(describe(contract) for contract in FILES if contract in DATASETS)
 
 
 if __name__ == "__main__":

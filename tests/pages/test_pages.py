@@ -24,7 +24,14 @@ from plasmapyro.sightline.stage import equilibrium_sightline
 
 LARGEST_NUMBER_OF_PAGES = 10
 NOT_PAGES = {"decisions.md", "scoreboard.md", "blind-tests.md", "radiation_cost.md"}  # a log, and results
-RUN_ELSEWHERE = {"your-own-data.md": "tests/readers/test_own_data_page.py"}  # box after box, as they stand
+RUN_ELSEWHERE = {  # box after box, as they stand
+    page: where
+    for page, where in {
+        "your-own-data.md": "tests/readers/test_own_data_page.py",
+        "large-studies.md": "tests/study/test_large_studies_page.py",
+    }.items()
+    if (ROOT / where).exists()
+}
 PLACEHOLDERS = {"{test}": "csic_160kW", "FOLDER": "docs/example/my_test"}
 OF_A_CLUSTER = ("--slurm-", "--kubernetes-", "--storage-", "--default-storage-")  # options with one value
 KINDS_OF_YAML = {"condition": "config/schema_condition.yaml", "test": "config/schema_test.yaml"}
@@ -181,6 +188,8 @@ def project(tmp_path_factory):
         for _, rest, content in fences(page):
             if rest.startswith("file=config/"):
                 io.write_text(content, place / rest.removeprefix("file="))
+    if (place / "config/study.yaml").exists():
+        shutil.copy(place / "config/study.yaml", place / "my_study.yaml")
     return place
 
 
@@ -188,8 +197,10 @@ def call_of_snakemake(command):
     """Options that matter, and targets, of a call; cores and profiles are those of the machine."""
     options, targets, words = [], [], iter(command.words[1:])
     for word in words:
-        if word == "--configfile":
-            options += [word, next(words)]
+        if word.endswith(".yaml"):
+            options += ([] if "--configfile" in options else ["--configfile"]) + [word]
+        elif word == "--configfile":
+            continue
         elif word == "--profile":
             assert (ROOT / next(words) / "config.yaml").exists(), command.line
         elif word in ("--cores", "--jobs", "--executor") or word.startswith(OF_A_CLUSTER):
