@@ -35,9 +35,9 @@ blind: .venv/installed
 reproduce: .venv/installed
 	$(BIN)/python workflow/reproduce.py
 
-compare: figures
+compare: figures report
 	$(BIN)/python workflow/reproduce.py --results results
-	$(BIN)/pytest -q tests/blind/test_main_story.py
+	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report
 
 slurm: figures
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py

@@ -52,6 +52,7 @@ include: "workflow/rules/design.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/crate.smk"
 include: "workflow/rules/report.smk"
 
 
@@ -74,6 +75,7 @@ localrules:
     twin_test,
     read_test,
     claims,
+    crate,
     report,
     figures_instrument,
     figures_flow,
@@ -94,3 +96,4 @@ rule all:
     input:
         FIGURES,
         RESULTS,
+        CRATE,

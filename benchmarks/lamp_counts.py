@@ -1,6 +1,6 @@
 """Prove the spectrometer's calibration on a folder of real lamp counts: figure and numbers for the docs.
 
-    python benchmarks/lamp_counts.py FOLDER docs
+    python benchmarks/lamp_counts.py FOLDER docs/figures
 
 FOLDER holds the raw files of the spectrometer MAYP11278 as the R package ooacquire carries them, and the
 irradiance of the lamp as a CSV. Writes lamp_counts.png and lamp_counts.json.

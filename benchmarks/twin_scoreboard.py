@@ -4,7 +4,7 @@
 
 Each twin comes from the independent generator (`workflow/twin`) with its own sample, gas, noise and
 errors of calibration, drawn by `draw`. Needs results/radiation and results/instrument/response.nc.
-Writes docs/twin_scoreboard.json (the table) and docs/twin_scoreboard.png.
+Writes docs/figures/twin_scoreboard.json (the table) and docs/figures/twin_scoreboard.png.
 """
 
 import argparse
@@ -380,7 +380,7 @@ def main():
         "--join", type=Path, nargs="+", help="tables of parts to put together, nothing is run"
     )
     parser.add_argument("--results", type=Path, default=ROOT / "results")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "figures")
     options = parser.parse_args()
     if options.join:
         tables = [json.loads(path.read_text(encoding="utf-8")) for path in options.join]

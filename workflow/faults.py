@@ -4,59 +4,120 @@ Takes the minimal configuration in a clean copy of the project, disturbs it, and
 next plain `snakemake --cores 2` end with the bytes of an undisturbed run, or does one clear message say what
 to do?
 
-kill       kill -9 of the whole run at random moments, then the same command again, until it is done
-damage     results truncated, or one bit flipped, one file after the other
-edit       the configuration changed in the middle of a run, and changed back
-twice      a second run started beside the first
-clock      results dated a day ahead, or years back
-full disk  the results folder on a file system that is too small (needs root to mount it)
-read-only  the results folder on a file system that cannot be written (needs root to mount it)
+kill        kill -9 of the whole run at random moments spread over its jobs, then the same command again
+damage      results truncated, or one bit flipped, three files at a time
+edit        the configuration changed in the middle of a run, and changed back
+twice       a second run started beside the first
+clock       results dated a day ahead, or years back
+permission  a results folder without write permission (root needs setpriv to give up its privilege)
+full disk   the results folder on a file system that is too small (needs root to mount it)
+read-only   the results folder on a file system that cannot be written (needs root to mount it)
+
+With --folder the undisturbed run and what was survived are kept there, and the same command goes on.
 """
 
 import argparse
+import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__", ".pytest_cache", ".ruff_cache")
-COMMAND = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "config/minimal.yaml"]
-LATEST_KILL = 9.0  # [s] after the start of a run; three seconds of it are the start of Snakemake
+MOST_JOBS, LATEST_KILL = (
+    4,
+    4.0,
+)  # a kill comes when up to so many jobs of a run began, up to so many seconds later
 SMALL_DISK, LARGE_DISK = "2m", "400m"
+UNPRIVILEGED = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
 
 
 class Lost(AssertionError):
     """A fault was not survived."""
 
 
-class Project:
-    """A copy of the project with the results of an undisturbed run at hand."""
+class Run:
+    """A run in a process group of its own, whose words are read while it works."""
 
-    def __init__(self, folder):
-        self.folder, self.results = Path(folder), Path(folder) / "results"
-        shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*LEFT_OUT))
-
-    def start(self):
-        return subprocess.Popen(
-            COMMAND,
-            cwd=self.folder,
+    def __init__(self, command, folder):
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
             start_new_session=True,
         )
+        self.lines, self.begun, self.at_work, self.ended = [], 0, {}, threading.Event()
+        self.reader = threading.Thread(target=self._read)
+        self.reader.start()
 
-    def run(self):
+    def _read(self):
+        rule = None
+        for line in self.process.stdout:
+            self.lines.append(line)
+            if begun := re.match(r"(?:local)?rule (\w+):", line):
+                rule = begun[1]
+            elif job := re.match(r"    jobid: (\d+)", line):
+                self.at_work[job[1]] = rule
+                self.begun += 1
+            elif job := re.match(r"Finished jobid: (\d+)", line):
+                self.at_work.pop(job[1], None)
+        self.ended.set()
+
+    def wait(self):
+        """Exit status and words."""
+        status = self.process.wait()
+        self.reader.join()
+        return status, "".join(self.lines)
+
+    def kill(self):
+        """Kill -9 of everything; the rules that were at work."""
+        at_work = set(self.at_work.values())
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.wait()
+        return at_work
+
+
+class Project:
+    """A copy of the project with the results of an undisturbed run at hand."""
+
+    def __init__(self, folder, kept, cores):
+        self.folder, self.results, self.kept = folder, folder / "results", kept
+        self.command = [sys.executable, "-m", "snakemake", "--cores", str(cores)]
+        self.command += ["--configfile", "config/minimal.yaml"]
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*LEFT_OUT))
+
+    def start(self, prefix=()):
+        return Run([*prefix, *self.command], self.folder)
+
+    def run(self, prefix=()):
         """Exit status and words of one run."""
-        run = self.start()
-        words = run.communicate()[0]
-        return run.returncode, words
+        return self.start(prefix).wait()
+
+    def clear(self):
+        """Forget all results."""
+        shutil.rmtree(self.results, ignore_errors=True)
+        shutil.rmtree(self.folder / ".snakemake", ignore_errors=True)
+
+    def restore(self, *without):
+        """Take the results of the undisturbed run, but for some groups; times of files included."""
+        ignored = [self.kept / group for group in without]
+        shutil.copytree(
+            self.kept,
+            self.results,
+            ignore=lambda folder, names: [name for name in names if Path(folder) / name in ignored],
+            dirs_exist_ok=True,
+        )
 
     def finish(self, undisturbed):
         """Run once more; the results must be those of the undisturbed run."""
@@ -87,21 +148,21 @@ def compare(found, expected):
 
 def kill(project, undisturbed, count, chance):
     """Kill -9 of the process group, `count` times; the run starts anew whenever it got to its end."""
-    survived = 0
+    survived, hit = 0, set()
     while survived < count:
-        shutil.rmtree(project.results, ignore_errors=True)
-        shutil.rmtree(project.folder / ".snakemake", ignore_errors=True)
+        project.clear()
         while survived < count:
             run = project.start()
-            try:
-                run.communicate(timeout=chance.uniform(0.5, LATEST_KILL))
+            jobs, delay = chance.randint(0, MOST_JOBS), chance.uniform(0.0, LATEST_KILL)
+            while run.begun < jobs and not run.ended.wait(0.02):
+                pass
+            if run.ended.wait(delay):
+                run.wait()
                 break
-            except subprocess.TimeoutExpired:
-                os.killpg(run.pid, signal.SIGKILL)
-                run.communicate()
-                survived += 1
+            hit |= run.kill()
+            survived += 1
         project.finish(undisturbed)
-        print(f"  {survived} kills, the same bytes", flush=True)
+        print(f"  {survived} kills, the same bytes; at work were {len(hit)} rules", flush=True)
     return survived
 
 
@@ -126,19 +187,23 @@ def damage(project, undisturbed, count, chance):
 
 def edit(project, undisturbed, count, chance):
     """Change the emittance of a condition while a run is at work, then change it back."""
-    path = project.folder / "config/conditions/90kW.yaml"
+    path = project.folder / "config/conditions/80kW.yaml"
     original = path.read_text(encoding="utf-8")
+    noticed = 0
     for _ in range(count):
         shutil.rmtree(project.results / "analysis")
         shutil.rmtree(project.results / "experiment")
         run = project.start()
         time.sleep(chance.uniform(3.0, 6.0))
         path.write_text(original.replace("emittance: 0.85", "emittance: 0.5"), encoding="utf-8")
-        words = run.communicate()[0]
-        if run.returncode and "call again" not in words:
+        status, words = run.wait()
+        noticed += status != 0
+        if status and "call again" not in words:
             raise Lost(f"no clear message:\n{words[-3000:]}")
         path.write_text(original, encoding="utf-8")
         project.finish(undisturbed)
+    if not noticed:
+        raise Lost("no run noticed that the configuration was changed")
     return count
 
 
@@ -149,8 +214,8 @@ def twice(project, undisturbed, count, chance):
         first = project.start()
         time.sleep(chance.uniform(2.0, 4.0))
         status, words = project.run()
-        first.communicate()
-        if first.returncode or not status or "another run is at work" not in words:
+        first_status, _ = first.wait()
+        if first_status or not status or "another run is at work" not in words:
             raise Lost(f"the second run was not refused:\n{words[-3000:]}")
         project.finish(undisturbed)
     return count
@@ -168,20 +233,43 @@ def clock(project, undisturbed, count, chance):
     return count
 
 
-def full_disk(project, undisturbed, _, __):
-    """Run into the end of a small disk, then enlarge it."""
-    with mounted(project, SMALL_DISK) as remount:
-        status, words = project.run()
-        if not status or not ("No space left" in words or "could not be written" in words):
-            raise Lost(f"no clear message:\n{words[-3000:]}")
-        remount(f"size={LARGE_DISK}")
+def permission(project, undisturbed, count, _):
+    """Meet a folder without write permission, each time another one, then give it."""
+    prefix = [] if os.geteuid() else UNPRIVILEGED
+    folders = [project.results, *sorted(path for path in project.results.iterdir() if path.is_dir())]
+    for folder in folders[:count]:
+        (project.results / "analysis/surface_radiance.nc").unlink()
+        os.chmod(folder, 0o555)
+        status, words = project.run(prefix)
+        os.chmod(folder, 0o755)
+        if not status or "write permission" not in words:
+            raise Lost(f"no clear message for {folder.name}:\n{words[-3000:]}")
         project.finish(undisturbed)
-    return 1
+    return min(count, len(folders))
+
+
+def full_disk(project, undisturbed, count, chance):
+    """Run into the end of a disk, at the first time a small one, then with less and less left; enlarge it."""
+    for turn in range(max(1, count // 3)):
+        with mounted(project, LARGE_DISK) as remount:
+            if turn:
+                project.restore("analysis", "experiment", "figures")
+                room = sum(file.stat().st_blocks * 512 for file in project.results.rglob("*"))
+                remount(f"size={room + chance.randint(100_000, 2_000_000)}")
+            else:
+                remount(f"size={SMALL_DISK}")
+            status, words = project.run()
+            if not status or not ("No space left" in words or "could not be written" in words):
+                raise Lost(f"no clear message:\n{words[-3000:]}")
+            remount(f"size={LARGE_DISK}")
+            project.finish(undisturbed)
+    return max(1, count // 3)
 
 
 def read_only(project, undisturbed, _, __):
     """Meet a results folder that cannot be written, then make it writable."""
     with mounted(project, LARGE_DISK) as remount:
+        project.restore("analysis")
         remount("ro")
         status, words = project.run()
         if not status or "cannot be written to" not in words:
@@ -199,8 +287,7 @@ class mounted:  # noqa: N801 (used like a function)
 
     def __enter__(self):
         results = self.project.results
-        shutil.rmtree(results, ignore_errors=True)
-        shutil.rmtree(self.project.folder / ".snakemake", ignore_errors=True)
+        self.project.clear()
         results.mkdir()
         subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.size}", "tmpfs", results], check=True)
         return lambda options: subprocess.run(["mount", "-o", f"remount,{options}", results], check=True)
@@ -214,6 +301,7 @@ FAULTS = {
     "edit": edit,
     "twice": twice,
     "clock": clock,
+    "permission": permission,
     "kill": kill,
     "full disk": full_disk,
     "read-only": read_only,
@@ -231,30 +319,58 @@ def main():
     )
     parser.add_argument("--seed", type=int, default=1, help="of the random moments and places (default: 1)")
     parser.add_argument("--only", nargs="+", choices=FAULTS, default=list(FAULTS), help="kinds of faults")
+    parser.add_argument("--cores", type=int, default=2, metavar="N", help="of each run (default: 2)")
+    parser.add_argument(
+        "--folder",
+        type=Path,
+        metavar="DIR",
+        help="keep the work there, and go on with it (default: forget it)",
+    )
     options = parser.parse_args()
-    chance = random.Random(options.seed)
     with tempfile.TemporaryDirectory(prefix="plasmapyro-") as scratch:
-        project = Project(Path(scratch) / "project")
+        folder = options.folder or Path(scratch)
+        lost = disturb(folder, options)
+    sys.exit(1 if lost else 0)
+
+
+def disturb(folder, options):
+    """Try all faults asked for that have not been survived yet; the number of kinds that were lost."""
+    kept, record = folder / "undisturbed", folder / "survived.json"
+    survived = json.loads(record.read_text()) if record.exists() else {}
+    project = Project(folder / "project", kept, options.cores)
+    if not record.exists():
         start = time.monotonic()
         status, words = project.run()
         if status:
             sys.exit(f"the undisturbed run failed:\n{words}")
-        undisturbed = digests(project.results)
-        print(f"undisturbed run: {time.monotonic() - start:.0f} s, {len(undisturbed)} files", flush=True)
-        lost = 0
-        for name in options.only:
-            if name in NEED_ROOT and os.geteuid():
-                print(f"{name}: not tried, mounting a small file system needs root")
-                continue
-            start = time.monotonic()
-            try:
-                count = options.kills if name == "kill" else options.others
-                survived = FAULTS[name](project, undisturbed, count, chance)
-                print(f"{name}: {survived} survived, {time.monotonic() - start:.0f} s", flush=True)
-            except Lost as fault:
-                lost += 1
-                print(f"{name}: LOST: {fault}", flush=True)
-    sys.exit(1 if lost else 0)
+        shutil.rmtree(kept, ignore_errors=True)
+        shutil.copytree(project.results, kept)
+        record.write_text("{}")
+        print(f"undisturbed run: {time.monotonic() - start:.0f} s", flush=True)
+    undisturbed = digests(kept)
+    print(f"{len(undisturbed)} files to compare", flush=True)
+    lost = 0
+    for name in options.only:
+        count = options.kills if name == "kill" else options.others
+        if survived.get(name):
+            print(f"{name}: {survived[name]} survived before", flush=True)
+            continue
+        if name in NEED_ROOT and os.geteuid():
+            print(f"{name}: not tried, mounting a small file system needs root", flush=True)
+            continue
+        start = time.monotonic()
+        try:
+            if not project.results.exists():
+                project.restore()
+            survived[name] = FAULTS[name](project, undisturbed, count, random.Random(options.seed))
+            record.write_text(json.dumps(survived))
+            print(f"{name}: {survived[name]} survived, {time.monotonic() - start:.0f} s", flush=True)
+        except Lost as fault:
+            lost += 1
+            print(f"{name}: LOST: {fault}", flush=True)
+            project.clear()
+    print(f"{sum(survived.values())} faults survived, {lost} kinds lost", flush=True)
+    return lost
 
 
 if __name__ == "__main__":

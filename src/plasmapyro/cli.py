@@ -10,6 +10,7 @@ import numpy as np
 
 from plasmapyro import __doc__ as PACKAGE
 from plasmapyro.commands import calibrate, check, correct, diagnose, radiance, sightline, trust
+from plasmapyro.progress import show
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 BAR_LENGTH, BAR_PERIOD = 30, 0.1  # characters; [s]
@@ -74,6 +75,7 @@ def main(arguments=None):
     options = parser().parse_args(arguments)
     # What the library logs, the commands say in their own words.
     logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
+    show(sys.stderr)
     try:
         status = options.run(options, Progress(sys.stderr))
     except (ValueError, OSError) as fault:

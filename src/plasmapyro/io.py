@@ -7,15 +7,16 @@ import os
 import shutil
 import sys
 from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts, workspace
+from plasmapyro import contracts, progress, workspace
 from plasmapyro.tables import ORIGINS, weakest
+from plasmapyro.versions import versions
 
 REMEDY = "free space or give write permission and call again: finished files are kept"
+LICENCE = "BSD-3-Clause"  # of a result, unless the data it was made from bring a `license` of their own
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
@@ -101,10 +102,12 @@ def _labelled(dataset, contract, sources, config):
     origins = [dataset.attrs.get("origin", "modelled"), *(_origin(source) for source in sources)]
     dataset.attrs = {
         "Conventions": "CF-1.10",
+        "license": LICENCE,
         **dataset.attrs,
         "contract": contract,
         "origin": weakest(origin for origin in origins if origin),
-        "plasmapyro_version": version("plasmapyro"),
+        "plasmapyro_version": dict(versions())["plasmapyro"],
+        "versions": ", ".join(f"{name} {number}" for name, number in versions()),
         "configuration": json.dumps(config or {}, sort_keys=True, default=str),
         "sources": "\n".join(f"{digest(source)}  {source}" for source in sources),
     }
@@ -198,11 +201,13 @@ def digest(path):
 def log_to(path):
     """Send the log records, warnings and the last words of this process to `path`.
 
-    Faults that the package itself foresees end with their message alone, all others with a traceback.
+    On a terminal the steps of a long stage are drawn as well (see `progress`). Faults that the package
+    itself foresees end with their message alone, all others with a traceback.
     """
     logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every basis it makes
     logging.captureWarnings(True)
+    progress.show(sys.stderr)
     sys.excepthook = _last_words
 
 

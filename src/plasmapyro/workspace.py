@@ -66,7 +66,7 @@ def begin(results, settings):
     Raises
     ------
     WorkspaceError
-        If the folder cannot be made or written to.
+        If the folder or one of those in it cannot be made or written to.
     """
     folder = Path(results) / ".seals"
     os.environ[SEALS] = str(folder.resolve())
@@ -75,10 +75,11 @@ def begin(results, settings):
         folder.mkdir(parents=True, exist_ok=True)
         lock = open(folder / "lock", "a")  # noqa: SIM115 (held until the process ends)
     except OSError as fault:
-        raise WorkspaceError(
-            f"{results}: cannot be written to ({fault.strerror}); give the folder write permission and space,"
-            " or run from a folder of your own"
-        ) from None
+        raise _unwritable(results, fault.strerror) from None
+    for place in (Path(results), *(path for path in Path(results).rglob("*") if path.is_dir())):
+        if not os.access(place, os.W_OK | os.X_OK):  # a job would find out only after its work
+            lock.close()
+            raise _unwritable(place, "permission denied")
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -88,6 +89,13 @@ def begin(results, settings):
     for part in Path(results).rglob(".*.part*"):
         part.unlink()
     return _remove_damaged(Path(results), folder), False
+
+
+def _unwritable(place, reason):
+    return WorkspaceError(
+        f"{place}: cannot be written to ({reason}); give the folder write permission and space, or run from a"
+        " folder of your own"
+    )
 
 
 def require_free(busy):

@@ -1,4 +1,4 @@
-"""The maps of docs/your-own-cfd.md run as they stand there."""
+"""The maps of docs/power-conditions.md run as they stand there."""
 
 import re
 import shlex
@@ -17,7 +17,7 @@ from plasmapyro.cfd.mapping import SCHEMA, check_conditions
 from plasmapyro.cfd.stage import sightline
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "your-own-cfd.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "power-conditions.md").read_text("utf-8")
 MAPS = re.findall(r"```yaml map (\w+) (\S+)\n(.*?)```", PAGE, re.DOTALL)
 TWO = "s,T,Tv,Te,p,xN2,xN,xNp\n0,3000,5000,5200,5000,0.5,0.4,0.05\n0.1,4000,6000,6200,5000,0.5,0.4,0.05\n"
 

@@ -1,7 +1,9 @@
 """The report as a reader meets it: in a real browser, at two widths, without a network."""
 
+import os
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ PIXEL = (  # a PNG of one pixel
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
 PHONE, DESKTOP = 390, 1280
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def claims():
@@ -63,8 +66,24 @@ def page():
 
 
 def test_the_steady_temperature_and_the_first_value_are_those_of_the_data(page):
-    row = re.search(r"<td>mine</td>.*", page).group()
+    row = re.search(r"<td[^>]*>mine</td>.*", page).group()
     assert all(words in row for words in ("20.0 s", "1600 K", "23 K", "synthetic"))
+
+
+def test_the_joint_estimate_counts_where_it_is_valid():
+    time = np.arange(0.0, 100.0)
+    estimate = xr.Dataset(
+        {
+            "surface_temperature": ("time", np.where(time < 10, 5000.0, 1500.0)),
+            "surface_temperature_uncertainty": ("time", 0 * time + 2.0),
+            "estimate_status": ("time", np.where(time < 10, 1, 0)),
+        },
+        {"time": time},
+        {"injection_time": 0.0, "plasma_off_time": 90.0, "condition": "80kW", "origin": "measured"},
+    )
+    row = re.search(r"<td[^>]*>mine</td>.*", compose([], claims(), [("mine", estimate)])).group()
+    assert all(words in row for words in ("joint estimate", "10.0 s", "1500 K", "2 K"))
+    assert "5000" not in row
 
 
 def test_words_of_a_user_are_not_taken_as_markup(page):
@@ -83,6 +102,14 @@ def test_figures_stand_in_the_order_of_their_numbers(page):
 def test_a_figure_without_words_is_refused():
     with pytest.raises(KeyError, match="'fig99' has no words yet"):
         describe("fig99")
+
+
+def test_every_figure_of_the_workflow_has_words():
+    rules = (ROOT / "workflow/rules/figures.smk").read_text(encoding="utf-8").partition("\nrule ")[0]
+    names = set(re.findall(r'"(\w+)"', rules)) - {"svg", "png", "pyrometer", "spectrometer", "instruments"}
+    assert {"fig2a_responses", "joint_estimate", "trust"} <= names and len(names) > 25
+    for name in names:
+        describe(name)
 
 
 def test_the_page_asks_for_nothing_from_outside(page):
@@ -111,17 +138,33 @@ def browser():
     driver.quit()
 
 
-@pytest.mark.parametrize("width", [PHONE, DESKTOP])
-def test_a_browser_reads_and_clicks_through_the_page(page, browser, tmp_path, width):
-    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+def open_page(browser, path, width):
+    """Show a page; refuse one that is wider than the screen, loads from outside or has errors."""
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width == PHONE}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    browser.get((tmp_path / "report.html").as_uri())
-    assert "report" in browser.title
+    browser.get(path.as_uri())
     ask = browser.execute_script
     assert ask("return document.documentElement.scrollWidth") <= width, "the page is wider than the screen"
     pictures = ask("return [...document.images].map(i => [i.alt.length, i.complete && i.naturalWidth])")
-    assert len(pictures) == 3 and all(words > 20 and loaded for words, loaded in pictures)
+    assert pictures and all(words > 20 and loaded for words, loaded in pictures)
+    drawings = "[...document.querySelectorAll('svg')].filter(s => !s.closest('[aria-hidden=true]'))"
+    named = "s.getAttribute('aria-label') || s.getAttribute('aria-labelledby') || s.querySelector('title')"
+    assert ask(f"return {drawings}.every(s => {named})"), "a drawing without words"
+    return ask, len(pictures)
+
+
+def nothing_from_outside(browser):
+    asked = [entry["message"] for entry in browser.get_log("performance")]
+    assert not [message for message in asked if "requestWillBeSent" in message and '"url":"http' in message]
+    severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    assert not [entry for entry in severe if "sandboxed" not in entry["message"]], "errors on the console"
+
+
+@pytest.mark.parametrize("width", [PHONE, DESKTOP])
+def test_a_browser_reads_and_clicks_through_the_page(page, browser, tmp_path, width):
+    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+    ask, pictures = open_page(browser, tmp_path / "report.html", width)
+    assert "report" in browser.title and pictures == 3
     for link in browser.find_elements("css selector", "nav a"):
         link.click()
         target = link.get_attribute("href").partition("#")[2]
@@ -132,12 +175,18 @@ def test_a_browser_reads_and_clicks_through_the_page(page, browser, tmp_path, wi
         fold.click()
     assert ask("return [...document.querySelectorAll('details')].every(d => d.open)")
     assert "bold" in browser.find_element("id", "claims").text
-    asked = [entry["message"] for entry in browser.get_log("performance")]
-    assert not [message for message in asked if "requestWillBeSent" in message and '"url":"http' in message]
-    severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
-    assert not [entry for entry in severe if "sandboxed" not in entry["message"]], "errors on the console"
+    nothing_from_outside(browser)
     frame = browser.find_element("tag name", "iframe")
     assert frame.get_attribute("sandbox") == "", "a page of a test may run scripts"
     browser.switch_to.frame(frame)
     assert "nothing wrong" in browser.find_element("tag name", "body").text
     browser.switch_to.default_content()
+
+
+@pytest.mark.parametrize("width", [PHONE, DESKTOP])
+@pytest.mark.parametrize("name", ["report.html", "diagnosis/csic_160kW/index.html"])
+def test_the_pages_of_the_main_job_read_well(browser, name, width):
+    if "PLASMAPYRO_RESULTS" not in os.environ:
+        pytest.skip("needs the results of the main job (make compare)")
+    open_page(browser, ROOT / os.environ["PLASMAPYRO_RESULTS"] / name, width)
+    nothing_from_outside(browser)

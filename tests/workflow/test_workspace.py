@@ -101,6 +101,18 @@ def test_a_folder_that_cannot_be_made_is_refused_with_a_remedy(tmp_path, monkeyp
         workspace.begin(tmp_path / "results", {})
 
 
+@pytest.mark.parametrize("name", ["", "flow"])
+def test_a_folder_without_write_permission_is_refused_by_its_name(tmp_path, monkeypatch, name):
+    monkeypatch.setenv(workspace.SEALS, "")
+    monkeypatch.setenv(workspace.SETTINGS, "")
+    closed = tmp_path / "results" / name
+    closed.mkdir(parents=True)
+    # root may write everywhere, so the answer of the system is put in its mouth
+    monkeypatch.setattr(workspace.os, "access", lambda place, _: place != closed)
+    with pytest.raises(workspace.WorkspaceError, match=f"{closed}: cannot be written to .permission denied"):
+        workspace.begin(tmp_path / "results", {})
+
+
 def test_a_failed_write_keeps_the_older_file_and_says_what_to_do(tmp_path):
     path = tmp_path / "x.md"
     io.write_text("old", path)

@@ -96,6 +96,8 @@ rule surface_radiance:
         "results/analysis/surface_radiance.nc",
     log:
         "results/logs/surface_radiance.log",
+    benchmark:
+        "results/benchmarks/surface_radiance.tsv"
     params:
         object_temperature_k=config["figures"]["surface_temperature_k"],
         emittance=config["figures"]["surface_emittance"],

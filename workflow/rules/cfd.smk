@@ -37,6 +37,8 @@ rule cfd_surface_view:
         "results/surface_view/{condition}.nc",
     log:
         "results/logs/cfd_surface_view_{condition}.log",
+    benchmark:
+        "results/benchmarks/cfd_surface_view_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(CFD_CONDITIONS),
     params:
@@ -55,5 +57,7 @@ rule flow_vtu:
         expand("results/flow/{condition}.vtu", condition=COMPUTED),
     log:
         "results/logs/flow_vtu.log",
+    benchmark:
+        "results/benchmarks/flow_vtu.tsv"
     script:
         "../scripts/flow_vtu.py"

@@ -19,6 +19,8 @@ rule claims:
         text="results/claims.md",
     log:
         "results/logs/claims.log",
+    benchmark:
+        "results/benchmarks/claims.tsv"
     params:
         numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
     script:

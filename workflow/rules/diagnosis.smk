@@ -1,7 +1,11 @@
 from types import SimpleNamespace
 
 # What the simulation of each test gets wrong; results/diagnosis/{test}/index.html is the page to read.
-RESULTS += expand("results/diagnosis/{test}/diagnosis.json", test=TESTS)
+RESULTS += expand(
+    "results/diagnosis/{test}/{name}",
+    test=TESTS,
+    name=["diagnosis.json", "residual_map.nc", "temperature.nc", "index.html"],
+)
 
 
 def tests_condition(wildcards):

@@ -24,6 +24,8 @@ rule read_test:
         "results/experiment/{test}/test.nc",
     log:
         "results/logs/read_test_{test}.log",
+    benchmark:
+        "results/benchmarks/read_test_{test}.tsv"
     params:
         folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
     script:

@@ -75,6 +75,8 @@ rule figures_instrument:
         spectrometer_factor=drawn("fig3b_spectrometer_factor"),
     log:
         "results/logs/figures_instrument.log",
+    benchmark:
+        "results/benchmarks/figures_instrument.tsv"
     script:
         "../scripts/figures_instrument.py"
 
@@ -90,6 +92,8 @@ rule figures_flow:
         fields=drawn([f"flow_{condition}" for condition in COMPUTED]),
     log:
         "results/logs/figures_flow.log",
+    benchmark:
+        "results/benchmarks/figures_flow.tsv"
     params:
         conditions=COMPUTED,
         field_condition=config["figures"]["field_condition"],
@@ -106,6 +110,8 @@ rule figures_sightline:
         line_of_sight=drawn("fig4b_line_of_sight"),
     log:
         "results/logs/figures_sightline.log",
+    benchmark:
+        "results/benchmarks/figures_sightline.tsv"
     params:
         conditions=list(CONDITIONS),
         numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
@@ -122,6 +128,8 @@ rule figures_radiation:
         spectral_radiance=drawn("fig5_spectral_radiance"),
     log:
         "results/logs/figures_radiation.log",
+    benchmark:
+        "results/benchmarks/figures_radiation.tsv"
     params:
         conditions=list(CONDITIONS),
         numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
@@ -144,6 +152,8 @@ rule figures_analysis:
         transient=drawn("fig7d_transient"),
     log:
         "results/logs/figures_analysis.log",
+    benchmark:
+        "results/benchmarks/figures_analysis.tsv"
     script:
         "../scripts/figures_analysis.py"
 
@@ -159,6 +169,8 @@ rule figures_pyrometer:
         error=drawn_of_test("fig9c_error"),
     log:
         "results/logs/figures_pyrometer_{test}.log",
+    benchmark:
+        "results/benchmarks/figures_pyrometer_{test}.tsv"
     script:
         "../scripts/figures_pyrometer.py"
 
@@ -172,6 +184,8 @@ rule figures_spectrometer:
         normalised_spectra=drawn_of_test("fig10b_normalised_spectra"),
     log:
         "results/logs/figures_spectrometer_{test}.log",
+    benchmark:
+        "results/benchmarks/figures_spectrometer_{test}.tsv"
     params:
         conditions=config["experiment"]["compare_with"],
         numerical_power_kw=[
@@ -190,6 +204,8 @@ rule figures_both:
         two_instruments=drawn_of_test("fig10c_two_instruments"),
     log:
         "results/logs/figures_both_{test}.log",
+    benchmark:
+        "results/benchmarks/figures_both_{test}.tsv"
     script:
         "../scripts/figures_both.py"
 
@@ -210,6 +226,8 @@ rule figures_design:
         trust=drawn("trust"),
     log:
         "results/logs/figures_design.log",
+    benchmark:
+        "results/benchmarks/figures_design.tsv"
     params:
         field_condition=config["figures"]["field_condition"],
         shown=COMPUTED[:: max(1, len(COMPUTED) // 3)],
@@ -225,5 +243,7 @@ rule figures_joint:
         joint_estimate=drawn_of_test("joint_estimate"),
     log:
         "results/logs/figures_joint_{test}.log",
+    benchmark:
+        "results/benchmarks/figures_joint_{test}.tsv"
     script:
         "../scripts/figures_joint.py"

@@ -14,6 +14,8 @@ rule response:
         "results/instrument/response.nc",
     log:
         "results/logs/response.log",
+    benchmark:
+        "results/benchmarks/response.tsv"
     params:
         **config["instrument"]["response"],
     script:
@@ -27,6 +29,8 @@ rule ratio_curve:
         "results/instrument/ratio_curve.nc",
     log:
         "results/logs/ratio_curve.log",
+    benchmark:
+        "results/benchmarks/ratio_curve.tsv"
     params:
         **config["instrument"]["ratio_curve"],
     script:
@@ -41,6 +45,8 @@ rule read_points:
         "results/instrument/calibration_points.nc",
     log:
         "results/logs/read_points.log",
+    benchmark:
+        "results/benchmarks/read_points.tsv"
     localrule: True
     params:
         folder=POINTS,
@@ -56,6 +62,8 @@ rule calibration:
         "results/instrument/calibration.nc",
     log:
         "results/logs/calibration.log",
+    benchmark:
+        "results/benchmarks/calibration.tsv"
     params:
         **config["instrument"]["calibration"],
     script:

@@ -1,6 +1,11 @@
 # One page with all that a run found. Not part of the main job: `make report`, or ask for results/report.html.
 CORRECTIONS = [
-    (test, instrument) for test, settings in TESTS.items() for instrument in settings["instruments"]
+    (test, contract)
+    for test, settings in TESTS.items()
+    for contract in [
+        *[f"{instrument}_correction" for instrument in settings["instruments"]],
+        *["joint_estimate" for instrument in settings["instruments"] if instrument == "pyrometer"],
+    ]
 ]
 
 
@@ -8,7 +13,7 @@ rule report:
     input:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[
-            f"results/experiment/{test}/{instrument}_correction.nc" for test, instrument in CORRECTIONS
+            f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS
         ],
         claims="results/claims.nc",
         diagnoses=expand("results/diagnosis/{test}/index.html", test=TESTS),
@@ -17,6 +22,8 @@ rule report:
         "results/report.html",
     log:
         "results/logs/report.log",
+    benchmark:
+        "results/benchmarks/report.tsv"
     params:
         tests=[test for test, _ in CORRECTIONS],
         diagnosed=list(TESTS),

@@ -16,6 +16,8 @@ rule twin_calibration:
         counts="results/twin/spectrometer_counts.nc",
     log:
         "results/logs/twin_calibration.log",
+    benchmark:
+        "results/benchmarks/twin_calibration.tsv"
     params:
         seed=config["twin"]["seed"],
     script:
@@ -43,6 +45,8 @@ rule twin_test:
         truth="results/twin/{test}/truth.nc",
     log:
         "results/logs/twin_test_{test}.log",
+    benchmark:
+        "results/benchmarks/twin_test_{test}.tsv"
     params:
         condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
         effects=lambda wildcards: TESTS[wildcards.test]["twin"].get("effects", []),

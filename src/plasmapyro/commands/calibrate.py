@@ -36,7 +36,7 @@ CURVE = np.arange(400.0, 4001.0, 10.0)  # [K] where the curves are tabulated
 DESCRIPTION = """\
 Turn raw calibration files into the calibration of a pyrometer, a spectrometer, or both.
 
-FOLDER holds calibration.yaml, which names the raw files (docs/spectrometer-calibration.md): for the pyrometer
+FOLDER holds calibration.yaml, which names the raw files (docs/your-own-data.md): for the pyrometer
 a table of source temperatures and both signals; for the spectrometer light and dark exposures of a black body
 or a certified lamp, with the detector's non-linearity, masked pixels, filters and window."""
 EXAMPLE = """\

@@ -31,7 +31,7 @@ The two-colour temperature follows from the ratio of the corrected signals, the 
 Planck's law to the corrected spectra. Pyrometer and spectrometer may each be absent.
 
 --estimator joint infers one temperature from both bands in absolute units, their ratio and, if present, the
-spectra, and follows the gas through the test (docs/estimator.md). It needs the pyrometer.
+spectra, and follows the gas through the test (docs/temperature.md). It needs the pyrometer.
 
 TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
 `plasmapyro check`."""

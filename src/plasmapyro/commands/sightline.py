@@ -16,7 +16,7 @@ reaches, and write it as netCDF, which 'plasmapyro radiance' reads.
 
 FILE is a flow field of another program: VTK (.vtu, .vtk), Tecplot text, SU2 restart with its mesh,
 CGNS, a table of scattered points, a profile or a single state. MAP.yaml says what its names and
-units mean and where the line of sight starts; docs/your-own-cfd.md has an example for each."""
+units mean and where the line of sight starts; docs/power-conditions.md has an example for each."""
 EXAMPLE = """\
 example:
   plasmapyro sightline torch.vtu --map torch.yaml --out sightline.nc

@@ -2,8 +2,12 @@
 front.
 """
 
+from itertools import count
+
 import numpy as np
 from scipy.optimize import differential_evolution
+
+from plasmapyro.progress import step
 
 STRAYED = 10.0  # [1], score of a design without any signal
 
@@ -47,6 +51,16 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
         place = (centre - fwhm / 2 - wavelength_range[0]) / room
         return np.clip(np.concatenate([place, np.log(fwhm / low) / np.log(high / low)]), 0.0, 1.0)
 
+    generation = count(1)
+
+    def watch(intermediate_result):
+        step(
+            f"search of {bands} bands, generation",
+            next(generation),
+            generations,
+            f"score {intermediate_result.fun:.4g}",
+        )
+
     found = differential_evolution(
         values,
         [(0.0, 1.0)] * (2 * bands),
@@ -58,6 +72,7 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
         updating="deferred",
         vectorized=True,
         x0=None if start is None else fold(*map(np.asarray, start)),
+        callback=watch,
     )
     centre, fwhm = (row[0] for row in unfold(found.x[:, None]))
     order = np.argsort(centre)

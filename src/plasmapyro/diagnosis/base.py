@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plasmapyro import progress
 from plasmapyro.diagnosis import noise as noises
 from plasmapyro.diagnosis.inference import Fitter, Solution
 from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE, Model
@@ -152,6 +153,7 @@ def fit_base(model, rounds=2):
     solution = fitter.fit(fitter.start(guess_temperature(model)), tolerance=20.0)
     laws = ()
     for last in range(rounds):
+        progress.step("diagnosis: base model, round", last + 1, rounds)
         model, laws, bins = renoised(model, solution)
         fitter = Fitter(model, bins)
         solution = fitter.fit(solution.state, tolerance=0.02 if last == rounds - 1 else 5.0)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plasmapyro import progress
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import Solution, log_evidence, numbers_of
 from plasmapyro.diagnosis.model import Setting
@@ -168,6 +169,7 @@ class Selector:
         -------
         Selection
         """
+        progress.step("diagnosis: effects one by one against simulated nulls", self.draws)
         step = self.look(base)
         steps = [step]
         if self.thresholds is None:

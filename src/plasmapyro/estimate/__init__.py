@@ -1,1 +1,1 @@
-"""Surface temperature inferred jointly from everything both instruments give. Method: docs/estimator.md."""
+"""Surface temperature inferred jointly from everything both instruments give. Method: docs/temperature.md."""

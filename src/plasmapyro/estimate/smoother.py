@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from scipy.optimize import minimize
 
+from plasmapyro import progress
 from plasmapyro.estimate.banded import Factor, solve_bordered
 from plasmapyro.estimate.dynamics import GAS, SIZE, TEMPERATURE, ChainPrior, transition
 from plasmapyro.estimate.observations import robust_sum
@@ -77,7 +78,8 @@ def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     Fit
     """
     steps = 0
-    for _ in range(rounds):
+    for turn in range(rounds):
+        progress.step("joint estimate, round", turn + 1, rounds + 1, f"{steps} Gauss-Newton steps")
         path, values, _, used = _descend(chain, observations, prior_constants, dynamics, path, values)
         steps += used
         dynamics = fitted_dynamics(chain, observations, prior_constants, dynamics, path, values)

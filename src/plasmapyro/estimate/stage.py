@@ -88,7 +88,7 @@ def estimate(
 
     Notes
     -----
-    Not in the paper; method and reasons in docs/estimator.md.
+    Not in the paper; method and reasons in docs/temperature.md.
     """
     test = inputs.require(test, "pyrometer")
     injection, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]

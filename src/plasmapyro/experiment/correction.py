@@ -12,6 +12,7 @@ from plasmapyro.experiment.status import (
 )
 from plasmapyro.instrument.calibration import invert_quadratic, invert_quadratic_freely, spread
 from plasmapyro.instrument.pyrometer import signal_ratio
+from plasmapyro.progress import step
 
 BLOCK = 512  # samples whose draws are held at once
 LEAST_SLOPE = 0.01  # of a draw: emittances are > 0
@@ -148,6 +149,7 @@ def temperature_uncertainty(
         slope = np.maximum(slope + slope_uncertainty * generator.standard_normal((draws, 1)), LEAST_SLOPE)
     result = np.full(signals.shape[1], np.nan)
     for first in range(0, signals.shape[1], BLOCK):
+        step(f"{draws} draws of each sample, from sample", first, signals.shape[1])
         part = slice(first, first + BLOCK)
         noise = generator.standard_normal((2, draws, signals[0, part].size))
         wide, narrow = (

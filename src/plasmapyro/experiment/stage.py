@@ -310,7 +310,10 @@ def calibrated_radiance(test, calibration, saturation_counts):
     """Radiance (S, W), NaN where unusable; status (W,) of the pixels; where the converter clipped (S, W)."""
     if calibration is None:
         if "spectral_radiance" not in test.variables:
-            raise ValueError("the test holds counts: a spectrometer calibration is needed")
+            raise ValueError(
+                "the test holds counts: a spectrometer calibration is needed (in the workflow:"
+                " calibrated_spectra: false in the file of the test, and instrument.spectrometer_counts)"
+            )
         pixels = np.full(test.sizes["wavelength"], USABLE, dtype="int8")
     else:
         if not on_same_wavelengths(calibration, test):

@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.checks import increasing, non_negative, within
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.gas.species import CARBON_IONS, IONS, SPECIES, particle_mass
+from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma
 from plasmapyro.radiation.grid import Grid
 from plasmapyro.radiation.opacity import SMALLEST_SIGMA_STEPS, prepare, spread
@@ -129,6 +130,7 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
         )
         whole = np.empty(temperature.size)
         for node in range(temperature.size):
+            step(f"table of {lines.component}", node + 1, temperature.size)
             sigma = max(doppler_sigma(temperature[node], mass), SMALLEST_SIGMA_STEPS * grid.step)
             strength = one.emission(lines, node)
             whole[node] = strength.sum()

@@ -15,7 +15,7 @@ from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
 from plasmapyro.tables import ORIGINS
 
 NAME = "calibration.yaml"
-GUIDE = "see docs/spectrometer-calibration.md"
+GUIDE = "see docs/your-own-data.md"
 POINTS = ("source_temperature", "signal_wide", "signal_narrow")
 MOST_EXPOSURES = 200
 REPORTED = 10

@@ -132,6 +132,13 @@ FIGURES = {
         "Relative error of the measured temperature.",
         "The error falls from tens of per cent to below one as the surface outshines the gas.",
     ),
+    "joint_estimate": (
+        "Test",
+        "Joint estimate of the surface temperature with its 95 % interval, beside the measured and the"
+        " corrected one; below, the brightness of the gas over that at injection.",
+        "The estimate begins at lower temperatures than the corrected one, passes through its scatter and"
+        " follows the cooling to the end; the gas wanders slowly and vanishes with the plasma.",
+    ),
     "fig10a": (
         "Test",
         "Reference spectrum of the gas beside simulated ones.",

@@ -2,15 +2,14 @@
 
 import json
 import re
-from importlib.metadata import PackageNotFoundError, version
 
 import jinja2
 import numpy as np
 
 from plasmapyro.report.captions import describe
+from plasmapyro.versions import versions
 
 CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument", "Design"]
-PACKAGES = ("numpy", "scipy", "xarray", "netCDF4", "cantera", "scikit-fem", "netgen-mesher", "pymetis")
 
 
 def compose(figures, claims, corrections, diagnoses=(), timings=(), configuration=None):
@@ -22,7 +21,8 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         File name without suffix, and the PNG.
     claims : Dataset, contract 'claims'
     corrections : list of (test, Dataset)
-        Name of the test and its file of contract 'pyrometer_correction' or 'spectrometer_correction'.
+        Name of the test and its file of contract 'pyrometer_correction', 'spectrometer_correction' or
+        'joint_estimate'.
     diagnoses : list of (test, html)
         Name of the test and the page of its diagnosis.
     timings : list of (name, dict)
@@ -55,7 +55,7 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         tests=[_summary(name, corrected) for name, corrected in corrections],
         diagnoses=diagnoses,
         timings=_times(timings),
-        versions=_versions(claims),
+        versions=dict(versions()) | {"plasmapyro": claims.attrs.get("plasmapyro_version", "")},
         configuration=json.dumps(configuration or {}, indent=1, default=str),
         sources=claims.attrs.get("sources", "").splitlines(),
     )
@@ -94,7 +94,11 @@ def _verdicts(claims):
 
 def _summary(name, corrected):
     """What a reader wants to know first of a corrected test."""
-    if "corrected_temperature" in corrected:
+    if "surface_temperature" in corrected:
+        time, instrument = corrected["time"].values, "joint estimate"
+        temperature = corrected["surface_temperature"].where(corrected["estimate_status"] == 0).values
+        spread = corrected["surface_temperature_uncertainty"].values
+    elif "corrected_temperature" in corrected:
         time, temperature = corrected["time"].values, corrected["corrected_temperature"].values
         spread, instrument = corrected["corrected_temperature_uncertainty"].values, "pyrometer"
     else:
@@ -131,13 +135,3 @@ def _times(timings):
         }
         for name, rows in sorted(rules.items(), key=lambda item: -sum(row["s"] for row in item[1]))
     ]
-
-
-def _versions(claims):
-    found = {"plasmapyro": claims.attrs.get("plasmapyro_version", "")}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found

@@ -1,0 +1,24 @@
+"""Versions of everything that can move a number."""
+
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+
+PACKAGES = ("numpy", "scipy", "xarray", "netCDF4", "cantera", "scikit-fem", "netgen-mesher", "pymetis")
+
+
+@cache
+def versions():
+    """Version of the package and of what it computes with; 'not installed' where there is none.
+
+    Returns
+    -------
+    tuple of (name, version)
+    """
+    return tuple((name, _version(name)) for name in ("plasmapyro", *PACKAGES))
+
+
+def _version(name):
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

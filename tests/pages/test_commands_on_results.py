@@ -1,0 +1,21 @@
+"""The commands of the pages that need results of the main job; `make compare` runs them."""
+
+import os
+
+import pytest
+from pages import ROOT, all_commands
+from test_pages import call, ids, needs_results
+
+COMMANDS = [one for one in all_commands("plasmapyro") if len(one.words) > 2 and needs_results(one)]
+PLACEHOLDERS = {"FOLDER": "results/twin/csic_160kW", "95kW": "90kW"}
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=ids(COMMANDS))
+def test_a_command_on_results_runs(command, tmp_path, monkeypatch, capsys):
+    if "PLASMAPYRO_RESULTS" not in os.environ:
+        pytest.skip("needs the results of the main job (make compare)")
+    (tmp_path / "results").symlink_to(ROOT / os.environ["PLASMAPYRO_RESULTS"])
+    (tmp_path / "config").symlink_to(ROOT / "config")
+    monkeypatch.chdir(tmp_path)
+    words = [PLACEHOLDERS.get(word, word) for word in command.words[1:]]
+    assert call(words) == 0, capsys.readouterr().err

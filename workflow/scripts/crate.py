@@ -1,0 +1,24 @@
+"""Rule crate: the run as a Workflow Run RO-Crate, with the files it was made with."""
+
+import os
+from importlib.metadata import version
+
+from plasmapyro import io
+from plasmapyro.report.crate import compose
+from plasmapyro.versions import versions
+
+io.log_to(snakemake.log[0])
+given, made = snakemake.input, snakemake.output
+[io.write_text(io.read_text(source), copy) for source, copy in zip(given.used, made.used, strict=True)]
+results, workflow = (
+    {os.path.relpath(path, "results"): (io.digest(path), os.path.getsize(path)) for path in paths}
+    for paths in (given.results, made.used)
+)
+text = compose(
+    results,
+    workflow,
+    main="workflow/Snakefile",
+    publication=snakemake.params.publication,
+    versions={"snakemake": version("snakemake"), **dict(versions())},
+)
+io.write_text(text, made.metadata)
