@@ -2,7 +2,7 @@
 
 Starts Slurm on this machine (workflow/slurm/one_machine.sh; Debian: apt-get install slurm-wlm munge; as
 root), runs the workflow in a clean copy of the project through profiles/slurm, and compares every netCDF file
-with the results of the local run in results/.
+with the results of the local run in results/. For a part of the job, name its results as for Snakemake.
 """
 
 import argparse
@@ -18,10 +18,10 @@ from reproduce import LEFT_OUT, ROOT, differing_files
 SLURM = ROOT / "workflow" / "slurm" / "one_machine.sh"
 
 
-def run_through_slurm(folder, configfile):
+def run_through_slurm(folder, configfile, targets):
     """Copy the project to `folder` and run it through the scheduler; return the seconds it took."""
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*LEFT_OUT))
-    command = [sys.executable, "-m", "snakemake", "--profile", "profiles/slurm"]
+    command = [sys.executable, "-m", "snakemake", *targets, "--profile", "profiles/slurm"]
     command += ["--configfile", configfile] if configfile else []
     start = time.monotonic()
     outcome = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -34,6 +34,7 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    parser.add_argument("targets", nargs="*", help="results to compute and compare (default: the whole job)")
     parser.add_argument("--configfile", help="as for Snakemake (default: the main job)")
     parser.add_argument("--results", type=Path, default=ROOT / "results", help="of the local run")
     options = parser.parse_args()
@@ -42,10 +43,14 @@ def main():
     with tempfile.TemporaryDirectory(prefix="plasmapyro-") as scratch:
         subprocess.run([SLURM, "start", f"{scratch}/slurm"], check=True)
         try:
-            seconds = run_through_slurm(Path(scratch) / "project", options.configfile)
+            seconds = run_through_slurm(Path(scratch) / "project", options.configfile, options.targets)
         finally:
             subprocess.run([SLURM, "stop", f"{scratch}/slurm"], check=True)
-        different, count = differing_files(Path(scratch) / "project" / "results", options.results)
+        found = Path(scratch) / "project" / "results"
+        different, count = differing_files(found, options.results)
+        if options.targets:  # what was not asked for is in the local results only
+            count = len(list(found.rglob("*.nc")))
+            different = [name for name in different if (found / name).exists()]
     print(
         f"through Slurm in {seconds:.0f} s: {count} netCDF files, {len(different)} differ from the local run"
     )

@@ -27,8 +27,8 @@ def limit_over_conditions(study, paths):
         axes.set_facecolor(BARE)
         axes.grid(False)
         power, pressure = np.arange(panel.numerical_power.size), np.arange(panel.chamber_pressure.size)
-        mesh = axes.pcolormesh(
-            power, pressure, panel.values.T, vmin=low, vmax=max(high, low + 1), cmap="viridis"
+        mesh = axes.imshow(
+            panel.values.T, origin="lower", aspect="auto", vmin=low, vmax=max(high, low + 1), cmap="viridis"
         )
         _mark_cells(axes, chosen.sel(mass_flow_rate=rate))
         axes.set_xticks(power, [f"{value / 1e3:g}" for value in panel.numerical_power.values])
