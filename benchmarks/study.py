@@ -1,6 +1,6 @@
 """What a parameter study costs, and how much of that is the workflow and not the physics.
 
-    python benchmarks/study.py plan | empty | run [9 90 900]
+    python benchmarks/study.py plan | empty | run [sizes]
 
 `plan`: dry runs of 9 to 90 000 conditions, nothing is computed. `empty`: 900 conditions whose flows are said
 not to exist, so that every job starts, writes and ends without physics. `run`: the minimal configuration for
@@ -50,7 +50,7 @@ def study(size):
     return {
         "axes": {
             **dict(zip(plan.FLOW_AXES, flow_axes, strict=True)),
-            "emittance": [round(value, 3) for value in np.linspace(1, 0.1, emittances)],
+            "emittance": [round(1 - number / 11, 3) for number in range(emittances)],
             "angle_deg": [35 + 4 * number for number in range(angles)],
         },
         "limit": 1_000_000,
@@ -96,17 +96,23 @@ def clone(folder):
     return folder
 
 
-def jobs_of(folder, size):
-    """Number of jobs that a dry run of the study announces."""
-    call(folder, size, "--dry-run", "--quiet", "reason", "host", "progress")
+def jobs_of(folder):
+    """Number of jobs that the last call announced."""
     totals = [line for line in (folder / "snakemake.log").read_text().splitlines() if line[:5] == "total"]
     return int(totals[0].split()[1]) if totals else 0
 
 
-def record(kind, size, jobs, measured):
+def record(kind, size, folder, measured):
     """Add one line to the table, in place of an older one of its kind and size."""
     flows = int(np.prod([len(values) for values in SIZES[size][:3]]))
-    line = [kind, size, flows, flows * SIZES[size][4], jobs, *(f"{value:.1f}" for value in measured)]
+    line = [
+        kind,
+        size,
+        flows,
+        flows * SIZES[size][4],
+        jobs_of(folder),
+        *(f"{value:.1f}" for value in measured),
+    ]
     lines = list(csv.reader(TABLE.open(encoding="utf-8")))[1:] if TABLE.exists() else []
     lines = [one for one in lines if one[:2] != [kind, str(size)]] + [line]
     with TABLE.open("w", encoding="utf-8", newline="") as stream:
@@ -116,15 +122,14 @@ def record(kind, size, jobs, measured):
     print(*line, flush=True)
 
 
-def planned():
+def planned(sizes):
     """Dry runs: reading the study, building the graph of jobs, nothing else."""
-    for size in SIZES:
+    for size in sizes:
         folder = clone(STORE / "plan")
-        measured = call(folder, size, "--dry-run", "--quiet", "all")
-        record("plan", size, jobs_of(folder, size), measured)
+        record("plan", size, folder, call(folder, size, "--dry-run", "--quiet", "rules"))
 
 
-def empty(size=900):
+def empty(size):
     """All jobs of a study, none of them with physics."""
     folder = clone(STORE / "empty")
     for name in ("gas/air11.nc", "flow/start/reference.nc"):
@@ -136,16 +141,14 @@ def empty(size=900):
         none = xr.Dataset(dict(zip(stage.FLOW_DIMS, values, strict=True)))
         none = none.assign(flow_status=np.int8(stage.UNSTEADY))
         io.write(none, folder / f"results/study/flow/{name}.nc", "study_flow")
-    jobs = jobs_of(folder, size)
-    record("empty", size, jobs, call(folder, size, "results/study.nc"))
+    record("empty", size, folder, call(folder, size, "results/study.nc"))
 
 
 def run(sizes):
     """The minimal configuration for good; each size goes on from the one before."""
     folder = STORE / "run" if (STORE / "run" / "results").exists() else clone(STORE / "run")
     for size in sizes:
-        jobs = jobs_of(folder, size)
-        record("run", size, jobs, call(folder, size, "results/study.nc"))
+        record("run", size, folder, call(folder, size, "results/study.nc"))
 
 
 def main():
@@ -156,9 +159,10 @@ def main():
     parser.add_argument("sizes", nargs="*", type=int, choices=list(SIZES))
     options = parser.parse_args()
     if options.part == "plan":
-        planned()
+        planned(options.sizes or list(SIZES))
     elif options.part == "empty":
-        empty()
+        for size in options.sizes or [900]:
+            empty(size)
     else:
         run(options.sizes or [9, 90, 900])
 

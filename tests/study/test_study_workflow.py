@@ -3,7 +3,9 @@
 import re
 
 import numpy as np
-from small_study import prepare, snakemake, write
+import yaml
+from small_study import ROOT, prepare, snakemake, write
+from snakemake.cli import get_argument_parser
 
 from plasmapyro import io
 from plasmapyro.analysis import stage as analysis
@@ -51,6 +53,20 @@ def test_a_scheduler_sees_packets(project):
     packets = re.findall(r"Group job (study_\w+)", text)
     assert packets.count("study_signals") == 9
     assert 5 <= len(packets) - 9 <= 8
+
+
+def options_of(profile):
+    return yaml.safe_load((ROOT / f"profiles/{profile}/config.yaml").read_text())
+
+
+def test_the_profiles_pack_the_same_groups_and_hold_known_options_only():
+    slurm, kubernetes = options_of("slurm"), options_of("kubernetes")
+    assert [one for one in slurm["group-components"] if "study" in one] == kubernetes["group-components"]
+    assert kubernetes["resources"] == slurm["resources"]
+    known = get_argument_parser()._option_string_actions
+    for options, ours in ((slurm, ("slurm-",)), (kubernetes, ("kubernetes-", "storage-s3-"))):
+        strange = [key for key in options if f"--{key}" not in known and not key.startswith(ours)]
+        assert strange == []
 
 
 def test_a_wrong_study_stops_before_the_first_job(project):
