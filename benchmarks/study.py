@@ -1,8 +1,9 @@
 """What a parameter study costs, and how much of that is the workflow and not the physics.
 
-    python benchmarks/study.py plan | empty | run [sizes]
+    python benchmarks/study.py plan | touch | empty | run [sizes]
 
-`plan`: dry runs of 9 to 90 000 conditions, nothing is computed. `empty`: 900 conditions whose flows are said
+`plan`: dry runs of 9 to 90 000 conditions, nothing is computed. `touch`: the same
+jobs through Snakemake's scheduler, which only dates empty files. `empty`: 900 conditions whose flows are said
 not to exist, so that every job starts, writes and ends without physics. `run`: the minimal configuration for
 good, in results/benchmark_study, where each size takes over what the smaller one computed. CPU seconds of
 Snakemake itself and of its jobs apart, read from /proc (Linux). One job at a time. Adds its lines to
@@ -129,14 +130,40 @@ def planned(sizes):
         record("plan", size, folder, call(folder, size, "--dry-run", "--quiet", "rules"))
 
 
+def scheduled(sizes):
+    """Every job goes through the scheduler, and only dates an empty file (Snakemake's --touch)."""
+    for size in sizes:
+        folder = clone(STORE / "touch")
+        found = plan_of(size)
+        names = [
+            "study",
+            "gas/air11",
+            "flow/start/reference",
+            "instrument/response",
+            "instrument/ratio_curve",
+        ]
+        names += [f"study/flow/{name}" for name in found.flows]
+        names += [f"study/signal/{name}" for name in found.sight_lines]
+        for name in names:
+            path = folder / f"results/{name}.nc"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+        options = ("--touch", "--forceall", "--quiet", "rules")
+        record("touch", size, folder, call(folder, size, "results/study.nc", *options))
+
+
+def plan_of(size):
+    """The jobs of a study of this size."""
+    return plan.make(study(size), dict(zip(plan.FLOW_AXES, (90, 50, 16), strict=True)), 10)
+
+
 def empty(size):
     """All jobs of a study, none of them with physics."""
     folder = clone(STORE / "empty")
     for name in ("gas/air11.nc", "flow/start/reference.nc"):
         (folder / "results" / name).parent.mkdir(parents=True)
         (folder / "results" / name).touch()
-    found = plan.make(study(size), dict(zip(plan.FLOW_AXES, (90, 50, 16), strict=True)), 10)
-    for name, place in found.flows.items():
+    for name, place in plan_of(size).flows.items():
         values = (place[axis] * factor for axis, factor in zip(plan.FLOW_AXES, (1e3, 100, 1e-3), strict=True))
         none = xr.Dataset(dict(zip(stage.FLOW_DIMS, values, strict=True)))
         none = none.assign(flow_status=np.int8(stage.UNSTEADY))
@@ -155,11 +182,13 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("part", choices=("plan", "empty", "run"))
+    parser.add_argument("part", choices=("plan", "touch", "empty", "run"))
     parser.add_argument("sizes", nargs="*", type=int, choices=list(SIZES))
     options = parser.parse_args()
     if options.part == "plan":
         planned(options.sizes or list(SIZES))
+    elif options.part == "touch":
+        scheduled(options.sizes or list(SIZES))
     elif options.part == "empty":
         for size in options.sizes or [900]:
             empty(size)
