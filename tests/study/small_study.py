@@ -52,9 +52,9 @@ def write(folder, *, extra=(), **changes):
     (folder / "study.yaml").write_text(yaml.safe_dump({"study": study}))
 
 
-def prepare(folder):
+def prepare(folder, **changes):
     """Write the study, its flows and a coarse configuration; return the latter and the flow that exists."""
-    write(folder, numerical_power_kw=[80, 90], chamber_pressure_mbar=[50])
+    write(folder, numerical_power_kw=[80, 90], chamber_pressure_mbar=[50], **changes)
     for name in ("gas/air11.nc", "flow/start/reference.nc"):
         path = folder / "results" / name
         path.parent.mkdir(parents=True)

@@ -34,7 +34,7 @@ def test_a_study_through_slurm_gives_the_same_bytes(tmp_path, slurm):
     folders = [tmp_path / name for name in ("local", "cluster")]
     for folder in folders:
         folder.mkdir()
-        prepare(copy_of_the_project(folder))
+        prepare(copy_of_the_project(folder), angle_deg=[35])
     code, text = snakemake(folders[0], "results/study.nc")
     assert code == 0, text
     code, text = snakemake(folders[1], "results/study.nc", "--profile", "profiles/slurm")
@@ -43,7 +43,7 @@ def test_a_study_through_slurm_gives_the_same_bytes(tmp_path, slurm):
     assert local.keys() == cluster.keys() and "study.nc" in local
     assert [name for name in local if local[name] != cluster[name]] == []
     packets = re.findall(r"has been submitted with SLURM jobid (\d+)", text)
-    assert len(packets) == 1, text  # four sight lines in one packet, the rest beside Snakemake
+    assert len(packets) == 1, text  # both sight lines in one packet, the rest beside Snakemake
 
 
 @pytest.mark.skipif(shutil.which("slurmctld", path=PLAIN), reason="Slurm lies among the plain programs")
