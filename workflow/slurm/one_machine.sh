@@ -11,8 +11,13 @@ export SLURM_CONF=$folder/slurm.conf
 system=/etc/slurm/slurm.conf
 
 stop() {
+    local daemon pids=()
     for daemon in slurmd slurmctld munged; do
-        if [ -s "$folder/$daemon.pid" ]; then kill "$(cat "$folder/$daemon.pid")" 2>/dev/null || true; fi
+        if [ -s "$folder/$daemon.pid" ]; then pids+=("$(cat "$folder/$daemon.pid")"); fi
+    done
+    for _ in $(seq 60); do # until they have written their last, or the folder cannot be removed
+        if ! kill "${pids[@]}" 2>/dev/null; then return; fi
+        sleep 0.5
     done
 }
 
