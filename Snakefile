@@ -11,6 +11,10 @@ configfile: "config/config.yaml"
 for path in workflow.configfiles:
     configuration.read(path)
 configuration.check(config, "config/schema.yaml", "the configuration")
+if "study" in config:
+    from plasmapyro.study import plan
+
+    plan.check(config)
 CONDITIONS = configuration.load_folder(
     config["conditions"], "config/schema_condition.yaml", order="numerical_power_kw"
 )
@@ -56,6 +60,17 @@ include: "workflow/rules/crate.smk"
 include: "workflow/rules/report.smk"
 
 
+if "study" in config:
+
+    include: "workflow/rules/study.smk"
+
+    rule study:
+        default_target: True
+        input:
+            STUDY_RESULTS,
+        localrule: True
+
+
 # On a cluster these run beside Snakemake: a queue would take longer than they do.
 localrules:
     all,
@@ -92,7 +107,7 @@ localrules:
 
 
 rule all:
-    default_target: True
+    default_target: "study" not in config
     input:
         FIGURES,
         RESULTS,

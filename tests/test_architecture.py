@@ -46,6 +46,8 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "sightline",
     },
     "page": set(),
+    # a plan reads the configuration, its jobs call the stages of the chain
+    "study": {"configuration", "flow", "sightline", "radiation", "instrument", "analysis"},
 }
 BANNED_IN_PHYSICS = {"snakemake", "yaml", "matplotlib"}
 SCRIPT_LINES = 30

@@ -128,6 +128,17 @@ VARIABLES = {
     "limit_status": Variable("1", "-1 limit below, 0 within, +1 above the temperatures studied", -1, 1),
     "object_temperature_history": Variable("K", "true surface temperature while heating", 100, 1e4),
     "surface_radiance": Variable(RADIANCE, "radiance of the grey surface", 0, 1e17),
+    # parameter study
+    "flow_status": Variable("1", "0 computed, 1 plasma goes out, 2 no steady flow found, 3 not asked", 0, 3),
+    "study_status": Variable("1", "status of the flow of the condition, see flag_meanings", 0, 3),
+    "sightline_angle": Variable("rad", "angle between line of sight and jet axis", 0, np.pi / 2),
+    "peak_temperature": Variable("K", "highest temperature of the gas along the line of sight", 100, 3e4),
+    "study_reading_status": Variable(
+        "1", "-1 below, 0 within, +1 above the modelled ratio curve, +2 gas not known", -1, 2
+    ),
+    "study_limit_status": Variable(
+        "1", "-1 limit below, 0 within, +1 above the temperatures studied, +2 gas not known", -1, 2
+    ),
     # radiation
     "gas_radiance": Variable(RADIANCE, "spectral radiance of the gas at the end of the sight line"),
     "gas_radiance_component": Variable(RADIANCE, "the same by radiating system, absorbed by all"),
@@ -339,6 +350,8 @@ VARIABLES = {
     "printed_high": Variable("1", "upper end of the printed range, in the unit of the claim"),
 }
 
+STUDY_DIMS = ("numerical_power", "chamber_pressure", "mass_flow_rate", "emittance", "sightline_angle")
+
 DATASETS = {
     "gas": {
         "pressure": ("pressure",),
@@ -456,6 +469,30 @@ DATASETS = {
         "reading_status": ("condition", "time"),
         "numerical_power": ("condition",),
         "sample_emittance": ("condition",),
+    },
+    "study_signal": {
+        "band": ("band",),
+        "gas_signal": ("band",),
+        **{
+            name: ()
+            for name in (
+                "numerical_power",
+                "chamber_pressure",
+                "mass_flow_rate",
+                "sightline_angle",
+                "flow_status",
+                "peak_temperature",
+            )
+        },
+    },
+    "study": {
+        **{name: (name,) for name in (*STUDY_DIMS, "band", "object_temperature")},
+        "flow_status": STUDY_DIMS[:3],
+        "gas_signal": (*STUDY_DIMS[:3], "sightline_angle", "band"),
+        "peak_temperature": (*STUDY_DIMS[:3], "sightline_angle"),
+        **{name: STUDY_DIMS for name in ("study_status", "error_limit", "study_limit_status")},
+        **{name: (*STUDY_DIMS, "object_temperature") for name in ("relative_error", "study_reading_status")},
+        "visibility_factor": (*STUDY_DIMS, "band", "object_temperature"),
     },
     "surface_radiance": {
         "object_temperature": ("object_temperature",),
@@ -782,11 +819,18 @@ def _optional(contract):
     return {f"{name.rstrip('?')}?": dims for name, dims in DATASETS[contract].items()}
 
 
+# A study holds a flow or only the word that there is none.
+DATASETS["study_flow"] = _optional("flow") | {
+    **{name: () for name in ("numerical_power", "chamber_pressure", "mass_flow_rate", "flow_status")}
+}
+# Conditions of a study that have no flow are NaN, whatever the variable allows elsewhere.
+WITH_GAPS = {"study_signal", "study"}
+
 # What `plasmapyro correct` writes: of each instrument that the test holds.
 DATASETS["correction"] = _optional("pyrometer_correction") | _optional("spectrometer_correction")
 
 
-def _breaches_of(found, name, dims, rule):
+def _breaches_of(found, name, dims, rule, gaps):
     if found.dims != dims:
         yield f"{name}: dims {found.dims}, expected {dims}"
     if rule.units == "":
@@ -799,7 +843,7 @@ def _breaches_of(found, name, dims, rule):
     if values.dtype.kind not in "fiu":
         yield f"{name}: must be numbers, is {values.dtype}"
         return
-    if not rule.nan_allowed and np.isnan(values).any():
+    if not (rule.nan_allowed or gaps) and np.isnan(values).any():
         yield f"{name}: NaN not allowed"
     outside = (values < rule.low) | (values > rule.high)
     if outside.any():
@@ -812,7 +856,7 @@ def check(dataset, contract):
     for key, dims in DATASETS[contract].items():
         name = key.rstrip("?")
         if name in dataset.variables:
-            breaches += _breaches_of(dataset[name], name, dims, VARIABLES[name])
+            breaches += _breaches_of(dataset[name], name, dims, VARIABLES[name], contract in WITH_GAPS)
         elif key == name:
             breaches.append(f"{name}: missing")
     if breaches:

@@ -11,9 +11,23 @@ export SLURM_CONF=$folder/slurm.conf
 system=/etc/slurm/slurm.conf
 
 stop() {
+    local daemon pids=()
     for daemon in slurmd slurmctld munged; do
-        if [ -s "$folder/$daemon.pid" ]; then kill "$(cat "$folder/$daemon.pid")" 2>/dev/null || true; fi
+        if [ -s "$folder/$daemon.pid" ]; then pids+=("$(cat "$folder/$daemon.pid")"); fi
     done
+    for _ in $(seq 60); do # until they have written their last, or the folder cannot be removed
+        if ! kill "${pids[@]}" 2>/dev/null; then return; fi
+        sleep 0.5
+    done
+}
+
+# Whether $system is the link of a run of this script that was killed: its controller is gone.
+left_behind() {
+    local other
+    [ -L "$system" ] || return 1
+    other=$(dirname "$(readlink "$system")")
+    if [ -e "$system" ]; then grep -qx ClusterName=one "$system" || return 1; fi
+    ! kill -0 "$(cat "$other/slurmctld.pid" 2>/dev/null)" 2>/dev/null
 }
 
 if [ "$action" = stop ]; then
@@ -24,6 +38,8 @@ fi
 for program in slurmctld slurmd munged; do
     command -v "$program" >/dev/null || { echo "$program is missing: apt-get install slurm-wlm munge" >&2; exit 2; }
 done
+if [ "$(id -u)" != 0 ]; then echo "the daemons of Slurm start as root only" >&2; exit 2; fi
+if left_behind; then rm "$system"; fi
 if [ -e "$system" ] || [ -L "$system" ]; then echo "$system exists: this machine has a Slurm already" >&2; exit 2; fi
 mkdir -p "$folder"/{state,spool,munge}
 chmod 755 "$folder"
@@ -31,7 +47,8 @@ chmod 700 "$folder"/munge
 dd if=/dev/urandom of="$folder/munge/key" bs=1024 count=1 status=none
 chmod 400 "$folder/munge/key"
 node=$(hostname -s)
-cores=$(nproc)
+cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc) # nproc would take these for the number of cores
+if [ "$cores" -lt 2 ]; then cores=2; fi # the packets of profiles/slurm ask for two
 cat >"$SLURM_CONF" <<EOF
 ClusterName=one
 SlurmctldHost=$node(127.0.0.1)
@@ -41,6 +58,7 @@ AuthType=auth/munge
 AuthInfo=socket=$folder/munge/socket
 CredType=cred/munge
 StateSaveLocation=$folder/state
+SlurmdParameters=config_overrides
 SlurmdSpoolDir=$folder/spool
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmdPidFile=$folder/slurmd.pid
