@@ -23,8 +23,8 @@ from plasmapyro.flow.boundary import fixed_values
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import NotConverged, Schedule, march
 from plasmapyro.flow.dataset import setup_of, state_from, to_dataset
+from plasmapyro.flow.evaluate import transfer
 from plasmapyro.flow.geometry import build_mesh
-from plasmapyro.flow.initial import transfer
 from plasmapyro.flow.physics import LOG_TEMPERATURE
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties

@@ -82,6 +82,8 @@ rule figures_study:
         emittance=drawn("study_emittance"),
     log:
         "results/logs/figures_study.log",
+    benchmark:
+        "results/benchmarks/figures_study.tsv"
     localrule: True
     script:
         "../scripts/figures_study.py"
