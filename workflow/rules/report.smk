@@ -12,9 +12,7 @@ CORRECTIONS = [
 rule report:
     input:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
-        corrections=[
-            f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS
-        ],
+        corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS],
         claims="results/claims.nc",
         diagnoses=expand("results/diagnosis/{test}/index.html", test=TESTS),
         everything=RESULTS,
