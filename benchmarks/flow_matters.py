@@ -7,6 +7,7 @@ solutions in results/benchmark_flow and takes up where it stopped. Writes docs/f
 docs/flow_matters.png, which docs/flow.md shows.
 """
 
+import argparse
 import logging
 
 import flow as bench  # first: it sets one thread
@@ -243,6 +244,9 @@ def main():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
     logging.getLogger("plasmapyro").setLevel(logging.INFO)
     main()

@@ -7,6 +7,7 @@ Writes docs/flow_validation.csv (one row per experiment), docs/flow_validation_p
 docs/flow_validation.png, which docs/flow.md shows.
 """
 
+import argparse
 import logging
 from dataclasses import dataclass, replace
 from unittest import mock
@@ -279,6 +280,9 @@ def main():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
     logging.getLogger("plasmapyro").setLevel(logging.INFO)
     main()

@@ -9,8 +9,7 @@ from plasmapyro.radiation.bandsignal import gridded_signal
 
 THRESHOLDS = ((1350.0, 0.01), (1120.0, 0.10), (1600.0, 0.002))
 """Surface temperature [K] and relative error of the reading there: Fagnani et al., sec. 5.2. ASSUME: the
-steady
-state, whose temperature the paper shows in a figure only, is read at 1600 K."""
+steady state, whose temperature the paper shows in a figure only, is read at 1600 K."""
 COMPARED = (80e3, 90e3)  # [W] simulations that the reference spectrum resembles, sec. 5.3
 EFFICIENCY = (56e3, 64e3)  # [W] 35 to 40 % of 160 kW, sec. 4.1
 CURVE = np.arange(400.0, 6001.0, 5.0)  # [K] of the ratio curve
@@ -118,6 +117,54 @@ def explain(library, reader, emittance, steps=60):
             }
         )
     return rows
+
+
+AMPLITUDES = {  # explanation -> what its amplitude a means
+    "P_eff": lambda a, rho: f"{100 * np.expm1(a):+.0f} %",
+    "core": lambda a, rho: f"{100 * a:+.1f} %",
+    "refl_diffuse": lambda a, rho: f"{100 * a * rho:.0f} % of the diffuse light",
+    "refl": lambda a, rho: f"{100 * a * rho:.0f} % of the mirrored light",
+    "ripple": lambda a, rho: f"{100 * a:.0f} %",
+    "T_exc": lambda a, rho: f"{100 * a:+.0f} %",
+    "path": lambda a, rho: f"x {1 + a:.2g}",
+}
+POORLY = 0.3  # misfit above which an explanation is said not to be enough
+
+
+def as_text(library, reader):
+    """The tables of the worked example as Markdown: implied powers, and what each explanation must amount to.
+
+    Parameters
+    ----------
+    library : GasLibrary of the power that the efficiency implies
+    reader : Reader
+    """
+    lines = ["| published | simulated power that gives it |", "|---|---|"]
+    for (temperature, error), power in zip(THRESHOLDS, implied_powers(library, reader), strict=True):
+        found = f"{power / 1e3:.1f} kW" if np.isfinite(power) else "outside those simulated"
+        lines.append(f"| the reading is {100 * error:g} % off at {temperature:g} K | {found} |")
+    lines.append(f"| efficiency 35 to 40 % | {EFFICIENCY[0] / 1e3:.0f} to {EFFICIENCY[1] / 1e3:.0f} kW |")
+    compared = " and ".join(f"{power / 1e3:.0f}" for power in COMPARED)
+    lines += [f"| reference spectrum resembles the simulations at | {compared} kW |", ""]
+    rows = sorted(explain(library, reader, reader.emittance), key=lambda row: row["misfit"])
+    lines += [
+        "| explanation | amplitude that fits the errors best | errors it gives | line | hump |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows:
+        amplitude = AMPLITUDES[row["id"]](row["amplitude"], 1 - reader.emittance)
+        amplitude += ", the largest tried" if row["at_limit"] else ""
+        amplitude += ", not enough" if row["misfit"] > POORLY else ""
+        errors = ", ".join(f"{100 * error:.3g}" for error in row["errors"])
+        lines.append(f"| {row['name']} | {amplitude} | {errors} % | {row['line']:.1f} | {row['hump']:.1f} |")
+    (line_low, hump_low), (line_high, hump_high) = rows[0]["needed"]
+    lines += [
+        "",
+        f"Wanted by the reference spectrum: line {line_low:.1f} to {line_high:.1f}, "
+        f"hump {hump_low:.1f} to {hump_high:.1f}.",
+        "",
+    ]
+    return "\n".join(lines)
 
 
 def _factors(library, spectrum):
