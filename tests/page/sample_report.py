@@ -107,6 +107,7 @@ def report(**changes):
             "set": [["winE", "other"]],
             "class": ["windows"],
             "probability": {"winE": 0.91, "other": 0.07, "unknown": 0.02, "none": 0.0},
+            "uncalibrated": 0.97,
             "p_base": 1e-5,
             "temperature_shift": -6.2,
             "sentences": ["The data reject the base model.", "Nothing else is needed."],

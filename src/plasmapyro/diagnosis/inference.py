@@ -154,7 +154,7 @@ def _parts(column):
     """Bins (slices) with the columns that are not zero in them: one by one where most columns touch few bins,
     else all at once."""
     live = np.any(column, axis=1)
-    if column.shape[1] < FEW_CHANNELS or live.mean() > FULL:
+    if column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size:
         yield slice(None), slice(None)
         return
     for at, mask in enumerate(live):

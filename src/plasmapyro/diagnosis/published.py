@@ -119,14 +119,14 @@ def explain(library, reader, emittance, steps=60):
     return rows
 
 
-AMPLITUDES = {  # explanation -> what its amplitude a means
-    "P_eff": lambda a, rho: f"{100 * np.expm1(a):+.0f} %",
-    "core": lambda a, rho: f"{100 * a:+.1f} %",
-    "refl_diffuse": lambda a, rho: f"{100 * a * rho:.0f} % of the diffuse light",
-    "refl": lambda a, rho: f"{100 * a * rho:.0f} % of the mirrored light",
-    "ripple": lambda a, rho: f"{100 * a:.0f} %",
-    "T_exc": lambda a, rho: f"{100 * a:+.0f} %",
-    "path": lambda a, rho: f"x {1 + a:.2g}",
+AMPLITUDES = {  # explanation -> what its amplitude means
+    "P_eff": lambda a: f"{100 * np.expm1(a):+.0f} %",
+    "core": lambda a: f"{100 * a:+.1f} %",
+    "refl_diffuse": lambda a: f"{a:.2g} of what a matt surface returns",
+    "refl": lambda a: f"{a:.2g} of what a mirror returns",
+    "ripple": lambda a: f"{100 * a:.0f} %",
+    "T_exc": lambda a: f"{100 * a:+.0f} %",
+    "path": lambda a: f"x {1 + a:.2g}",
 }
 POORLY = 0.3  # misfit above which an explanation is said not to be enough
 
@@ -152,7 +152,7 @@ def as_text(library, reader):
         "|---|---|---|---|---|",
     ]
     for row in rows:
-        amplitude = AMPLITUDES[row["id"]](row["amplitude"], 1 - reader.emittance)
+        amplitude = AMPLITUDES[row["id"]](row["amplitude"])
         amplitude += ", the largest tried" if row["at_limit"] else ""
         amplitude += ", not enough" if row["misfit"] > POORLY else ""
         errors = ", ".join(f"{100 * error:.3g}" for error in row["errors"])
