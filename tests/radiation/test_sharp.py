@@ -13,6 +13,7 @@ RANGE, POINTS = (770e-9, 790e-9), 8000
 STEP = log_grid(RANGE, POINTS).step
 CORE = 1e-5  # of the peak; the Fourier content beyond the grid is 1e-8 where sigma is 2 steps
 WING_RTOL = 1e-3  # 1e-8 of the peak where the wing is 1e-5 of it, the end of the window
+DARK = 1e-9  # of the peak; a profile cut off at the highest frequency rings to -5e-5
 KERNEL = 1e-8  # of the kernel's repetition
 
 
@@ -44,8 +45,9 @@ def test_kernel_carries_a_wave_of_any_used_frequency_to_its_place(place):
     assert np.abs(wave - np.exp(-1j * phase * centre)).max() < KERNEL
 
 
-# Doppler sigma in steps, Lorentz width in sigmas: narrow, both, wider than the coarse steps.
-@pytest.mark.parametrize(("sigma", "ratio"), [(2.0, 0.03), (2.0, 1.0), (3.0, 10.0)])
+# Doppler sigma in steps, Lorentz width in sigmas: as narrow as the grid allows, narrow, both, wider than the
+# coarse steps.
+@pytest.mark.parametrize(("sigma", "ratio"), [(1.01, 0.01), (1.5, 0.1), (2.0, 0.03), (2.0, 1.0), (3.0, 10.0)])
 @pytest.mark.parametrize("place", [4000.37, 3.5, -40.2, POINTS + 40.6])
 def test_single_line_is_a_voigt_profile_from_core_to_wing(sigma, ratio, place):
     grid, lines = log_grid(RANGE, POINTS), list_of([place])
@@ -58,6 +60,7 @@ def test_single_line_is_a_voigt_profile_from_core_to_wing(sigma, ratio, place):
     # On a logarithmic axis the core of a profile leans, by no more than its widths in the wavenumber.
     lean = 3 * max(1.0, ratio) * sigma * STEP
     assert np.all(np.abs(found - exact) < CORE * peak + lean * exact)
+    assert found.min() > -DARK * peak
     # Further off, images of the line itself, beside the other end of the grid, outshine its wing.
     distance = np.abs(np.arange(POINTS) - place)
     wing = (distance > 200) & (distance < POINTS / 2)

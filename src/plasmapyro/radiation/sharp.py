@@ -11,6 +11,8 @@ WINDOW = 320  # grid points around a line; 1e-8 of a sharp part lies beyond
 CROSSING = 0.41  # [1], of the highest angular frequency of the coarse grid, where half of it is sharp
 TRANSITION = 0.137  # [1], same, width of the crossing; 1e-9 of the highest frequency is broad
 KAISER_POINTS = 16  # of the coarse grid that take a line; its transform repeats at 1e-9 and less
+IMAGED = 0.6  # [1], angular frequency times grid step from which the image beyond the grid's highest counts
+RESOLVED = 2.1  # Doppler sigma in grid steps from which nothing is left beyond that: exp(-(2.1 pi)^2 / 2) = 4e-10
 KAISER_SHAPE = 0.6 * np.pi * KAISER_POINTS  # pi/2 times points times (2 - 0.8): up to 0.8 of the highest
 
 
@@ -95,14 +97,17 @@ def kaiser_transform(phase):
 class SharpLines:
     """The lines whose windows reach the grid: which (N,), their first points on the grid with margins (N,).
 
-    `rate` (R,) [1]: angular frequencies of a window; `place` (N, R) [1]: transform of a line of no width.
+    `rate` (R,) [1]: angular frequencies of a window; `place` (N, R) [1]: transform of a line of no width;
+    `turn` (N,) [1]: phase of its image beyond the highest frequency; `step` of the grid.
     """
 
     lines: np.ndarray
     start: np.ndarray
     rate: np.ndarray
     place: np.ndarray
+    turn: np.ndarray
     points: int
+    step: float
 
 
 def sharp_lines(place, points, step):
@@ -131,7 +136,9 @@ def sharp_lines(place, points, step):
         nearest[lines] + WINDOW // 2,
         phase / step,
         np.exp(-1j * phase * offset[:, None]) * ((1 - broad_share(COARSENING * phase)) / step),
+        np.exp(2j * np.pi * offset),
         points,
+        step,
     )
 
 
@@ -150,14 +157,29 @@ def sharp_part(windows, strength, relative, sigma):
     -------
     ndarray (G,) [strength]
         Per unit of the logarithm of the wavenumber, as `opacity.spread`.
+
+    Notes
+    -----
+    Source: Poisson's sum. A profile that the grid hardly resolves is sampled, not cut off at the highest
+    frequency of the grid, which would make it ring below zero: its first image is added there.
     """
-    rate = windows.rate
-    decay = relative[windows.lines, None] * -rate
-    decay -= (sigma * rate) ** 2 / 2
-    np.exp(decay, out=decay)
-    decay *= strength[windows.lines, None]
-    profiles = irfft(windows.place * decay, n=WINDOW, overwrite_x=True)
+    width, own = relative[windows.lines, None], strength[windows.lines, None]
+    wave = windows.place * _transform(own, width, sigma, windows.rate)
+    if sigma < RESOLVED * windows.step:
+        high = np.flatnonzero(windows.rate * windows.step > IMAGED)
+        image = _transform(own, width, sigma, 2 * np.pi / windows.step - windows.rate[high])
+        wave[:, high] += windows.turn[:, None] * windows.place[:, high] * image
+    profiles = irfft(wave, n=WINDOW, overwrite_x=True)
     total = np.zeros(windows.points + 2 * WINDOW)
     for start, profile in zip(windows.start.tolist(), profiles, strict=True):
         total[start : start + WINDOW] += profile
     return total[WINDOW : WINDOW + windows.points]
+
+
+def _transform(strength, relative, sigma, rate):
+    """Fourier transforms (N, R) of Voigt profiles at their centres; strength, relative (N, 1)."""
+    decay = relative * -rate
+    decay -= (sigma * rate) ** 2 / 2
+    np.exp(decay, out=decay)
+    decay *= strength
+    return decay
