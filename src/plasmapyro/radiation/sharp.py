@@ -12,7 +12,7 @@ CROSSING = 0.41  # [1], of the highest angular frequency of the coarse grid, whe
 TRANSITION = 0.137  # [1], same, width of the crossing; 1e-9 of the highest frequency is broad
 KAISER_POINTS = 16  # of the coarse grid that take a line; its transform repeats at 1e-9 and less
 IMAGED = 0.6  # [1], angular frequency times grid step from which the image beyond the grid's highest counts
-RESOLVED = 2.1  # Doppler sigma in grid steps from which nothing is left beyond that: exp(-(2.1 pi)^2 / 2) = 4e-10
+RESOLVED = 2.1  # Doppler sigma in grid steps from which less than exp(-(2.1 pi)^2 / 2) = 4e-10 lies beyond it
 KAISER_SHAPE = 0.6 * np.pi * KAISER_POINTS  # pi/2 times points times (2 - 0.8): up to 0.8 of the highest
 
 
