@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis import gas_variations as vary
-from plasmapyro.diagnosis.inference import Noise, Weigher, gram, whitened
+from plasmapyro.diagnosis.inference import FULL, Noise, Weigher, gram, whitened
 from plasmapyro.diagnosis.noise import FLICKER_MARGIN, NoiseModel, on_bins
 from plasmapyro.diagnosis.screen import Screen, Structure, Unknowns, angles, simulated
 from plasmapyro.diagnosis.select import best_pair
@@ -60,6 +60,26 @@ def test_a_pattern_counts_as_one_column_per_channel(block, random):
     whole = np.concatenate([columns.reshape(12, 2), pattern], axis=1)
     assert np.allclose(matrix, whole.T @ np.linalg.solve(dense, whole), rtol=1e-7, atol=1e-9)
     assert np.allclose(vector, whole.T @ np.linalg.solve(dense, residual.ravel()), rtol=1e-7, atol=1e-9)
+
+
+def test_columns_that_touch_few_bins_have_the_same_normal_matrix(random):
+    """Told apart bin by bin: against a dense covariance, with two patterns of the channels."""
+    bins, channels, count = 6, 9, 12
+    columns = np.zeros((bins, channels, count))
+    for at in range(1, bins):  # the first bin is touched by none
+        columns[at, :, 2 * at : 2 * at + 2] = random.normal(size=(channels, 2))
+    rows, residual, gas = random.normal(size=(2, bins, channels)), *random.normal(size=(2, bins, channels))
+    noise = Noise(random.uniform(0.5, 2.0, (bins, channels)), random.uniform(0.1, 0.5, bins))
+    assert np.count_nonzero(np.any(columns, axis=1)) < FULL * bins * count
+    matrix, vector = gram([columns], [(0, row) for row in rows], [Weigher(noise, gas)], [residual])
+    dense = np.zeros((bins * channels, bins * channels))
+    for at in range(bins):
+        own = slice(at * channels, (at + 1) * channels)
+        dense[own, own] = np.diag(noise.variance[at]) + noise.flicker[at] * np.outer(gas[at], gas[at])
+    patterns = [(row[..., None] * np.eye(channels)).reshape(-1, channels) for row in rows]
+    whole = np.concatenate([columns.reshape(-1, count), *patterns], axis=1)
+    assert np.allclose(matrix, whole.T @ np.linalg.solve(dense, whole), rtol=1e-9, atol=1e-11)
+    assert np.allclose(vector, whole.T @ np.linalg.solve(dense, residual.ravel()), rtol=1e-9, atol=1e-11)
 
 
 def screen_of(information, score, structures=()):

@@ -1,3 +1,5 @@
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -51,6 +53,28 @@ def test_an_explanation_by_more_power_needs_that_power(reader, library, monkeypa
         rows = {row["id"]: row for row in published.explain(library, reader, 0.85)}
     assert rows["P_eff"]["amplitude"] == pytest.approx(0.2, abs=0.01)
     assert min(rows.values(), key=lambda row: row["misfit"])["misfit"] < 0.03
+
+
+def test_the_tables_hold_what_was_computed(library, reader, monkeypatch):
+    spectrum = library.base * library.power_factor(np.log(73 / 80))
+    thresholds = tuple((t, abs(reader.error(library.wavelength, spectrum, t)[0])) for t in (1120.0, 1350.0))
+    monkeypatch.setattr(published, "THRESHOLDS", thresholds)
+    with np.errstate(all="ignore"):
+        text = published.as_text(library, reader)
+        rows = published.explain(library, reader, 0.85)
+    found = [float(word) for word in re.findall(r"off at .* K \| ([\d.]+) kW", text)]
+    assert found == pytest.approx([73.0, 73.0], abs=0.2)
+    for row in rows:
+        (line,) = (each for each in text.splitlines() if each.startswith(f"| {row['name']} |"))
+        assert published.AMPLITUDES[row["id"]](row["amplitude"]) in line
+        assert ("not enough" in line) == (row["misfit"] > published.POORLY)
+        assert line.endswith(f"| {row['line']:.1f} | {row['hump']:.1f} |")
+
+
+def test_the_rule_takes_a_simulation_that_the_efficiency_implies():
+    rule = (Path(__file__).resolve().parents[2] / "workflow/rules/diagnosis.smk").read_text("utf-8")
+    (words,) = re.findall(r"EFFICIENCY_KW = \((\d+), (\d+)\)", rule)
+    assert tuple(1e3 * float(word) for word in words) == published.EFFICIENCY
 
 
 def test_another_vibrational_temperature_keeps_the_number_of_molecules():

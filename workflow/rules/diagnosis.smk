@@ -68,7 +68,7 @@ rule diagnosis:
         "../scripts/diagnosis.py"
 
 
-# The simulation nearest to what the efficiency of the published experiment implies.
+# Simulations as weak as the efficiency of the published experiment implies (published.EFFICIENCY); the first is taken.
 EFFICIENCY_KW = (56, 64)
 WEAK = [
     name

@@ -11,7 +11,7 @@ from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.sightline.hemisphere import directions
 from plasmapyro.sightline.ray import spread
-from plasmapyro.sightline.stage import FINE_SAMPLES, OUTER_POINTS, SURFACE_LENGTH, WINDOW_THICKNESS
+from plasmapyro.sightline.stage import FINE_SAMPLES, OUTER_POINTS, SURFACE_LENGTH, WINDOW_THICKNESS, bundle
 
 TEMPERATURE_RANGE = (100.0, 3e4)  # [K]
 PRESSURE_RANGE = (1.0, 1e7)  # [Pa]
@@ -164,21 +164,7 @@ def surface_view(path, settings, *, mesh=None, mirror_angle, directions_count, c
             f"the light on the surface is computed for the species of air; got {', '.join(names)}"
         )
 
-    def stacked(name):
-        return np.array([line[name].values for line in lines])
-
-    return xr.Dataset(
-        {
-            "ray_angle": ("ray", angles),
-            "ray_weight": ("ray", weights),
-            "ray_distance": (("ray", "node"), stacked("path_distance")),
-            "ray_temperature": (("ray", "node"), stacked("temperature")),
-            "ray_pressure": (("ray", "node"), stacked("pressure")),
-            "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
-        },
-        {"species": names},
-        attrs={"origin": "modelled", "title": "Gas that lights the stagnation point of a given flow field"},
-    )
+    return bundle(angles, weights, lines, "Gas that lights the stagnation point of a given flow field")
 
 
 def _along_ray(field, mapping, points, angle):

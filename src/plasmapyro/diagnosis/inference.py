@@ -65,7 +65,12 @@ class Weigher:
         inner = np.matmul(unit[:, None, :], result)
         inner *= share[:, None, None]
         result -= unit[..., None] * inner
-        return result.reshape(-1, rows.shape[2])
+        return flat(result)
+
+
+def flat(rows):
+    """Rows (n, C, k) as (n C, k), also for k = 0: bins that no column touches."""
+    return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
 
 
 def whitened(residual, noise, gas):
@@ -133,7 +138,7 @@ def gram(columns, patterns, weighers, residuals):
             part, some = column[chosen][..., live], weigher.of(chosen)
             root = some.root(part)
             matrix[:k, :k][_square(live)] += root.T @ root
-            vector[:k][live] += part.reshape(-1, part.shape[2]).T @ weighted[chosen].ravel()
+            vector[:k][live] += flat(part).T @ weighted[chosen].ravel()
             if mine:
                 along[chosen, live] = np.matmul(some.gas[:, None, :], part)[:, 0] * some.common[:, None]
                 scaled = rows[:, chosen] * some.weight

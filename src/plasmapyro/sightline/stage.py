@@ -183,6 +183,23 @@ def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
     angles, weights = directions(directions_count, core_angle)
     angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
     paths = [chord(flow, angle=angle, points=points) for angle in angles]
+    return bundle(angles, weights, paths, "Gas that lights the stagnation point")
+
+
+def bundle(angles, weights, paths, title):
+    """Rays to the stagnation point as one Dataset, contract 'surface_view'.
+
+    Parameters
+    ----------
+    angles : (R,) [rad]
+    weights : (R,) [1]
+    paths : sequence of R Dataset, contract 'sightline', of the species of air
+    title : str
+
+    Returns
+    -------
+    Dataset, contract 'surface_view'
+    """
 
     def stacked(name):
         return np.array([path[name].values for path in paths])
@@ -197,7 +214,7 @@ def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
             "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
         },
         {"species": list(SPECIES)},
-        attrs={"origin": "modelled", "title": "Gas that lights the stagnation point"},
+        attrs={"origin": "modelled", "title": title},
     )
 
 
