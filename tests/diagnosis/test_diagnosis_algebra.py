@@ -66,8 +66,8 @@ def test_columns_that_touch_few_bins_have_the_same_normal_matrix(random):
     """Told apart bin by bin: against a dense covariance, with two patterns of the channels."""
     bins, channels, count = 6, 9, 12
     columns = np.zeros((bins, channels, count))
-    for at in range(1, bins):  # the first bin is touched by none
-        columns[at, :, 2 * at : 2 * at + 2] = random.normal(size=(channels, 2))
+    for at in range(1, bins):  # the first bin is touched by none, columns at the ends of two
+        columns[at, :, 2 * at - 1 : 2 * at + 2] = random.normal(size=(channels, 3))
     rows, residual, gas = random.normal(size=(2, bins, channels)), *random.normal(size=(2, bins, channels))
     noise = Noise(random.uniform(0.5, 2.0, (bins, channels)), random.uniform(0.1, 0.5, bins))
     assert np.count_nonzero(np.any(columns, axis=1)) < FULL * bins * count
