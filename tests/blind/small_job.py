@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from invented import RESPONSE
+from two_bands import RESPONSE
 
 from plasmapyro import io
 from plasmapyro.gas.equilibrium import number_density

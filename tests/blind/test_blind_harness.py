@@ -11,8 +11,9 @@ import xarray as xr
 from blind import bench, board, calibrate, draw, make, page, run
 from blind.metric import Metric
 from blind.score import judge_temperature, score
-from invented import DISTANCE, RESPONSE, SPECIES, TEMPERATURE, density, spectra
+from invented import DISTANCE, SPECIES, TEMPERATURE, density, spectra
 from twin import campaign, hidden
+from two_bands import RESPONSE
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -9,17 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from small_laboratory import OFF, POWERS, SLIT_FWHM, temperature_of
 
 H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
-SLIT_FWHM = 0.75e-9
-POWERS = {"60kW": 60e3, "80kW": 80e3, "100kW": 100e3}
 LINES = (
     (777.4, 60.0, 6.0),
     (844.6, 20.0, 6.2),
     (868.0, 25.0, 7.0),
     (926.6, 9.0, 6.5),
 )  # nm, strength, exponent
-OFF = 120.0
 
 
 def black_body(wavelength, temperature):
@@ -36,14 +34,6 @@ def gas_components(axis, power):
         atoms[row] += strength * ratio**exponent * np.exp(-(((axis - place * 1e-9) / sigma) ** 2) / 2)
     hump = 12.0 * ratio * (1 + 0.5 * np.sin(axis / 7e-9)) * np.exp(-(((axis - 1e-6) / 1.5e-7) ** 2))
     return 1e6 * np.array([atoms[0], atoms[1], hump])
-
-
-def temperature_of(time):
-    rise = 350 + 1150 * -np.expm1(-np.maximum(time, 0) / 12.0)
-    top = 350 + 1150 * -np.expm1(-OFF / 12.0)
-    # radiative cooling: T^-3 grows linearly
-    fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - OFF, 0)) ** (-1 / 3)
-    return np.where(time < OFF, rise, fall)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import OFF, temperature_of
+from small_laboratory import OFF, temperature_of
 
 from plasmapyro import contracts
 from plasmapyro.diagnosis import command

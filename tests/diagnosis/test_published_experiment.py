@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import POWERS, SLIT_FWHM
+from small_laboratory import POWERS, SLIT_FWHM
 
 from plasmapyro import cli
 from plasmapyro.diagnosis import gas_variations as vary

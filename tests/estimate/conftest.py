@@ -6,23 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-
-from plasmapyro.instrument.stage import band_response
+from two_bands import RESPONSE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 
 @pytest.fixture(scope="session")
 def response():
-    return band_response(
-        silicon_table="silicon_green_2008",
-        top_thickness=200e-6,
-        bottom_thickness=400e-6,
-        short_wavelength_edge=0.75e-6,
-        edge_sigma=5e-9,
-        long_wavelength_limit=1.15e-6,
-        wavelength_step=0.5e-9,
-    )
+    return RESPONSE
 
 
 def plume(power):

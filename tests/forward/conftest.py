@@ -3,22 +3,14 @@
 import numpy as np
 import pytest
 import xarray as xr
+from two_bands import RESPONSE
 
 from plasmapyro.forward.stage import forward_model
-from plasmapyro.instrument.stage import band_response
 
 
 @pytest.fixture(scope="session")
 def response():
-    return band_response(
-        silicon_table="silicon_green_2008",
-        top_thickness=200e-6,
-        bottom_thickness=400e-6,
-        short_wavelength_edge=0.75e-6,
-        edge_sigma=5e-9,
-        long_wavelength_limit=1.15e-6,
-        wavelength_step=0.5e-9,
-    )
+    return RESPONSE
 
 
 def gas(level):

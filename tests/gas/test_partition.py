@@ -35,8 +35,8 @@ def nasa_logarithm(species, temperature):
     return h0 / temperature - gibbs - np.log(translation)
 
 
-def test_atoms_agree_with_an_independent_level_sum(reference):
-    for row in reference("partition_functions_atoms"):
+def test_atoms_agree_with_an_independent_level_sum(published):
+    for row in published("partition_functions_atoms"):
         found = partition_function(row["species"], float(row["temperature"]))
         assert found == pytest.approx(float(row["partition_function"]), abs=PRINTED_ATOL)
 

@@ -3,24 +3,16 @@
 import numpy as np
 import pytest
 import xarray as xr
+from two_bands import RESPONSE
 
 from plasmapyro import contracts
 from plasmapyro.instrument import calibration
 from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio
-from plasmapyro.instrument.stage import band_response, pyrometer_calibration
+from plasmapyro.instrument.stage import pyrometer_calibration
 
 FLOAT_RTOL = 1e-12
 MANY = 20000
 MONTE_CARLO_RTOL = 0.03  # three times the 1 % scatter of a spread from MANY draws, and curvature
-RESPONSE = band_response(
-    silicon_table="silicon_green_2008",
-    top_thickness=200e-6,
-    bottom_thickness=400e-6,
-    short_wavelength_edge=0.75e-6,
-    edge_sigma=5e-9,
-    long_wavelength_limit=1.15e-6,
-    wavelength_step=0.5e-9,
-)
 SOURCE = np.arange(973.0, 1774.0, 50.0)
 SENSITIVITY = {"wide": 0.315e-8, "narrow": 1e-8}
 SETTINGS = {

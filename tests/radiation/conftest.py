@@ -1,35 +1,14 @@
 """A sight line through warm air made for the tests, and the tables of `tests/reference`."""
 
-import csv
-import hashlib
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import atomic_lines
 
-FOLDER = Path(__file__).parents[1] / "reference"
 JET_PRESSURE = 5000.0
-
-
-@pytest.fixture
-def published():
-    """Function name -> list of rows of a reference table, checked against its certificate."""
-
-    def load(name):
-        content = (FOLDER / f"{name}.csv").read_bytes()
-        certificate = yaml.safe_load((FOLDER / f"{name}.yml").read_text(encoding="utf-8"))
-        assert hashlib.sha256(content).hexdigest() == certificate["sha256"]
-        header, *rows = csv.reader(content.decode("utf-8").splitlines())
-        names = [cell.partition(" [")[0] for cell in header]
-        return [dict(zip(names, row, strict=True)) for row in rows]
-
-    return load
 
 
 @pytest.fixture(scope="session")

@@ -5,17 +5,6 @@ import xarray as xr
 from twin import campaign, gas
 from twin.sensors import Spectrometer
 
-from plasmapyro.instrument.stage import band_response
-
-RESPONSE = band_response(
-    silicon_table="silicon_green_2008",
-    top_thickness=200e-6,
-    bottom_thickness=400e-6,
-    short_wavelength_edge=0.75e-6,
-    edge_sigma=5e-9,
-    long_wavelength_limit=1.15e-6,
-    wavelength_step=0.5e-9,
-)
 SYSTEMS = ("N I", "O I", "N2 1P", "N2+ Meinel", "NO 11000 A", "e-neutral free-free", "O- detachment")
 TEMPERATURE = np.array([350.0, 3000.0, 6000.0, 6000.0, 3000.0, 350.0])
 DISTANCE = np.array([0.0, 0.004, 0.01, 0.1, 0.13, 0.15])

@@ -5,9 +5,10 @@ import json
 
 import numpy as np
 import pytest
-from invented import RESPONSE, TEMPERATURE, as_dataset, plasma, scene
+from invented import TEMPERATURE, as_dataset, plasma, scene
 from scipy.constants import Boltzmann, c, h
 from twin import campaign, gas, hidden, liars, light
+from two_bands import RESPONSE
 
 SEED = 5
 GAS = plasma()

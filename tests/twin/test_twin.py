@@ -8,23 +8,14 @@ import xarray as xr
 from scipy.constants import sigma
 from twin import campaign, light, sample
 from twin.plasma import Plasma, brightness
+from two_bands import RESPONSE
 
 from plasmapyro import contracts
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.instrument.stage import band_response
 from plasmapyro.radiation.bandsignal import gridded_signal
 from plasmapyro.radiation.planck import blackbody_radiance
 
 AGREEMENT = 1e-3  # what the two independent codes owe each other
-RESPONSE = band_response(
-    silicon_table="silicon_green_2008",
-    top_thickness=200e-6,
-    bottom_thickness=400e-6,
-    short_wavelength_edge=0.75e-6,
-    edge_sigma=5e-9,
-    long_wavelength_limit=1.15e-6,
-    wavelength_step=0.5e-9,
-)
 
 
 def plume():

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from test_twin import GAS, RESPONSE
+from test_twin import GAS
 from twin import campaign
+from two_bands import RESPONSE
 
 from plasmapyro.experiment import status
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
