@@ -68,16 +68,7 @@ def raw_model(model):
         replace(one, moment=one.raw_moment, value=one.raw, number=np.ones_like(one.raw))
         for one in model.instruments
     ]
-    return Model(
-        instruments,
-        model.library,
-        model.history,
-        model.parameters,
-        model.off,
-        model.emittance,
-        model.response,
-        model.lamp,
-    )
+    return model_with(model, instruments)
 
 
 def phase_of(time, off):

@@ -290,13 +290,7 @@ def _joined(paths, spectra, dark_path, dark, settings):
     if first.linearised is not None:
         attrs["counts_linearised"] = int(first.linearised)
     if settings["quantity"] == "counts":
-        lost = ocean.clipped(values)
-        if settings["saturation"] is not None:
-            lost |= values >= settings["saturation"]
-        attrs["clipped_samples"] = int(lost.sum())
-        values = np.where(lost, np.nan, values)
-        if lost.any():
-            result["saturated"] = lost.astype("int8")
+        values = _without_clipped(values, settings["saturation"], result, attrs)
         if dark is not None:
             require_alike(dark_path, dark, paths[0], first)
             result["background_counts"] = ocean.column_of(dark_path, dark, settings)
@@ -304,6 +298,17 @@ def _joined(paths, spectra, dark_path, dark, settings):
             result["background_counts"] = first.columns["D"]
     result[settings["quantity"]] = values
     return result, attrs
+
+
+def _without_clipped(values, saturation, result, attrs):
+    """Counts with NaN where the converter was at its end; `result` and `attrs` say where and how often."""
+    lost = ocean.clipped(values)
+    if saturation is not None:
+        lost |= values >= saturation
+    attrs["clipped_samples"] = int(lost.sum())
+    if lost.any():
+        result["saturated"] = lost.astype("int8")
+    return np.where(lost, np.nan, values)
 
 
 def _spectrum_times(paths, spectra, settings):
@@ -355,13 +360,7 @@ def _one_table(path, folder, settings):
     }
     attrs = {}
     if settings["quantity"] == "counts":
-        lost = ocean.clipped(values)
-        if settings["saturation"] is not None:
-            lost |= values >= settings["saturation"]
-        attrs["clipped_samples"] = int(lost.sum())
-        values = np.where(lost, np.nan, values)
-        if lost.any():
-            result["saturated"] = lost.astype("int8")
+        values = _without_clipped(values, settings["saturation"], result, attrs)
         if settings["background"]:
             dark_path = Path(folder) / settings["background"]
             _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])
