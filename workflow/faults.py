@@ -32,10 +32,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__", ".pytest_cache", ".ruff_cache")
-MOST_JOBS, LATEST_KILL = (
-    4,
-    4.0,
-)  # a kill comes when up to so many jobs of a run began, up to so many seconds later
+MOST_JOBS, LATEST_KILL = 4, 4.0  # a kill comes when up to so many jobs of a run began, up to so many s later
 SMALL_DISK, LARGE_DISK = "2m", "400m"
 UNPRIVILEGED = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
 
@@ -194,7 +191,9 @@ def edit(project, undisturbed, count, chance):
         shutil.rmtree(project.results / "analysis")
         shutil.rmtree(project.results / "experiment")
         run = project.start()
-        time.sleep(chance.uniform(3.0, 6.0))
+        while not run.begun and not run.ended.wait(0.02):
+            pass  # changed before the first job, the new configuration would be the run's own
+        time.sleep(chance.uniform(0.0, 2.0))
         path.write_text(original.replace("emittance: 0.85", "emittance: 0.5"), encoding="utf-8")
         status, words = run.wait()
         noticed += status != 0
