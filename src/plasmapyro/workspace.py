@@ -8,6 +8,7 @@ import fcntl
 import hashlib
 import json
 import os
+import time
 from pathlib import Path
 
 SEALS = "PLASMAPYRO_SEALS"  # folder of the digests of all results; unset outside of a workflow
@@ -49,6 +50,8 @@ def unseal(path):
 def begin(results, settings):
     """Take the results folder for this run; to be called once, before the workflow looks at any result.
 
+    What is dated in the future, by a clock that was wrong, is dated now.
+
     Parameters
     ----------
     results : path of the results folder
@@ -88,6 +91,7 @@ def begin(results, settings):
     _held.append(lock)
     for part in Path(results).rglob(".*.part*"):
         part.unlink()
+    _date_back(Path(results))
     return _remove_damaged(Path(results), folder), False
 
 
@@ -122,6 +126,14 @@ def same_settings(settings):
         raise WorkspaceError(
             "the configuration was changed while the run was at work; call again: it goes on with the new one"
         )
+
+
+def _date_back(results):
+    """Give results of a clock that ran ahead the time of now: Snakemake refuses what is older than its input."""
+    now = time.time_ns()
+    for path in results.rglob("*"):
+        if path.is_file() and path.stat().st_mtime_ns > now:
+            os.utime(path, ns=(now, now))
 
 
 def _remove_damaged(results, folder):

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -124,3 +125,18 @@ def test_a_failed_write_keeps_the_older_file_and_says_what_to_do(tmp_path):
     with pytest.raises(io.StorageError, match=r"No space left on device.*MB are free there\); free space"):
         io.store(path, full)
     assert [found.name for found in tmp_path.iterdir()] == ["x.md"] and path.read_text() == "old"
+
+
+def test_results_of_a_clock_that_ran_ahead_are_dated_now_and_alike(results):
+    tomorrow, paths = time.time() + 86400, [results / name for name in ("a.nc", "group/b.nc", "old.nc")]
+    for path in paths:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"x")
+        os.utime(path, (tomorrow, tomorrow))
+    os.utime(paths[-1], (1e9, 1e9))
+    release()
+    workspace.begin(results, {"a": 1})
+    first, second, old = (path.stat().st_mtime_ns for path in paths)
+    assert first == second  # none of them looks older than another that it is made from
+    assert time.time_ns() - 60e9 < first <= time.time_ns()
+    assert old == 10**18
