@@ -129,7 +129,7 @@ def same_settings(settings):
 
 
 def _date_back(results):
-    """Give results of a clock that ran ahead the time of now: Snakemake refuses what is older than its input."""
+    """Date results of a clock that ran ahead now: Snakemake refuses what is older than its input."""
     now = time.time_ns()
     for path in results.rglob("*"):
         if path.is_file() and path.stat().st_mtime_ns > now:
