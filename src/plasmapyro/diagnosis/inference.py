@@ -13,6 +13,8 @@ LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
 LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, lines err in groups
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
+AT_BOUND = 1e-9  # of the range of a number, from its end
+STIFF = 1e8  # times the information of a number that a bound holds
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
@@ -229,6 +231,17 @@ def numbers_of(settings):
             settings[place].amplitude if name is None else settings[place].shape[name]
             for place, name, *_ in free_numbers(settings)
         ]
+    )
+
+
+def _at_bounds(state, settings):
+    """Whether each free number of the terms (E,) lies at one of its bounds."""
+    return np.array(
+        [
+            min(number - low, high - number) <= AT_BOUND * (high - low)
+            for number, (*_, (low, high), _) in zip(state.amplitudes, free_numbers(settings), strict=True)
+        ],
+        dtype=bool,
     )
 
 
@@ -459,6 +472,11 @@ class Fitter:
         matrix[own, own] += self.pattern_prior
         factor = cho_factor(matrix)
         covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
+        # What a bound holds is no free direction: tests beside the fit must not move it.
+        held = k - len(state.amplitudes) + np.flatnonzero(_at_bounds(state, settings))
+        if held.size:
+            matrix[held, held] *= STIFF
+            factor = cho_factor(matrix)
         return Solution(
             state=state,
             settings=with_numbers(settings, state.amplitudes),

@@ -9,6 +9,7 @@ from plasmapyro import progress
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import Solution, log_evidence, numbers_of
 from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.reserve import reserve
 from plasmapyro.diagnosis.screen import Screen, Unknowns, angles, gain, screen, simulated
 
 MOST_TERMS = 3
@@ -87,6 +88,7 @@ class Selection:
     status: str
     unknown_class: str | None
     thresholds: Thresholds
+    reserve: str = ""  # why the names are not certain, see `reserve`
 
 
 def linear_evidence(found):
@@ -223,8 +225,9 @@ class Selector:
             steps.append(step)
         final = step.solution
         sets = tuple(self._set(steps[0], setting.id) for setting in final.settings)
-        status = self._status(final, unknown, sets)
-        return Selection(tuple(steps), final, sets, trials, status, unknown, limits)
+        doubt = "" if unknown else reserve(steps, limits.third)
+        status = self._status(final, unknown or doubt, sets)
+        return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
 
     def _wandering(self, step):
         """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is

@@ -1,0 +1,49 @@
+"""Whether names are certain, or whether one cause that the catalogue lacks might lie behind them."""
+
+import numpy as np
+
+NEIGHBOUR = 30.0  # [degree] from the first name within which a cause that the catalogue lacks may lie
+LEFT = float(np.tan(np.radians(NEIGHBOUR)) ** 2)  # [1], what a name at that angle leaves of what it explains
+WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
+
+SENTENCES = {
+    "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
+    "one": "What was named after the first is so much less that one cause, near the first but missing in the"
+    " catalogue, would look the same.",
+}
+
+
+def reserve(steps, third):
+    r"""Why the names of the last of some rounds are not certain.
+
+    A cause outside the catalogue at an angle :math:`\theta` from a named one is imitated by this one, and
+    :math:`\tan^2\theta` of the chi-squared that it explains is left: to other names, or as a rest.
+
+    Parameters
+    ----------
+    steps : sequence of Step, the base fit first
+    third : float
+        Chi-squared that one more term would have to gain.
+
+    Returns
+    -------
+    str
+        "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
+        explains less than :math:`\tan^2 30°` of what those before it do; "" if neither.
+    """
+    objective = {}  # of the last fit with so many terms
+    for step in steps:
+        objective[len(step.solution.settings)] = step.solution.objective
+    count = len(steps[-1].solution.settings)
+    if count == 0:
+        return ""
+    rest = float(np.max(steps[-1].gains, initial=0.0))
+    if rest > max(third, WRONG_FORMULA * (objective[0] - objective[count])):
+        return "rest"
+    for terms in range(2, count + 1):
+        if terms not in objective or terms - 1 not in objective:
+            continue
+        more = objective[terms - 1] - objective[terms]
+        if more < LEFT * (objective[0] - objective[terms - 1]):
+            return "one"
+    return ""

@@ -1,0 +1,72 @@
+"""When names are given with reserve, and what a bound means for tests beside a fit."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.inference import Fitter, Noise
+from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.reserve import reserve
+from plasmapyro.diagnosis.screen import screen
+
+THIRD = 18.0  # chi-squared that one more term must gain
+STRENGTH = 20.0  # standard deviations of what is hidden
+NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear estimate
+
+
+def round_of(names, objective, left=0.0):
+    settings = tuple(SimpleNamespace(id=name) for name in names)
+    return SimpleNamespace(
+        solution=SimpleNamespace(settings=settings, objective=objective), gains=np.array([left, 0.5 * left])
+    )
+
+
+def rounds(*explained, left=0.0):
+    """Rounds of orthogonal names that explain so much chi-squared each, and what the best other would gain."""
+    objective = 1e4 - np.concatenate([[0.0], np.cumsum(explained)])
+    last = len(explained)
+    return [
+        round_of("abc"[:count], value, left if count == last else 0.0)
+        for count, value in enumerate(objective)
+    ]
+
+
+@pytest.mark.parametrize(("degrees", "expected"), [(20.0, "one"), (28.0, "one"), (33.0, ""), (60.0, "")])
+def test_one_cause_near_a_name_is_no_pair_and_two_as_strong_ones_are(degrees, expected):
+    """A cause in the plane of two orthogonal names leaves each the square of its cosine."""
+    along, across = (STRENGTH * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])) ** 2
+    assert reserve(rounds(along, across), THIRD) == expected
+
+
+def test_a_third_name_is_held_against_both_before():
+    assert reserve(rounds(100.0, 90.0, 70.0), THIRD) == ""
+    assert reserve(rounds(100.0, 90.0, 50.0), THIRD) == "one"
+
+
+def test_a_rest_must_be_beyond_noise_and_beyond_what_formulas_err_by():
+    assert reserve(rounds(200.0, left=THIRD - 1), THIRD) == ""
+    assert reserve(rounds(200.0, left=21.0), THIRD) == "rest"
+    assert reserve(rounds(2500.0, left=240.0), THIRD) == ""
+    assert reserve(rounds(2500.0, left=260.0), THIRD) == "rest"
+
+
+def test_without_a_name_there_is_nothing_to_reserve():
+    assert reserve([round_of("", 1e4, left=500.0)], THIRD) == ""
+
+
+def test_a_number_that_a_bound_holds_is_no_free_direction(model):
+    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound, and what other
+    terms would gain beside it is what their refits gain."""
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    hidden = (Setting("winE", 0.03, {}),)
+    measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
+    noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
+    fitter = Fitter(model, noise, measured)
+    start = fitter.start(knots, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
+    solution = fitter.fit(start, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
+    assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
+    found = screen(model, solution, exclude=("winE_sl",), structures=False)
+    # All that the objective holds beyond the priors of a perfect fit is all that any term can gain.
+    assert found.gains().max() < NOT_LINEAR * solution.objective
