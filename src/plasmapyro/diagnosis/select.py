@@ -177,8 +177,16 @@ class Selector:
         if self.thresholds is None:
             self.thresholds = calibrated(step.found, self.draws, self.seed)
         limits = self.thresholds
-        trials, unknown = {}, None
+        trials, unknown, seen = {}, None, set()
         while len(step.solution.settings) < MOST_TERMS:
+            terms = frozenset((setting.id, *sorted(setting.shape)) for setting in step.solution.settings)
+            if terms in seen:  # terms drive each other out in a circle: the best of them stands for all
+                step = min(steps, key=lambda one: one.solution.objective)
+                steps.append(step)
+                if step.unknown.max() > limits.unknown:
+                    unknown = step.found.structures[int(step.unknown.argmax())].id
+                break
+            seen.add(terms)
             first = not step.solution.settings
             needed = limits.effect if first else limits.third + self._of_formulas(steps)
             wanted = np.where(step.gains > needed, step.gains, 0.0)
