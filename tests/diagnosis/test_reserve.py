@@ -23,7 +23,7 @@ def round_of(names, objective, left=0.0):
 
 
 def rounds(*explained, left=0.0):
-    """Rounds of orthogonal names that explain so much chi-squared each, and what the best other would gain."""
+    """Rounds of orthogonal names that explain so much chi-squared each, and what the best other would add."""
     objective = 1e4 - np.concatenate([[0.0], np.cumsum(explained)])
     last = len(explained)
     return [
@@ -56,8 +56,8 @@ def test_without_a_name_there_is_nothing_to_reserve():
 
 
 def test_a_number_that_a_bound_holds_is_no_free_direction(model):
-    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound, and what other
-    terms would gain beside it is what their refits gain."""
+    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
+    term can gain more beside it than the objective holds."""
     knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([parameter.centre for parameter in model.parameters])
     hidden = (Setting("winE", 0.03, {}),)
@@ -68,5 +68,4 @@ def test_a_number_that_a_bound_holds_is_no_free_direction(model):
     solution = fitter.fit(start, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
     assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
     found = screen(model, solution, exclude=("winE_sl",), structures=False)
-    # All that the objective holds beyond the priors of a perfect fit is all that any term can gain.
     assert found.gains().max() < NOT_LINEAR * solution.objective
