@@ -12,6 +12,7 @@ from plasmapyro.diagnosis.screen import screen
 
 THIRD = 18.0  # chi-squared that one more term must gain
 STRENGTH = 20.0  # standard deviations of what is hidden
+EARLY = 0.1  # [1], of a gain: a step that is not small is not linear
 NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear estimate
 
 
@@ -69,3 +70,18 @@ def test_a_number_that_a_bound_holds_is_no_free_direction(model):
     assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
     found = screen(model, solution, exclude=("winE_sl",), structures=False)
     assert found.gains().max() < NOT_LINEAR * solution.objective
+
+
+def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
+    """Two steps towards perfect data of the base model: the gains are those beside the converged fit."""
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    hidden = (Setting("winE", 0.03, {}),)
+    measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
+    noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
+    fitter = Fitter(model, noise, measured)
+    early, late = (fitter.fit(fitter.start(knots + 1.0), steps=steps) for steps in (1, 20))
+    assert early.objective > late.objective + 1.0
+    gains = [screen(model, one, structures=False).gains() for one in (early, late)]
+    strong = gains[1] > 0.1 * gains[1].max()
+    assert gains[0][strong] == pytest.approx(gains[1][strong], rel=EARLY)

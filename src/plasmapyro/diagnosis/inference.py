@@ -113,6 +113,7 @@ class Solution:
     gas: tuple
     residual: tuple
     factor: tuple  # Cholesky factor of the normal matrix of everything fitted
+    score: np.ndarray  # of everything fitted, priors included: 0 but for what the last step left
     jacobian: tuple  # (n, C, K + V + E) per instrument
     weighers: tuple
 
@@ -414,14 +415,8 @@ class Fitter:
             matrix, vector = gram(columns, patterns, weighers, residuals)
             k = prior.shape[0]
             free = free_numbers(settings)
-            centre = np.concatenate([self.rest, self.centre, [number[2] for number in free]])
-            here = np.concatenate([state.knots, state.values, state.amplitudes])
-            matrix[:k, :k] += prior
-            vector[:k] -= prior @ (here - centre)
-            own = np.arange(k, matrix.shape[0])
-            matrix[own, own] += self.pattern_prior
             patterns = self._patterns(state)
-            vector[k:] -= self.pattern_prior * patterns
+            self._pull(matrix, vector, state, settings, prior)
             better = False
             for _ in range(8):
                 damped = matrix.copy()
@@ -459,6 +454,17 @@ class Fitter:
             np.where(np.isfinite(measured), measured - value, 0.0)
             for (value, _, _), measured in zip(predicted, self.measured, strict=True)
         ]
+
+    def _pull(self, matrix, vector, state, settings, prior):
+        """Add the priors to a normal matrix and a score."""
+        k = prior.shape[0]
+        centre = np.concatenate([self.rest, self.centre, [one[2] for one in free_numbers(settings)]])
+        here = np.concatenate([state.knots, state.values, state.amplitudes])
+        matrix[:k, :k] += prior
+        vector[:k] -= prior @ (here - centre)
+        own = np.arange(k, matrix.shape[0])
+        matrix[own, own] += self.pattern_prior
+        vector[k:] -= self.pattern_prior * self._patterns(state)
 
     @staticmethod
     def _within(matrix, vector, state, k, free):
@@ -499,16 +505,14 @@ class Fitter:
     def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
         weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
         residuals = self.residuals(predicted)
-        matrix, _ = gram(
+        matrix, score = gram(
             columns,
             own_patterns(self.model.instruments, [p[2] for p in predicted], gas),
             weighers,
             residuals,
         )
         k = prior.shape[0]
-        matrix[:k, :k] += prior
-        own = np.arange(k, matrix.shape[0])
-        matrix[own, own] += self.pattern_prior
+        self._pull(matrix, score, state, settings, prior)
         factor = cho_factor(matrix)
         covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
         # What a bound holds is no free direction: tests beside the fit must not move it.
@@ -516,6 +520,7 @@ class Fitter:
         if held.size:
             matrix[held, held] *= STIFF
             factor = cho_factor(matrix)
+            score[held] = 0.0
         return Solution(
             state=state,
             settings=with_numbers(settings, state.amplitudes),
@@ -529,6 +534,7 @@ class Fitter:
             gas=tuple(gas),
             residual=tuple(residuals),
             factor=factor,
+            score=score,
             jacobian=tuple(columns),
             weighers=weighers,
         )

@@ -373,9 +373,9 @@ def screen(model, solution, exclude=(), structures=True):
     projected = (projected + projected.T) / 2
     plain = np.diag(own)
     left = np.diag(projected) / np.where(plain > 0, plain, np.inf)
-    return Screen(
-        candidates, classes, vector[rest], projected, left, carried[: model.size, : len(candidates)]
-    )
+    # What the fit has left undone is none of the others' business.
+    score = vector[rest] - carried.T @ solution.score
+    return Screen(candidates, classes, score, projected, left, carried[: model.size, : len(candidates)])
 
 
 def angles(information):
