@@ -16,11 +16,15 @@ EARLY = 0.1  # [1], of a gain: a step that is not small is not linear
 NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear estimate
 
 
-def round_of(names, objective, left=0.0):
-    settings = tuple(SimpleNamespace(id=name) for name in names)
-    return SimpleNamespace(
-        solution=SimpleNamespace(settings=settings, objective=objective), gains=np.array([left, 0.5 * left])
+def round_of(names, objective, left=0.0, amplitudes=None, covariance=None):
+    settings = tuple(Setting(name, 1.0, {}) for name in names)
+    solution = SimpleNamespace(
+        settings=settings,
+        objective=objective,
+        state=SimpleNamespace(amplitudes=np.ones(len(names)) if amplitudes is None else amplitudes),
+        covariance=np.eye(len(names) + 3) if covariance is None else covariance,
     )
+    return SimpleNamespace(solution=solution, gains=np.array([left, 0.5 * left]))
 
 
 def rounds(*explained, left=0.0):
@@ -28,7 +32,7 @@ def rounds(*explained, left=0.0):
     objective = 1e4 - np.concatenate([[0.0], np.cumsum(explained)])
     last = len(explained)
     return [
-        round_of("abc"[:count], value, left if count == last else 0.0)
+        round_of(("winE", "phi", "off1")[:count], value, left if count == last else 0.0)
         for count, value in enumerate(objective)
     ]
 
@@ -52,8 +56,21 @@ def test_a_rest_must_be_beyond_noise_and_beyond_what_formulas_err_by():
     assert reserve(rounds(2500.0, left=260.0), THIRD) == "rest"
 
 
+@pytest.mark.parametrize(
+    ("degrees", "second", "expected"), [(10, -0.9, "cancel"), (10, 0.9, ""), (60, -0.9, "")]
+)
+def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expected):
+    """Both are as long as 20 standard deviations; what is seen is their small difference."""
+    columns = STRENGTH * np.array([[1.0, 0.0], [np.cos(np.radians(degrees)), np.sin(np.radians(degrees))]])
+    covariance = np.eye(5)
+    covariance[3:, 3:] = np.linalg.inv(columns @ columns.T)
+    last = round_of(("winE", "phi"), 9.0e3, 0.0, np.array([1.0, second]), covariance)
+    steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
+    assert reserve(steps, THIRD) == expected
+
+
 def test_without_a_name_there_is_nothing_to_reserve():
-    assert reserve([round_of("", 1e4, left=500.0)], THIRD) == ""
+    assert reserve([round_of((), 1e4, left=500.0)], THIRD) == ""
 
 
 def test_a_number_that_a_bound_holds_is_no_free_direction(model):

@@ -2,14 +2,18 @@
 
 import numpy as np
 
+from plasmapyro.diagnosis.inference import free_numbers
+
 NEIGHBOUR = 30.0  # [degree] from the first name within which a cause that the catalogue lacks may lie
 LEFT = float(np.tan(np.radians(NEIGHBOUR)) ** 2)  # [1], what a name at that angle leaves of what it explains
 WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
+CANCELLING = 4.0  # times what names explain together that each alone would: equal ones at 41 degrees
 
 SENTENCES = {
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
     "one": "What was named after the first is so much less that one cause, near the first but missing in the"
     " catalogue, would look the same.",
+    "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 
 
@@ -29,7 +33,8 @@ def reserve(steps, third):
     -------
     str
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
-        explains less than :math:`\tan^2 30°` of what those before it do; "" if neither.
+        explains less than :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a with
+        covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "" if none of these.
     """
     objective = {}  # of the last fit with so many terms
     for step in steps:
@@ -46,4 +51,14 @@ def reserve(steps, third):
         more = objective[terms - 1] - objective[terms]
         if more < LEFT * (objective[0] - objective[terms - 1]):
             return "one"
-    return ""
+    return "cancel" if cancellation(steps[-1].solution) > CANCELLING else ""
+
+
+def cancellation(solution):
+    """Chi-squared of all names, each with its fitted amplitude alone, over that of all together [1]."""
+    free = free_numbers(solution.settings)
+    place = [j - len(free) for j, (_, name, *_) in enumerate(free) if name is None]
+    amplitude = solution.state.amplitudes[place]
+    information = np.linalg.inv(solution.covariance[np.ix_(place, place)])
+    together = amplitude @ information @ amplitude
+    return float(np.sum(amplitude**2 * np.diag(information)) / max(together, 1e-300))
