@@ -37,7 +37,9 @@ def rounds(*explained, left=0.0):
     ]
 
 
-@pytest.mark.parametrize(("degrees", "expected"), [(20.0, "one"), (28.0, "one"), (33.0, ""), (60.0, "")])
+@pytest.mark.parametrize(
+    ("degrees", "expected"), [(10.0, ""), (20.0, "one"), (28.0, "one"), (33.0, ""), (60.0, "")]
+)
 def test_one_cause_near_a_name_is_no_pair_and_two_as_strong_ones_are(degrees, expected):
     """A cause in the plane of two orthogonal names leaves each the square of its cosine."""
     along, across = (STRENGTH * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])) ** 2

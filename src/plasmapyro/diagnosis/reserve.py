@@ -4,15 +4,16 @@ import numpy as np
 
 from plasmapyro.diagnosis.inference import free_numbers
 
-NEIGHBOUR = 30.0  # [degree] from the first name within which a cause that the catalogue lacks may lie
-LEFT = float(np.tan(np.radians(NEIGHBOUR)) ** 2)  # [1], what a name at that angle leaves of what it explains
+NEIGHBOUR = 30.0  # [degree] from the first name within which a cause that the catalogue lacks may lie,
+SAME = 15.0  # [degree] and beyond which it is not of the same class
+LEAST, MOST = (float(np.tan(np.radians(one)) ** 2) for one in (SAME, NEIGHBOUR))
 WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
 CANCELLING = 4.0  # times what names explain together that each alone would: equal ones at 41 degrees
 
 SENTENCES = {
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
-    "one": "What was named after the first is so much less that one cause, near the first but missing in the"
-    " catalogue, would look the same.",
+    "one": "What was named later is so much less than what was before that one cause, near the first but"
+    " missing in the catalogue, would look the same.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 
@@ -33,8 +34,8 @@ def reserve(steps, third):
     -------
     str
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
-        explains less than :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a with
-        covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "" if none of these.
+        explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
+        with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "" if none of these.
     """
     objective = {}  # of the last fit with so many terms
     for step in steps:
@@ -49,7 +50,8 @@ def reserve(steps, third):
         if terms not in objective or terms - 1 not in objective:
             continue
         more = objective[terms - 1] - objective[terms]
-        if more < LEFT * (objective[0] - objective[terms - 1]):
+        before = objective[0] - objective[terms - 1]
+        if LEAST * before < more < MOST * before:
             return "one"
     return "cancel" if cancellation(steps[-1].solution) > CANCELLING else ""
 
