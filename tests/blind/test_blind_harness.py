@@ -128,6 +128,18 @@ def test_what_an_analysis_must_leave_free_is_no_signal(workbench, metric):
     assert np.linalg.norm(raw) > 10 * left and left < 1.0  # a tenth of 30 % before and after injection
 
 
+def test_a_swing_of_the_surface_is_no_signal(workbench, metric):
+    """0.3 K with a period of 37 s; the temperature is free every 8 s and linear between."""
+    before = metric.scene.glow
+
+    def glow(instrument, wavelength, kelvin, time):
+        return before(instrument, wavelength, kelvin + 0.3 * np.sin(2 * np.pi * time / 37.0), time)
+
+    output = workbench.clean(dataclasses.replace(metric.scene, glow=glow), metric.gas, metric.base)
+    raw = metric.whiten(output)
+    assert np.linalg.norm(metric.project(raw)) < 0.1 * np.linalg.norm(raw)
+
+
 def test_alike_effects_are_close_and_others_far(metric):
     assert metric.angle("winD", "winD") == pytest.approx(0.0, abs=1e-3)
     assert metric.angle("winD", "winD_sl") < 40
