@@ -71,6 +71,24 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
     assert reserve(steps, THIRD) == expected
 
 
+@pytest.mark.parametrize(
+    ("name", "amplitude", "shape", "expected"),
+    [
+        ("winE_sl", 0.05, {"exponent": 2.0}, ""),
+        ("winE_sl", 0.05, {"exponent": 0.7}, "shape"),
+        ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
+        ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
+        ("refl", 1.0, {"diffuse": 0.0}, ""),  # a mirror
+        ("h2o", -0.05, {}, ""),  # more of it in the calibration
+    ],
+)
+def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitude, shape, expected):
+    settings = (Setting(name, amplitude, shape),)
+    last = round_of(("winE",), 9e3, 0.0, np.array([amplitude, *shape.values()]), np.diag([1e-4] * 5))
+    last.solution.settings = settings
+    assert reserve([round_of((), 1e4), last], THIRD) == expected
+
+
 def test_without_a_name_there_is_nothing_to_reserve():
     assert reserve([round_of((), 1e4, left=500.0)], THIRD) == ""
 

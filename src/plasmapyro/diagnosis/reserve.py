@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import free_numbers
 
 NEIGHBOUR = 30.0  # [degree] from the first name within which a cause that the catalogue lacks may lie,
@@ -9,11 +10,17 @@ SAME = 15.0  # [degree] and beyond which it is not of the same class
 LEAST, MOST = (float(np.tan(np.radians(one)) ** 2) for one in (SAME, NEIGHBOUR))
 WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
 CANCELLING = 4.0  # times what names explain together that each alone would: equal ones at 41 degrees
+AT_END = 0.01  # [1], of the range of a shape: nearer to its end the data want a shape beyond
+NATURAL = ("diffuse",)  # shapes whose range ends where nature ends
+LOSSES = ("winD", "winE", "winD_sl", "winE_sl")  # a deposit makes no window clearer
+SURE = 3.0  # standard deviations
 
 SENTENCES = {
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
     "one": "What was named later is so much less than what was before that one cause, near the first but"
     " missing in the catalogue, would look the same.",
+    "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
+    "sign": "A window that grows clearer is unlikely: it may be another cause.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 
@@ -35,7 +42,9 @@ def reserve(steps, third):
     str
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
         explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
-        with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "" if none of these.
+        with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "shape": a shape ends
+        within a hundredth of its range from its end; "sign": a deposit is negative by three standard deviations; ""
+        if none of these.
     """
     objective = {}  # of the last fit with so many terms
     for step in steps:
@@ -53,7 +62,23 @@ def reserve(steps, third):
         before = objective[0] - objective[terms - 1]
         if LEAST * before < more < MOST * before:
             return "one"
-    return "cancel" if cancellation(steps[-1].solution) > CANCELLING else ""
+    if cancellation(steps[-1].solution) > CANCELLING:
+        return "cancel"
+    return implausible(steps[-1].solution)
+
+
+def implausible(solution):
+    """ "shape" or "sign" if a number of a name is none that its cause is likely to have, else ""."""
+    free, size = free_numbers(solution.settings), len(solution.covariance)
+    for j, (place, name, _, _, (low, high), _) in enumerate(free):
+        one, number = solution.settings[place].id, solution.state.amplitudes[j]
+        near = min(number - low, high - number) < AT_END * (high - low)
+        if name in EFFECTS[one].shapes[0] and name not in NATURAL and near:
+            return "shape"
+        error = np.sqrt(solution.covariance[size - len(free) + j, size - len(free) + j])
+        if name is None and one in LOSSES and number < -SURE * error:
+            return "sign"
+    return ""
 
 
 def cancellation(solution):
