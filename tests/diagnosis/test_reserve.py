@@ -89,6 +89,19 @@ def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitu
     assert reserve([round_of((), 1e4), last], THIRD) == expected
 
 
+def test_a_free_shape_does_not_hide_that_names_cancel():
+    """A third column, of the shape, in which the second name may lean: its amplitude alone is badly known."""
+    columns = STRENGTH * np.array([[1.0, 0.0, 0.0], [0.985, 0.17, 0.02], [0.1, 0.017, 0.0021]])
+    covariance = np.eye(6)
+    covariance[3:, 3:] = np.linalg.inv(columns @ columns.T + 1e-9 * np.eye(3))
+    last = round_of(("winE", "winD_sl"), 9.0e3, 0.0, np.array([1.0, 0.9, 2.0]), covariance)
+    last.solution.settings = (Setting("winE", 1.0, {}), Setting("winD_sl", 0.9, {"exponent": 2.0}))
+    steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
+    assert reserve(steps, THIRD) == ""
+    last.solution.state.amplitudes[0] = -0.9
+    assert reserve(steps, THIRD) == "cancel"
+
+
 def test_without_a_name_there_is_nothing_to_reserve():
     assert reserve([round_of((), 1e4, left=500.0)], THIRD) == ""
 

@@ -43,8 +43,8 @@ def reserve(steps, third):
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
         explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
         with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "shape": a shape ends
-        within a hundredth of its range from its end; "sign": a deposit is negative by three standard deviations; ""
-        if none of these.
+        within a hundredth of its range from its end; "sign": a deposit is negative by three standard
+        deviations; "" if none of these.
     """
     objective = {}  # of the last fit with so many terms
     for step in steps:
@@ -82,10 +82,15 @@ def implausible(solution):
 
 
 def cancellation(solution):
-    """Chi-squared of all names, each with its fitted amplitude alone, over that of all together [1]."""
+    """Chi-squared of all names, each with its fitted amplitude alone, over that of all together [1], for the
+    shapes as they are."""
     free = free_numbers(solution.settings)
-    place = [j - len(free) for j, (_, name, *_) in enumerate(free) if name is None]
+    place = [j for j, (_, name, *_) in enumerate(free) if name is None]
     amplitude = solution.state.amplitudes[place]
-    information = np.linalg.inv(solution.covariance[np.ix_(place, place)])
+    own = slice(len(solution.covariance) - len(free), None)
+    covariance = solution.covariance[own, own]
+    scale = np.sqrt(np.diag(covariance))
+    information = np.linalg.inv(covariance / np.outer(scale, scale)) / np.outer(scale, scale)
+    information = information[np.ix_(place, place)]
     together = amplitude @ information @ amplitude
     return float(np.sum(amplitude**2 * np.diag(information)) / max(together, 1e-300))
