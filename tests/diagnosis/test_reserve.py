@@ -89,6 +89,12 @@ def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitu
     assert reserve([round_of((), 1e4), last], THIRD) == expected
 
 
+def test_two_names_of_one_set_are_no_pair():
+    steps = rounds(100.0, 90.0)
+    assert reserve(steps, THIRD, (("winE", "phi"), ("phi", "winE", "off1"))) == "alike"
+    assert reserve(steps, THIRD, (("winE", "off1"), ("phi", "off2"))) == ""
+
+
 def test_a_free_shape_does_not_hide_that_names_cancel():
     """A third column, of the shape, in which the second name may lean: its amplitude alone is badly known."""
     columns = STRENGTH * np.array([[1.0, 0.0, 0.0], [0.985, 0.17, 0.02], [0.1, 0.017, 0.0021]])

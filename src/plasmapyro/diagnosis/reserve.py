@@ -21,11 +21,12 @@ SENTENCES = {
     " missing in the catalogue, would look the same.",
     "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
     "sign": "A window that grows clearer is unlikely: it may be another cause.",
+    "alike": "Two names look alike in the data: together they may be one cause that the catalogue lacks.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 
 
-def reserve(steps, third):
+def reserve(steps, third, sets=()):
     r"""Why the names of the last of some rounds are not certain.
 
     A cause outside the catalogue at an angle :math:`\theta` from a named one is imitated by this one, and
@@ -36,6 +37,8 @@ def reserve(steps, third):
     steps : sequence of Step, the base fit first
     third : float
         Chi-squared that one more term would have to gain.
+    sets : sequence of sequences of ids
+        Of each name, itself first, those that the data do not tell from it.
 
     Returns
     -------
@@ -44,7 +47,7 @@ def reserve(steps, third):
         explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
         with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "shape": a shape ends
         within a hundredth of its range from its end; "sign": a deposit is negative by three standard
-        deviations; "" if none of these.
+        deviations; "alike": two names stand in each other's set; "" if none of these.
     """
     objective = {}  # of the last fit with so many terms
     for step in steps:
@@ -64,6 +67,8 @@ def reserve(steps, third):
             return "one"
     if cancellation(steps[-1].solution) > CANCELLING:
         return "cancel"
+    if any(one[0] in other[1:] and other[0] in one[1:] for one in sets for other in sets):
+        return "alike"
     return implausible(steps[-1].solution)
 
 

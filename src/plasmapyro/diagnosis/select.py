@@ -233,7 +233,7 @@ class Selector:
             steps.append(step)
         final = step.solution
         sets = tuple(self._set(steps[0], setting.id) for setting in final.settings)
-        doubt = "" if unknown else reserve(steps, limits.third)
+        doubt = "" if unknown else reserve(steps, limits.third, sets)
         status = self._status(final, unknown or doubt, sets)
         return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
 
