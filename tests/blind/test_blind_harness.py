@@ -119,6 +119,18 @@ def test_counts_scatter_as_the_metric_assumes(workbench, metric):
     assert np.median(noise / sigma) == pytest.approx(1.0, abs=0.05)
 
 
+def test_a_swing_of_the_surface_is_no_signal(workbench, metric):
+    """0.3 K with a period of 37 s; the temperature is free every 8 s and linear between."""
+    before = metric.scene.glow
+
+    def glow(instrument, wavelength, kelvin, time):
+        return before(instrument, wavelength, kelvin + 0.3 * np.sin(2 * np.pi * time / 37.0), time)
+
+    output = workbench.clean(dataclasses.replace(metric.scene, glow=glow), metric.gas, metric.base)
+    raw = metric.whiten(output)
+    assert np.linalg.norm(metric.project(raw)) < 0.1 * np.linalg.norm(raw)
+
+
 def test_what_an_analysis_must_leave_free_is_no_signal(workbench, metric):
     """A change of emittance or of the gas within its prior is worth at most its prior."""
     brighter = dataclasses.replace(metric.gas, radiance=metric.gas.radiance * 1.1)

@@ -82,6 +82,30 @@ def test_columns_that_touch_few_bins_have_the_same_normal_matrix(random):
     assert np.allclose(vector, whole.T @ np.linalg.solve(dense, residual.ravel()), rtol=1e-9, atol=1e-11)
 
 
+def test_products_have_the_normal_matrix_of_the_columns_they_stand_for(random):
+    """Of two instruments, one with few channels; patterns of the channels come after them."""
+    columns, products, residuals, weighers, patterns = [], [], [], [], []
+    for place, (bins, channels) in enumerate(((5, 2), (6, 9))):
+        columns.append(random.normal(size=(bins, channels, 4)))
+        columns[-1][:, :, 3] *= (np.arange(bins) == 1)[:, None]
+        products.append((random.normal(size=(bins, channels, 3)), random.normal(size=(bins, 3, 7))))
+        residuals.append(random.normal(size=(bins, channels)))
+        gas = random.normal(size=(bins, channels))
+        noise = Noise(random.uniform(0.5, 2.0, (bins, channels)), random.uniform(0.1, 0.5, bins))
+        weighers.append(Weigher(noise, gas))
+        patterns += [(place, random.normal(size=(bins, channels))) for _ in range(2)]
+    dense = [
+        np.concatenate([c, rows @ shares], axis=2)
+        for c, (rows, shares) in zip(columns, products, strict=True)
+    ]
+    for found, expected in zip(
+        gram(columns, patterns, weighers, residuals, products),
+        gram(dense, patterns, weighers, residuals),
+        strict=True,
+    ):
+        assert np.allclose(found, expected, rtol=1e-9, atol=1e-11)
+
+
 def screen_of(information, score, structures=()):
     from plasmapyro.diagnosis.screen import Candidate
 

@@ -13,6 +13,8 @@ LARGEST = 0.08  # [1], relative step of a temperature
 MOST_STEPS = 25
 LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, lines err in groups
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
+AT_BOUND = 1e-9  # of the range of a number, from its end
+STIFF = 1e8  # times the information of a number that a bound holds
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
@@ -111,20 +113,31 @@ class Solution:
     gas: tuple
     residual: tuple
     factor: tuple  # Cholesky factor of the normal matrix of everything fitted
+    score: np.ndarray  # of everything fitted, priors included: 0 but for what the last step left
     jacobian: tuple  # (n, C, K + V + E) per instrument
     weighers: tuple
 
 
-def gram(columns, patterns, weighers, residuals):
-    """Normal matrix and score of dense columns (n, C, k) and of patterns, which come last.
+def gram(columns, patterns, weighers, residuals, products=None):
+    """Normal matrix and score of dense columns (n, C, k), of products, and of patterns, which come last.
 
-    A pattern (instrument, row (n, C)) stands for one column per channel of that instrument.
+    A pattern (instrument, row (n, C)) stands for one column per channel of that instrument. `products` holds
+    per instrument (rows (n, C, r), shares (n, r, m)) for m more columns `rows @ shares`, cheap if r is small.
     """
-    k = columns[0].shape[2]
+    first = columns[0].shape[2]
+    k = first + (0 if products is None else products[0][1].shape[2])
     sizes = [row.shape[1] for _, row in patterns]
     starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
     for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
+        rows_of_products, fold = None, _unfolded
+        if products is not None and column.shape[1] < FEW_CHANNELS:
+            column = np.concatenate([column, np.matmul(*products[place])], axis=2)
+        elif products is not None:
+            # Each row of each bin is a column of its own until all bins are added up.
+            rows_of_products, shares = products[place]
+            fold = _Fold(first, shares.reshape(-1, shares.shape[2]))
+        count = column.shape[2] + (0 if rows_of_products is None else len(fold.shares))
         weighted = weigher(residual)
         mine = [
             (slice(a, a + n), row)
@@ -132,17 +145,21 @@ def gram(columns, patterns, weighers, residuals):
             if at == place
         ]
         rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
-        cross = np.zeros((residual.shape[1], len(mine), k))
-        along = np.zeros((len(residual), k))
-        for chosen, live in _parts(column):
-            part, some = column[chosen][..., live], weigher.of(chosen)
+        square, score = np.zeros((count, count)), np.zeros(count)
+        cross = np.zeros((residual.shape[1], len(mine), count))
+        along = np.zeros((len(residual), count))
+        for chosen, live, part in _parts(column, rows_of_products):
+            some = weigher.of(chosen)
             root = some.root(part)
-            matrix[:k, :k][_square(live)] += root.T @ root
-            vector[:k][live] += flat(part).T @ weighted[chosen].ravel()
+            square[_square(live)] += root.T @ root
+            score[live] += flat(part).T @ weighted[chosen].ravel()
             if mine:
                 along[chosen, live] = np.matmul(some.gas[:, None, :], part)[:, 0] * some.common[:, None]
                 scaled = rows[:, chosen] * some.weight
                 cross[..., live] += np.matmul(scaled.transpose(2, 0, 1), part.transpose(1, 0, 2))
+        matrix[:k, :k] += fold(fold(square).T)
+        vector[:k] += fold(score)
+        cross, along = fold(cross), fold(along)
         for at, (block, row) in enumerate(mine):
             gas = row * weigher.gas
             part = cross[:, at] - gas.T @ along
@@ -155,15 +172,40 @@ def gram(columns, patterns, weighers, residuals):
     return matrix, vector
 
 
-def _parts(column):
-    """Bins (slices) with the columns that are not zero in them: one by one where most columns touch few bins,
-    else all at once."""
+@dataclass(frozen=True)
+class _Fold:
+    """Turns products (..., first + s) with the rows of all bins into those (..., first + m) with columns, by
+    their shares (s, m)."""
+
+    first: int
+    shares: np.ndarray
+
+    def __call__(self, values):
+        rows = values[..., self.first :]
+        shape = (*values.shape[:-1], self.shares.shape[1])
+        folded = (rows.reshape(-1, len(self.shares)) @ self.shares).reshape(shape)
+        return np.concatenate([values[..., : self.first], folded], axis=-1)
+
+
+def _unfolded(values):
+    return values
+
+
+def _parts(column, rows=None):
+    """Bins (slices), the columns that are not zero in them, and these: one by one where most columns touch
+    few bins or rows (n, C, r) follow that stand for themselves in each bin, else all at once."""
     live = np.any(column, axis=1)
-    if column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size:
-        yield slice(None), slice(None)
+    if rows is None and (column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size):
+        yield slice(None), slice(None), column
         return
     for at, mask in enumerate(live):
-        yield slice(at, at + 1), np.flatnonzero(mask)
+        chosen, own = slice(at, at + 1), np.flatnonzero(mask)
+        part = column[chosen][..., own]
+        if rows is not None:
+            count = rows.shape[2]
+            part = np.concatenate([part, rows[chosen]], axis=2)
+            own = np.concatenate([own, column.shape[2] + at * count + np.arange(count)])
+        yield chosen, own, part
 
 
 def _square(live):
@@ -229,6 +271,17 @@ def numbers_of(settings):
             settings[place].amplitude if name is None else settings[place].shape[name]
             for place, name, *_ in free_numbers(settings)
         ]
+    )
+
+
+def _at_bounds(state, settings):
+    """Whether each free number of the terms (E,) lies at one of its bounds."""
+    return np.array(
+        [
+            min(number - low, high - number) <= AT_BOUND * (high - low)
+            for number, (*_, (low, high), _) in zip(state.amplitudes, free_numbers(settings), strict=True)
+        ],
+        dtype=bool,
     )
 
 
@@ -362,14 +415,8 @@ class Fitter:
             matrix, vector = gram(columns, patterns, weighers, residuals)
             k = prior.shape[0]
             free = free_numbers(settings)
-            centre = np.concatenate([self.rest, self.centre, [number[2] for number in free]])
-            here = np.concatenate([state.knots, state.values, state.amplitudes])
-            matrix[:k, :k] += prior
-            vector[:k] -= prior @ (here - centre)
-            own = np.arange(k, matrix.shape[0])
-            matrix[own, own] += self.pattern_prior
             patterns = self._patterns(state)
-            vector[k:] -= self.pattern_prior * patterns
+            self._pull(matrix, vector, state, settings, prior)
             better = False
             for _ in range(8):
                 damped = matrix.copy()
@@ -407,6 +454,17 @@ class Fitter:
             np.where(np.isfinite(measured), measured - value, 0.0)
             for (value, _, _), measured in zip(predicted, self.measured, strict=True)
         ]
+
+    def _pull(self, matrix, vector, state, settings, prior):
+        """Add the priors to a normal matrix and a score."""
+        k = prior.shape[0]
+        centre = np.concatenate([self.rest, self.centre, [one[2] for one in free_numbers(settings)]])
+        here = np.concatenate([state.knots, state.values, state.amplitudes])
+        matrix[:k, :k] += prior
+        vector[:k] -= prior @ (here - centre)
+        own = np.arange(k, matrix.shape[0])
+        matrix[own, own] += self.pattern_prior
+        vector[k:] -= self.pattern_prior * self._patterns(state)
 
     @staticmethod
     def _within(matrix, vector, state, k, free):
@@ -447,18 +505,22 @@ class Fitter:
     def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
         weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
         residuals = self.residuals(predicted)
-        matrix, _ = gram(
+        matrix, score = gram(
             columns,
             own_patterns(self.model.instruments, [p[2] for p in predicted], gas),
             weighers,
             residuals,
         )
         k = prior.shape[0]
-        matrix[:k, :k] += prior
-        own = np.arange(k, matrix.shape[0])
-        matrix[own, own] += self.pattern_prior
+        self._pull(matrix, score, state, settings, prior)
         factor = cho_factor(matrix)
         covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
+        # What a bound holds is no free direction: tests beside the fit must not move it.
+        held = k - len(state.amplitudes) + np.flatnonzero(_at_bounds(state, settings))
+        if held.size:
+            matrix[held, held] *= STIFF
+            factor = cho_factor(matrix)
+            score[held] = 0.0
         return Solution(
             state=state,
             settings=with_numbers(settings, state.amplitudes),
@@ -472,6 +534,7 @@ class Fitter:
             gas=tuple(gas),
             residual=tuple(residuals),
             factor=factor,
+            score=score,
             jacobian=tuple(columns),
             weighers=weighers,
         )

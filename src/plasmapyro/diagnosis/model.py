@@ -182,25 +182,26 @@ class Model:
         weight = self._channel_weight(instrument, scene)
         gain = self._gain(instrument, values)
         value = gain * self._channels(light.mean(axis=1), weight)
-        output = Output(
-            instrument.kind,
-            instrument.moment.mean(axis=1),
-            self.off,
-            value,
-            instrument.factor,
-            self._gas_level(instrument, scene, weight, gain),
-            np.nanmax(instrument.value, axis=0),
-        )
-        for setting in ordered:
-            effect = EFFECTS[setting.id]
-            if effect.output is not None:
-                output = effect.output(output, setting.amplitude, **setting.shape)
+        detecting = [setting for setting in ordered if EFFECTS[setting.id].output is not None]
+        if detecting:
+            output = Output(
+                instrument.kind,
+                instrument.moment.mean(axis=1),
+                self.off,
+                value,
+                instrument.factor,
+                self._gas_level(instrument, scene, weight, gain),
+                np.nanmax(instrument.value, axis=0),
+            )
+            for setting in detecting:
+                output = EFFECTS[setting.id].output(output, setting.amplitude, **setting.shape)
+            value = output.value
         if not slopes:
-            return output.value
+            return value
         by_knot = scene.path * scene.emittance * slope
         by_knot = np.broadcast_to(by_knot, scene.glow.shape) / 2
         by_knot = gain * self._channels(by_knot, weight)
-        return output.value, np.matmul(by_knot.transpose(0, 2, 1), basis)
+        return value, np.matmul(by_knot.transpose(0, 2, 1), basis)
 
     def _gas(self, instrument, scene):
         """Light of the gas (n, 2, M)."""

@@ -124,9 +124,33 @@ def columns_of_candidates(model, solution, exclude=()):
     return candidates, columns
 
 
+class _Products:
+    """Columns of one instrument as rows (n, C) times shares (n,): few rows, many columns."""
+
+    def __init__(self, shape):
+        self.shape, self.rows, self.shares, self.size = shape, [], [], 0
+
+    def row(self, values):
+        """A row (n, C) to be shared; its number."""
+        self.rows.append(np.broadcast_to(values, self.shape))
+        return len(self.rows) - 1
+
+    def add(self, size, *parts):
+        """`size` columns: the sum of rows times shares over (number of a row, shares (n, size))."""
+        self.shares.append((slice(self.size, self.size + size), parts))
+        self.size += size
+
+    def whole(self):
+        """Rows (n, C, r) and shares (n, r, m)."""
+        shares = np.zeros((self.shape[0], len(self.rows), self.size))
+        for place, parts in self.shares:
+            for number, own in parts:
+                shares[:, number, place] += own
+        return np.stack(self.rows, axis=2), shares
+
+
 def structures_of(model, solution):
-    """Unknown structures: dense columns (n, C, m) per instrument, patterns over the channels, and their
-    classes.
+    """Unknown structures: columns per instrument as products, patterns over the channels, and their classes.
 
     Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
     adds to
@@ -136,56 +160,59 @@ def structures_of(model, solution):
 
     Returns
     -------
-    classes : tuple of Structure, whose columns count from the first dense one; patterns follow
-    dense : list of (n, C, m)
+    classes : tuple of Structure, whose columns count from the first product; patterns follow
+    products : list of (rows (n, C, r), shares (n, r, m)): the columns `rows @ shares`
     patterns : list of (instrument, row (n, C)): one column per channel, the row at that channel
     """
     instruments = model.instruments
-    classes, blocks, patterns, named = [], [[] for _ in instruments], [], []
+    classes, patterns, named = [], [], []
+    products = [_Products(one.value.shape) for one in instruments]
     total = 0
 
     def add(identity, name, per_instrument):
+        """A class from (number of a row, shares) of each instrument it touches."""
         nonlocal total
-        size = next(rows.shape[2] for rows in per_instrument if rows is not None)
-        for place, (rows, one) in enumerate(zip(per_instrument, instruments, strict=True)):
-            blocks[place].append(np.zeros((*one.value.shape, size)) if rows is None else rows)
+        size = next(iter(per_instrument.values()))[0][1].shape[1]
+        for place, own in enumerate(products):
+            own.add(size, *per_instrument.get(place, ()))
         classes.append(Structure(identity, name, slice(total, total + size)))
         total += size
 
+    gas_rows, smooth = [], {}
     for place, (one, value, gas) in enumerate(
         zip(instruments, solution.prediction, solution.gas, strict=True)
     ):
-        time = one.moment.mean(axis=1)
-
-        def only(rows, place=place):
-            return [rows if other == place else None for other in range(len(instruments))]
-
+        own, time = products[place], one.moment.mean(axis=1)
         walk, wave = _walk(time), _waves(time, model.off)
+        gas_rows.append(own.row(gas))
         if one.kind == "spectrometer":
-            add(
-                "walk_spectrometer",
-                "wandering gain of the spectrometer",
-                only(value[..., None] * walk[:, None, :]),
-            )
-            add(
-                "wave_spectrometer",
-                "periodic gain of the spectrometer",
-                only(value[..., None] * wave[:, None, :]),
-            )
+            whole = own.row(value)
+            add("walk_spectrometer", "wandering gain of the spectrometer", {place: [(whole, walk)]})
+            add("wave_spectrometer", "periodic gain of the spectrometer", {place: [(whole, wave)]})
             for identity, name, row in _spectral_patterns(model, solution, time, value, gas):
                 patterns.append((place, row))
                 named.append((identity, name, one.channels))
         else:
-            for identity, name, row in _BANDS:
-                rows = (value * np.array(row))[..., None] * walk[:, None, :]
-                add(identity, name, only(rows))
+            bands = [own.row(value * np.eye(2)[band]) for band in (0, 1)]
+            for identity, name, signs in _BANDS:
+                walks, waves = (
+                    {place: [(band, sign * steps) for band, sign in zip(bands, signs, strict=True)]}
+                    for steps in (walk, wave)
+                )
+                add(identity, name, walks)
                 if identity in ("walk_pyrometer", "walk_ratio"):
-                    rows = (value * np.array(row))[..., None] * wave[:, None, :]
-                    other = identity.replace("walk", "wave")
-                    add(other, name.replace("wandering", "periodic"), only(rows))
-    add("walk_gas", "wandering brightness of the gas", _common_walk(instruments, solution.gas, model.off))
-    smooth = [_smooth(model, one, value) for one, value in zip(instruments, solution.prediction, strict=True)]
-    if any(rows is not None for rows in smooth):
+                    add(identity.replace("walk", "wave"), name.replace("wandering", "periodic"), waves)
+        if one.weight is None:
+            smooth[place] = [
+                (own.row(value * wave), shares) for wave, shares in zip(*_smooth(model, one), strict=True)
+            ]
+    walks = _common_walk(instruments, model.off)
+    add(
+        "walk_gas",
+        "wandering brightness of the gas",
+        {place: [(row, walk)] for place, (row, walk) in enumerate(zip(gas_rows, walks, strict=True))},
+    )
+    if smooth:
         add("smooth", "smooth map over time and wavelength", smooth)
     spectral = []
     for (place, _), (identity, name, channels) in zip(patterns, named, strict=True):
@@ -212,7 +239,7 @@ def structures_of(model, solution):
         if one.id == "pattern"
     ]
     classes = [one for one in classes if not one.id.startswith("wave")] + singles
-    return tuple(classes), [np.concatenate(block, axis=2) for block in blocks], patterns
+    return tuple(classes), [own.whole() for own in products], patterns
 
 
 SINGLE_NAMES = {
@@ -271,13 +298,10 @@ def _line_shapes(model, place):
     return mean / mean.max(axis=0)
 
 
-def _common_walk(instruments, gas, off):
-    """Columns of a random walk of the brightness of the gas that both instruments see."""
+def _common_walk(instruments, off):
+    """Steps (n, m) per instrument of a random walk of the brightness of the gas that all see."""
     ends = np.linspace(0.0, off, WALK_STEPS + 1)[:-1]
-    return [
-        own[..., None] * ((one.moment.mean(axis=1)[:, None] >= ends) / np.sqrt(WALK_STEPS))[:, None, :]
-        for one, own in zip(instruments, gas, strict=True)
-    ]
+    return [(one.moment.mean(axis=1)[:, None] >= ends) / np.sqrt(WALK_STEPS) for one in instruments]
 
 
 def _spectral_patterns(model, solution, time, value, gas):
@@ -302,16 +326,15 @@ def _spectral_patterns(model, solution, time, value, gas):
     )
 
 
-def _smooth(model, one, value):
-    """Columns (n, C, m) of a smooth map of the spectrometer; None for the pyrometer."""
-    if one.weight is not None:
-        return None
+def _smooth(model, one):
+    """Waves (w, C) over the channels of a spectrometer and, for each, shares (n, m) of the columns of a
+    smooth map: hats in time."""
     time = np.clip(one.moment.mean(axis=1), -20, None)
     x = np.clip((one.wavelength - one.wavelength[0]) / (one.wavelength[-1] - one.wavelength[0]), 0, 1)
-    waves = np.cos(np.pi * x[:, None] * np.arange(1, MAP_WAVES + 1))
+    waves = np.cos(np.pi * np.arange(1, MAP_WAVES + 1)[:, None] * x)
     places = np.array([-10.0, 3.0, 10.0, 25.0, 60.0, 150.0, model.off - 1, model.off + 5, model.off + 30])
     hats = np.stack([np.interp(time, places, row) for row in np.eye(places.size)], axis=1)
-    return np.einsum("nc,ci,nj->ncij", value, waves, hats).reshape(*value.shape, -1)
+    return waves, [np.kron(own, hats) for own in np.eye(MAP_WAVES)]
 
 
 def screen(model, solution, exclude=(), structures=True):
@@ -330,15 +353,15 @@ def screen(model, solution, exclude=(), structures=True):
     Screen
     """
     candidates, columns = columns_of_candidates(model, solution, exclude)
-    classes, patterns, sought = (), [], [columns]
+    classes, patterns, products, more = (), [], None, 0
     if structures:
-        classes, unknown, patterns = structures_of(model, solution)
-        sought.append(unknown)
+        classes, products, patterns = structures_of(model, solution)
+        more = products[0][1].shape[2]
     fitted = solution.jacobian[0].shape[2]
-    dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, *sought, strict=True)]
+    dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, columns, strict=True)]
     mine = own_patterns(model.instruments, solution.plain, solution.gas)
-    matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual)
-    tests = dense[0].shape[2] - fitted
+    matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual, products)
+    tests = dense[0].shape[2] - fitted + more
     base_patterns = sum(row.shape[1] for _, row in mine)
     first = fitted + tests
     base = np.r_[0:fitted, first : first + base_patterns]
@@ -350,9 +373,9 @@ def screen(model, solution, exclude=(), structures=True):
     projected = (projected + projected.T) / 2
     plain = np.diag(own)
     left = np.diag(projected) / np.where(plain > 0, plain, np.inf)
-    return Screen(
-        candidates, classes, vector[rest], projected, left, carried[: model.size, : len(candidates)]
-    )
+    # What the fit has left undone is none of the others' business.
+    score = vector[rest] - carried.T @ solution.score
+    return Screen(candidates, classes, score, projected, left, carried[: model.size, : len(candidates)])
 
 
 def angles(information):

@@ -9,6 +9,7 @@ from plasmapyro import progress
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import Solution, log_evidence, numbers_of
 from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.reserve import reserve
 from plasmapyro.diagnosis.screen import Screen, Unknowns, angles, gain, screen, simulated
 
 MOST_TERMS = 3
@@ -87,6 +88,7 @@ class Selection:
     status: str
     unknown_class: str | None
     thresholds: Thresholds
+    reserve: str = ""  # why the names are not certain, see `reserve`
 
 
 def linear_evidence(found):
@@ -175,8 +177,16 @@ class Selector:
         if self.thresholds is None:
             self.thresholds = calibrated(step.found, self.draws, self.seed)
         limits = self.thresholds
-        trials, unknown = {}, None
+        trials, unknown, seen = {}, None, set()
         while len(step.solution.settings) < MOST_TERMS:
+            terms = frozenset((setting.id, *sorted(setting.shape)) for setting in step.solution.settings)
+            if terms in seen:  # terms drive each other out in a circle: the best of them stands for all
+                step = min(steps, key=lambda one: one.solution.objective)
+                steps.append(step)
+                if step.unknown.max() > limits.unknown:
+                    unknown = step.found.structures[int(step.unknown.argmax())].id
+                break
+            seen.add(terms)
             first = not step.solution.settings
             needed = limits.effect if first else limits.third + self._of_formulas(steps)
             wanted = np.where(step.gains > needed, step.gains, 0.0)
@@ -223,8 +233,9 @@ class Selector:
             steps.append(step)
         final = step.solution
         sets = tuple(self._set(steps[0], setting.id) for setting in final.settings)
-        status = self._status(final, unknown, sets)
-        return Selection(tuple(steps), final, sets, trials, status, unknown, limits)
+        doubt = "" if unknown else reserve(steps, limits.third, sets)
+        status = self._status(final, unknown or doubt, sets)
+        return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
 
     def _wandering(self, step):
         """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is

@@ -11,10 +11,11 @@ def verdict_sentences(status, candidates, terms, p_value, unknown_name, gained, 
     terms : list of ids
     p_value : float
     unknown_name : str or None
+        Of the structure that remains.
     gained : Gain or None
     limits : list of entries of the report, worst first
     unsure : list of str
-        Why the base fit is not adequate, or parameters far from their priors.
+        Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
     lines = []
@@ -31,7 +32,7 @@ def verdict_sentences(status, candidates, terms, p_value, unknown_name, gained, 
         lines.append(f"The data reject the base model ({p}); the best explanation: {names}.")
         for identity in terms:
             lines.append(candidates[identity]["sentence"])
-        if status == "named+unknown":
+        if status == "named+unknown" and unknown_name:
             lines.append(f"Something else remains that the catalogue does not explain: {unknown_name}.")
     lines += unsure
     if gained is not None:

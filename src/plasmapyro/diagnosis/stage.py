@@ -15,6 +15,7 @@ from plasmapyro.diagnosis.inference import free_numbers
 from plasmapyro.diagnosis.kelvin import PaperShift, fitted_shift, paper_temperature
 from plasmapyro.diagnosis.library import gas_library
 from plasmapyro.diagnosis.probability import honest
+from plasmapyro.diagnosis.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
 from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
@@ -158,6 +159,7 @@ class _Report:
         unknown_name = self._structure_name(self.selection.unknown_class)
         pulls = self._pulls(final)
         unsure = [why] if why else []
+        unsure += [RESERVES[self.selection.reserve]] if self.selection.reserve else []
         unsure += [
             f"The fit moves the {row['name']} by {row['pull']:+.1f} prior standard deviations."
             for row in pulls
@@ -437,7 +439,7 @@ class _Report:
             for identity, value in trials.items():
                 log[identity] = share + value - reference
         log["unknown"] = np.log(PRIOR_UNKNOWN) + float(first.unknown.max())
-        if self.selection.final.settings and not self.selection.unknown_class:
+        if self.selection.final.settings and self.selection.status != "named+unknown":
             log["unknown"] = min(log["unknown"], max(log.values()) - 5.0)
         if self.selection.status == "null":
             log["none"] = max(log["none"], max(log.values()) + 1.0)

@@ -11,7 +11,7 @@ STATUS = {  # status: (words, colour of the verdict's edge)
     "null": ("nothing wrong was found", "fine"),
     "named": ("a cause is named", "finding"),
     "one-of": ("one of several causes", "finding"),
-    "named+unknown": ("a cause is named, and something else is wrong", "open"),
+    "named+unknown": ("a cause is named, and something else may be wrong", "open"),
     "unknown": ("something is wrong that no known cause explains", "open"),
     "not-adequate": ("no judgement: the base model does not follow the data", "open"),
 }

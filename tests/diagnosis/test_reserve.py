@@ -1,0 +1,143 @@
+"""When names are given with reserve, and what a bound means for tests beside a fit."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.inference import Fitter, Noise
+from plasmapyro.diagnosis.model import Setting
+from plasmapyro.diagnosis.reserve import reserve
+from plasmapyro.diagnosis.screen import screen
+
+THIRD = 18.0  # chi-squared that one more term must gain
+STRENGTH = 20.0  # standard deviations of what is hidden
+EARLY = 0.1  # [1], of a gain: a step that is not small is not linear
+NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear estimate
+
+
+def round_of(names, objective, left=0.0, amplitudes=None, covariance=None):
+    settings = tuple(Setting(name, 1.0, {}) for name in names)
+    solution = SimpleNamespace(
+        settings=settings,
+        objective=objective,
+        state=SimpleNamespace(amplitudes=np.ones(len(names)) if amplitudes is None else amplitudes),
+        covariance=np.eye(len(names) + 3) if covariance is None else covariance,
+    )
+    return SimpleNamespace(solution=solution, gains=np.array([left, 0.5 * left]))
+
+
+def rounds(*explained, left=0.0):
+    """Rounds of orthogonal names that explain so much chi-squared each, and what the best other would add."""
+    objective = 1e4 - np.concatenate([[0.0], np.cumsum(explained)])
+    last = len(explained)
+    return [
+        round_of(("winE", "phi", "off1")[:count], value, left if count == last else 0.0)
+        for count, value in enumerate(objective)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "expected"), [(10.0, ""), (20.0, "one"), (28.0, "one"), (33.0, ""), (60.0, "")]
+)
+def test_one_cause_near_a_name_is_no_pair_and_two_as_strong_ones_are(degrees, expected):
+    """A cause in the plane of two orthogonal names leaves each the square of its cosine."""
+    along, across = (STRENGTH * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])) ** 2
+    assert reserve(rounds(along, across), THIRD) == expected
+
+
+def test_a_third_name_is_held_against_both_before():
+    assert reserve(rounds(100.0, 90.0, 70.0), THIRD) == ""
+    assert reserve(rounds(100.0, 90.0, 50.0), THIRD) == "one"
+
+
+def test_a_rest_must_be_beyond_noise_and_beyond_what_formulas_err_by():
+    assert reserve(rounds(200.0, left=THIRD - 1), THIRD) == ""
+    assert reserve(rounds(200.0, left=21.0), THIRD) == "rest"
+    assert reserve(rounds(2500.0, left=240.0), THIRD) == ""
+    assert reserve(rounds(2500.0, left=260.0), THIRD) == "rest"
+
+
+@pytest.mark.parametrize(
+    ("degrees", "second", "expected"), [(10, -0.9, "cancel"), (10, 0.9, ""), (60, -0.9, "")]
+)
+def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expected):
+    """Both are as long as 20 standard deviations; what is seen is their small difference."""
+    columns = STRENGTH * np.array([[1.0, 0.0], [np.cos(np.radians(degrees)), np.sin(np.radians(degrees))]])
+    covariance = np.eye(5)
+    covariance[3:, 3:] = np.linalg.inv(columns @ columns.T)
+    last = round_of(("winE", "phi"), 9.0e3, 0.0, np.array([1.0, second]), covariance)
+    steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
+    assert reserve(steps, THIRD) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude", "shape", "expected"),
+    [
+        ("winE_sl", 0.05, {"exponent": 2.0}, ""),
+        ("winE_sl", 0.05, {"exponent": 0.7}, "shape"),
+        ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
+        ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
+        ("refl", 1.0, {"diffuse": 0.0}, ""),  # a mirror
+        ("h2o", -0.05, {}, ""),  # more of it in the calibration
+    ],
+)
+def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitude, shape, expected):
+    settings = (Setting(name, amplitude, shape),)
+    last = round_of(("winE",), 9e3, 0.0, np.array([amplitude, *shape.values()]), np.diag([1e-4] * 5))
+    last.solution.settings = settings
+    assert reserve([round_of((), 1e4), last], THIRD) == expected
+
+
+def test_two_names_of_one_set_are_no_pair():
+    steps = rounds(100.0, 90.0)
+    assert reserve(steps, THIRD, (("winE", "phi"), ("phi", "winE", "off1"))) == "alike"
+    assert reserve(steps, THIRD, (("winE", "off1"), ("phi", "off2"))) == ""
+
+
+def test_a_free_shape_does_not_hide_that_names_cancel():
+    """A third column, of the shape, in which the second name may lean: its amplitude alone is badly known."""
+    columns = STRENGTH * np.array([[1.0, 0.0, 0.0], [0.985, 0.17, 0.02], [0.1, 0.017, 0.0021]])
+    covariance = np.eye(6)
+    covariance[3:, 3:] = np.linalg.inv(columns @ columns.T + 1e-9 * np.eye(3))
+    last = round_of(("winE", "winD_sl"), 9.0e3, 0.0, np.array([1.0, 0.9, 2.0]), covariance)
+    last.solution.settings = (Setting("winE", 1.0, {}), Setting("winD_sl", 0.9, {"exponent": 2.0}))
+    steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
+    assert reserve(steps, THIRD) == ""
+    last.solution.state.amplitudes[0] = -0.9
+    assert reserve(steps, THIRD) == "cancel"
+
+
+def test_without_a_name_there_is_nothing_to_reserve():
+    assert reserve([round_of((), 1e4, left=500.0)], THIRD) == ""
+
+
+def test_a_number_that_a_bound_holds_is_no_free_direction(model):
+    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
+    term can gain more beside it than the objective holds."""
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    hidden = (Setting("winE", 0.03, {}),)
+    measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
+    noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
+    fitter = Fitter(model, noise, measured)
+    start = fitter.start(knots, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
+    solution = fitter.fit(start, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
+    assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
+    found = screen(model, solution, exclude=("winE_sl",), structures=False)
+    assert found.gains().max() < NOT_LINEAR * solution.objective
+
+
+def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
+    """Two steps towards perfect data of the base model: the gains are those beside the converged fit."""
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    hidden = (Setting("winE", 0.03, {}),)
+    measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
+    noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
+    fitter = Fitter(model, noise, measured)
+    early, late = (fitter.fit(fitter.start(knots + 1.0), steps=steps) for steps in (1, 20))
+    assert early.objective > late.objective + 1.0
+    gains = [screen(model, one, structures=False).gains() for one in (early, late)]
+    strong = gains[1] > 0.1 * gains[1].max()
+    assert gains[0][strong] == pytest.approx(gains[1][strong], rel=EARLY)
