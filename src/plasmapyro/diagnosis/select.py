@@ -27,7 +27,6 @@ PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must brin
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
 WORTH = 5.0  # chi-squared that a term must promise by the strengths of the gas to be fitted from there
-BEHIND_POWER = "P_eff"  # the term that says what the parameter `power` of the base model may hide
 FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides
 
 
@@ -181,16 +180,15 @@ class Selector:
     def _needed(self, steps):
         """Chi-squared (candidates,) that a further term must bring.
 
-        ASSUME: a power that leaves its prior is a finding by itself; it is one test, not one of many.
+        ASSUME: a power that leaves its prior is a finding by itself, whichever term of the gas stands behind
+        it: one test, not one of many.
         """
         step, limits = steps[-1], self.thresholds
         needed = np.full(step.found.count, limits.effect)
         if step.solution.settings:
             needed = limits.third + self._of_formulas(steps)
-        place = self.model.index["power"]
-        pull = step.solution.state.values[place] / self.model.parameters[place].sigma
-        if abs(pull) > norm.ppf(1 - LEVEL / 2):
-            alone = np.array([one.id == BEHIND_POWER for one in step.found.candidates])
+        if self._too_strong(step.solution):
+            alone = np.array([one.id in step.refits for one in step.found.candidates])
             needed = np.where(alone, np.minimum(needed, ALONE), needed)
         return needed
 
@@ -233,12 +231,15 @@ class Selector:
                 break
             seen.add(terms)
             first = not step.solution.settings
-            wanted = np.where(step.gains > self._needed(steps), step.gains, 0.0)
+            needed = self._needed(steps)
+            wanted = np.where(step.gains > needed, step.gains, 0.0)
             order = best_by_id(step.found.candidates, wanted)
             best = order[0] if order else None
             evidence = self._evidence_of(step)
             top_unknown = float(step.unknown.max())
             enough = best is not None and wanted[best] > 0
+            chosen = self._best_refit(step, wanted, trials if first else None) if enough else None
+            enough = enough and self._holds(step, chosen, needed)
             if first and enough:
                 pair, one, two = best_pair(step.found, step.gains)
                 if pair > step.gains[best] + PAIR_PRICE * limits.third:
@@ -259,7 +260,6 @@ class Selector:
                         continue
                     unknown = step.found.structures[int(step.unknown.argmax())].id
                 break
-            chosen = self._best_refit(step, wanted, trials if first else None)
             if beaten and not self._explains(chosen, step, top_unknown):
                 far = self._mostly(step, top_unknown)
                 if far is not None:
@@ -309,10 +309,23 @@ class Selector:
         amplitude = already[0].amplitude if already else 0.0
         return self.fit(step.solution, (*others, Setting(WANDER, amplitude, shape)))
 
+    @staticmethod
+    def _holds(step, chosen, needed):
+        """Whether the refit, non-linear and within its bounds, gains enough, as the tangent promised."""
+        (new,) = {one.id for one in chosen.settings} - {one.id for one in step.solution.settings}
+        least = min(n for n, one in zip(needed, step.found.candidates, strict=True) if one.id == new)
+        return step.solution.objective - chosen.objective > least
+
     def _explains(self, chosen, step, top_unknown):
         """Whether the refit, non-linear, gains as much as the unknown structure."""
         gained = step.solution.objective - chosen.objective
         return 0.5 * gained - 5.0 > top_unknown - MARGIN
+
+    def _too_strong(self, solution):
+        """Whether the power of a fit has left its prior."""
+        place = self.model.index["power"]
+        pull = solution.state.values[place] / self.model.parameters[place].sigma
+        return abs(pull) > norm.ppf(1 - LEVEL / 2)
 
     def _mostly(self, step, top_unknown):
         """Best of the fits from far away that explains enough to be named beside what stays unknown, or None.
@@ -373,7 +386,7 @@ class Selector:
                 without.append(self.fit(solution, kept))
             least = min(without, key=lambda one: one.objective)
             (lost,) = {one.id for one in solution.settings} - {one.id for one in least.settings}
-            limit = ALONE if lost == BEHIND_POWER else self.thresholds.effect
+            limit = ALONE if lost in strengths.BEHIND and self._too_strong(least) else self.thresholds.effect
             if least.objective - solution.objective > limit:
                 break
             solution = least

@@ -33,8 +33,8 @@ def guess(model):
     before, after = (np.nanmean(one.value[rows], axis=0) for rows in early)
     known = np.isfinite(before) & np.isfinite(after)
     before, after = before[known], after[known]
-    groups = np.array([index[name] for name in model.groups])
-    sigma = np.array([model.parameters[place].sigma for place in groups])
+    places = model.strengths
+    sigma = np.array([model.parameters[place].sigma for place in places])
     weight = 1 / (ERROR * np.maximum(before, 0.1 * np.mean(before)))
     best = np.inf
     for power in POWERS:
@@ -42,7 +42,7 @@ def guess(model):
         level = np.sum(before * weight**2 * light.sum(axis=0)) / np.sum((weight * light.sum(axis=0)) ** 2)
         if not level > 0:
             continue
-        columns = level * light * weight * sigma[:, None]
+        columns = level * (model.acts_on @ light) * weight * sigma[:, None]
         rest = (before - level * light.sum(axis=0)) * weight
         step = np.linalg.solve(columns @ columns.T + np.eye(sigma.size), columns @ rest)
         left = rest - step @ columns
@@ -54,8 +54,8 @@ def guess(model):
             best = cost
             found = values.copy()
             found[index["power"]] = power
-            found[groups] = np.clip(np.log(np.maximum(1 + step * sigma, 0.1)), -LARGEST, LARGEST)
-            fitted = level * (1 + step * sigma) @ light
+            found[places] = np.clip(np.log(np.maximum(1 + step * sigma, 0.1)), -LARGEST, LARGEST)
+            fitted = before - (rest - step @ columns) / weight
             fainter = np.log(max(np.median(after / np.maximum(fitted, 1e-300)), 1e-3))
             found[index["gas"]] = np.log(level) + fainter
             found[index["before_injection"]] = -fainter
@@ -82,8 +82,9 @@ def behind(model, values, terms=tuple(BEHIND)):
     shapes within a group are left to the fit.
     """
     library, index = model.library, model.index
-    groups = np.array([index[name] for name in model.groups])
-    sigma = np.hypot(np.array([model.parameters[place].sigma for place in groups]), SPREAD)
+    places, acts = model.strengths, model.acts_on
+    variance = np.array([model.parameters[place].sigma for place in places]) ** 2
+    known = np.linalg.inv(acts.T @ (variance[:, None] * acts) + SPREAD**2 * np.eye(acts.shape[1]))
     power, gas = index["power"], index["gas"]
     pull = np.array([1 / model.parameters[place].sigma for place in (power, gas)])
 
@@ -93,16 +94,15 @@ def behind(model, values, terms=tuple(BEHIND)):
     def of_power(change):
         return means(np.log(library.power_factor(change)))
 
-    whole = values[groups] + of_power(values[power]) + values[gas]
+    whole = values[places] @ acts + of_power(values[power]) + values[gas]
     step = values[power] if abs(values[power]) > 0.05 else 0.05
-    slopes = np.stack([of_power(step) / step, np.ones(groups.size)], axis=1)
+    slopes = np.stack([of_power(step) / step, np.ones(acts.shape[1])], axis=1)
 
     def rest(wanted):
-        columns = slopes / sigma[:, None]
-        normal = columns.T @ columns + np.diag(pull**2)
-        found = np.linalg.solve(normal, columns.T @ (wanted / sigma))
+        found = np.linalg.solve(slopes.T @ known @ slopes + np.diag(pull**2), slopes.T @ known @ wanted)
         left = wanted - slopes @ found
-        return float(np.sum((left / sigma) ** 2) + np.sum((pull * found) ** 2)), found, left
+        cost = left @ known @ left + np.sum((pull * found) ** 2)
+        return float(cost), found, variance * (acts @ known @ left)
 
     plain = rest(whole)[0]
     result = []
@@ -116,7 +116,7 @@ def behind(model, values, terms=tuple(BEHIND)):
             cost, found, left = rest(whole - means(np.log(library.factor(name, amplitude))))
             if best is None or cost < best[0]:
                 start = values.copy()
-                start[[power, gas]], start[groups] = found, left
+                start[[power, gas]], start[places] = found, left
                 best = (cost, term, float(amplitude), start)
         result.append((plain - best[0], *best[1:]))
     return sorted(result, key=lambda one: -one[0])
