@@ -26,6 +26,7 @@ LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: t
 PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
+FAR_FITS = 2  # of the terms that may stand behind moved strengths
 WORTH = 5.0  # chi-squared that a term must promise by the strengths of the gas to be fitted from there
 FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides
 
@@ -166,9 +167,8 @@ class Selector:
         """
         terms = [one for one in strengths.BEHIND if one not in (*used, *self.exclude)]
         fits = {}
-        for promised, identity, amplitude, values in strengths.behind(
-            self.model, solution.state.values, terms
-        ):
+        ranking = strengths.behind(self.model, solution.state.values, terms)
+        for promised, identity, amplitude, values in ranking[:FAR_FITS]:
             if promised < WORTH:
                 break
             low, high = EFFECTS[identity].bounds
