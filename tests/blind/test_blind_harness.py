@@ -140,6 +140,22 @@ def test_what_an_analysis_must_leave_free_is_no_signal(workbench, metric):
     assert np.linalg.norm(raw) > 10 * left and left < 1.0  # a tenth of 30 % before and after injection
 
 
+@pytest.mark.parametrize("steps", [4.0, 8.0])
+def test_a_line_many_times_as_bright_costs_the_steps_of_its_strength(workbench, metric, steps):
+    """Strengths are factors: six steps of 5 % make 1.35, which a tangent would count as seven."""
+    name, (system, first, last) = "O I 777", bench.LINES["O I 777"]
+    radiance = metric.gas.radiance.copy()
+    inside = (metric.gas.centres > first * 1e-9) & (metric.gas.centres < last * 1e-9)
+    radiance[metric.gas.systems.index(system), inside] *= np.exp(steps * bench.LINE_ERROR)
+    other = dataclasses.replace(metric.gas, radiance=radiance)
+    change = metric.whiten(workbench.clean(metric.scene, other, metric.base))
+    linear = metric.project(change)
+    start = np.clip(linear[-len(metric.nuisance) :], -1, 1)
+    found = metric._beyond_tangents(change, start)
+    assert np.linalg.norm(found) <= steps * (1 + 1e-2), name
+    assert np.linalg.norm(found) < np.linalg.norm(linear)
+
+
 def test_alike_effects_are_close_and_others_far(metric):
     assert metric.angle("winD", "winD") == pytest.approx(0.0, abs=1e-3)
     assert metric.angle("winD", "winD_sl") < 40

@@ -128,12 +128,12 @@ def calibration(response):
 def record(axis, response):
     """Makes a test: record(window_loss=..., ratio_error=..., seed=...)."""
 
-    def make(*, seed=1, window_loss=0.0, ratio_error=0.0, fringe=0.0, noise=1.0, emittance=0.85):
+    def make(*, seed=1, window_loss=0.0, ratio_error=0.0, fringe=0.0, noise=1.0, emittance=0.85, power=80e3):
         random = np.random.default_rng(seed)
         time = np.arange(-12.0, 150.0, 0.5) + 0.05
         middle = np.arange(-11.5, 150.0, 1.0)
         pixels = np.arange(752e-9, 1028e-9, 0.8e-9)
-        plume = gas_components(axis, 80e3).sum(axis=0)
+        plume = gas_components(axis, power).sum(axis=0)
 
         def light(wavelength, gas, moment):
             moment = moment[:, None]
@@ -152,7 +152,7 @@ def record(axis, response):
         )
         signals = signals * (1 + noise * 0.003 * random.standard_normal(signals.shape))
         nodes = middle[:, None] + 0.45 * np.array([-1, 0, 1]) * np.sqrt(3 / 5)
-        seen = gas_components(pixels, 80e3).sum(axis=0)
+        seen = gas_components(pixels, power).sum(axis=0)
         spectra = sum(
             share * light(pixels, seen, nodes[:, place])
             for place, share in enumerate((5 / 18, 8 / 18, 5 / 18))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from twin import light, lines
+from twin import light, lines, nitrogen
 
 SECOND = 1.438776877  # [cm K] h c / k
 BIN = 0.02e-9  # [m] of the stored spectra
@@ -19,6 +19,7 @@ RADIATOR = {"N I": "N", "O I": "O", "N2 1P": "N2", "N2+ Meinel": "N2+"}
 ATOMS = {"N I": (lines.NITROGEN, 96000.0), "O I": (lines.OXYGEN, 97000.0)}
 MOLECULES = {"N2 1P": 61000.0, "N2+ Meinel": 10500.0}  # [cm-1] typical upper level above the ground state
 ENERGY = {**{name: other for name, (_, other) in ATOMS.items()}, **MOLECULES}
+LEVELS = (59000.0, 105000.0)  # [cm-1] above the ground state: levels of N2 B with their rotation
 FOLLOWS = {  # the fainter systems: what their emission follows, with a typical upper level [cm-1]
     "NO 11000 A": ("NO", 60000.0),
     "NO beta": ("NO", 46000.0),
@@ -93,7 +94,17 @@ class Gas:
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
-        return self._with_factors(lambda system, energy: self._heating(system, energy, change))
+        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        energy = np.linspace(LEVELS[0], LEVELS[1], 12)
+        gain = [np.log(self._heating("N2 1P", one, change)) for one in energy]
+
+        def factor(vibration, rotation):
+            return np.exp(np.interp(vibration + rotation, energy, gain))
+
+        return self._with_factors(
+            lambda system, energy: self._heating(system, energy, change),
+            nitrogen.change(self.centres, mean, factor),
+        )
 
     def rippled(self, amplitude):
         """Spectrum (B,) averaged over a sinusoidal ripple of the temperature."""
@@ -102,19 +113,11 @@ class Gas:
 
     def vibrating(self, ratio):
         """Spectrum (B,) with the vibration of N2 B at `ratio` times the temperature, its number kept."""
-        level = np.array(lines.NITROGEN_VIBRATION, dtype=float)
-        level -= level[0]
         mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
-        now, then = (np.exp(-SECOND * level / temperature) for temperature in (mean, mean * ratio))
-        factor = (then / then.sum()) / (now / now.sum())
-        weight = np.zeros((level.size, self.centres.size))
-        for upper, origin, probability in lines.NITROGEN_BANDS:
-            blue = (origin * 1.00027 + 1.5 - self.centres * 1e9) / 9.0  # nm: degraded to the violet
-            weight[upper] += now[upper] * probability * np.where(blue > 0, np.exp(-np.maximum(blue, 0)), 0.0)
-        weight += 1e-6 * now[:, None]
-        mixed = (factor[:, None] * weight).sum(axis=0) / weight.sum(axis=0)
         changed = self.radiance.copy()
-        changed[self.systems.index("N2 1P")] *= mixed
+        changed[self.systems.index("N2 1P")] *= nitrogen.change(
+            self.centres, mean, nitrogen.vibrational(mean, ratio)
+        )
         return changed.sum(axis=0)
 
     def self_absorbed(self, depth):
@@ -127,7 +130,8 @@ class Gas:
         changed[self.systems.index("O I")] *= kept
         return changed.sum(axis=0)
 
-    def _with_factors(self, factor):
+    def _with_factors(self, factor, shaped=None):
+        """Spectrum (B,) with each system times factor(system, energy); N2 1P times `shaped` (B,) if given."""
         changed = np.empty_like(self.radiance)
         for row, system in enumerate(self.systems):
             if system in ATOMS:
@@ -136,6 +140,8 @@ class Gas:
                 for first, last, energy in multiplets:
                     inside = (self.centres >= first * 1e-9) & (self.centres <= last * 1e-9)
                     scale[inside] = factor(system, energy)
+            elif system == "N2 1P" and shaped is not None:
+                scale = shaped
             elif system in MOLECULES or system in FOLLOWS:
                 scale = factor(system, ENERGY.get(system) or FOLLOWS[system][1])
             else:

@@ -6,6 +6,7 @@ import numpy as np
 
 from plasmapyro import progress
 from plasmapyro.diagnosis import noise as noises
+from plasmapyro.diagnosis import strengths
 from plasmapyro.diagnosis.inference import Fitter, Solution
 from plasmapyro.diagnosis.model import INITIAL_TEMPERATURE, Model
 
@@ -134,14 +135,15 @@ def fit_base(model, rounds=2):
     -------
     Base
     """
-    values = np.array([parameter.centre for parameter in model.parameters])
+    values = strengths.guess(model)
     cold = np.full(model.size, 300.0)
     gas = [
         model.evaluate(which, cold, values) * (one.moment[:, :1] < model.off)
         for which, one in enumerate(model.instruments)
     ]
     fitter = Fitter(model, noises.first_guess(model, gas))
-    solution = fitter.fit(fitter.start(guess_temperature(model)), tolerance=20.0)
+    start = replace(fitter.start(guess_temperature(model)), values=values)
+    solution = fitter.fit(start, tolerance=20.0)
     laws = ()
     for last in range(rounds):
         progress.step("diagnosis: base model, round", last + 1, rounds)

@@ -6,6 +6,7 @@ from plasmapyro.diagnosis import binning, observation
 from plasmapyro.diagnosis.model import History, Model, Parameter, knots
 from plasmapyro.diagnosis.observation import Instrument
 from plasmapyro.diagnosis.scene import planck_and_slope
+from plasmapyro.diagnosis.templates import BANDS_OF
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.spectrometer import USABLE, measured_radiance
 
@@ -15,6 +16,7 @@ DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 coun
 PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
 POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
 GROUP_SIGMA = 0.08  # [1] of the strength of a group of lines, cf. `component_uncertainty`
+SEQUENCE_SIGMA = 0.02  # [1] of one sequence of N2 1P against the others: they share one transition moment
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
 BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
@@ -72,8 +74,13 @@ def base_parameters(test, calibration, library, emittance):
         Parameter(
             "before_injection", "gas before over after injection (logarithm)", BEFORE[1], "1", BEFORE[0]
         ),
-        *(Parameter(f"group:{name}", f"strength of {name}", GROUP_SIGMA) for name in library.group_name),
+        *(Parameter(f"group:{name}", f"strength of {name}", _sigma(name)) for name in library.group_name),
+        Parameter(f"system:{BANDS_OF}", f"strength of {BANDS_OF}", GROUP_SIGMA),
     )
+
+
+def _sigma(group):
+    return SEQUENCE_SIGMA if group.startswith(BANDS_OF) else GROUP_SIGMA
 
 
 def _pyrometer(test, calibration, response, library, edges):

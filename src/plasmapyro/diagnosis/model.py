@@ -109,6 +109,11 @@ class Model:
         self.bases = [history.basis(one.moment) for one in instruments]
         self.index = {parameter.id: place for place, parameter in enumerate(parameters)}
         self.groups = [p.id for p in parameters if p.id.startswith("group:")]
+        systems = [p.id for p in parameters if p.id.startswith("system:")]
+        self.strengths = np.array([self.index[name] for name in (*self.groups, *systems)], dtype=int)
+        # Which groups each strength acts on (S, G).
+        member = [[g.startswith(f"group:{s.removeprefix('system:')}") for g in self.groups] for s in systems]
+        self.acts_on = np.concatenate([np.eye(len(self.groups)), np.reshape(member, (-1, len(self.groups)))])
         self._weights = {}
         self._glows = {}
         self._power = {}
@@ -120,7 +125,7 @@ class Model:
 
     def spectrum(self, values):
         """Spectrum (K,) of the gas after injection."""
-        strength = np.exp([values[self.index[name]] for name in self.groups])
+        strength = np.exp(values[self.strengths] @ self.acts_on)
         power = float(values[self.index["power"]])
         if power not in self._power:
             self._power = {power: self.library.power_factor(power)} | dict(list(self._power.items())[-3:])

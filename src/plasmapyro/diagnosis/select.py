@@ -1,11 +1,13 @@
 """Which terms the data ask for: forward steps with non-linear refits, backward steps, and what stays
 unknown."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.stats import chi2, norm
 
 from plasmapyro import progress
+from plasmapyro.diagnosis import strengths
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.inference import Solution, log_evidence, numbers_of
 from plasmapyro.diagnosis.model import Setting
@@ -16,6 +18,7 @@ MOST_TERMS = 3
 REFITTED = 3  # terms that are fitted anew, of those that explain about as much as the best
 ALIKE = 9.2  # chi-squared by which the data tell two terms apart: 99 % of two degrees of freedom
 SAME_ANGLE = 15.0  # [degree] below which two terms are one class
+ALONE = float(chi2.ppf(0.99, 1))  # chi-squared of a single test
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat a term
 WANDER = "gas_drift"  # the term that may follow the brightness of the gas freely
 LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
@@ -23,6 +26,8 @@ LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: t
 PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
+FAR_FITS = 2  # of the terms that may stand behind moved strengths
+WORTH = 5.0  # chi-squared that a term must promise by the strengths of the gas to be fitted from there
 FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides
 
 
@@ -75,6 +80,7 @@ class Step:
     gains: np.ndarray
     unknown: np.ndarray  # log Bayes factor per class of structures
     beside: np.ndarray  # as `gains`, with the most likely unknown structure in the data too
+    refits: dict = field(default_factory=dict)  # id -> fit with one more term, started far from here
 
 
 @dataclass(frozen=True)
@@ -142,12 +148,49 @@ class Selector:
         used = {setting.id for setting in solution.settings}
         found = screen(self.model, solution, exclude=(*self.exclude, *used))
         gains = found.signed_gains()
+        refits = self._far_away(solution, used)
+        for place, one in enumerate(found.candidates):
+            if one.id in refits:
+                gains[place] = max(gains[place], solution.objective - refits[one.id].objective)
         if not found.structures:
-            return Step(solution, found, gains, np.full(1, -np.inf), gains)
+            return Step(solution, found, gains, np.full(1, -np.inf), gains, refits)
         unknowns = Unknowns(found)
         unknown = unknowns(found.score)
         beside = unknowns.gains_beside(found, int(unknown.argmax()))
-        return Step(solution, found, gains, unknown, np.where(gains > 0, beside, 0.0))
+        return Step(solution, found, gains, unknown, np.where(gains > 0, beside, 0.0), refits)
+
+    def _far_away(self, solution, used):
+        """Fits with a term that may stand behind strengths of the gas that the base parameters took up.
+
+        Tangents about the fit do not show such a term: lines twice as bright have moved the power and the
+        groups of lines to where a small change of the term helps no more.
+        """
+        terms = [one for one in strengths.BEHIND if one not in (*used, *self.exclude)]
+        fits = {}
+        ranking = strengths.behind(self.model, solution.state.values, terms)
+        for promised, identity, amplitude, values in ranking[:FAR_FITS]:
+            if promised < WORTH:
+                break
+            low, high = EFFECTS[identity].bounds
+            settings = (*solution.settings, Setting(identity, float(np.clip(amplitude, low, high))))
+            start = replace(solution.state, values=values, amplitudes=numbers_of(settings))
+            fits[identity] = self.fitter.fit(start, settings)
+        return fits
+
+    def _needed(self, steps):
+        """Chi-squared (candidates,) that a further term must bring.
+
+        ASSUME: a power that leaves its prior is a finding by itself, whichever term of the gas stands behind
+        it: one test, not one of many.
+        """
+        step, limits = steps[-1], self.thresholds
+        needed = np.full(step.found.count, limits.effect)
+        if step.solution.settings:
+            needed = limits.third + self._of_formulas(steps)
+        if self._too_strong(step.solution):
+            alone = np.array([one.id in step.refits for one in step.found.candidates])
+            needed = np.where(alone, np.minimum(needed, ALONE), needed)
+        return needed
 
     def fit(self, solution, settings):
         """Fit with terms, started from another fit."""
@@ -188,13 +231,15 @@ class Selector:
                 break
             seen.add(terms)
             first = not step.solution.settings
-            needed = limits.effect if first else limits.third + self._of_formulas(steps)
+            needed = self._needed(steps)
             wanted = np.where(step.gains > needed, step.gains, 0.0)
             order = best_by_id(step.found.candidates, wanted)
             best = order[0] if order else None
-            evidence = linear_evidence(step.found)
+            evidence = self._evidence_of(step)
             top_unknown = float(step.unknown.max())
             enough = best is not None and wanted[best] > 0
+            chosen = self._best_refit(step, wanted, trials if first else None) if enough else None
+            enough = enough and self._holds(step, chosen, needed)
             if first and enough:
                 pair, one, two = best_pair(step.found, step.gains)
                 if pair > step.gains[best] + PAIR_PRICE * limits.third:
@@ -215,8 +260,12 @@ class Selector:
                         continue
                     unknown = step.found.structures[int(step.unknown.argmax())].id
                 break
-            chosen = self._best_refit(step, wanted, trials if first else None)
             if beaten and not self._explains(chosen, step, top_unknown):
+                far = self._mostly(step, top_unknown)
+                if far is not None:
+                    step = self.look(self._pruned(far))
+                    steps.append(step)
+                    continue
                 beside = np.where(step.beside > max(limits.third, 2 * SHARE * top_unknown), step.beside, 0.0)
                 if (wanted * beside > 0).any():
                     step = self.look(self._pruned(self._best_refit(step, np.where(wanted > 0, beside, 0.0))))
@@ -237,6 +286,14 @@ class Selector:
         status = self._status(final, unknown or doubt, sets)
         return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
 
+    def _evidence_of(self, step):
+        """Log Bayes factor (candidates,), from the fits that exist, else by the linear estimate."""
+        evidence, plain = linear_evidence(step.found), self.evidence(step.solution)
+        for place, one in enumerate(step.found.candidates):
+            if one.id in step.refits:
+                evidence[place] = max(evidence[place], self.evidence(step.refits[one.id]) - plain)
+        return evidence
+
     def _wandering(self, step):
         """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is
         in."""
@@ -252,10 +309,33 @@ class Selector:
         amplitude = already[0].amplitude if already else 0.0
         return self.fit(step.solution, (*others, Setting(WANDER, amplitude, shape)))
 
+    @staticmethod
+    def _holds(step, chosen, needed):
+        """Whether the refit, non-linear and within its bounds, gains enough, as the tangent promised."""
+        (new,) = {one.id for one in chosen.settings} - {one.id for one in step.solution.settings}
+        least = min(n for n, one in zip(needed, step.found.candidates, strict=True) if one.id == new)
+        return step.solution.objective - chosen.objective > least
+
     def _explains(self, chosen, step, top_unknown):
         """Whether the refit, non-linear, gains as much as the unknown structure."""
         gained = step.solution.objective - chosen.objective
         return 0.5 * gained - 5.0 > top_unknown - MARGIN
+
+    def _too_strong(self, solution):
+        """Whether the power of a fit has left its prior."""
+        place = self.model.index["power"]
+        pull = solution.state.values[place] / self.model.parameters[place].sigma
+        return abs(pull) > norm.ppf(1 - LEVEL / 2)
+
+    def _mostly(self, step, top_unknown):
+        """Best of the fits from far away that explains enough to be named beside what stays unknown, or None.
+
+        Tangents do not tell what the unknown structure would leave to such a term; its formula errs most
+        where it changes most.
+        """
+        limit = max(self.thresholds.third, 2 * SHARE * top_unknown)
+        good = [one for one in step.refits.values() if step.solution.objective - one.objective > limit]
+        return max(good, key=self.evidence, default=None)
 
     def _of_formulas(self, steps):
         """Chi-squared (candidates,) that inexact formulas of the terms fitted so far may leave to each."""
@@ -281,10 +361,17 @@ class Selector:
         near = [index for index in order if gains[index] > 0.5 * top][:REFITTED]
         fits = []
         for index in near:
-            fits.append(self.extended(step, index))
+            fits.append(self._refit(step, index))
             if trials is not None:
                 trials[step.found.candidates[index].id] = self.evidence(fits[-1])
         return max(fits, key=self.evidence)
+
+    def _refit(self, step, index):
+        """Fit with one more candidate: the one there is from far away, unless only the tangent saw it."""
+        far = step.refits.get(step.found.candidates[index].id)
+        if far is not None and step.solution.objective - far.objective >= step.gains[index]:
+            return far
+        return self.extended(step, index)
 
     def evidence(self, solution):
         """Log evidence of a fit."""
@@ -298,7 +385,9 @@ class Selector:
                 kept = tuple(s for place, s in enumerate(solution.settings) if place != drop)
                 without.append(self.fit(solution, kept))
             least = min(without, key=lambda one: one.objective)
-            if least.objective - solution.objective > self.thresholds.effect:
+            (lost,) = {one.id for one in solution.settings} - {one.id for one in least.settings}
+            limit = ALONE if lost in strengths.BEHIND and self._too_strong(least) else self.thresholds.effect
+            if least.objective - solution.objective > limit:
                 break
             solution = least
         return solution

@@ -616,7 +616,7 @@ class _Report:
             return float(np.sqrt(solution.covariance[row, row]))
 
         line = [name for name in self.model.groups if "O I 77" in name]
-        hump = [name for name in self.model.groups if "945" in name]
+        hump = [name for name in self.model.index if name.startswith("system:")]
         errors = (error(line[0]) if line else 0.05, error(hump[0]) if hump else 0.05)
         moved = any(
             row["finding"] for row in self._pulls(self.base.solution) if row["id"].startswith("gain_")
