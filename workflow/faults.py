@@ -183,10 +183,12 @@ def damage(project, undisturbed, count, chance):
 
 
 def edit(project, undisturbed, count, chance):
-    """Change the emittance of a condition while a run is at work, then change it back."""
+    """Change the emittance of a condition while a run is at work, then change it back.
+
+    The run must end with the bytes of the configuration that it began with, or say that it was changed.
+    """
     path = project.folder / "config/conditions/80kW.yaml"
     original = path.read_text(encoding="utf-8")
-    noticed = 0
     for _ in range(count):
         shutil.rmtree(project.results / "analysis")
         shutil.rmtree(project.results / "experiment")
@@ -196,13 +198,12 @@ def edit(project, undisturbed, count, chance):
         time.sleep(chance.uniform(0.0, 2.0))
         path.write_text(original.replace("emittance: 0.85", "emittance: 0.5"), encoding="utf-8")
         status, words = run.wait()
-        noticed += status != 0
+        path.write_text(original, encoding="utf-8")
         if status and "call again" not in words:
             raise Lost(f"no clear message:\n{words[-3000:]}")
-        path.write_text(original, encoding="utf-8")
+        if not status:
+            compare(digests(project.results), undisturbed)
         project.finish(undisturbed)
-    if not noticed:
-        raise Lost("no run noticed that the configuration was changed")
     return count
 
 
