@@ -11,6 +11,7 @@ from plasmapyro.flow import continuation, follow
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule
 from plasmapyro.flow.follow import HELD_LIMITER, LEAST_PART
+from plasmapyro.flow.properties import gas_properties
 
 HERE = Condition(90e3, 5e3, 0.016, 4e5, 350.0)
 THERE = replace(HERE, numerical_power=60e3)
@@ -112,6 +113,38 @@ def test_steps_are_halved_in_a_cycle_and_whole_again_outside():
     assert share(0.5, steps(3.4e-4, 5.0e-4, 1.0e-4)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4, 3.4e-4, courant=200.0)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4)) == 1.0
+
+
+@pytest.fixture(scope="module")
+def gas_at_50_mbar(air):
+    return gas_properties(air, 5e3, 350.0)
+
+
+def test_a_newton_step_for_conduction_lands_on_its_solution(gas_at_50_mbar):
+    # Steady conduction is linear in S, and d(ln T) = (S - S_0)/(kappa T_0) is Newton's step towards S.
+    now, wanted = np.array([400.0, 1200.0, 6900.0]), np.array([9000.0, 4000.0, 8300.0])
+    before, conductivity = gas_at_50_mbar.heat_flux_potential(now)
+    change = (gas_at_50_mbar.heat_flux_potential(wanted)[0] - before) / (conductivity * now)
+    reached = now * np.exp(continuation._conducted(gas_at_50_mbar, np.log(now), change))
+    np.testing.assert_allclose(reached, wanted, rtol=1e-8)  # of the inversion of S
+    assert change.max() > 20  # with which exp(ln T + change) would have left any table
+
+
+def test_a_small_step_is_the_same_in_any_variable(gas_at_50_mbar):
+    now = np.log([350.0, 3000.0, 7000.0, 11000.0])
+    for change in (1e-4, -1e-4):
+        found = continuation._conducted(gas_at_50_mbar, now, np.full(4, change))
+        np.testing.assert_allclose(
+            found, change, rtol=2e-3
+        )  # second order: change times d ln(kappa T)/d ln T
+
+
+def test_no_step_leaves_the_table(gas_at_50_mbar):
+    now = np.log([350.0, 3000.0, 14000.0])
+    for change in (-50.0, 50.0):
+        reached = np.exp(now + continuation._conducted(gas_at_50_mbar, now, np.full(3, change)))
+        assert np.all((reached > 200.0 - 1e-9) & (reached < 15000.0 + 1e-9))
+        assert np.all(np.sign(np.log(reached) - now) == np.sign(change))
 
 
 @pytest.mark.parametrize(
