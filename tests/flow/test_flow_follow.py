@@ -102,6 +102,57 @@ def test_a_lost_flow_names_the_conditions_between_which_it_was_lost(marched, kin
     assert lost / least < 1.5 ** (2 * LEAST_PART / 3 + 1e-9)  # halved down to the least part
 
 
+@pytest.fixture
+def falls(monkeypatch):
+    """Function (fate) -> list of (power, schedule); no step of Newton's goes below 75 kW from above."""
+
+    def install(fate=None):
+        calls = []
+
+        def march(problem, guess, power, schedule, label):
+            calls.append((power, schedule))
+            if schedule is follow.FALLING:
+                if fate:
+                    raise fate("all cold")
+                return SimpleNamespace(state=np.array([power]))
+            if power < 75e3 < guess[0]:
+                raise NotConverged("no such step")
+            return SimpleNamespace(state=np.array([power]))
+
+        monkeypatch.setattr(follow, "march", march)
+        monkeypatch.setattr(follow, "moved", lambda problem, air, condition: problem)
+        return calls
+
+    return install
+
+
+def test_beyond_the_end_of_a_branch_small_steps_find_another(falls, caplog):
+    calls = falls()
+    assert go()[1].state[0] == 60e3
+    fallen = [power for power, schedule in calls if schedule is follow.FALLING]
+    assert len(fallen) == 1 and 60e3 < fallen[0] < 75e3
+    # Newton's steps take over at the same condition before the way goes on to its end.
+    at = calls.index((fallen[0], follow.FALLING))
+    assert calls[at + 1] == (fallen[0], follow.FALLEN) and calls[-1] == (60e3, FINAL)
+    assert "jumps to another steady state" in caplog.text
+
+
+def test_a_plasma_that_goes_out_beyond_the_branch_is_said_to(falls):
+    falls(Extinguished)
+    with pytest.raises(
+        Extinguished, match=r"goes out between 7\d.* and 7\d.*no such step; .*beyond, all cold"
+    ):
+        go()
+
+
+def test_there_is_one_fall_on_a_way(falls, monkeypatch):
+    calls = falls()
+    monkeypatch.setattr(follow, "_fallen", lambda problem, state, power, where: np.array([90e3]))
+    with pytest.raises(NotConverged, match="no steady flow.*no such step"):
+        go()
+    assert not any(schedule is follow.FALLING for _, schedule in calls)
+
+
 def steps(*residuals, courant=1e4):
     return [continuation.Step(residual, 1.0, 0.1, courant, 0.1, 0.1) for residual in residuals]
 
