@@ -190,6 +190,11 @@ def test_a_small_step_is_the_same_in_any_variable(gas_at_50_mbar):
         )  # second order: change times d ln(kappa T)/d ln T
 
 
+def test_what_is_held_stays_to_the_last_digit(gas_at_50_mbar):
+    now = np.log([350.0, 5000.0])
+    np.testing.assert_array_equal(continuation._conducted(gas_at_50_mbar, now, np.zeros(2)), 0.0)
+
+
 def test_no_step_leaves_the_table(gas_at_50_mbar):
     now = np.log([350.0, 3000.0, 14000.0])
     for change in (-50.0, 50.0):

@@ -293,7 +293,8 @@ def _conducted(properties, log_temperature, change):
     step = conductivity * np.exp(log_temperature) * change
     falling = potential * np.exp(np.minimum(step, 0.0) / potential)
     reached = properties.temperature_of(np.where(step > 0, potential + step, falling))
-    return np.log(reached) - log_temperature
+    # What is held stays to the last digit.
+    return np.where(change == 0.0, 0.0, np.log(reached) - log_temperature)
 
 
 def _accelerated(memory):

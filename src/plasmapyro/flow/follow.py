@@ -99,7 +99,7 @@ def follow(problem, state, air, origin, target, power_step, final, label):
             if part >= LEAST_PART * first:
                 log.info("%s: part halved after: %s", label, fault)
                 continue
-            if fallen:
+            if fallen or ahead == 1.0:
                 raise _lost(label, origin, here, there, fault) from None
             ahead = min(share + first, 1.0)
             beyond = origin.towards(target, ahead)
