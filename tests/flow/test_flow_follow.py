@@ -102,6 +102,22 @@ def test_a_lost_flow_names_the_conditions_between_which_it_was_lost(marched, kin
     assert lost / least < 1.5 ** (2 * LEAST_PART / 3 + 1e-9)  # halved down to the least part
 
 
+def test_a_first_guess_carries_the_new_feed():
+    # Fields of two dofs each: axial and radial velocity, ln T, pressure; the first axial one is the inlet's.
+    problem = SimpleNamespace(
+        space=SimpleNamespace(field=lambda index: slice(2 * index, 2 * index + 2)),
+        fixed=np.arange(8) == 0,
+        values=np.full(8, 7.0),
+    )
+    state = np.arange(1.0, 9.0)
+    same = follow._fed(problem, state, HERE, THERE)
+    np.testing.assert_array_equal(same, [7, 2, 3, 4, 5, 6, 7, 8])
+    other = replace(HERE, mass_flow_rate=3 * HERE.mass_flow_rate, chamber_pressure=2 * HERE.chamber_pressure)
+    # Three times the gas at twice the density flows 1.5 times as fast.
+    np.testing.assert_allclose(follow._fed(problem, state, HERE, other), [7, 3, 4.5, 6, 5, 6, 7, 8])
+    np.testing.assert_array_equal(state, np.arange(1.0, 9.0))
+
+
 @pytest.fixture
 def falls(monkeypatch):
     """Function (fate) -> list of (power, schedule); no step of Newton's goes below 75 kW from above."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from plasmapyro.flow.case import moved
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, march
+from plasmapyro.flow.physics import AXIAL, RADIAL
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +21,7 @@ log = logging.getLogger(__name__)
 # follow the growth of the unsteady shear layer of the cold sheath instead, and lose the solution.
 RESTART_COURANT, LARGEST_COURANT = 200.0, 1e5
 LEAST_RESTART_COURANT = 80.0  # a restart that needs smaller steps started too far away
-PATIENCE = 18
+PATIENCE = 12
 LINEAR_TOLERANCE = 1e-2
 # Part of the way to another condition: only the last part has to be steady.
 UNDER_WAY = Schedule(
@@ -49,7 +50,7 @@ FALLING = Schedule(
 FALLEN = replace(UNDER_WAY, first_courant=50.0, least_courant=10.0)
 # The cold sheath is unsteady in the chamber at high flow; more viscosity there carries the state along.
 HELD_LIMITER, LIMITER_RATIO = 0.15, 2.8
-LEAST_PART = 1 / 8  # of the first part of the way: where a state cannot be continued further
+LEAST_PART = 1 / 4  # of the first part of the way: where a state cannot be continued further
 
 
 def follow(problem, state, air, origin, target, power_step, final, label):
@@ -78,8 +79,7 @@ def follow(problem, state, air, origin, target, power_step, final, label):
         ahead = share + part if share + part < 1 - 1e-9 else 1.0
         there = origin.towards(target, ahead)
         trial = moved(problem.with_limiter(held), air, there)
-        guess = state.copy()
-        guess[trial.fixed] = trial.values[trial.fixed]
+        guess = _fed(trial, state, here, there)
         where = f"{label}, at {ahead:.3g} of the way"
         try:
             if ahead == 1.0:
@@ -106,7 +106,7 @@ def follow(problem, state, air, origin, target, power_step, final, label):
             log.info("%s: in small steps to %s after: %s", label, beyond.describe(), fault)
             trial = moved(problem.with_limiter(held), air, beyond)
             try:
-                state = _fallen(trial, state, beyond.numerical_power, where)
+                state = _fallen(trial, _fed(trial, state, here, beyond), beyond.numerical_power, where)
             except NotConverged as end:
                 raise _lost(label, origin, here, there, fault, end) from None
             log.warning(
@@ -129,10 +129,22 @@ def _lost(label, origin, here, there, fault, end=None):
     )
 
 
-def _fallen(problem, state, power, where):
-    """State after the fall from `state`, which belongs to another condition."""
+def _fed(problem, state, here, there):
+    """First guess for a Problem at `there` from a state at `here`: speeds that carry the new feed.
+
+    The speed of the cold gas is that of the feed, as the mass flow over the pressure.
+    """
+    ratio = there.mass_flow_rate / here.mass_flow_rate * here.chamber_pressure / there.chamber_pressure
     guess = state.copy()
+    if ratio != 1.0:
+        for field in (AXIAL, RADIAL):
+            guess[problem.space.field(field)] *= ratio
     guess[problem.fixed] = problem.values[problem.fixed]
+    return guess
+
+
+def _fallen(problem, guess, power, where):
+    """State after a fall from `guess`."""
     state = march(problem, guess, power, FALLING, f"{where}, in small steps").state
     return march(problem, state, power, FALLEN, f"{where}, after the fall").state
 
