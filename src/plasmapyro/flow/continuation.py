@@ -46,6 +46,10 @@ class Extinguished(NotConverged):
     """The plasma went out on the way to a steady state."""
 
 
+class Unbalanced(NotConverged):
+    """A steady state whose balances do not close on its mesh."""
+
+
 @dataclass(frozen=True)
 class Schedule:
     """How to march: Courant number from `first_courant` up to `largest_courant`, at most `steps` steps.
