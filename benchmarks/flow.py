@@ -127,8 +127,8 @@ def sweep():
     """5 pressures x 5 powers x 3 mass flows, each from the nearest solutions at hand.
 
     A case that the mesh of the sweep refuses, or finds no flow for, is solved again on that of the main job,
-    as are at once those whose hot edge is thinner than the cells of the former. Solutions refused for their
-    balances on the coarse mesh serve as beginnings where they are in the store.
+    as are at once those whose hot edge is thinner than the cells of the former. Whatever lies in the store
+    serves as a beginning, solutions of earlier versions that were refused for their balances too.
     """
     gas, starts = air(), {mesh: reference(mesh) for mesh in (SWEEP_MESH, FINE_MESH)}
     rows = {row["case"]: row for row in read_table(DOCS / "flow_sweep.csv")}
@@ -138,12 +138,7 @@ def sweep():
         cases[name] = {
             **REFERENCE, "chamber_pressure": pressure, "numerical_power": power, "mass_flow_rate": flow
         }  # fmt: skip
-    known = {
-        f"{name}_{mesh:g}": io.read(path, "flow")
-        for name in cases
-        for mesh in starts
-        if (path := STORE / f"{_swept(name, mesh)}.nc").exists()
-    }
+    known = {path.stem: io.read(path, "flow") for path in sorted((STORE / "sweep").glob("*.nc"))}
 
     def left(name):
         row = rows.get(name)
@@ -156,8 +151,11 @@ def sweep():
     def order(name):
         case = cases[name]
         near = min(way(one, Condition(**case)) for one in (*starts.values(), *known.values()))
-        # Cheap cases first; much gas or little power come late: these cases cost several tries.
-        return mesh_of(name) == FINE_MESH, case["mass_flow_rate"] > 0.02, case["numerical_power"] < 40e3, near
+        # Cheap cases first. On the fine mesh, the thinner the hot edge the later; on the coarse one much gas
+        # or little power come late: these cases cost several tries.
+        if mesh_of(name) == FINE_MESH:
+            return 1, case["numerical_power"] * case["chamber_pressure"], near
+        return 0, 2 * (case["mass_flow_rate"] > 0.02) + (case["numerical_power"] < 40e3), near
 
     def way(one, target):
         return Condition.of(one).parts_to(target, POWER_STEP)
@@ -194,7 +192,7 @@ def _solved(name, mesh, gas, start, known, case):
         "coil_current_a": round(float(flow.coil_current)),
         "mass_imbalance": f"{float(flow.mass_imbalance):.2e}",
         "energy_imbalance": f"{float(flow.energy_imbalance):.2e}",
-        "known": {f"{name}_{mesh:g}": flow},
+        "known": {Path(_swept(name, mesh)).name: flow},
     }
 
 
