@@ -46,7 +46,7 @@ UPGRADE = Schedule(
     10.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
 )
 TRIES = 2  # known solutions from which a condition is tried
-NEAR_GROWTH = 4.0  # of the Courant number, from a guess that the coarse mesh corrected
+NEAR_GROWTH = 2.25  # of the Courant number, from a guess that the coarse mesh corrected
 LOW_MACH = 0.7  # at the inlet; density follows the chamber pressure within some 20 % below
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
 
