@@ -58,7 +58,7 @@ TOLERANCES = {
 WALL = 350.0
 POWER_STEP = 25e3  # parts that fail are halved
 SWEEP = {"velocity_tolerance": 0.5, "temperature_tolerance": 5e-3}
-SWEEP_MESH = 2.0
+SWEEP_MESH, FINE_MESH = 2.0, 1.0
 SWEEP_PRESSURES = (15e2, 30e2, 65e2, 140e2, 300e2)
 SWEEP_POWERS = (30e3, 50e3, 80e3, 125e3, 200e3)
 SWEEP_FLOWS = (0.005, 0.012, 0.030)
@@ -124,63 +124,76 @@ def read_table(path):
 
 
 def sweep():
-    """5 pressures x 5 powers x 3 mass flows, each from the nearest solutions at hand."""
-    gas, start = air(), reference(SWEEP_MESH)
-    rows = read_table(DOCS / "flow_sweep.csv")
-    known = {
-        row["case"]: io.read(STORE / "sweep" / f"{row['case']}.nc", "flow")
-        for row in rows
-        if row["converged"] == "yes"
-    }
-    left = {}
+    """5 pressures x 5 powers x 3 mass flows, each from the nearest solutions at hand.
+
+    A case that the mesh of the sweep refuses, or finds no flow for, is solved again on that of the main job,
+    as are at once those whose hot edge is thinner than the cells of the former. Whatever lies in the store
+    serves as a beginning, solutions of earlier versions that were refused for their balances too.
+    """
+    gas, starts = air(), {mesh: reference(mesh) for mesh in (SWEEP_MESH, FINE_MESH)}
+    rows = {row["case"]: row for row in read_table(DOCS / "flow_sweep.csv")}
+    cases = {}
     for pressure, power, flow in itertools.product(SWEEP_PRESSURES, SWEEP_POWERS, SWEEP_FLOWS):
         name = f"{pressure / 100:g}mbar_{power / 1e3:g}kW_{flow * 1e3:g}g_s"
-        left[name] = {
+        cases[name] = {
             **REFERENCE, "chamber_pressure": pressure, "numerical_power": power, "mass_flow_rate": flow
         }  # fmt: skip
-    for row in rows:
-        left.pop(row["case"])
+    known = {path.stem: io.read(path, "flow") for path in sorted((STORE / "sweep").glob("*.nc"))}
 
-    def hard(case):
-        return case["mass_flow_rate"] > 0.02 or case["numerical_power"] < 40e3
+    def left(name):
+        row = rows.get(name)
+        return row is None or (row["converged"] == "no" and float(row["mesh_factor"]) > FINE_MESH)
 
-    while left:
+    def mesh_of(name):
+        thin = cases[name]["numerical_power"] > 100e3 and cases[name]["chamber_pressure"] > 50e2
+        return FINE_MESH if thin or name in rows else SWEEP_MESH
 
-        def way(one, target):
-            return Condition.of(one).parts_to(target, POWER_STEP)
+    def order(name):
+        case = cases[name]
+        near = min(way(one, Condition(**case)) for one in (*starts.values(), *known.values()))
+        # Cheap cases first. On the fine mesh, the thinner the hot edge the later; on the coarse one much gas
+        # or little power come late: these cases cost several tries.
+        if mesh_of(name) == FINE_MESH:
+            return 1, case["numerical_power"] * case["chamber_pressure"], near
+        return 0, 2 * (case["mass_flow_rate"] > 0.02) + (case["numerical_power"] < 40e3), near
 
-        near = {
-            name: min(way(one, Condition(**case)) for one in (start, *known.values()))
-            for name, case in left.items()
-        }
-        # Much gas and little power come last: these cases cost several tries.
-        name = min(near, key=lambda one: (hard(left[one]), near[one]))
-        case = left.pop(name)
-        target = Condition(**case)
-        neighbours = sorted(known.values(), key=lambda one: way(one, target))[:NEIGHBOURS]  # noqa: B023
-        began = process_time()
-        row = {"case": name, "converged": "yes", "reason": ""}
+    def way(one, target):
+        return Condition.of(one).parts_to(target, POWER_STEP)
 
-        def compute(neighbours=neighbours, case=case):
-            return solve(gas, start, neighbours, **{**case, **SWEEP})
+    while waiting := [name for name in cases if left(name)]:
+        name = min(waiting, key=order)
+        mesh, began = mesh_of(name), process_time()
+        earlier = rows.pop(name, {"cpu_s": 0.0})
+        fresh = _solved(name, mesh, gas, starts[mesh], known, cases[name])
+        known |= fresh.pop("known")
+        rows[name] = fresh | {"cpu_s": round(process_time() - began + float(earlier["cpu_s"]), 1)}
+        write_table("flow_sweep", list(rows.values()))
+        logging.warning("%s: %s, %s s", name, fresh["converged"], rows[name]["cpu_s"])
 
-        try:
-            known[name] = stored(f"sweep/{name}", compute)
-            row |= {
-                "hottest_k": round(float(known[name].temperature.max())),
-                "coil_current_a": round(float(known[name].coil_current)),
-                "mass_imbalance": f"{float(known[name].mass_imbalance):.2e}",
-                "energy_imbalance": f"{float(known[name].energy_imbalance):.2e}",
-            }
-        except NotConverged as fault:
-            row |= {
-                "converged": "no", "reason": str(fault).replace("\n", " / "), "hottest_k": "",
-                "coil_current_a": "", "mass_imbalance": "", "energy_imbalance": "",
-            }  # fmt: skip
-        row["cpu_s"] = round(process_time() - began, 1)
-        rows.append(row)
-        write_table("flow_sweep", rows)
-        logging.warning("%s: %s, %s s; %d left", name, row["converged"], row["cpu_s"], len(left))
+
+def _swept(name, mesh):
+    return f"sweep/{name}" + ("" if mesh == SWEEP_MESH else f"_mesh-{mesh:g}")
+
+
+def _solved(name, mesh, gas, start, known, case):
+    """Row of the table of one case of the sweep, and its solution under `known`."""
+    target = Condition(**case)
+    near = sorted(known.values(), key=lambda one: Condition.of(one).parts_to(target, POWER_STEP))
+    row = {
+        "case": name, "mesh_factor": f"{mesh:g}", "converged": "yes", "reason": "", "hottest_k": "",
+        "coil_current_a": "", "mass_imbalance": "", "energy_imbalance": "", "known": {},
+    }  # fmt: skip
+    try:
+        flow = stored(_swept(name, mesh), lambda: solve(gas, start, near[:NEIGHBOURS], **{**case, **SWEEP}))
+    except NotConverged as fault:
+        return row | {"converged": "no", "reason": str(fault).replace("\n", " / ")}
+    return row | {
+        "hottest_k": round(float(flow.temperature.max())),
+        "coil_current_a": round(float(flow.coil_current)),
+        "mass_imbalance": f"{float(flow.mass_imbalance):.2e}",
+        "energy_imbalance": f"{float(flow.energy_imbalance):.2e}",
+        "known": {Path(_swept(name, mesh)).name: flow},
+    }
 
 
 PROBES = {

@@ -11,6 +11,7 @@ from plasmapyro.flow import continuation, follow
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule
 from plasmapyro.flow.follow import HELD_LIMITER, LEAST_PART
+from plasmapyro.flow.properties import gas_properties
 
 HERE = Condition(90e3, 5e3, 0.016, 4e5, 350.0)
 THERE = replace(HERE, numerical_power=60e3)
@@ -101,6 +102,73 @@ def test_a_lost_flow_names_the_conditions_between_which_it_was_lost(marched, kin
     assert lost / least < 1.5 ** (2 * LEAST_PART / 3 + 1e-9)  # halved down to the least part
 
 
+def test_a_first_guess_carries_the_new_feed():
+    # Fields of two dofs each: axial and radial velocity, ln T, pressure; the first axial one is the inlet's.
+    problem = SimpleNamespace(
+        space=SimpleNamespace(field=lambda index: slice(2 * index, 2 * index + 2)),
+        fixed=np.arange(8) == 0,
+        values=np.full(8, 7.0),
+    )
+    state = np.arange(1.0, 9.0)
+    same = follow._fed(problem, state, HERE, THERE)
+    np.testing.assert_array_equal(same, [7, 2, 3, 4, 5, 6, 7, 8])
+    other = replace(HERE, mass_flow_rate=3 * HERE.mass_flow_rate, chamber_pressure=2 * HERE.chamber_pressure)
+    # Three times the gas at twice the density flows 1.5 times as fast.
+    np.testing.assert_allclose(follow._fed(problem, state, HERE, other), [7, 3, 4.5, 6, 5, 6, 7, 8])
+    np.testing.assert_array_equal(state, np.arange(1.0, 9.0))
+
+
+@pytest.fixture
+def falls(monkeypatch):
+    """Function (fate) -> list of (power, schedule); no step of Newton's goes below 75 kW from above."""
+
+    def install(fate=None):
+        calls = []
+
+        def march(problem, guess, power, schedule, label):
+            calls.append((power, schedule))
+            if schedule is follow.FALLING:
+                if fate:
+                    raise fate("all cold")
+                return SimpleNamespace(state=np.array([power]))
+            if power < 75e3 < guess[0]:
+                raise NotConverged("no such step")
+            return SimpleNamespace(state=np.array([power]))
+
+        monkeypatch.setattr(follow, "march", march)
+        monkeypatch.setattr(follow, "moved", lambda problem, air, condition: problem)
+        return calls
+
+    return install
+
+
+def test_beyond_the_end_of_a_branch_small_steps_find_another(falls, caplog):
+    calls = falls()
+    assert go()[1].state[0] == 60e3
+    fallen = [power for power, schedule in calls if schedule is follow.FALLING]
+    assert len(fallen) == 1 and 60e3 < fallen[0] < 75e3
+    # Newton's steps take over at the same condition before the way goes on to its end.
+    at = calls.index((fallen[0], follow.FALLING))
+    assert calls[at + 1] == (fallen[0], follow.FALLEN) and calls[-1] == (60e3, FINAL)
+    assert "jumps to another steady state" in caplog.text
+
+
+def test_a_plasma_that_goes_out_beyond_the_branch_is_said_to(falls):
+    falls(Extinguished)
+    with pytest.raises(
+        Extinguished, match=r"goes out between 7\d.* and 7\d.*no such step; .*beyond, all cold"
+    ):
+        go()
+
+
+def test_there_is_one_fall_on_a_way(falls, monkeypatch):
+    calls = falls()
+    monkeypatch.setattr(follow, "_fallen", lambda problem, state, power, where: np.array([90e3]))
+    with pytest.raises(NotConverged, match="no steady flow.*no such step"):
+        go()
+    assert not any(schedule is follow.FALLING for _, schedule in calls)
+
+
 def steps(*residuals, courant=1e4):
     return [continuation.Step(residual, 1.0, 0.1, courant, 0.1, 0.1) for residual in residuals]
 
@@ -112,6 +180,43 @@ def test_steps_are_halved_in_a_cycle_and_whole_again_outside():
     assert share(0.5, steps(3.4e-4, 5.0e-4, 1.0e-4)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4, 3.4e-4, courant=200.0)) == 1.0
     assert share(1.0, steps(3.4e-4, 5.0e-4)) == 1.0
+
+
+@pytest.fixture(scope="module")
+def gas_at_50_mbar(air):
+    return gas_properties(air, 5e3, 350.0)
+
+
+def test_a_newton_step_for_conduction_lands_on_its_solution(gas_at_50_mbar):
+    # Steady conduction is linear in S, and d(ln T) = (S - S_0)/(kappa T_0) is Newton's step towards S.
+    now, wanted = np.array([400.0, 1200.0, 6900.0]), np.array([9000.0, 4000.0, 8300.0])
+    before, conductivity = gas_at_50_mbar.heat_flux_potential(now)
+    change = (gas_at_50_mbar.heat_flux_potential(wanted)[0] - before) / (conductivity * now)
+    reached = now * np.exp(continuation._conducted(gas_at_50_mbar, np.log(now), change))
+    np.testing.assert_allclose(reached, wanted, rtol=1e-8)  # of the inversion of S
+    assert change.max() > 20  # with which exp(ln T + change) would have left any table
+
+
+def test_a_small_step_is_the_same_in_any_variable(gas_at_50_mbar):
+    now = np.log([350.0, 3000.0, 7000.0, 11000.0])
+    for change in (1e-4, -1e-4):
+        found = continuation._conducted(gas_at_50_mbar, now, np.full(4, change))
+        np.testing.assert_allclose(
+            found, change, rtol=2e-3
+        )  # second order: change times d ln(kappa T)/d ln T
+
+
+def test_what_is_held_stays_to_the_last_digit(gas_at_50_mbar):
+    now = np.log([350.0, 5000.0])
+    np.testing.assert_array_equal(continuation._conducted(gas_at_50_mbar, now, np.zeros(2)), 0.0)
+
+
+def test_no_step_leaves_the_table(gas_at_50_mbar):
+    now = np.log([350.0, 3000.0, 14000.0])
+    for change in (-50.0, 50.0):
+        reached = np.exp(now + continuation._conducted(gas_at_50_mbar, now, np.full(3, change)))
+        assert np.all((reached > 200.0 - 1e-9) & (reached < 15000.0 + 1e-9))
+        assert np.all(np.sign(np.log(reached) - now) == np.sign(change))
 
 
 @pytest.mark.parametrize(

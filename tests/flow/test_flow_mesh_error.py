@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.evaluate import carried, place_in, values_at
+from plasmapyro.flow.evaluate import carried, place_in, temperature_at, transfer, values_at
 from plasmapyro.flow.levels import Solution
-from plasmapyro.flow.mesh_error import SAFETY, SAFETY_OF_TWO, mesh_error, temperature_at
+from plasmapyro.flow.mesh_error import SAFETY, SAFETY_OF_TWO, mesh_error
 from plasmapyro.flow.physics import LOG_TEMPERATURE
 from plasmapyro.flow.properties import gas_properties
 
@@ -90,8 +90,29 @@ def test_the_temperature_on_a_cold_wall_follows_from_a_uniform_heat_flux(pipe, s
 
     case = solution(pipe(1), lambda z, r: exact(r))
     r = np.linspace(0.0, 0.1, 17)
-    found = temperature_at(case, np.stack([np.full_like(r, 0.11), r]))
+    found = temperature_at(case.problem, case.state, np.stack([np.full_like(r, 0.11), r]))
     np.testing.assert_allclose(found, exact(r), rtol=1e-4)  # trapezoids of 1 K
+
+
+def test_a_finer_mesh_gets_the_temperatures_of_the_heat_flux(pipe, solution, air):
+    # The same wall, carried to cells eight times as small: what lies between the old nodes decides.
+    properties = gas_properties(air, 5e3, 350.0)
+    whole = properties.heat_flux_potential(4000.0)[0] - properties.heat_flux_potential(350.0)[0]
+
+    def exact(z, r):
+        return properties.temperature_of(properties.heat_flux_potential(350.0)[0] + whole * (1 - r / 0.1))
+
+    here, there = solution(pipe(1), exact), solution(pipe(8), exact)
+    target = there.problem
+    target.fixed = np.zeros(target.space.size, bool)
+    target.values = np.zeros(target.space.size)
+    found = transfer(here.state, here.problem, target)
+    heat = target.space.field(LOG_TEMPERATURE)
+    np.testing.assert_allclose(np.exp(found[heat]), np.exp(there.state[heat]), rtol=1e-6)
+    plain = carried(here.state, here.problem, target)[heat]
+    assert np.abs(np.exp(plain) - np.exp(there.state[heat])).max() > 300.0  # [K], what ln T would give
+    target.fixed[heat], target.values[heat] = True, np.log(500.0)
+    np.testing.assert_allclose(transfer(here.state, here.problem, target)[heat], np.log(500.0))
 
 
 @pytest.mark.parametrize("power", [1.5, 2.0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plasmapyro import contracts
-from plasmapyro.flow import continuation
+from plasmapyro.flow import continuation, stage
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, march
 from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
@@ -193,12 +193,12 @@ def test_jacobian_is_the_derivative_of_the_residual(problem):
 
 def test_steps_in_pressure_and_flow_are_bounded():
     here = Condition(90e3, 5e3, 0.016, 4e5, 350.0)
-    there = replace(here, numerical_power=60e3, chamber_pressure=1e4)
-    assert here.parts_to(there, 1e4) == pytest.approx(3.0)  # by the power; the pressure asks for ln 2 / 0.4
-    assert here.parts_to(there, 1e5) == pytest.approx(np.log(2) / 0.4)
+    there = replace(here, numerical_power=60e3, chamber_pressure=2e4)
+    assert here.parts_to(there, 1e4) == pytest.approx(3.0)  # by the power; the pressure asks for ln 4 / 0.8
+    assert here.parts_to(there, 1e5) == pytest.approx(np.log(4) / 0.8)
     assert here.towards(there, 1.0) == there
     middle = here.towards(there, 0.5)
-    assert middle.chamber_pressure == pytest.approx(np.sqrt(5e3 * 1e4))
+    assert middle.chamber_pressure == pytest.approx(np.sqrt(5e3 * 2e4))
     assert here.parts_to(here, 1e4) == 0.0
 
 
@@ -221,6 +221,15 @@ def test_a_cold_torch_is_called_extinguished(problem):
     state = solver.state_of(axial, radial, np.full_like(temperature, 1500.0), gauge)
     with pytest.raises(NotConverged, match="here: step 1: plasma extinguished; hottest gas 1500 K"):
         march(solver, state, 90e3, Schedule(1.0, 10.0, 3), "here")
+
+
+def test_a_flow_that_does_not_balance_is_refused_at_once(air, start, monkeypatch, caplog):
+    # From another beginning the same state would be found, and refused, again.
+    monkeypatch.setattr(stage, "MASS_BAR", 0.0)
+    message = r"converged, but mass is off by -?0\.\d+% and energy by .*refine the mesh"
+    with caplog.at_level(logging.INFO), pytest.raises(NotConverged, match=message):
+        condition(air, start, neighbours=(start,), numerical_power=90e3, **CONDITION, **TOLERANCES)
+    assert sum("step 1, " in record.message for record in caplog.records) == 1
 
 
 @pytest.mark.parametrize(

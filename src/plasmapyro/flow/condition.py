@@ -21,7 +21,7 @@ LARGEST_SWIRL_ANGLE = np.radians(80.0)
 # The power has a second step, given by the caller in watts.
 STEP = {
     "numerical_power": 0.25,
-    "chamber_pressure": 0.4,
+    "chamber_pressure": 0.8,
     "mass_flow_rate": 0.4,
     "coil_frequency": 0.4,
     "probe_temperature": 0.7,

@@ -46,6 +46,10 @@ class Extinguished(NotConverged):
     """The plasma went out on the way to a steady state."""
 
 
+class Unbalanced(NotConverged):
+    """A steady state whose balances do not close on its mesh."""
+
+
 @dataclass(frozen=True)
 class Schedule:
     """How to march: Courant number from `first_courant` up to `largest_courant`, at most `steps` steps.
@@ -268,7 +272,9 @@ def _applied(problem, state, update):
     limits = np.full(space.size, np.inf)
     limits[space.field(AXIAL)] = limits[space.field(RADIAL)] = LARGEST_VELOCITY
     limits[heat] = LARGEST_LOG_TEMPERATURE
-    clipped = np.clip(update, -limits, limits)
+    clipped = update.copy()
+    clipped[heat] = _conducted(problem.properties, state[heat], update[heat])
+    clipped = np.clip(clipped, -limits, limits)
     low, high = problem.properties.low * TABLE_MARGIN, problem.properties.high / TABLE_MARGIN
     for _ in range(HALVINGS):
         new = state + clipped
@@ -279,6 +285,20 @@ def _applied(problem, state, update):
             return new
         clipped = clipped / 2
     return None
+
+
+def _conducted(properties, log_temperature, change):
+    """Change of ln T that has the effect of a Newton update `change` of it on the heat-flux potential S.
+
+    Conduction is linear in S: S + S' change is where Newton's method wants the gas to be, even where kappa
+    grows a hundredfold on the way, as beside a cold wall. What would cool below S = 0 decays to it instead.
+    """
+    potential, conductivity = properties.heat_flux_potential(np.exp(log_temperature))
+    step = conductivity * np.exp(log_temperature) * change
+    falling = potential * np.exp(np.minimum(step, 0.0) / potential)
+    reached = properties.temperature_of(np.where(step > 0, potential + step, falling))
+    # What is held stays to the last digit.
+    return np.where(change == 0.0, 0.0, np.log(reached) - log_temperature)
 
 
 def _accelerated(memory):

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from plasmapyro.flow.physics import LOG_TEMPERATURE
+
 NEAREST, MORE = 16, 240  # triangles around a point among which the one that holds it is looked for
 INSIDE = -1e-9  # smallest area coordinate of a point inside a triangle, but for rounding
 CONTINUED = -0.5  # a point this far outside takes the value at the edge of its triangle
@@ -60,9 +62,31 @@ def values_at(space, field, values, place):
     return sum(weight * value for weight, value in zip(shape, nodal, strict=True))
 
 
+def temperature_at(problem, state, points):
+    """Temperature [K] of a state of a Problem at any points (2, N), through the heat-flux potential.
+
+    It is interpolated between the nodes, being the quantity the conduction is computed with:
+    nearly linear across a cell on a cold wall, where the temperature rises tenfold.
+    """
+    properties = problem.properties
+    nodal = np.exp(state[problem.space.field(LOG_TEMPERATURE)])
+    potential = properties.heat_flux_potential(nodal)[0]
+    place = place_in(problem.mesh, points)
+    return properties.temperature_of(values_at(problem.space, LOG_TEMPERATURE, potential, place))
+
+
 def transfer(state, source, target):
-    """State of problem `source` as a first guess for problem `target` (another mesh, order or condition)."""
+    """State of problem `source` as a first guess for problem `target` (another mesh, order or condition).
+
+    The temperature goes through the heat-flux potential, within its range in `source`: interpolated as ln T
+    it would be too low by thousands of kelvin in the new cells on a cold wall.
+    """
     guess = carried(state, source, target)
+    heat = target.space.field(LOG_TEMPERATURE)
+    here, there = source.space.points(LOG_TEMPERATURE), target.space.points(LOG_TEMPERATURE)
+    if not (here.shape == there.shape and np.array_equal(here, there)):
+        known = np.exp(state[source.space.field(LOG_TEMPERATURE)])
+        guess[heat] = np.log(temperature_at(source, state, there).clip(known.min(), known.max()))
     guess[target.fixed] = target.values[target.fixed]
     return guess
 

@@ -17,26 +17,12 @@ meshes that are not nested.
 
 import numpy as np
 
-from plasmapyro.flow.evaluate import place_in, values_at
+from plasmapyro.flow.evaluate import temperature_at
 from plasmapyro.flow.physics import LOG_TEMPERATURE
 
 SAFETY, SAFETY_OF_TWO = 1.25, 3.0
 TAKEN_ORDER = 2.0
 ORDER_RANGE = (1.0, 3.0)
-
-
-def temperature_at(solution, points):
-    """Temperature [K] of a Solution at any points (2, N), interpolated through the heat-flux potential.
-
-    That is the quantity the conduction is computed with: it is nearly linear across a cell on a cold wall,
-    where the temperature rises tenfold.
-    """
-    problem = solution.problem
-    properties = problem.properties
-    nodal = np.exp(solution.state[problem.space.field(LOG_TEMPERATURE)])
-    potential = properties.heat_flux_potential(nodal)[0]
-    place = place_in(problem.mesh, points)
-    return properties.temperature_of(values_at(problem.space, LOG_TEMPERATURE, potential, place))
 
 
 def mesh_error(known, coarser, ratio):
@@ -56,7 +42,7 @@ def mesh_error(known, coarser, ratio):
     space = known.problem.space
     points = space.points(LOG_TEMPERATURE)
     fine = np.exp(known.state[space.field(LOG_TEMPERATURE)])
-    middle, *coarse = (temperature_at(other, points) for other in coarser)
+    middle, *coarse = (temperature_at(other.problem, other.state, points) for other in coarser)
     if not coarse:
         return SAFETY_OF_TWO * np.abs(middle - fine) / (ratio**TAKEN_ORDER - 1), np.nan
     weight = space.node_weights(LOG_TEMPERATURE)
