@@ -199,7 +199,7 @@ def edit(project, undisturbed, count, chance):
         path.write_text(original.replace("emittance: 0.85", "emittance: 0.5"), encoding="utf-8")
         status, words = run.wait()
         path.write_text(original, encoding="utf-8")
-        if status and "call again" not in words:
+        if status and "call again" not in words.lower():
             raise Lost(f"no clear message:\n{words[-3000:]}")
         if not status:
             compare(digests(project.results), undisturbed)

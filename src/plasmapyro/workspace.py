@@ -128,6 +128,27 @@ def same_settings(settings):
         )
 
 
+def require_unchanged(paths, digests):
+    """Refuse to describe a run by files that are no longer those it began with.
+
+    Parameters
+    ----------
+    paths : list of path
+    digests : list of str
+        SHA-256 of each when the run began.
+
+    Raises
+    ------
+    WorkspaceError
+    """
+    changed = [str(path) for path, digest in zip(paths, digests, strict=True) if _digest(path) != digest]
+    if changed:
+        raise WorkspaceError(
+            f"{', '.join(changed)}: changed while the run was at work; the results are those of the files it"
+            " began with. Call again: it goes on with the new ones"
+        )
+
+
 def _date_back(results):
     """Date results of a clock that ran ahead now: Snakemake refuses what is older than its input."""
     now = time.time_ns()

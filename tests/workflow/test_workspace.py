@@ -140,3 +140,14 @@ def test_results_of_a_clock_that_ran_ahead_are_dated_now_and_alike(results):
     assert first == second  # none of them looks older than another that it is made from
     assert time.time_ns() - 60e9 < first <= time.time_ns()
     assert old == 10**18
+
+
+def test_a_run_is_not_described_by_files_that_were_edited_meanwhile(tmp_path):
+    paths = [tmp_path / name for name in ("90kW.yaml", "100kW.yaml")]
+    for path in paths:
+        path.write_text("emittance: 0.85")
+    begun_with = [io.digest(path) for path in paths]
+    workspace.require_unchanged(paths, begun_with)
+    paths[1].write_text("emittance: 0.5")
+    with pytest.raises(workspace.WorkspaceError, match=r"/100kW.yaml: changed .* Call again"):
+        workspace.require_unchanged(paths, begun_with)

@@ -3,6 +3,8 @@
 import os
 from glob import glob
 
+from plasmapyro import io
+
 CRATE = "results/ro-crate-metadata.json"
 USED = sorted(
     {
@@ -34,5 +36,6 @@ rule crate:
         "results/benchmarks/crate.tsv"
     params:
         publication=config["publication"],
+        begun_with=[io.digest(path) for path in USED],
     script:
         "../scripts/crate.py"

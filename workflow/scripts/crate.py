@@ -3,12 +3,13 @@
 import os
 from importlib.metadata import version
 
-from plasmapyro import io
+from plasmapyro import io, workspace
 from plasmapyro.report.crate import compose
 from plasmapyro.versions import versions
 
 io.log_to(snakemake.log[0])
 given, made = snakemake.input, snakemake.output
+workspace.require_unchanged(given.used, snakemake.params.begun_with)
 [io.write_text(io.read_text(source), copy) for source, copy in zip(given.used, made.used, strict=True)]
 results, workflow = (
     {os.path.relpath(path, "results"): (io.digest(path), os.path.getsize(path)) for path in paths}
