@@ -162,11 +162,17 @@ def test_a_plasma_that_goes_out_beyond_the_branch_is_said_to(falls):
 
 
 def test_there_is_one_fall_on_a_way(falls, monkeypatch):
-    calls = falls()
-    monkeypatch.setattr(follow, "_fallen", lambda problem, state, power, where: np.array([90e3]))
+    falls()
+    tried = []
+
+    def back_again(problem, state, power, where):
+        tried.append(power)
+        return np.array([90e3])
+
+    monkeypatch.setattr(follow, "_fallen", back_again)
     with pytest.raises(NotConverged, match="no steady flow.*no such step"):
-        go()
-    assert not any(schedule is follow.FALLING for _, schedule in calls)
+        go(replace(HERE, numerical_power=40e3))
+    assert len(tried) == 1
 
 
 def steps(*residuals, courant=1e4):
@@ -209,6 +215,16 @@ def test_a_small_step_is_the_same_in_any_variable(gas_at_50_mbar):
 def test_what_is_held_stays_to_the_last_digit(gas_at_50_mbar):
     now = np.log([350.0, 5000.0])
     np.testing.assert_array_equal(continuation._conducted(gas_at_50_mbar, now, np.zeros(2)), 0.0)
+
+
+def test_gas_that_cools_stops_before_the_end_of_the_table(gas_at_50_mbar):
+    # Newton's step asks for less heat than there is (S < 0): most of it goes, not all.
+    now = np.log([1500.0, 3000.0, 7000.0])
+    potential, conductivity = gas_at_50_mbar.heat_flux_potential(np.exp(now))
+    change = -1.5 * potential / (conductivity * np.exp(now))
+    reached = np.exp(now + continuation._conducted(gas_at_50_mbar, now, change))
+    left = gas_at_50_mbar.heat_flux_potential(reached)[0] / potential
+    assert np.all((left > 0.1) & (left < 0.5))
 
 
 def test_no_step_leaves_the_table(gas_at_50_mbar):

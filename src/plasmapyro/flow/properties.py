@@ -76,7 +76,8 @@ class GasProperties:
         """Temperature [K] where the heat-flux potential is `potential` [W m-1]; the nearest in the table."""
         table = self.heat_flux_potential
         grid = table.low + table.step * np.arange(len(table.values))
-        guess = np.interp(potential, table.values, grid)
+        # Just inside the table, whatever the rounding of its last temperature.
+        guess = np.interp(potential, table.values, grid).clip(table.low, grid[-1] - 1e-9 * table.step)
         # One step of Newton's method: round-off from 0.01 K.
         value, slope = table(guess)
         return np.clip(guess - (value - potential) / slope, guess - table.step, guess + table.step).clip(
