@@ -128,7 +128,7 @@ def sweep():
 
     A case that the mesh of the sweep refuses, or finds no flow for, is solved again on that of the main job,
     as are at once those whose hot edge is thinner than the cells of the former. Whatever lies in the store
-    serves as a beginning, solutions of earlier versions that were refused for their balances too.
+    serves as a beginning.
     """
     gas, starts = air(), {mesh: reference(mesh) for mesh in (SWEEP_MESH, FINE_MESH)}
     rows = {row["case"]: row for row in read_table(DOCS / "flow_sweep.csv")}

@@ -112,15 +112,21 @@ def test_without_a_name_there_is_nothing_to_reserve():
     assert reserve([round_of((), 1e4, left=500.0)], THIRD) == ""
 
 
-def test_a_number_that_a_bound_holds_is_no_free_direction(model):
-    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
-    term can gain more beside it than the objective holds."""
+def with_a_deposit(model):
+    """Fitter of data without noise that hide a deposit on the window, and the knots of their temperature."""
     knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([parameter.centre for parameter in model.parameters])
     hidden = (Setting("winE", 0.03, {}),)
     measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
     noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
     fitter = Fitter(model, noise, measured)
+    return fitter, knots
+
+
+def test_a_number_that_a_bound_holds_is_no_free_direction(model):
+    """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
+    term can gain more beside it than the objective holds."""
+    fitter, knots = with_a_deposit(model)
     start = fitter.start(knots, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
     solution = fitter.fit(start, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
     assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
@@ -130,12 +136,7 @@ def test_a_number_that_a_bound_holds_is_no_free_direction(model):
 
 def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
     """Two steps towards perfect data of the base model: the gains are those beside the converged fit."""
-    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
-    values = np.array([parameter.centre for parameter in model.parameters])
-    hidden = (Setting("winE", 0.03, {}),)
-    measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
-    noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
-    fitter = Fitter(model, noise, measured)
+    fitter, knots = with_a_deposit(model)
     early, late = (fitter.fit(fitter.start(knots + 1.0), steps=steps) for steps in (1, 20))
     assert early.objective > late.objective + 1.0
     gains = [screen(model, one, structures=False).gains() for one in (early, late)]
