@@ -54,6 +54,13 @@ VARIABLES = {
     "node_r": Variable("m", "distance of the node from the axis", 0, 100),
     "face_node": Variable("1", "vertices of the triangle, counter-clockwise in (z, r)", 0),
     "face_midnode": Variable("1", "middle node of the edge from corner k to corner k+1 (mod 3)", 0),
+    "solver_mesh_factor": Variable("1", "factor on the cell sizes of a mesh of the solver", 0),
+    "solver_vertex_mesh": Variable("1", "mesh of the solver that the vertex belongs to", 0),
+    "solver_vertex_z": Variable("m", "axial position of a vertex of flow domain or box", -100, 100),
+    "solver_vertex_r": Variable("m", "distance of that vertex from the axis", 0, 100),
+    "solver_triangle_mesh": Variable("1", "mesh of the solver that the triangle belongs to", 0),
+    "solver_triangle_flow": Variable("1", "1: triangle of the flow domain, 0: of the box around it", 0, 1),
+    "solver_triangle": Variable("1", "vertices of that triangle, counted within their mesh", 0),
     "axial_velocity": Variable("m s-1", "axial velocity", -5e3, 5e3),
     "radial_velocity": Variable("m s-1", "radial velocity, outward", -5e3, 5e3),
     "joule_heating": Variable("W m-3", "Joule heating, mean over a field period", 0, 1e12),
@@ -400,6 +407,11 @@ DATASETS = {
         },
         "azimuthal_velocity?": ("node",),
         "temperature_error?": ("node",),
+        # Only the cold start: meshes that the other conditions need, one after the other.
+        "solver_mesh_factor?": ("solver_mesh",),
+        **{f"solver_vertex_{name}?": ("solver_vertex",) for name in ("mesh", "z", "r")},
+        **{f"solver_triangle_{name}?": ("solver_face",) for name in ("mesh", "flow")},
+        "solver_triangle?": ("solver_face", "corner"),
         "boundary": ("boundary",),
         **{
             name: ("boundary",)

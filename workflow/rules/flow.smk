@@ -29,7 +29,7 @@ rule flow_start:
         "results/benchmarks/flow_start.tsv"
     params:
         **config["flow"]["start"],
-        **{key: value for key, value in config["flow"]["convergence"].items() if key != "error_mesh_ratio"},
+        **config["flow"]["convergence"],
         probe_temperature_k=config["flow"]["physics"]["probe_temperature_k"],
         torch=config["flow"]["torch"],
         lengths=[key for key in config["flow"]["torch"] if key.endswith("_mm") and key != "coil_positions_mm"],

@@ -25,5 +25,6 @@ result = cold_start(
     velocity_tolerance=keys.velocity_tolerance_m_s,
     temperature_tolerance=keys.temperature_tolerance,
     largest_step_count=keys.largest_step_count,
+    error_mesh_ratio=keys.error_mesh_ratio,
 )
 io.write(result, snakemake.output[0], "flow", sources=snakemake.input, config=dict(keys))

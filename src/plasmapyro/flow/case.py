@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from plasmapyro.flow.dataset import Setup
+from plasmapyro.flow.meshes import Meshes
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
 
@@ -37,6 +38,7 @@ class Case:
     """
 
     setup: Setup
+    meshes: Meshes
     air: Air
     power_step: float
     mesh_ratio: float

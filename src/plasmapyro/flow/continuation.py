@@ -11,11 +11,12 @@ step (`Problem.rest_residual`).
 """
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
-from plasmapyro.flow.induction import Coupling
 from plasmapyro.flow.physics import AXIAL, LOG_TEMPERATURE, RADIAL, REFERENCE_VELOCITY
 from plasmapyro.flow.properties import OutsideTable
 
@@ -111,10 +112,23 @@ class Step:
 
 @dataclass(frozen=True)
 class Result:
+    """A state, the steps that led to it, and the function that gives its Coupling and coil amplitude [A]."""
+
     state: np.ndarray
-    coupling: Coupling
-    current: float
     steps: tuple
+    couple: Callable
+
+    @cached_property
+    def _coupled(self):
+        return self.couple()
+
+    @property
+    def coupling(self):
+        return self._coupled[0]
+
+    @property
+    def current(self):
+        return self._coupled[1]
 
 
 def march(problem, state, power, schedule, label):
@@ -165,7 +179,8 @@ def march(problem, state, power, schedule, label):
         first_current = first_current or current
         _watch(space, state, step, current, first_current, f"{label}: step {number}")
         if passed and schedule.reached_by(step):
-            return _result(problem, state, power, steps)
+            known = replace(target, tangent=None), current  # without the factors
+            return Result(state, tuple(steps), partial(tuple, known))
         if schedule.patience and number > schedule.patience:
             before = steps[-1 - STALL_STEPS].residual
             if residual > STALL_SHARE * before and not schedule.reached_by(step):
@@ -325,5 +340,4 @@ def _blend(old, new, share):
 
 
 def _result(problem, state, power, steps):
-    coupling, current = problem.couple(state, power)
-    return Result(state, coupling, current, tuple(steps))
+    return Result(state, tuple(steps), partial(problem.couple, state, power))

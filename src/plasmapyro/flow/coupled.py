@@ -4,9 +4,11 @@ The Jacobian of the flow with frozen heating and forces, A, is factorised. What 
 the induction equation, B, is applied without being assembled: temperature to conductivity, one solution with
 the factors of the induction equation, heating and forces to residual. Then
 
-.. math:: (A + B)\,\delta = -R, \qquad (I + B A^{-1})\,y = -R,\; \delta = A^{-1} y
+.. math:: (A + B)\,\delta = -R, \qquad (A + B) P\,y = -R,\; \delta = P y
 
-B A^-1 is compact (the field follows the conductivity smoothly), so that GMRES needs a handful of iterations.
+with P the factors' A^-1. B A^-1 is compact (the field follows the conductivity smoothly), so that GMRES needs
+a handful of iterations. A is applied itself: factors of single precision may change the number of
+iterations, not what they converge to.
 
 Source: Saad and Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856 (GMRES); Knoll and Keyes, J. Comput. Phys.
 193 (2004) 357 (Jacobian-free Newton-Krylov with a block as preconditioner).
@@ -23,7 +25,7 @@ def coupled_solution(block, rest, right_hand_side, tolerance):
 
     Parameters
     ----------
-    block : function, b -> A^-1 b
+    block : function, b -> P b and A P b, P near A^-1
     rest : function, x -> B x
     right_hand_side : (N,)
     tolerance : float [1]
@@ -34,8 +36,13 @@ def coupled_solution(block, rest, right_hand_side, tolerance):
     scale = np.linalg.norm(right_hand_side)
     if scale == 0:
         return np.zeros(size)
-    operator = LinearOperator((size, size), matvec=lambda y: y + rest(block(y)), dtype=float)
+
+    def applied(y):
+        solution, product = block(y)
+        return product + rest(solution)
+
+    operator = LinearOperator((size, size), matvec=applied, dtype=float)
     solution, _ = gmres(
         operator, right_hand_side / scale, rtol=tolerance, atol=0.0, restart=LARGEST_SUBSPACE, maxiter=1
     )
-    return scale * block(solution)
+    return scale * block(solution)[0]

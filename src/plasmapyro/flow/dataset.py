@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.flow.boundary import inlet_mach_number
-from plasmapyro.flow.geometry import BOUNDARIES, Torch, build_mesh
+from plasmapyro.flow.geometry import BOUNDARIES, Torch
+from plasmapyro.flow.meshes import meshes_of
 from plasmapyro.flow.physics import AXIAL
 
 SAME_POINT = 1e-9  # [m]: largest distance between stored and rebuilt nodes
@@ -124,9 +125,12 @@ def setup_of(dataset):
         raise ValueError(f"the start solution lacks the attribute {missing}") from None
 
 
-def mesh_of(dataset, setup):
-    """Mesh of flow domain and box rebuilt from `setup`; ValueError if its nodes differ."""
-    mesh = build_mesh(setup.torch, setup.mesh_factor)
+def mesh_of(dataset, setup, meshes=None):
+    """Mesh of flow domain and box of a dataset; ValueError if its nodes are others than those of the fields.
+
+    `meshes`: those of the torch, where known; else the mesh that the file holds, or a new one.
+    """
+    mesh = (meshes or meshes_of(dataset, setup.torch))(setup.mesh_factor)
     vertices = mesh.restrict("flow").p
     stored = np.stack([dataset.node_z.values, dataset.node_r.values])[:, : vertices.shape[1]]
     if stored.shape != vertices.shape or np.abs(stored - vertices).max() > SAME_POINT:

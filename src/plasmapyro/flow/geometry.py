@@ -234,9 +234,14 @@ def build_mesh(torch, mesh_factor):
     points = np.asarray(meshed.Coordinates())[:, :2]
     elements = meshed.Elements2D().NumPy()
     triangles = elements["nodes"][:, :3].astype(np.int64) - 1
-    in_box = np.array([meshed.GetMaterial(int(i)) == "box" for i in elements["index"]])
-    mesh = MeshTri(points.T.copy(), triangles.T.copy())
-    subdomains = {"flow": np.flatnonzero(~in_box), "box": np.flatnonzero(in_box)}
+    in_flow = np.array([meshed.GetMaterial(int(i)) != "box" for i in elements["index"]])
+    return named_mesh(points.T, triangles.T, in_flow, torch)
+
+
+def named_mesh(points, triangles, in_flow, torch):
+    """Mesh of vertices (2, N) and triangles (3, F) with the names of `build_mesh`; `in_flow`: (F,) bool."""
+    mesh = MeshTri(np.ascontiguousarray(points), np.ascontiguousarray(triangles))
+    subdomains = {"flow": np.flatnonzero(in_flow), "box": np.flatnonzero(~in_flow)}
     sides = {
         "axis": lambda x: x[1] < ON_LINE,
         "far": lambda x: (

@@ -147,10 +147,7 @@ class Induction:
         self._vacuum = self._space.gathered(whole, self._space.element_matrices(whole, derivatives))
         fixed = self._space.boundary_dofs(0, ("axis", "far"))
         self._free = np.setdiff1d(np.arange(self._space.size), fixed)
-        entries = self._space.matrix(np.arange(1, len(self._vacuum) + 1))[self._free][:, self._free]
-        self._entries = entries.data - 1
-        self._free_pattern = entries
-        self._factorised = Factorised(self._free)
+        self._factorised = Factorised(self._free, self._free)
         z, r = self.plasma.z, self.plasma.r
 
         self._potential = potential(r, z)
@@ -182,13 +179,11 @@ class Induction:
         derivatives = np.zeros((*strength.shape, 3, 3))
         derivatives[..., 0, 0] = strength
         data = self._vacuum + 1j * space.gathered(plasma, space.element_matrices(plasma, derivatives))
-        matrix = self._free_pattern.astype(complex)
-        matrix.data = data[self._entries]
         load = np.zeros((3, *strength.shape))
         # Coil term on the right-hand side: i omega mu0 sigma (i omega A_c) = -omega^2 mu0 sigma A_c.
         load[0] = -strength * omega * self._potential
         scattered = np.zeros(space.size, dtype=complex)
-        factors = self._factorised.factors(matrix)
+        factors = self._factorised.system(space.matrix(data)).factors()
         scattered[self._free] = factors.solve(space.residual(plasma, load)[self._free].astype(complex))
         value, slope_z, slope_r = space.inputs(plasma, scattered)
         electric = value - 1j * omega * self._potential

@@ -9,7 +9,6 @@ from plasmapyro.flow.case import problem_of
 from plasmapyro.flow.continuation import NotConverged, Schedule, march
 from plasmapyro.flow.evaluate import carried, transfer
 from plasmapyro.flow.follow import LARGEST_COURANT, LINEAR_TOLERANCE, PATIENCE, RESTART_COURANT, follow
-from plasmapyro.flow.geometry import build_mesh
 from plasmapyro.flow.mesh_error import mesh_error
 from plasmapyro.flow.problem import Problem
 
@@ -31,6 +30,11 @@ COARSE_BEGIN = replace(COARSER, velocity_tolerance=5.0, temperature_tolerance=0.
 COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
 SLOW_COURANT = 30.0  # where a coarse mesh is not reached at the first try
 COARSEST = 2  # level of the coarsest mesh
+
+
+def level_factors(mesh_factor, mesh_ratio):
+    """Mesh factors of the levels, the finest first; of that one alone without a ratio."""
+    return [mesh_factor * mesh_ratio**level for level in range(COARSEST + 1 if mesh_ratio else 1)]
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ def coarse_way(known, case, origin, target):
 def solved_on(level, known, case, condition, schedule=COARSER):
     """Solution on a coarser mesh: cells `mesh_ratio`^level times those of `known`, same condition."""
     factor = case.mesh_ratio**level
-    mesh = build_mesh(case.setup.torch, case.setup.mesh_factor * factor)
+    mesh = case.meshes(case.setup.mesh_factor * factor)
     problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
     guess = transfer(known.state, known.problem, problem)
     label = f"{case.label}, mesh {factor:.3g} times as coarse"

@@ -1,6 +1,7 @@
 """The discrete problem: residual, Jacobian and induction coupling of one torch, gas and mass flow on one
 mesh."""
 
+import logging
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial
@@ -18,6 +19,7 @@ from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
     IMAGINARY_STEP,
+    INPUTS,
     LOG_TEMPERATURE,
     RADIAL,
     REFERENCE_PRESSURE,
@@ -31,6 +33,8 @@ from plasmapyro.flow.physics import (
     property_lines,
 )
 from plasmapyro.flow.swirl import Swirl
+
+log = logging.getLogger(__name__)
 
 CHUNK = 1500  # elements per pass: the temporaries of the pointwise physics stay in the cache
 SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
@@ -85,9 +89,7 @@ class Problem:
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
         self._conduction = Conduction(self.space)
-        numbered = self.space.matrix(np.arange(1, len(self.space.indices) + 1))[self.free][:, self.free]
-        self._free_pattern, self._entries = numbered.astype(float), numbered.data - 1
-        self._factorised = Factorised(self.space.nodes()[self.free])
+        self._factorised = Factorised(self.space.nodes()[self.free], self.free)
         cells = self.space.cells
         area = (cells.weight / (2 * np.pi * cells.r)).sum(axis=1)
         # Edge of the equilateral triangle of the same area, halved where a quadratic element resolves half
@@ -260,16 +262,21 @@ class Problem:
         `coupling` being the result of `couple` at `state`; otherwise heating and forces stay as they are.
         """
         residual = self.residual(state, points)[self.free]
-        matrix = self._free_pattern.copy()
-        matrix.data = self.jacobian(state, points).data[self._entries]
-        factors = self._factorised.factors(matrix)
+        system = self._factorised.system(self.jacobian(state, points))
+        induced = self._induced(state, points, coupling) if linear_tolerance else None
+
+        def solved(precision):
+            factors = system.factors(precision)
+            if induced is None:
+                return factors.solve(-residual)
+            return coupled_solution(factors.solve_roughly, induced, -residual, linear_tolerance)
+
         update = np.zeros(self.space.size)
-        if linear_tolerance:
-            update[self.free] = coupled_solution(
-                factors.solve, self._induced(state, points, coupling), -residual, linear_tolerance
-            )
-        else:
-            update[self.free] = factors.solve(-residual)
+        try:
+            update[self.free] = solved(np.float32)
+        except ArithmeticError as fault:
+            log.info("again in double precision after: %s", fault)
+            update[self.free] = solved(np.float64)
         return update, float(np.linalg.norm(residual))
 
     def _induced(self, state, points, coupling):
@@ -279,11 +286,12 @@ class Problem:
         temperature = np.exp(inputs[3 * LOG_TEMPERATURE])
         lines = property_lines(self.properties, temperature)
         slope = self.properties.electrical_conductivity(temperature)[1] * temperature
-        # Heating and forces enter linearly: their factors in each row, once.
+        # Heating and forces enter linearly: their factors, once, in the rows where they have any.
         factors = []
         for name in ("joule_heating", "force_axial", "force_radial"):
             stepped = replace(points, **{name: getattr(points, name) + 1j * IMAGINARY_STEP})
-            factors.append([np.imag(row) / IMAGINARY_STEP for row in densities(inputs, lines, stepped)])
+            found = (np.imag(row) / IMAGINARY_STEP for row in densities(inputs, lines, stepped))
+            factors.append({row: factor for row, factor in enumerate(found) if factor.any()})
         unit = self.induction_power(coupling)
 
         def induced(change):
@@ -294,11 +302,11 @@ class Problem:
             scale = coupling.power / unit
             now = (coupling.joule_heating, coupling.force_axial, coupling.force_radial)
             sources = [scale * part - growth * held for part, held in zip(parts, now, strict=True)]
-            rows = [
-                sum(factor[row] * source for factor, source in zip(factors, sources, strict=True))
-                for row in range(len(factors[0]))
-            ]
-            return self.space.residual(cells, np.stack(rows))[self.free]
+            rows = np.zeros((INPUTS, *cells.r.shape))
+            for factor, source in zip(factors, sources, strict=True):
+                for row, share in factor.items():
+                    rows[row] += share * source
+            return self.space.residual(cells, rows)[self.free]
 
         return induced
 

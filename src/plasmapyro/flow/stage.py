@@ -21,9 +21,10 @@ from plasmapyro.flow.follow import (
     RESTART_COURANT,
     follow,
 )
-from plasmapyro.flow.geometry import Torch, build_mesh
+from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.initial import hot_torch
-from plasmapyro.flow.levels import Solution, coarse_way, estimated_error
+from plasmapyro.flow.levels import Solution, coarse_way, estimated_error, level_factors
+from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
 
 log = logging.getLogger(__name__)
 
@@ -67,6 +68,7 @@ def cold_start(
     velocity_tolerance,
     temperature_tolerance,
     largest_step_count,
+    error_mesh_ratio=0.0,
 ):
     """Steady flow at a reference condition, from a hot first guess; no swirl, no radiation loss.
 
@@ -95,6 +97,8 @@ def cold_start(
     temperature_tolerance : float [1]
         Largest change that Newton's method would still make to the state that is returned.
     largest_step_count : int
+    error_mesh_ratio : float [1]
+        As in `condition`: its meshes are made here and handed on.
 
     Returns
     -------
@@ -119,7 +123,9 @@ def cold_start(
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     air = Air(gas, None, setup.wall_temperature)
     label = f"cold start {power / 1e3:g} kW"
-    coarse_mesh = build_mesh(setup.torch, positive("start_mesh_factor", start_mesh_factor, "1"))
+    meshes = Meshes(setup.torch)
+    factors = level_factors(setup.mesh_factor, _checked_ratio(error_mesh_ratio))
+    coarse_mesh = meshes(float(positive("start_mesh_factor", start_mesh_factor, "1")))
     coarse = problem_of(coarse_mesh, setup, air, reference, 1)
     state = hot_torch(coarse)
     for start_limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
@@ -131,7 +137,7 @@ def cold_start(
         source = problem_of(coarse_mesh, setup, air, reference, 2, limiter)
         state = transfer(state, coarse, source)
         state = march(source, state, power, UPGRADE, f"{label}, start mesh").state
-    fine = problem_of(build_mesh(setup.torch, setup.mesh_factor), setup, air, reference, 2, limiter)
+    fine = problem_of(meshes(setup.mesh_factor), setup, air, reference, 2, limiter)
     state = transfer(state, source, fine)
     final = Schedule(
         10.0,
@@ -143,7 +149,8 @@ def cold_start(
         linear_tolerance=LINEAR_TOLERANCE,
     )
     result = march(fine, state, power, final, label)
-    return to_dataset(fine, setup, reference, result, _balanced(fine, result, label))
+    found = to_dataset(fine, setup, reference, result, _balanced(fine, result, label))
+    return found.assign(mesh_variables(meshes, factors))
 
 
 def condition(
@@ -179,7 +186,8 @@ def condition(
     gas : Dataset, contract 'gas'
         The one `start` was computed with.
     start : Dataset, contract 'flow'
-        Result of `cold_start`; torch, probe, wall temperature and mesh are taken from it.
+        Result of `cold_start`; torch, probe, wall temperature and meshes are taken from it. Meshes that it
+        lacks are made again.
     neighbours : sequence of Dataset, contract 'flow'
         Other known solutions; those of another torch, probe or mesh are interpolated.
     emission : Dataset, contract 'net_emission', optional
@@ -216,8 +224,7 @@ def condition(
     )
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     power_step = float(positive("power_step", power_step, "W"))
-    if error_mesh_ratio and not error_mesh_ratio > 1:
-        raise ValueError(f"error_mesh_ratio must be 0 or > 1; got {error_mesh_ratio:g}")
+    mesh_ratio = _checked_ratio(error_mesh_ratio)
     final = Schedule(
         RESTART_COURANT,
         LARGEST_COURANT,
@@ -231,7 +238,8 @@ def condition(
     )
     setup = setup_of(start)
     air = Air(gas, emission, setup.wall_temperature)
-    mesh = mesh_of(start, setup)
+    meshes = meshes_of(start, setup.torch)
+    mesh = mesh_of(start, setup, meshes)
     label = f"condition {target.describe()}"
     mach = inlet_mach_number(
         setup.torch, air.properties(target), target.mass_flow_rate, setup.wall_temperature
@@ -244,7 +252,7 @@ def condition(
         origin = Condition.of(one)
         problem = problem_of(mesh, setup, air, origin, 2, limiter)
         here = Solution(problem, _known_state(one, setup, problem, gas))
-        case = Case(setup, air, power_step, float(error_mesh_ratio), label)
+        case = Case(setup, meshes, air, power_step, mesh_ratio, label)
         try:
             problem, result, coarsest = _reached(here, case, origin, target, final)
             balance = _balanced(problem, result, label)
@@ -262,6 +270,12 @@ def condition(
     if mach > LOW_MACH:
         tried += f"\nThe gas enters at Mach {mach:.2f}; the equations hold for small Mach numbers."
     raise kind(tried)
+
+
+def _checked_ratio(error_mesh_ratio):
+    if error_mesh_ratio and not error_mesh_ratio > 1:
+        raise ValueError(f"error_mesh_ratio must be 0 or > 1; got {error_mesh_ratio:g}")
+    return float(error_mesh_ratio)
 
 
 def _known_state(dataset, setup, problem, gas):
