@@ -179,6 +179,14 @@ class Space:
             ]
         return np.bincount(patch.dofs.ravel(), found.ravel(), minlength=self.size)
 
+    def load(self, cells, density):
+        """Vector (size,) of the weak form of one field with the density (E, Q) of its values alone.
+
+        As `residual`, faster: the values of the shape functions are the same in all cells.
+        """
+        found = (density * cells.weight) @ cells.shapes[0][0, :, 0]
+        return np.bincount(cells.dofs.ravel(), found.ravel(), minlength=self.size)
+
     @staticmethod
     def element_matrices(patch, derivatives, part=slice(None)):
         """Element matrices (E, L, L) of some elements with density derivatives (E, Q, outputs, inputs)."""

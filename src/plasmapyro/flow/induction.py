@@ -183,7 +183,7 @@ class Induction:
         # Coil term on the right-hand side: i omega mu0 sigma (i omega A_c) = -omega^2 mu0 sigma A_c.
         load[0] = -strength * omega * self._potential
         scattered = np.zeros(space.size, dtype=complex)
-        factors = self._factorised.system(space.matrix(data)).factors()
+        factors = self._factorised.system(space.matrix(data)).factors(single=True)
         scattered[self._free] = factors.solve(space.residual(plasma, load)[self._free].astype(complex))
         value, slope_z, slope_r = space.inputs(plasma, scattered)
         electric = value - 1j * omega * self._potential
@@ -203,14 +203,10 @@ class Induction:
     def scattered_by(self, factors, current):
         """Value, d/dz, d/dr (3, E, Q) of the field that a complex current density (E, Q) [A m-2] scatters."""
         space = self._space
-        load = np.zeros((3, *current.shape))
-        load[0] = current.real
-        real = space.residual(self.plasma, load)
-        load[0] = current.imag
-        source = real + 1j * space.residual(self.plasma, load)
+        source = space.load(self.plasma, current.real) + 1j * space.load(self.plasma, current.imag)
         scattered = np.zeros(space.size, dtype=complex)
         strength = -1j * self.angular_frequency * VACUUM_PERMEABILITY
-        scattered[self._free] = factors.solve(strength * source[self._free])
+        scattered[self._free] = factors.solve_roughly(strength * source[self._free])[0]
         return space.inputs(self.plasma, scattered)
 
     def field_at(self, z, r, scattered):

@@ -5,23 +5,29 @@ Keeping the unknowns of a node together and preferring diagonal pivots leaves th
 million entries and 0.7 s for 97 000 unknowns, where SuperLU's own column ordering takes 9 s.
 
 Factors may be kept in single precision: 0.5 s and half the memory. They solve to 5e-5, plenty inside an
-iteration that applies the matrix itself; refinement brings a direct solution to `RESIDUAL_LIMIT`.
+iteration that applies the matrix itself; iterative refinement brings a direct solution to 1e-10. Where they
+fail, they are made again in the precision of the matrix.
 
 Source: Carson and Higham, SIAM J. Sci. Comput. 40 (2018) A817 (refinement with factors of lower precision).
 """
+
+import logging
 
 import numpy as np
 import pymetis
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
+log = logging.getLogger(__name__)
+
 # A diagonal pivot is kept unless it is that much smaller than the largest of its column. The zero diagonal
 # of the Taylor-Hood pressure block has filled in by the time its node is reached; 1e-3 and 1e-6 give the
 # same accuracy.
 PIVOT_THRESHOLD = 1e-4
 RESIDUAL_LIMIT = 1e-6  # relative; the factorisations in use leave 1e-13, in single precision 5e-5
-ROUGH_LIMIT = 1e-2  # the same of one solution inside an iteration
-REFINEMENTS = 3
+ROUGH_LIMIT = 1e-2  # the same of a solution inside an iteration
+REFINED, REFINEMENTS = 1e-10, 4  # residual that refinement aims at, and its most rounds
+SINGLE = {"d": np.dtype(np.float32), "D": np.dtype(np.complex64)}
 
 
 class Factorised:
@@ -73,33 +79,43 @@ class System:
     def __init__(self, permuted, order):
         self.permuted, self.order = permuted, order
 
-    def factors(self, precision=None):
-        """Factors, for any number of right-hand sides; `precision`: their dtype, that of the matrix if None.
+    def factors(self, *, single=False):
+        """Factors, for any number of right-hand sides; in single precision if asked for.
 
         Raises
         ------
         ArithmeticError
             If the matrix is singular.
         """
-        matrix = self.permuted
-        try:
-            factors = splu(
-                matrix if precision is None else matrix.astype(precision),
-                permc_spec="NATURAL",
-                diag_pivot_thresh=PIVOT_THRESHOLD,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError as fault:
-            raise ArithmeticError(f"singular matrix of {matrix.shape[0]} unknowns ({fault})") from None
-        return Factors(self, factors, np.dtype(precision or matrix.dtype))
+        return Factors(self, SINGLE[self.permuted.dtype.char] if single else self.permuted.dtype)
 
 
 class Factors:
     """A factorised matrix; made by `System.factors`."""
 
-    def __init__(self, system, factors, precision):
+    def __init__(self, system, precision):
         self._matrix, self._order = system.permuted, system.order
-        self._factors, self._precision = factors, precision
+        self._factorise(precision)
+
+    def _factorise(self, precision):
+        self._precision = precision
+        try:
+            self._factors = splu(
+                self._matrix.astype(precision, copy=False),
+                permc_spec="NATURAL",
+                diag_pivot_thresh=PIVOT_THRESHOLD,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as fault:
+            if precision != self._matrix.dtype:
+                self._again(fault)
+                return
+            size = self._matrix.shape[0]
+            raise ArithmeticError(f"singular matrix of {size} unknowns ({fault})") from None
+
+    def _again(self, fault):
+        log.info("factors of %s in double precision after: %s", self._matrix.shape, fault)
+        self._factorise(self._matrix.dtype)
 
     def solve(self, right_hand_side):
         """Solve A x = b.
@@ -110,15 +126,16 @@ class Factors:
             If the residual shows that the factorisation lost its accuracy.
         """
         permuted = right_hand_side[self._order]
-        limit = RESIDUAL_LIMIT * np.linalg.norm(permuted)
+        size = np.linalg.norm(permuted)
         solution = self._applied(permuted)
         rest = permuted - self._matrix @ solution
-        for _ in range(REFINEMENTS if self._precision != self._matrix.dtype else 0):
-            if np.linalg.norm(rest) <= limit:
+        for _ in range(REFINEMENTS if self._is_single else 0):
+            if np.linalg.norm(rest) <= REFINED * size:
                 break
             solution += self._applied(rest)
             rest = permuted - self._matrix @ solution
-        _held(np.linalg.norm(rest), limit, len(solution))
+        if self._inaccurate(np.linalg.norm(rest), RESIDUAL_LIMIT * size):
+            return self.solve(right_hand_side)
         return self._in_place(solution)
 
     def solve_roughly(self, right_hand_side):
@@ -126,8 +143,23 @@ class Factors:
         permuted = right_hand_side[self._order]
         solution = self._applied(permuted)
         product = self._matrix @ solution
-        _held(np.linalg.norm(product - permuted), ROUGH_LIMIT * np.linalg.norm(permuted), len(solution))
+        if self._inaccurate(np.linalg.norm(product - permuted), ROUGH_LIMIT * np.linalg.norm(permuted)):
+            return self.solve_roughly(right_hand_side)
         return self._in_place(solution), self._in_place(product)
+
+    @property
+    def _is_single(self):
+        return self._precision != self._matrix.dtype
+
+    def _inaccurate(self, error, limit):
+        """Whether a residual is too large; then the factors are others, or ArithmeticError is raised."""
+        if error <= limit:
+            return False
+        fault = f"inaccurate factorisation: residual {error:g} of {len(self._order)} unknowns"
+        if not self._is_single:
+            raise ArithmeticError(fault)
+        self._again(fault)
+        return True
 
     def _applied(self, permuted):
         solution = self._factors.solve(permuted.astype(self._precision, copy=False))
@@ -137,11 +169,6 @@ class Factors:
         found = np.empty_like(permuted)
         found[self._order] = permuted
         return found
-
-
-def _held(error, limit, size):
-    if not error <= limit:
-        raise ArithmeticError(f"inaccurate factorisation: residual {error:g} of {size} unknowns")
 
 
 def _node_dissection(matrix, groups):

@@ -1,7 +1,6 @@
 """The discrete problem: residual, Jacobian and induction coupling of one torch, gas and mass flow on one
 mesh."""
 
-import logging
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial
@@ -33,8 +32,6 @@ from plasmapyro.flow.physics import (
     property_lines,
 )
 from plasmapyro.flow.swirl import Swirl
-
-log = logging.getLogger(__name__)
 
 CHUNK = 1500  # elements per pass: the temporaries of the pointwise physics stay in the cache
 SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
@@ -262,21 +259,13 @@ class Problem:
         `coupling` being the result of `couple` at `state`; otherwise heating and forces stay as they are.
         """
         residual = self.residual(state, points)[self.free]
-        system = self._factorised.system(self.jacobian(state, points))
-        induced = self._induced(state, points, coupling) if linear_tolerance else None
-
-        def solved(precision):
-            factors = system.factors(precision)
-            if induced is None:
-                return factors.solve(-residual)
-            return coupled_solution(factors.solve_roughly, induced, -residual, linear_tolerance)
-
+        factors = self._factorised.system(self.jacobian(state, points)).factors(single=True)
         update = np.zeros(self.space.size)
-        try:
-            update[self.free] = solved(np.float32)
-        except ArithmeticError as fault:
-            log.info("again in double precision after: %s", fault)
-            update[self.free] = solved(np.float64)
+        if linear_tolerance:
+            induced = self._induced(state, points, coupling)
+            update[self.free] = coupled_solution(factors.solve_roughly, induced, -residual, linear_tolerance)
+        else:
+            update[self.free] = factors.solve(-residual)
         return update, float(np.linalg.norm(residual))
 
     def _induced(self, state, points, coupling):
