@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plasmapyro import contracts
-from plasmapyro.flow import continuation, stage
+from plasmapyro.flow import continuation, meshes, stage
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, march
 from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
@@ -353,6 +353,33 @@ def test_a_plasma_that_goes_out_is_reported_with_the_conditions_between(air, sta
         match=r"the plasma goes out between 90 kW, 50 mbar, 16 g/s .* and 8\d\.\d+ kW, .* ran away",
     ):
         condition(air, start, numerical_power=70e3, **CONDITION, **TOLERANCES)
+
+
+def test_a_start_without_its_meshes_gives_the_same_flow(air, start, at_80, monkeypatch):
+    # A file of the user's: the mesh is made again, once.
+    plain = start.drop_vars([name for name in start if name.startswith("solver_")])
+    assert len(plain) == len(start) - 7
+    made, build = [], meshes.build_mesh
+    monkeypatch.setattr(meshes, "build_mesh", lambda *args: made.append(args) or build(*args))
+    found = condition(air, plain, numerical_power=80e3, **CONDITION, **TOLERANCES)
+    assert len(made) == 1
+    for name in ("temperature", "axial_velocity", "residual_norm"):
+        assert found[name].values.tobytes() == at_80[name].values.tobytes()
+    condition(air, start, numerical_power=90e3, **CONDITION, **TOLERANCES)
+    assert len(made) == 1
+
+
+def test_coupling_and_current_of_a_result_are_those_of_its_state(problem):
+    solver, state = problem
+    once, confirmed = (
+        march(solver, state, 90e3, Schedule(1e4, 1e5, 5, confirmed=yes, linear_tolerance=1e-2), "x")
+        for yes in (False, True)
+    )
+    for result in (once, confirmed):
+        coupling, current = solver.couple(result.state, 90e3)
+        assert result.current == current and result.coupling.power == 90e3
+        assert result.coupling.joule_heating.tobytes() == coupling.joule_heating.tobytes()
+    assert len(confirmed.steps) == len(once.steps) + 1
 
 
 def test_the_error_of_the_mesh_is_stored_and_its_coarse_mesh_leads_there(air, start, at_80, caplog):
