@@ -9,6 +9,7 @@ from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import (
     ROW_SCALE,
     Points,
+    complex_step,
     complex_step_derivatives,
     densities,
     property_lines,
@@ -257,6 +258,35 @@ def test_complex_step_agrees_with_finite_differences(pipe, air):
         size = np.abs(difference).max(axis=(0, 1)) + 1e-12
         # 1e-5: second derivative of the Hermite tables times the step, and cancellation.
         assert (np.abs(exact[..., index] - difference) / size).max() < 1e-5
+
+
+@pytest.mark.parametrize("orders", [(2, 2, 2, 1), (1, 1, 1, 1)])
+def test_matrices_of_cells_are_those_of_any_patch(pipe, air, orders):
+    # The same sums in the axes z and r, which every patch is summed in, on a part of skewed triangles.
+    even = pipe(6)
+    z, r = even.p
+    mesh = type(even)(np.stack([z + 0.4 * r, r + 0.1 * z + 0.3 * z * r]), even.t)
+    space, part = Space(mesh, orders), slice(5, 40)
+    rng, size = np.random.default_rng(11), space.cells.r.shape
+    data = points(
+        space,
+        inverse_step=np.full(size, 300.0),
+        joule_heating=rng.uniform(0, 1e7, size),
+        force_radial=rng.uniform(-400, 0, size),
+        viscosity_limiter=np.full(size, 0.5),
+    )
+    state = rng.uniform(-1, 1, space.size)
+    state[space.field(2)] = np.log(rng.uniform(5000, 7000, len(state[space.field(2)])))
+    inputs = list(space.inputs(space.cells, state))
+    lines = property_lines(gas_properties(air, 5e3, 350.0), np.exp(inputs[6]))
+    derivatives = complex_step_derivatives(lambda x: densities(x, lines, data), inputs)
+    expected = space.element_matrices(space.cells, derivatives)[part]
+    some = [values[part].T for values in inputs]
+    fewer = {name: tuple(values[part].T for values in line) for name, line in lines.items()}
+    found = space.cell_matrices(
+        part, lambda along: complex_step(lambda x: densities(x, fewer, data.part(part)), some, along)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
 
 
 def test_singular_matrix_is_refused(pipe):

@@ -132,7 +132,7 @@ class Space:
         pattern = (ones.T @ ones).tocsr()
         pattern.sort_indices()
         self.indptr, self.indices = pattern.indptr, pattern.indices
-        self._known_places = {}
+        self._known_places, self._known_products = {}, {}
 
     @staticmethod
     def _rows(patch):
@@ -187,19 +187,70 @@ class Space:
         found = (density * cells.weight) @ cells.shapes[0][0, :, 0]
         return np.bincount(cells.dofs.ravel(), found.ravel(), minlength=self.size)
 
+    def cell_matrices(self, part, derivative):
+        """Element matrices (e, L, L) of the slice `part` of the cells.
+
+        As `element_matrices`, faster: with slopes along two sides of its cell instead of z and r the shape
+        functions are the same in all cells, and the sums over quadrature points become one matrix product
+        for each pair of fields.
+
+        Parameters
+        ----------
+        part : slice
+        derivative : function, direction -> densities' derivatives along it, 3 n arrays (Q, e)
+            `direction`: mapping from the index of a field input to its share, a number or (e,).
+        """
+        inverse = self._bases[max(self.orders)].mapping.invA[:, :, part]
+        weight = np.ascontiguousarray(self.cells.weight[part].T)
+        points, count = weight.shape
+        fields = range(len(self.orders))
+        forms = np.empty((len(fields), len(fields), COMPONENTS, COMPONENTS, points, count))
+        for trial in fields:
+            value, *slopes = range(COMPONENTS * trial, COMPONENTS * (trial + 1))
+            for column in range(COMPONENTS):
+                along = dict(zip(slopes, inverse[column - 1], strict=True)) if column else {value: 1.0}
+                rows = [row * weight for row in derivative(along)]
+                for test in fields:
+                    held, *by_axis = rows[COMPONENTS * test : COMPONENTS * (test + 1)]
+                    form = forms[test, trial, :, column]
+                    form[0] = held
+                    for row, (along_z, along_r) in enumerate(inverse, start=1):
+                        form[row] = along_z * by_axis[0] + along_r * by_axis[1]
+        matrices = np.empty((count, *2 * (self.cells.dofs.shape[1],)))
+        for test in fields:
+            for trial in fields:
+                pair = self._products(self.orders[test], self.orders[trial])
+                place = np.s_[:, self.cells.local(test), self.cells.local(trial)]
+                summed = forms[test, trial].reshape(-1, count).T @ pair
+                matrices[place] = summed.reshape(matrices[place].shape)
+        return matrices
+
+    def _products(self, *orders):
+        """Products of shape functions and their slopes along the sides of a cell (9 Q, l l)."""
+        if orders not in self._known_products:
+            points = self._bases[max(self.orders)].X
+            shapes = []
+            for order in orders:
+                element = ELEMENTS[order]()
+                found = [element.lbasis(points, local) for local in range(self._bases[order].Nbfun)]
+                shapes.append(np.stack([[value, *slopes] for value, slopes in found], axis=-1))
+            pair = np.einsum("aqi,bqj->abqij", *shapes)
+            self._known_products[orders] = pair.reshape(np.prod(pair.shape[:3]), -1)
+        return self._known_products[orders]
+
     @staticmethod
-    def element_matrices(patch, derivatives, part=slice(None)):
-        """Element matrices (E, L, L) of some elements with density derivatives (E, Q, outputs, inputs)."""
-        weighted = derivatives * patch.weight[part][:, :, None, None]
+    def element_matrices(patch, derivatives):
+        """Element matrices (E, L, L) of a patch with density derivatives (E, Q, outputs, inputs)."""
+        weighted = derivatives * patch.weight[:, :, None, None]
         elements, points, rows, _ = weighted.shape
         trial = np.empty((elements, points, rows, patch.dofs.shape[1]))
         for field, shape in enumerate(patch.shapes):
             own = slice(COMPONENTS * field, COMPONENTS * (field + 1))
-            np.matmul(weighted[..., own], shape[part], out=trial[..., patch.local(field)])
+            np.matmul(weighted[..., own], shape, out=trial[..., patch.local(field)])
         matrices = np.empty((elements, *2 * (patch.dofs.shape[1],)))
         for field, shape in enumerate(patch.shapes):
             own = slice(COMPONENTS * field, COMPONENTS * (field + 1))
-            tests = shape[part].reshape(elements, points * COMPONENTS, -1).transpose(0, 2, 1)
+            tests = shape.reshape(elements, points * COMPONENTS, -1).transpose(0, 2, 1)
             ahead = trial[:, :, own].reshape(elements, points * COMPONENTS, -1)
             np.matmul(tests, ahead, out=matrices[:, patch.local(field)])
         return matrices

@@ -85,9 +85,11 @@ class Points:
     equal_order: float
 
     def part(self, elements):
-        """The same for a slice of elements."""
+        """The same for a slice of elements, quadrature points first: arrays (Q, e)."""
         arrays = {
-            name: getattr(self, name)[elements] for name in self.__dataclass_fields__ if name != "equal_order"
+            name: np.ascontiguousarray(getattr(self, name)[elements].T)
+            for name in self.__dataclass_fields__
+            if name != "equal_order"
         }
         return Points(**arrays, equal_order=self.equal_order)
 
@@ -225,14 +227,21 @@ def backflow_densities(inputs, normal, density, heat_capacity, temperature):
     return [scale * row for scale, row in zip(ROW_SCALE, rows, strict=True)]
 
 
-def complex_step_derivatives(function, inputs):
-    """Derivatives (E, Q, outputs, inputs) of a pointwise function at real `inputs`, exact to round-off.
+def complex_step(function, inputs, direction):
+    """Derivatives of the outputs of a pointwise function at real `inputs`, exact to round-off.
 
-    f(x + i d) = f(x) + i d f'(x) + O(d^2); d = 1e-30 leaves no truncation and no cancellation.
+    f(x + i d) = f(x) + i d f'(x) + O(d^2); d = 1e-30 leaves no truncation and no cancellation. `direction`:
+    mapping from the index of an input to its share in the direction of the derivative.
     """
-    columns = []
-    for index in range(len(inputs)):
-        stepped = list(inputs)
-        stepped[index] = inputs[index] + 1j * IMAGINARY_STEP
-        columns.append(np.stack([np.imag(row) / IMAGINARY_STEP for row in function(stepped)], axis=-1))
+    stepped = list(inputs)
+    for index, share in direction.items():
+        stepped[index] = inputs[index] + 1j * IMAGINARY_STEP * share
+    return [np.imag(row) / IMAGINARY_STEP for row in function(stepped)]
+
+
+def complex_step_derivatives(function, inputs):
+    """Derivatives (E, Q, outputs, inputs) of a pointwise function by each of its real `inputs`."""
+    columns = [
+        np.stack(complex_step(function, inputs, {index: 1.0}), axis=-1) for index in range(len(inputs))
+    ]
     return np.stack(columns, axis=-1)

@@ -26,6 +26,7 @@ from plasmapyro.flow.physics import (
     SMALL_SPEED,
     Points,
     backflow_densities,
+    complex_step,
     complex_step_derivatives,
     densities,
     limited_viscosity,
@@ -33,7 +34,7 @@ from plasmapyro.flow.physics import (
 )
 from plasmapyro.flow.swirl import Swirl
 
-CHUNK = 1500  # elements per pass: the temporaries of the pointwise physics stay in the cache
+CHUNK = 1000  # elements per pass: the temporaries of the pointwise physics stay in the cache
 SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
 LIMITER_RAMP = 0.04  # [m] behind the torch exit over which the viscosity limiter sets in
 
@@ -238,13 +239,10 @@ class Problem:
         matrices = np.empty((len(cells.dofs), local_size, local_size))
         for first in range(0, len(cells.z), CHUNK):
             part = slice(first, first + CHUNK)
-            some = inputs[:, part]
+            some = list(np.ascontiguousarray(inputs[:, part].transpose(0, 2, 1)))
             lines = property_lines(self.properties, np.exp(some[3 * LOG_TEMPERATURE]))
-            local = points.part(part)
-            derivatives = complex_step_derivatives(
-                lambda stepped, lines=lines, local=local: densities(stepped, lines, local), list(some)
-            )
-            matrices[part] = self.space.element_matrices(cells, derivatives, part)
+            forms = partial(densities, lines=lines, points=points.part(part))
+            matrices[part] = self.space.cell_matrices(part, partial(complex_step, forms, some))
             heat = self._conduction.columns
             matrices[part, heat, heat] += self._conduction.element_matrices(state, self.properties, part)
         data = self.space.gathered(cells, matrices)
