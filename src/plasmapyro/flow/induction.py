@@ -19,7 +19,7 @@ import numpy as np
 
 from plasmapyro.constants import VACUUM_PERMEABILITY
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.linear import Factorised, Factors
+from plasmapyro.flow.linear import Factorised, Factors, dissection
 
 AGM_STEPS = 6  # quadratic convergence: round-off from a modulus of 1 - 1e-6 on
 DIFFERENCE = 1e-6  # [m]: central difference of A_c, error 1e-10 relative at 30 mm from the rings
@@ -147,7 +147,7 @@ class Induction:
         self._vacuum = self._space.gathered(whole, self._space.element_matrices(whole, derivatives))
         fixed = self._space.boundary_dofs(0, ("axis", "far"))
         self._free = np.setdiff1d(np.arange(self._space.size), fixed)
-        self._factorised = Factorised(self._free, self._free)
+        self._factorised = Factorised(self._free, self._free, dissection(mesh))
         z, r = self.plasma.z, self.plasma.r
 
         self._potential = potential(r, z)

@@ -1,8 +1,11 @@
 """Sparse direct solution with many matrices of one sparsity pattern.
 
-Nested dissection (METIS) of the graph of mesh nodes, computed once, then SuperLU without column reordering.
+Nested dissection (METIS) of the vertices of the mesh, computed once, then SuperLU without column reordering.
 Keeping the unknowns of a node together and preferring diagonal pivots leaves the fill of the dissection: 21
-million entries and 0.7 s for 97 000 unknowns, where SuperLU's own column ordering takes 9 s.
+million entries and 0.7 s for 97 000 unknowns, where SuperLU's own column ordering takes 9 s. An edge goes
+with the first of its ends: it joins a separator only where both ends do. That fills 3 % less than the
+dissection of the graph of all nodes, in a tenth of the time. It goes right before that end, whose pressure,
+with nothing on the diagonal, has a pivot by then.
 
 Factors may be kept in single precision: 0.5 s and half the memory. They solve to 5e-5, plenty inside an
 iteration that applies the matrix itself; iterative refinement brings a direct solution to 1e-10. Where they
@@ -39,10 +42,13 @@ class Factorised:
         Node of each unknown; the unknowns of a node are eliminated one after the other, in their own order.
     kept : (N,) integer array, optional
         Rows and columns of the matrices that make up the system; all if not given.
+    rank : integer array, optional
+        Place of each node in the order of elimination, see `dissection`; from the graph of the first matrix
+        if not given.
     """
 
-    def __init__(self, groups, kept=None):
-        self._groups, self._kept = np.asarray(groups), kept
+    def __init__(self, groups, kept=None, rank=None):
+        self._groups, self._kept, self._rank = np.asarray(groups), kept, rank
         self._order = None
 
     def solve(self, matrix, right_hand_side):
@@ -66,7 +72,9 @@ class Factorised:
         )
         if self._kept is not None:
             numbered = numbered[self._kept][:, self._kept]
-        self._order = _node_dissection(numbered, self._groups)
+        if self._rank is None:
+            self._rank = _rank_of_groups(numbered, self._groups)
+        self._order = np.argsort(self._rank[self._groups], kind="stable")
         permuted = numbered[self._order][:, self._order].tocsc()
         permuted.sort_indices()
         permuted.data -= 1
@@ -148,6 +156,11 @@ class Factors:
         return self._in_place(solution), self._in_place(product)
 
     @property
+    def fill(self):
+        """Number of entries of the factors."""
+        return self._factors.nnz
+
+    @property
     def _is_single(self):
         return self._precision != self._matrix.dtype
 
@@ -171,14 +184,35 @@ class Factors:
         return found
 
 
-def _node_dissection(matrix, groups):
+def dissection(mesh):
+    """Place in the order of elimination of the vertices of a triangle mesh, then of its edges."""
+    ends = mesh.facets
+    size = mesh.nvertices
+    graph = sparse.coo_matrix((np.ones(ends.shape[1]), ends), shape=(size, size))
+    rank = _dissected((graph + graph.T).tocsr())
+    first, last = np.sort(rank[ends], axis=0)
+    order = np.lexsort((np.concatenate([np.full(size, size), last]), np.concatenate([rank, first])))
+    return _places(order)
+
+
+def _rank_of_groups(matrix, groups):
     nodes, member = np.unique(groups, return_inverse=True)
     gather = sparse.csr_matrix((np.ones(len(member)), (np.arange(len(member)), member)))
     ones = sparse.csr_matrix((np.ones(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
     graph = gather.T @ (ones + ones.T) @ gather
     graph = (graph - sparse.diags(graph.diagonal())).tocsr()
     graph.eliminate_zeros()
+    rank = np.zeros(nodes.max() + 1, dtype=np.int64)
+    rank[nodes] = _dissected(graph)
+    return rank
+
+
+def _dissected(graph):
     order, _ = pymetis.nested_dissection(adjacency=pymetis.CSRAdjacency(graph.indptr, graph.indices))
-    rank = np.empty(len(nodes), dtype=np.int64)
-    rank[np.asarray(order)] = np.arange(len(nodes))
-    return np.argsort(rank[member], kind="stable")
+    return _places(np.asarray(order))
+
+
+def _places(order):
+    places = np.empty(len(order), dtype=np.int64)
+    places[order] = np.arange(len(order))
+    return places

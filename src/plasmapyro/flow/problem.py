@@ -13,7 +13,7 @@ from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import flow_mesh
 from plasmapyro.flow.induction import Induction, ring_potential
-from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.linear import Factorised, dissection
 from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
@@ -87,7 +87,7 @@ class Problem:
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
         self._conduction = Conduction(self.space)
-        self._factorised = Factorised(self.space.nodes()[self.free], self.free)
+        self._factorised = Factorised(self.space.nodes()[self.free], self.free, dissection(self.mesh))
         cells = self.space.cells
         area = (cells.weight / (2 * np.pi * cells.r)).sum(axis=1)
         # Edge of the equilateral triangle of the same area, halved where a quadratic element resolves half

@@ -17,7 +17,7 @@ import numpy as np
 
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import WALLS
-from plasmapyro.flow.linear import Factorised
+from plasmapyro.flow.linear import Factorised, dissection
 from plasmapyro.flow.physics import SMALL_SPEED, stabilisation_time
 
 
@@ -42,7 +42,7 @@ class Swirl:
             self._space.boundary_dofs(0, ("inlet",)) if len(mesh.boundaries.get("inlet", ())) else []
         )
         self._free = np.setdiff1d(np.arange(self._space.size), self._fixed)
-        self._factorised = Factorised(self._free)
+        self._factorised = Factorised(self._free, rank=dissection(mesh))
 
     def inlet_values(self, axial, angle):
         """Boundary values (size,) [m s-1] for inlet velocities `axial` at the dofs [m s-1]."""
