@@ -98,7 +98,8 @@ class Tangent:
         .. math:: K\,\delta E_p = -i\omega\mu_0\,\delta\sigma\,E, \qquad
             \delta q = \tfrac12\delta\sigma |E|^2 + \sigma\,\mathrm{Re}(E^*\delta E_p)
 
-        and in the same way for the forces.
+        and in the same way for the forces. Good to 1e-5 (factors in single precision): it serves the
+        iteration of `coupled`, and is no result.
         """
         other = self.induction
         electric = other.scattered_by(self.factors, change * self.electric)

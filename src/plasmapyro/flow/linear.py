@@ -7,7 +7,7 @@ with the first of its ends: it joins a separator only where both ends do. That f
 dissection of the graph of all nodes, in a tenth of the time. It goes right before that end, whose pressure,
 with nothing on the diagonal, has a pivot by then.
 
-Factors may be kept in single precision: 0.5 s and half the memory. They solve to 5e-5, plenty inside an
+Factors may be kept in single precision: 0.5 s and half the memory. They solve to 1e-4, plenty inside an
 iteration that applies the matrix itself; iterative refinement brings a direct solution to 1e-10. Where they
 fail, they are made again in the precision of the matrix.
 
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 # of the Taylor-Hood pressure block has filled in by the time its node is reached; 1e-3 and 1e-6 give the
 # same accuracy.
 PIVOT_THRESHOLD = 1e-4
-RESIDUAL_LIMIT = 1e-6  # relative; the factorisations in use leave 1e-13, in single precision 5e-5
+RESIDUAL_LIMIT = 1e-6  # relative; the factorisations in use leave 1e-13, in single precision 1e-4
 ROUGH_LIMIT = 1e-2  # the same of a solution inside an iteration
 REFINED, REFINEMENTS = 1e-10, 4  # residual that refinement aims at, and its most rounds
 SINGLE = {"d": np.dtype(np.float32), "D": np.dtype(np.complex64)}
