@@ -18,12 +18,11 @@ from plasmapyro.diagnosis.library import gas_library
 from plasmapyro.diagnosis.probability import honest
 from plasmapyro.diagnosis.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
-from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
+from plasmapyro.diagnosis.select import PULL, Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
 
 SCHEMA = "plasmapyro-diagnosis-1"
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
-PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
 LARGEST_MISFIT = (
     1.25  # chi-squared per number, beyond which single causes are not judged, if nothing explains it
 )
