@@ -28,7 +28,7 @@ PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must brin
 PAIRS = 3  # of terms, fitted from the start, of those
 NEARLY = 0.95  # that promise as much of what the best pair does
 ENOUGH = 0.9  # of the log Bayes factor of an unknown structure: a term that explains so much, and leaves
-# nothing, stands for it; forty free steps find more than one cause leaves
+# no more than the rest, stands for it; forty free steps find more than one cause leaves
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
 FAR_FITS = 2  # of the terms that may stand behind moved strengths
@@ -311,7 +311,7 @@ class Selector:
         """The next round where an unknown structure explains more than a term, or None: nothing is named."""
         if 0.5 * (step.solution.objective - chosen.objective) - 5.0 > ENOUGH * top_unknown:
             further = self.look(self._pruned(chosen))
-            if further.unknown.max() <= self.thresholds.unknown:
+            if further.unknown.max() <= max(self.thresholds.unknown, (1 - ENOUGH) * top_unknown):
                 return further
         far = self._mostly(step, top_unknown)
         if far is not None:
