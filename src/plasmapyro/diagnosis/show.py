@@ -11,7 +11,8 @@ LINE_REACH = 1.6e-9  # [m] around a line
 HUMP = (985e-9, 1030e-9)  # [m] of N2 first positive
 RED = 960e-9  # [m], beyond which channels count as red
 STEP_REACH = 4.0  # [s] on either side of the end of the plasma
-TRACK = np.linspace(-1, 1, 9)
+# Shares of what a matt surface returns: the track bends within the first hundredths.
+MATT = np.array([0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0])
 LAGS = 20
 
 
@@ -191,7 +192,9 @@ def gas_monitor(model, fitter, solution, test):
     }
 
 
-ONE_CAUSE = {"core": "P_eff"}  # tracks that the catalogue counts as one: more power, a hotter core
+# Tracks that are one cause: more power is a hotter core; a mirror shows the sight line itself and adds more
+# of the same light, as a longer path would.
+ONE_CAUSE = {"core": "P_eff", "refl": "path", "refl_diffuse": "refl"}
 
 
 def line_hump(library, strengths, explanations, calibration=False):
@@ -271,7 +274,7 @@ def explanations(library, emittance):
         ),
         "refl_diffuse": (
             "reflected gas light, matt",
-            np.linspace(0, 1.0, 6),
+            MATT,
             lambda a: library.base + a * (1 - emittance) * many,
         ),
         "T_exc": (
