@@ -50,11 +50,24 @@ def test_matt_track_is_nowhere_far_from_its_curve(library):
     assert "matt" in name
 
 
-@pytest.mark.parametrize("more", [0.1, 0.15, 0.4])
+@pytest.mark.parametrize("more", [-0.2, 0.2, 0.4])
 def test_more_of_the_same_light_is_a_path_though_a_mirror_gives_it_too(library, more):
     assert closest(library, (1 + more) * library.base) == "path"
     assert closest(library, (1 + more) * library.base, calibration=True) == "calibration"
 
 
-def test_the_simulated_gas_needs_no_explanation(library):
-    assert closest(library, library.base) == "none"
+@pytest.mark.parametrize("power", [-0.06, 0.0, 0.06])
+def test_gas_within_its_priors_needs_no_explanation(library, power):
+    """The power is known to 8 %: line and hump move by 40 and 6 % here, and nothing is explained by it."""
+    assert closest(library, library.base * library.power_factor(power)) == "none"
+
+
+@pytest.mark.parametrize("power", [-0.06, 0.06])
+def test_a_grey_factor_is_a_path_whatever_the_power_within_its_prior(library, power):
+    spectrum = 1.4 * library.base * library.power_factor(power)
+    assert closest(library, spectrum) == "path"
+
+
+@pytest.mark.parametrize("power", [-0.4, 0.4])
+def test_much_more_or_less_power_is_power(library, power):
+    assert closest(library, library.base * library.power_factor(power)) == "P_eff"
