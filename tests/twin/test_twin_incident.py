@@ -132,6 +132,14 @@ def test_light_of_an_isothermal_line_follows_the_transfer_equation():
     assert (thin[near].sum() - times * 1e3 * near.sum()) * step == pytest.approx(times * area, rel=1e-3)
 
 
+def test_directions_without_gas_are_dark():
+    whole = isothermal(8000.0, 3.0, 0.1)
+    half = incident.View(np.full(2, np.pi / 2), np.stack([whole.view.path[0], 0 * whole.view.path[0]]))
+    near = np.abs(whole.centres - 777.408e-9) < 20e-9  # bands of N2 reach here
+    found = dataclasses.replace(whole, view=half).incident
+    np.testing.assert_allclose(found[near], whole.incident[near] / 2, rtol=1e-5)
+
+
 def test_a_mirror_returns_the_gas_itself_and_needs_no_flow():
     alone = dataclasses.replace(plasma(), view=None)
     assert alone.reflected(0.0) is not None

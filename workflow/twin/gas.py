@@ -223,7 +223,8 @@ class Gas:
             depth = (self.view.path @ absorbed) * area[mine] / unit
             bright = (self.view.path @ each)[:, None] / unit
             lorentz = incident.stark(RADIATOR[system], one, place[mine]) * self.table_density["e-"][:, None]
-            damping = (self.view.path @ (each[:, None] * lorentz * np.sqrt(np.pi) / width)) / (bright * unit)
+            broadened = self.view.path @ (each[:, None] * lorentz * np.sqrt(np.pi) / width)
+            damping = broadened / np.maximum(bright * unit, 1e-300)  # some directions are empty
             shine[mine] = self.view.mean(bright * left(depth, damping))
         return radiance * shine[line]
 
