@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import POWERS
+from small_laboratory import POWERS
 
 from plasmapyro.diagnosis import strengths
 from plasmapyro.diagnosis.base import fit_base

@@ -5,8 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from conftest import POWERS, black_body, gas_components
-from small_laboratory import OFF, SLIT_FWHM, temperature_of
+from small_laboratory import OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
 
 from plasmapyro.diagnosis.base import fit_base
 from plasmapyro.diagnosis.build import base_model
