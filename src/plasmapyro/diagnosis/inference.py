@@ -15,6 +15,7 @@ LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, line
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
+STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
@@ -464,13 +465,17 @@ class Fitter:
         for _ in range(8):
             damped = matrix.copy()
             damped[np.diag_indices_from(damped)] *= 1 + damping
-            step = self._within(damped, vector, state, k, free)
+            try:
+                step = self._within(damped, vector, state, k, free)
+            except np.linalg.LinAlgError:  # where a climb ended, rounding may leave no step at all
+                damping, objective = max(4 * damping, 1e-3), np.inf
+                continue
             step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
             scale = self._limit(step)
             trial = self._moved(state, scale * step, k, self._patterns(state), free)
             _, objective = self.objective(trial, settings, self.predict(trial, settings), here.gas)
             better = objective <= here.objective + 1e-9 * abs(here.objective)
-            if better or climb and damping == 0.0 and np.isfinite(objective):
+            if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
                 return trial, objective, damping, scale == 1.0
             damping = max(4 * damping, 1e-3)
         return None, objective, damping, False
