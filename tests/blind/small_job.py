@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from half_disc import flow
 from two_bands import RESPONSE
 
 from plasmapyro import io
@@ -61,6 +62,10 @@ def make_results(folder):
             line, RESPONSE, wavelength_range=(700e-9, 1200e-9), grid_points=160_000, slit_fwhm=0.75e-9
         )
         io.write(line, folder / "sightline" / name, "sightline")
+        (folder / "flow").mkdir(parents=True, exist_ok=True)
+        kelvin = line.temperature.values
+        field = flow(lambda away, kelvin=kelvin: np.interp(away, DISTANCE, kelvin), DISTANCE)
+        field.to_netcdf(folder / "flow" / name)
         io.write(radiation, folder / "radiation" / name, "radiation")
         if power == 80e3:
             view = surface_view(line)

@@ -13,3 +13,28 @@ def temperature_of(time):
     # radiative cooling: T^-3 grows linearly
     fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - OFF, 0)) ** (-1 / 3)
     return np.where(time < OFF, rise, fall)
+
+
+H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
+LINES = (
+    (777.4, 60.0, 6.0),
+    (844.6, 20.0, 6.2),
+    (868.0, 25.0, 7.0),
+    (926.6, 9.0, 6.5),
+)  # nm, strength, exponent
+
+
+def black_body(wavelength, temperature):
+    return 2 * H * C**2 / wavelength**5 / np.expm1(H * C / (wavelength * K * np.asarray(temperature, float)))
+
+
+def gas_components(axis, power):
+    """Atomic lines and a molecular hump (C, K) [W m-2 sr-1 m-1]."""
+    ratio = power / 80e3
+    atoms = np.zeros((2, axis.size))
+    for place, strength, exponent in LINES:
+        row = 1 if place == 868.0 else 0
+        sigma = SLIT_FWHM / 2.3548
+        atoms[row] += strength * ratio**exponent * np.exp(-(((axis - place * 1e-9) / sigma) ** 2) / 2)
+    hump = 12.0 * ratio * (1 + 0.5 * np.sin(axis / 7e-9)) * np.exp(-(((axis - 1e-6) / 1.5e-7) ** 2))
+    return 1e6 * np.array([atoms[0], atoms[1], hump])

@@ -5,7 +5,7 @@ from plasmapyro.diagnosis import gas_variations as vary
 from plasmapyro.diagnosis.inference import FULL, Noise, Weigher, gram, whitened
 from plasmapyro.diagnosis.noise import FLICKER_MARGIN, NoiseModel, on_bins
 from plasmapyro.diagnosis.screen import Screen, Structure, Unknowns, angles, simulated
-from plasmapyro.diagnosis.select import best_pair
+from plasmapyro.diagnosis.select import best_pairs
 from plasmapyro.diagnosis.templates import line_groups, widened
 
 FLOAT_RTOL = 1e-9
@@ -150,11 +150,20 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
 def test_two_terms_together_gain_what_a_joint_fit_gains():
     information = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 0.2], [0.5, 0.2, 2.0]])
     score = np.array([8.0, -6.0, 1.0])
-    gained, first, second = best_pair(screen_of(information, score), np.ones(3))
-    assert {first, second} == {0, 1}
-    assert gained == pytest.approx(
-        score[:2] @ np.linalg.solve(information[:2, :2], score[:2]), rel=FLOAT_RTOL
-    )
+    ((gained, places, numbers), *_) = best_pairs(screen_of(information, score), np.ones(3))
+    assert set(places) == {0, 1}
+    joint = np.linalg.solve(information[:2, :2], score[:2])
+    assert gained == pytest.approx(score[:2] @ joint, rel=FLOAT_RTOL)
+    assert np.array(numbers)[np.argsort(places)] == pytest.approx(joint, rel=FLOAT_RTOL)
+
+
+def test_each_pair_of_terms_is_given_once_and_best_first():
+    information = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 0.2], [0.5, 0.2, 2.0]])
+    found = screen_of(information, np.array([8.0, -6.0, 1.0]))
+    pairs = best_pairs(found, np.ones(3), 9)
+    assert len({frozenset(places) for _, places, _ in pairs}) == len(pairs) == 3
+    assert sorted((gained for gained, *_ in pairs), reverse=True) == [gained for gained, *_ in pairs]
+    assert best_pairs(found, np.array([1.0, 0.0, 0.0])) == []
 
 
 def test_parallel_directions_have_no_angle_and_independent_ones_a_right_one():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import POWERS
+from small_laboratory import POWERS
 
 from plasmapyro.diagnosis import strengths
 from plasmapyro.diagnosis.base import fit_base
@@ -31,6 +31,13 @@ def test_a_gas_several_times_as_strong_is_found_and_fitted(build, record, power)
     solution = base.solution
     assert solution.converged and solution.chi2 / solution.count < 1.1
     assert solution.state.values[model.index["power"]] == pytest.approx(wanted, abs=0.08)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_gas_that_drowns_in_noise_is_guessed_as_simulated(build, record, seed):
+    """Channels weigh by their scatter: by a hundredth of their light each, the power would be off by 0.3."""
+    model = build(record(noise=40.0, seed=seed))
+    assert strengths.guess(model)[model.index["power"]] == pytest.approx(0.0, abs=0.08)  # its prior
 
 
 def test_brightness_before_and_after_the_injection_is_guessed(build, record):

@@ -2,12 +2,14 @@
 
 import numpy as np
 import xarray as xr
-from twin import campaign, gas
+from half_disc import flow
+from twin import campaign, gas, incident
 from twin.sensors import Spectrometer
 
 SYSTEMS = ("N I", "O I", "N2 1P", "N2+ Meinel", "NO 11000 A", "e-neutral free-free", "O- detachment")
 TEMPERATURE = np.array([350.0, 3000.0, 6000.0, 6000.0, 3000.0, 350.0])
 DISTANCE = np.array([0.0, 0.004, 0.01, 0.1, 0.13, 0.15])
+FINE = np.linspace(DISTANCE[0], DISTANCE[-1], 151)
 NITROGEN = (745.5, 821.5, 862.0, 869.3, 939.7, 1011.8)  # [nm]
 OXYGEN = (777.408, 777.631, 777.753, 844.87, 926.6)
 SPECIES = ("N2", "N", "O", "N2+", "NO", "e-")
@@ -49,6 +51,7 @@ def plasma():
         table,
         density(table),
         weakest=kept.radiance[0].sum(axis=0),
+        view=incident.view(flow(lambda away: np.interp(away, DISTANCE, TEMPERATURE), FINE), table),
     )
 
 

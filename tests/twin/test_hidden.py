@@ -117,7 +117,7 @@ def test_reflections_come_with_what_the_surface_does_not_absorb():
 
 def test_a_mirror_that_reflected_all_would_double_the_gas():
     still = scene(emittance=lambda wavelength, kelvin, time: 1e-9)
-    more, none = output([("refl", 1.0, None)], still), output([], still)
+    more, none = output([("refl", 1.0, {"diffuse": 0.0})], still), output([], still)
     early = (TIME > 0.5) & (TIME < 290)
     np.testing.assert_allclose((more[0] / none[0])[:, early], 2.0, rtol=1e-5)
 

@@ -3,12 +3,12 @@
 import dataclasses
 import hashlib
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from twin import campaign, hidden, liars
+from twin import campaign, hidden, incident, liars
 from twin.gas import Gas, Spectra, spectra
 from twin.plasma import Plasma
 from twin.sample import Sample, history
@@ -79,6 +79,19 @@ class Bench:
     sightlines: dict  # numerical power [W]: profile
     table: xr.Dataset  # composition of the gas
     spectra: Spectra
+    flows: dict = field(
+        default_factory=dict
+    )  # numerical power [W]: file of the flow field, for what a sample scatters
+    _views: dict = field(default_factory=dict)
+
+    def view(self, power):
+        """What shines on the sample at a simulated power [W]; None without its flow field."""
+        if power not in self.flows:
+            return None
+        if power not in self._views:
+            flow = xr.load_dataset(self.flows[power])
+            self._views[power] = incident.view(flow, self.table.temperature.values)
+        return self._views[power]
 
     def profile(self, power):
         """Keyword arguments of `Gas` that do not depend on the case; of the nearest simulated power."""
@@ -95,6 +108,7 @@ class Bench:
             "table_density": {
                 str(name): number * at.mole_fraction.sel(species=name).values for name in at.species.values
             },
+            "view": self.view(nearest),
         }
 
     def gas(self, base):
@@ -166,6 +180,7 @@ def load(results, cache=None):
         },
         table=xr.load_dataset(results / "gas/air11.nc"),
         spectra=kept,
+        flows={int(path.stem[:-2]) * 1e3: path for path in (results / "flow").glob("*kW.nc")},
     )
 
 

@@ -8,14 +8,16 @@ from twin import hidden, liars
 
 SNR_LADDER = (2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 50.0)
 LABORATORIES = 16  # the bias of a lamp is the largest error of the temperature: few would not show its spread
-# Six explanations of more light than the simulated power would give; amplitudes as they are hidden.
+# Six explanations of more light than the simulated power would give; amplitudes and shapes as they are
+# hidden. A mirror gives 15 % at most and the spectrum of the gas: it explains nothing. A sample that scatters
+# one part in twenty of what it reflects brings the smooth light near 1.05 um up by a third.
 PUZZLE = {
-    "refl": ("refl", 1.0),
-    "T_exc": ("T_exc", 0.10),
-    "ripple": ("ripple", 0.15),
-    "P_eff": ("P_eff", 0.12),
-    "path": ("path", 0.4),
-    "calibration": ("calibration", 0.4),
+    "refl": ("refl", 1.0, {"diffuse": 0.05}),
+    "T_exc": ("T_exc", 0.10, {}),
+    "ripple": ("ripple", 0.15, {}),
+    "P_eff": ("P_eff", 0.12, {}),
+    "path": ("path", 0.4, {}),
+    "calibration": ("calibration", 0.4, {}),
 }
 KINDS = ("null", "liar", "single", "double", "outside", "without", "sabotage", "puzzle")
 

@@ -81,14 +81,14 @@ def _sized(metric, effect, snr, sign, shape):
 def _puzzle(case, workbench):
     """Light stronger than the simulated power of 60 kW gives, for one of six reasons."""
     base = bench.draw_base(case.seed, LABORATORIES, condition="60kW", power_error=0.03)
-    effect, amplitude = PUZZLE[case.options["explanation"]]
+    effect, amplitude, shape = PUZZLE[case.options["explanation"]]
     gas, scene = workbench.gas(base), workbench.scene(base)
     if effect == "path":
         gas = dataclasses.replace(gas, radiance=gas.radiance * (1 + amplitude))
     elif effect == "calibration":
         scene = dataclasses.replace(scene, spectrometer_output=lambda rate, time: rate * (1 + amplitude))
     else:
-        scene = hidden.hide(scene, effect, amplitude, gas)
+        scene = hidden.hide(scene, effect, amplitude, gas, shape)
     test, _ = workbench.record(scene, gas, base)
-    made = {"effect": effect, "amplitude": amplitude, "shape": {}, "snr": None}
+    made = {"effect": effect, "amplitude": amplitude, "shape": shape, "snr": None}
     return Made(case, base, (made,), test)

@@ -31,12 +31,18 @@ rule twin_test:
             "results/radiation/{condition}.nc",
             condition=TESTS[wildcards.test]["twin"]["gas"],
         ),
-        # Effects on the gas follow from its profile along the sight line and its composition.
+        # Effects on the gas follow from its profile along the sight line and its composition; what a matt
+        # surface scatters comes from all of the flow.
         profile=lambda wildcards: (
             [
                 f"results/sightline/{next(iter(TESTS[wildcards.test]['twin']['gas']))}.nc",
                 "results/gas/air11.nc",
             ]
+            + [
+                f"results/flow/{next(iter(TESTS[wildcards.test]['twin']['gas']))}.nc"
+                for one in TESTS[wildcards.test]["twin"]["effects"]
+                if one["effect"] == "refl" and one.get("shape", {}).get("diffuse") != 0
+            ][:1]
             if TESTS[wildcards.test]["twin"].get("effects")
             else []
         ),

@@ -6,13 +6,16 @@ sight line, in the optically thin limit.
 """
 
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, RegularGridInterpolator
+from scipy.special import wofz
 
-from twin import light, lines, nitrogen
+from twin import incident, light, lines, nitrogen
 
 SECOND = 1.438776877  # [cm K] h c / k
+DALTON = 1.66053907e-27  # [kg]
 BIN = 0.02e-9  # [m] of the stored spectra
 FIRST, LAST = 716e-9, 1156e-9
 RADIATOR = {"N I": "N", "O I": "O", "N2 1P": "N2", "N2+ Meinel": "N2+"}
@@ -20,6 +23,8 @@ ATOMS = {"N I": (lines.NITROGEN, 96000.0), "O I": (lines.OXYGEN, 97000.0)}
 MOLECULES = {"N2 1P": 61000.0, "N2+ Meinel": 10500.0}  # [cm-1] typical upper level above the ground state
 ENERGY = {**{name: other for name, (_, other) in ATOMS.items()}, **MOLECULES}
 LEVELS = (59000.0, 105000.0)  # [cm-1] above the ground state: levels of N2 B with their rotation
+LINE_REACH = 5  # bins on either side of a line
+FAINT_LINE = 1e-4  # of the strongest: below, nothing counts as a line
 FOLLOWS = {  # the fainter systems: what their emission follows, with a typical upper level [cm-1]
     "NO 11000 A": ("NO", 60000.0),
     "NO beta": ("NO", 46000.0),
@@ -79,6 +84,7 @@ class Gas:
     table_temperature: np.ndarray  # (T,) [K], composition at the pressure of the test:
     table_density: dict  # species: (T,) [m-3]
     weakest: np.ndarray | None = None  # (B,) spectrum of the weakest plasma, for an afterglow
+    view: incident.View | None = None  # what shines on the sample, on the temperatures of the table
 
     @property
     def total(self):
@@ -130,6 +136,98 @@ class Gas:
         changed[self.systems.index("O I")] *= kept
         return changed.sum(axis=0)
 
+    def reflected(self, diffuse):
+        """Spectrum (B,) that a surface returns of the gas if it absorbs nothing.
+
+        The mirrored ray of an axisymmetric, thin plasma carries the radiance of the sight line itself. A
+        share `diffuse` of the light is scattered as by a matt surface, the mean over all directions.
+        """
+        if diffuse == 0:
+            return self.total
+        if self.view is None:
+            raise ValueError("diffuse reflection needs the flow field; without one, diffuse must be 0")
+        return (1 - diffuse) * self.total + diffuse * self.incident
+
+    @cached_property
+    def incident(self):
+        """Spectrum (B,) of the light on the stagnation point, mean over the half space with the cosine."""
+        return self.falling(escaping)
+
+    def falling(self, left):
+        """As `incident`, with `left` (depths, dampings) for the share of a line that leaves the gas.
+
+        ASSUME: what absorbs a line emits it too, mixed evenly; what lies in one or two bins is one line.
+        """
+        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        energy = np.linspace(LEVELS[0], LEVELS[1], 12)
+        gain = [np.log(self.view.mean(self._brighter("N2 1P", one))) for one in energy]
+
+        def factor(vibration, rotation):
+            return np.exp(np.interp(vibration + rotation, energy, gain))
+
+        bands = nitrogen.change(self.centres, mean, factor)
+        found = np.zeros(self.centres.size)
+        for row, system in enumerate(self.systems):
+            if system in ATOMS:
+                found += self._falling_lines(system, self.radiance[row], left)
+            elif system == "N2 1P":
+                found += self.radiance[row] * bands
+            elif system in MOLECULES or system in FOLLOWS:
+                upper = ENERGY.get(system) or FOLLOWS[system][1]
+                found += self.radiance[row] * self.view.mean(self._brighter(system, upper))
+            else:
+                found += self.radiance[row]
+        return found
+
+    @cached_property
+    def _along(self):
+        """Length (T,) [m] of gas at the temperatures of the table along the sight line."""
+        return incident.along(self.distance, self.temperature, self.table_temperature)
+
+    def _emitted(self, system, energy):
+        return incident.emission(
+            system, self._species(system), energy, self.table_temperature, self.table_density
+        )
+
+    def _brighter(self, system, energy):
+        """Thin light (A,) from each direction over that of the sight line."""
+        each = self._emitted(system, energy)
+        return self.view.path @ each / (self._along @ each)
+
+    def _falling_lines(self, system, radiance, left):
+        """Spectrum (B,) of an atom, mean over the half space."""
+        size = self.centres[1] - self.centres[0]
+        inner = radiance[1:-1]
+        top = (inner > radiance[:-2]) & (inner >= radiance[2:]) & (inner > FAINT_LINE * radiance.max())
+        peak = np.flatnonzero(top) + 1
+        if not peak.size:
+            return np.zeros_like(radiance)
+        line = np.searchsorted((peak[1:] + peak[:-1]) / 2, np.arange(radiance.size))
+        near = np.abs(np.arange(radiance.size) - peak[line]) <= LINE_REACH
+        area = np.bincount(line[near], radiance[near], peak.size) * size
+        place = self.centres[peak]
+        multiplets, other = ATOMS[system]
+        energy = np.full(peak.size, other)
+        for first, last, upper in multiplets:
+            energy[(place >= first * 1e-9) & (place <= last * 1e-9)] = upper
+        at = self.table_temperature
+        speed = np.sqrt(2 * light.K * at / (incident.MASS[RADIATOR[system]] * DALTON))
+        shine = np.empty(peak.size)
+        for one in np.unique(energy):
+            mine = energy == one
+            each = self._emitted(system, one)
+            unit = self._along @ each
+            # Kirchhoff: a line emits the black body's light times its absorption.
+            width = np.sqrt(np.pi) * place[mine] * speed[:, None] / light.C
+            absorbed = each[:, None] / (light.planck(place[mine], at[:, None]) * width)
+            depth = (self.view.path @ absorbed) * area[mine] / unit
+            bright = (self.view.path @ each)[:, None] / unit
+            lorentz = incident.stark(RADIATOR[system], one, place[mine]) * self.table_density["e-"][:, None]
+            broadened = self.view.path @ (each[:, None] * lorentz * np.sqrt(np.pi) / width)
+            damping = broadened / np.maximum(bright * unit, 1e-300)  # some directions are empty
+            shine[mine] = self.view.mean(bright * left(depth, damping))
+        return radiance * shine[line]
+
     def _with_factors(self, factor, shaped=None):
         """Spectrum (B,) with each system times factor(system, energy); N2 1P times `shaped` (B,) if given."""
         changed = np.empty_like(self.radiance)
@@ -179,16 +277,36 @@ class Gas:
         return new / old
 
 
-def escape(depth):
-    r"""Share of a Doppler-broadened line that leaves a uniform slab.
+def escape(depth, damping=0.0):
+    r"""Share of a line that leaves a uniform slab.
 
-    .. math:: \frac{1}{\sqrt\pi\,\tau} \int (1 - e^{-\tau e^{-x^2}}) dx
+    .. math:: \frac{1}{\sqrt\pi\,\tau} \int (1 - e^{-\tau H(a, x)}) dx
+
+    with the optical depth that a line broadened by Doppler alone would have at its centre, and the Lorentzian
+    half width over the Doppler one as `damping`; :math:`H(0, x) = e^{-x^2}`.
     """
-    place = np.linspace(-5, 5, 401)
     if depth == 0:
         return 1.0
-    shape = np.exp(-(place**2))
+    place = np.linspace(-5, 5, 401) if damping == 0 else np.sinh(np.linspace(-9, 9, 1201))
+    shape = np.exp(-(place**2)) if damping == 0 else np.real(wofz(place + 1j * damping))
     return float(np.trapezoid(-np.expm1(-depth * shape), place) / (np.sqrt(np.pi) * depth))
+
+
+@cache
+def _escape_table():
+    depth, damping = np.geomspace(1e-3, 1e4, 85), np.geomspace(1e-3, 10.0, 41)
+    kept = [[escape(one, other) for other in damping] for one in depth]
+    return RegularGridInterpolator((np.log(depth), np.log(damping)), kept)
+
+
+def escaping(depth, damping):
+    """`escape` of arrays, from a table; what lies beyond it counts as its edge."""
+    table = _escape_table()
+    place = [
+        np.clip(np.log(np.maximum(values, 1e-30)), grid[0], grid[-1])
+        for values, grid in zip((depth, damping), table.grid, strict=True)
+    ]
+    return table(tuple(place))
 
 
 def narrow(centres, where, area):

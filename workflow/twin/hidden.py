@@ -133,11 +133,10 @@ def _oxidation(scene, a, shape, gas):
 
 
 def _reflection(scene, a, shape, gas):
-    # The mirrored ray of an axisymmetric, thin plasma carries the radiance of the sight line itself.
     def share(instrument, wl, time, kelvin, scale, emittance):
         return np.where(time >= 0, a * (1 - emittance) * scale, 0.0)
 
-    return _add_plume(scene, gas, gas.total, share)
+    return _add_plume(scene, gas, gas.reflected(shape["diffuse"]), share)
 
 
 def _torch_glow(scene, a, shape, gas):
@@ -455,7 +454,7 @@ def _channel_drift(scene, a, shape, gas):
 
 
 CATALOGUE = {
-    "refl": Hidden(_reflection, 1.0, 0.0, 1.5),
+    "refl": Hidden(_reflection, 1.0, 0.0, 1.5, {"diffuse": (0.0, 0.1)}),
     "eps_slope": Hidden(_slope, 0.3, -0.6, 0.6),
     "eps_T": Hidden(_with_temperature, 0.05, -0.2, 0.15),
     "eps_ox": Hidden(_oxidation, 0.05, -0.3, 0.15, {"tau_s": (10.0, 200.0)}),

@@ -74,12 +74,16 @@ def base_parameters(test, calibration, library, emittance):
         Parameter(
             "before_injection", "gas before over after injection (logarithm)", BEFORE[1], "1", BEFORE[0]
         ),
-        *(Parameter(f"group:{name}", f"strength of {name}", _sigma(name)) for name in library.group_name),
+        *(
+            Parameter(f"group:{name}", f"strength of {name}", group_sigma(name))
+            for name in library.group_name
+        ),
         Parameter(f"system:{BANDS_OF}", f"strength of {BANDS_OF}", GROUP_SIGMA),
     )
 
 
-def _sigma(group):
+def group_sigma(group):
+    """Prior standard deviation of the logarithm of the strength of a group of lines [1]."""
     return SEQUENCE_SIGMA if group.startswith(BANDS_OF) else GROUP_SIGMA
 
 

@@ -4,9 +4,13 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.diagnosis import gas_variations as vary
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.path import gas_path
 from plasmapyro.radiation.slit import through_slit
 from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
 from plasmapyro.radiation.transfer import layer_thickness
 
 RIPPLE = (0.0, 0.05, 0.1, 0.15, 0.2)
@@ -17,15 +21,16 @@ DEPTHS = (0.0, 0.25, 0.5, 1.0, 2.0)
 WALL = 1600.0  # [K]
 CARBON_SHARE = 0.01  # CN per particle at the wall, for a spectrum that is scaled afterwards
 CARBON_DEPTH = 5e-3  # [m]
-LINE_GRID_POINTS = 160_000  # only sets which lines are listed
+LINE_GRID_POINTS = 160_000  # 2.7 pm at 800 nm, a fifth of the Doppler width of O I in the core
+COLDEST, TABLE_NODES = 1500.0, 24  # [K], colder gas does not shine here; 1, of the table of emission
 
 
 def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth):
     r"""Spectra of the gas as a slit shows them, varied one property at a time.
 
     Each is the simulated spectrum times the ratio of two spectra of optically thin gas; what adds light is
-    given
-    as that light.
+    given as that light. The light that falls on the surface is absorbed on its way: seen end on, the core of
+    the torch keeps half of its strong lines.
 
     Parameters
     ----------
@@ -86,16 +91,12 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     seen = through_slit(fine, spectra, slit, fwhm)
     rows["optical_depth"] = (DEPTHS, list(base * seen / seen[0]))
 
-    incident = np.zeros((2, slit.size))
-    for ray, weight in enumerate(view["ray_weight"].values):
-        along = view["ray_distance"].values[ray]
-        light = plain.along(view["ray_temperature"].values[ray], layer_thickness(along))
-        incident[1 if weight else 0] += light * (weight or 1.0)
+    mirrored, scattered = _falling(view, lists, fine, slit, fwhm, pressure)
     warm = vary.warmer_wall(distance, temperature, WALL, boundary_layer_depth)
     wall = relative(plain.along(warm, thickness)) - base
     additions = {
-        "reflected_specular": relative(incident[0]),
-        "reflected_diffuse": relative(incident[1]),
+        "reflected_specular": mirrored,
+        "reflected_diffuse": scattered,
         "warm_wall": wall,
         "cyanogen": _cyanogen(slit, fwhm, fine, distance, temperature, thickness, pressure),
     }
@@ -121,6 +122,24 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
             "origin": "modelled",
         },
     )
+
+
+def _falling(view, lists, fine, slit, fwhm, pressure):
+    """Radiance (2, K) [W m-2 sr-1 m-1] behind the slit of what falls on the stagnation point: from where a
+    mirror shows it, and the mean over the half space that a matt surface scatters."""
+    grid = log_grid((fine[0], fine[-1]), LINE_GRID_POINTS)
+    temperature = view["ray_temperature"].values
+    nodes = table_nodes(COLDEST, temperature.max(), TABLE_NODES)
+    table = emission_table(
+        lists, grid, nodes, dict(zip(SPECIES, number_density(nodes, pressure).T, strict=True))
+    )
+    species = [str(name) for name in view["species"].values]
+    light = np.zeros((2, len(grid)))
+    for ray, weight in enumerate(view["ray_weight"].values):
+        density = dict(zip(species, view["ray_number_density"].values[ray], strict=True))
+        path = gas_path(view["ray_distance"].values[ray], temperature[ray], density)
+        light[1 if weight else 0] += (weight or 1.0) * table_radiance(table, path)[0].sum(axis=0)
+    return through_slit(grid.wavelength[::-1], light[:, ::-1], slit, fwhm)
 
 
 def _cyanogen(slit, fwhm, fine, distance, temperature, thickness, pressure):

@@ -15,6 +15,7 @@ LINE_ERROR = 0.003  # [1] of the gas in one channel: nulls ask for no more, line
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
+STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
@@ -285,6 +286,17 @@ def _at_bounds(state, settings):
     )
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Predictions, slopes and light of the gas at a state, and what they make of the data."""
+
+    predicted: list
+    columns: list
+    gas: list
+    chi2: float
+    objective: float
+
+
 class Fitter:
     """Fits a model, with any terms, to the data under one noise."""
 
@@ -396,57 +408,77 @@ class Fitter:
     def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
         """Damped Gauss-Newton steps from a state until the objective stands still.
 
+        Signals grow exponentially with temperature: a full step along what temperature and emittance leave
+        free ends beside the curved valley of the objective, and the next one leads back into it, further
+        down. So an undamped step may climb, if the next one makes up for it.
+
         Returns
         -------
         Solution
+
+        Notes
+        -----
+        Source: the watchdog technique of Chamberlain et al., Math. Program. Study 16 (1982) 1, with one step.
         """
-        state, damping = start, 0.0
+        state, damping, converged = start, 0.0, False
+        here = self._at(state, settings)
+        left, bold = None, True  # where a climb began; whether climbs are tried
+        for _ in range(steps):
+            trial, objective, damping, whole = self._tried(state, settings, here, damping, bold and not left)
+            limit = left[1].objective if left else here.objective
+            better = objective <= limit + 1e-9 * abs(limit)
+            if left and not better:  # back, and shorter steps from there on
+                (state, here), left, bold, damping = left, None, False, 1e-3
+                self.gas = here.gas
+                continue
+            if trial is None:
+                converged = True  # no step of any length improves: as close as rounding allows
+                break
+            left = None if better else (state, here)
+            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
+            converged = better and limit - objective < tolerance and whole
+            here = self._at(state, settings)
+            if converged:
+                break
+        if left:
+            state, here = left
+            self.gas = here.gas
+        return self._solution(state, settings, here, converged)
+
+    def _at(self, state, settings):
+        """The model and its slopes at a state."""
         predicted = self.predict(state, settings, slopes=True)
         columns = self.jacobian(state, settings, predicted)
         gas = self.gas = self.gas_of(columns)
-        predicted = self.predict(state, settings, slopes=True)
-        chi2, objective = self.objective(state, settings, predicted, gas)
-        prior = self.prior(settings)
-        converged = False
-        for _ in range(steps):
-            weighers = [Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True)]
-            residuals = self.residuals(predicted)
-            patterns = own_patterns(self.model.instruments, [p[2] for p in predicted], gas)
-            matrix, vector = gram(columns, patterns, weighers, residuals)
-            k = prior.shape[0]
-            free = free_numbers(settings)
-            patterns = self._patterns(state)
-            self._pull(matrix, vector, state, settings, prior)
-            better = False
-            for _ in range(8):
-                damped = matrix.copy()
-                damped[np.diag_indices_from(damped)] *= 1 + damping
+        predicted = self.predict(state, settings)
+        return _Place(predicted, columns, gas, *self.objective(state, settings, predicted, gas))
+
+    def _tried(self, state, settings, here, damping, climb):
+        """Next state, its objective, the damping used and whether the step was not cut; a step that climbs
+        only if `climb`, and None for the state if no step improves."""
+        weighers = [Weigher(noise, own) for noise, own in zip(self.noise, here.gas, strict=True)]
+        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.gas)
+        matrix, vector = gram(here.columns, rows, weighers, self.residuals(here.predicted))
+        prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
+        k = prior.shape[0]
+        self._pull(matrix, vector, state, settings, prior)
+        for _ in range(8):
+            damped = matrix.copy()
+            damped[np.diag_indices_from(damped)] *= 1 + damping
+            try:
                 step = self._within(damped, vector, state, k, free)
-                size = self.model.size
-                step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
-                scale = self._limit(step)
-                trial = self._moved(state, scale * step, k, patterns, free)
-                new = self.predict(trial, settings)
-                new_chi2, new_objective = self.objective(trial, settings, new, gas)
-                if new_objective <= objective + 1e-9 * abs(objective):
-                    better = True
-                    break
-                damping = max(4 * damping, 1e-3)
-            if not better:
-                converged = True  # no step of any length improves: as close as rounding allows
-                break
-            gain = objective - new_objective
-            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
-            if gain < tolerance and scale == 1.0:
-                converged = True
-            predicted = self.predict(state, settings, slopes=True)
-            columns = self.jacobian(state, settings, predicted)
-            gas = self.gas = self.gas_of(columns)
-            predicted = self.predict(state, settings)
-            chi2, objective = self.objective(state, settings, predicted, gas)
-            if converged:
-                break
-        return self._solution(state, settings, columns, predicted, gas, chi2, objective, converged, prior)
+            except np.linalg.LinAlgError:  # where a climb ended, rounding may leave no step at all
+                damping, objective = max(4 * damping, 1e-3), np.inf
+                continue
+            step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
+            scale = self._limit(step)
+            trial = self._moved(state, scale * step, k, self._patterns(state), free)
+            _, objective = self.objective(trial, settings, self.predict(trial, settings), here.gas)
+            better = objective <= here.objective + 1e-9 * abs(here.objective)
+            if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
+                return trial, objective, damping, scale == 1.0
+            damping = max(4 * damping, 1e-3)
+        return None, objective, damping, False
 
     def residuals(self, predicted):
         """Measured less predicted (n, C) per instrument, 0 where nothing was measured."""
@@ -502,7 +534,8 @@ class Fitter:
             ),
         )
 
-    def _solution(self, state, settings, columns, predicted, gas, chi2, objective, converged, prior):
+    def _solution(self, state, settings, here, converged):
+        prior, columns, predicted, gas = self.prior(settings), here.columns, here.predicted, here.gas
         weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
         residuals = self.residuals(predicted)
         matrix, score = gram(
@@ -524,8 +557,8 @@ class Fitter:
         return Solution(
             state=state,
             settings=with_numbers(settings, state.amplitudes),
-            objective=objective,
-            chi2=chi2,
+            objective=here.objective,
+            chi2=here.chi2,
             count=int(sum(np.isfinite(measured).sum() for measured in self.measured)),
             converged=converged,
             covariance=covariance,

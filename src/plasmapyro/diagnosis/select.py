@@ -4,7 +4,7 @@ unknown."""
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.stats import chi2
 
 from plasmapyro import progress
 from plasmapyro.diagnosis import strengths
@@ -19,16 +19,22 @@ REFITTED = 3  # terms that are fitted anew, of those that explain about as much 
 ALIKE = 9.2  # chi-squared by which the data tell two terms apart: 99 % of two degrees of freedom
 SAME_ANGLE = 15.0  # [degree] below which two terms are one class
 ALONE = float(chi2.ppf(0.99, 1))  # chi-squared of a single test
+PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat a term
 WANDER = "gas_drift"  # the term that may follow the brightness of the gas freely
 LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
 LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
 PAIR_PRICE = 1.5  # times the threshold that the second term of a pair must bring
+PAIRS = 3  # of terms, fitted from the start, of those
+NEARLY = 0.95  # that promise as much of what the best pair does
+ENOUGH = 0.9  # of the log Bayes factor of an unknown structure: a term that explains so much, and leaves
+# no more than the rest, stands for it; forty free steps find more than one cause leaves
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
 FAR_FITS = 2  # of the terms that may stand behind moved strengths
 WORTH = 5.0  # chi-squared that a term must promise by the strengths of the gas to be fitted from there
-FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides
+FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides,
+SPILL = 0.03  # [1], and what any other term must: formulas are inexact by a sixth
 
 
 @dataclass(frozen=True)
@@ -116,11 +122,21 @@ def best_by_id(candidates, values):
     return sorted(best.values(), key=lambda index: -values[index])
 
 
-def best_pair(found, allowed):
-    """Two candidates that together gain most: (gain, first, second); by the linear estimate."""
+def _structure(step):
+    """Id of the most likely unknown structure."""
+    return step.found.structures[int(step.unknown.argmax())].id
+
+
+def best_pairs(found, allowed, count=1):
+    """Pairs of candidates that together gain most, by the linear estimate, each pair of ids once.
+
+    Returns
+    -------
+    list of (gain, (first, second) places, (first, second) numbers along their columns), best first
+    """
     chosen = np.flatnonzero(allowed > 0)
     if chosen.size < 2:
-        return 0.0, 0, 0
+        return []
     info = found.information[np.ix_(chosen, chosen)]
     own, score = np.diag(info), found.score[chosen]
     determinant = np.outer(own, own) - info**2
@@ -128,12 +144,28 @@ def best_pair(found, allowed):
     ids = np.array([found.candidates[index].id for index in chosen])
     apart &= ids[:, None] != ids[None]
     safe = np.where(apart, determinant, 1.0)
-    both = (
-        score[:, None] ** 2 * own[None] + score[None] ** 2 * own[:, None] - 2 * np.outer(score, score) * info
-    ) / safe
-    both = np.where(apart, both, 0.0)
-    first, second = np.unravel_index(np.argmax(both), both.shape)
-    return float(both[first, second]), int(chosen[first]), int(chosen[second])
+    numbers = (score[:, None] * own[None] - score[None] * info) / safe  # of the first of each pair
+    both = np.where(apart, numbers * score[:, None] + numbers.T * score[None], 0.0)
+    pairs, seen = [], set()
+    for place in np.argsort(-both, axis=None, kind="stable"):
+        one, two = np.unravel_index(place, both.shape)
+        if len(pairs) == count or not both[one, two] > 0:
+            break
+        if frozenset((ids[one], ids[two])) not in seen:
+            seen.add(frozenset((ids[one], ids[two])))
+            places = int(chosen[one]), int(chosen[two])
+            pairs.append((float(both[one, two]), places, (numbers[one, two], numbers[two, one])))
+    return pairs
+
+
+def _setting(candidate, number):
+    """A term to begin a fit with, from its number along its column."""
+    effect = EFFECTS[candidate.id]
+    limit = 6 * effect.sigma
+    amplitude = np.clip(np.clip(effect.amplitude_of(number), *effect.bounds), -limit, limit)
+    return Setting(
+        candidate.id, float(amplitude), {name: float(value) for name, value in candidate.shape.items()}
+    )
 
 
 class Selector:
@@ -181,15 +213,18 @@ class Selector:
         """Chi-squared (candidates,) that a further term must bring.
 
         ASSUME: a power that leaves its prior is a finding by itself, whichever term of the gas stands behind
-        it: one test, not one of many.
+        it: one test, not one of many. As long as it does not, fits from far away are more than the tests by
+        tangents that the thresholds know of: in 4 of 113 nulls one of them passed the threshold of these.
         """
         step, limits = steps[-1], self.thresholds
         needed = np.full(step.found.count, limits.effect)
         if step.solution.settings:
             needed = limits.third + self._of_formulas(steps)
+        alone = np.array([one.id in step.refits for one in step.found.candidates])
         if self._too_strong(step.solution):
-            alone = np.array([one.id in step.refits for one in step.found.candidates])
             needed = np.where(alone, np.minimum(needed, ALONE), needed)
+        else:
+            needed = np.where(alone, np.maximum(needed, limits.third), needed)
         return needed
 
     def fit(self, solution, settings):
@@ -199,12 +234,7 @@ class Selector:
 
     def extended(self, step, index):
         """Fit with one more candidate, from its linear estimate."""
-        candidate = step.found.candidates[index]
-        effect = EFFECTS[candidate.id]
-        amplitude = float(np.clip(step.found.amplitudes()[index], *effect.bounds))
-        shape = {name: float(value) for name, value in candidate.shape.items()}
-        limit = 6 * effect.sigma
-        setting = Setting(candidate.id, float(np.clip(amplitude, -limit, limit)), shape)
+        setting = _setting(step.found.candidates[index], step.found.linear()[index])
         return self.fit(step.solution, (*step.solution.settings, setting))
 
     def run(self, base):
@@ -215,19 +245,31 @@ class Selector:
         Selection
         """
         progress.step("diagnosis: effects one by one against simulated nulls", self.draws)
-        step = self.look(base)
-        steps = [step]
+        first, trials = self.look(base), {}
         if self.thresholds is None:
-            self.thresholds = calibrated(step.found, self.draws, self.seed)
+            self.thresholds = calibrated(first.found, self.draws, self.seed)
         limits = self.thresholds
-        trials, unknown, seen = {}, None, set()
+        steps, unknown = self._walk([first], trials)
+        if steps[-1].solution.settings or unknown:
+            steps, unknown = self._by_pair(steps, unknown)
+        final = steps[-1].solution
+        sets = tuple(self._set(first, setting.id) for setting in final.settings)
+        doubt = "" if unknown else reserve(steps, limits.third, sets)
+        status = self._status(final, unknown or doubt, sets)
+        return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
+
+    def _walk(self, steps, trials):
+        """Rounds from the last of `steps` until no term is asked for, and the unknown structure that is left
+        or None; fits with a first term go into `trials`."""
+        steps, unknown, seen, limits = list(steps), None, set(), self.thresholds
+        step = steps[-1]
         while len(step.solution.settings) < MOST_TERMS:
             terms = frozenset((setting.id, *sorted(setting.shape)) for setting in step.solution.settings)
             if terms in seen:  # terms drive each other out in a circle: the best of them stands for all
                 step = min(steps, key=lambda one: one.solution.objective)
                 steps.append(step)
                 if step.unknown.max() > limits.unknown:
-                    unknown = step.found.structures[int(step.unknown.argmax())].id
+                    unknown = _structure(step)
                 break
             seen.add(terms)
             first = not step.solution.settings
@@ -240,17 +282,6 @@ class Selector:
             enough = best is not None and wanted[best] > 0
             chosen = self._best_refit(step, wanted, trials if first else None) if enough else None
             enough = enough and self._holds(step, chosen, needed)
-            if first and enough:
-                pair, one, two = best_pair(step.found, step.gains)
-                if pair > step.gains[best] + PAIR_PRICE * limits.third:
-                    best_evidence = pair / 2 - 10.0
-                else:
-                    best_evidence = evidence[best]
-            elif enough:
-                best_evidence = evidence[best]
-            else:
-                best_evidence = 0.0
-            beaten = top_unknown > limits.unknown and top_unknown > best_evidence + MARGIN
             if not enough:
                 if top_unknown > limits.unknown:
                     wandering = self._wandering(step)
@@ -258,33 +289,82 @@ class Selector:
                         step = self.look(wandering)
                         steps.append(step)
                         continue
-                    unknown = step.found.structures[int(step.unknown.argmax())].id
+                    unknown = _structure(step)
                 break
+            best_evidence = evidence[best]
+            pair = best_pairs(step.found, step.gains) if first else []
+            if pair and pair[0][0] > step.gains[best] + PAIR_PRICE * limits.third:
+                best_evidence = pair[0][0] / 2 - 10.0
+            beaten = top_unknown > limits.unknown and top_unknown > best_evidence + MARGIN
             if beaten and not self._explains(chosen, step, top_unknown):
-                far = self._mostly(step, top_unknown)
-                if far is not None:
-                    step = self.look(self._pruned(far))
-                    steps.append(step)
-                    continue
-                beside = np.where(step.beside > max(limits.third, 2 * SHARE * top_unknown), step.beside, 0.0)
-                if (wanted * beside > 0).any():
-                    step = self.look(self._pruned(self._best_refit(step, np.where(wanted > 0, beside, 0.0))))
-                    steps.append(step)
-                    continue
-                wandering = self._wandering(step)
-                if wandering is not None:
-                    step = self.look(wandering)
-                    steps.append(step)
-                    continue
-                unknown = step.found.structures[int(step.unknown.argmax())].id
-                break
-            step = self.look(self._pruned(chosen))
+                further = self._beside_unknown(step, chosen, wanted, top_unknown)
+                if further is None:
+                    unknown = _structure(step)
+                    break
+                step = further
+            else:
+                step = self.look(self._pruned(chosen))
             steps.append(step)
-        final = step.solution
-        sets = tuple(self._set(steps[0], setting.id) for setting in final.settings)
-        doubt = "" if unknown else reserve(steps, limits.third, sets)
-        status = self._status(final, unknown or doubt, sets)
-        return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
+        return steps, unknown
+
+    def _beside_unknown(self, step, chosen, wanted, top_unknown):
+        """The next round where an unknown structure explains more than a term, or None: nothing is named."""
+        if 0.5 * (step.solution.objective - chosen.objective) - 5.0 > ENOUGH * top_unknown:
+            further = self.look(self._pruned(chosen))
+            if further.unknown.max() <= max(self.thresholds.unknown, (1 - ENOUGH) * top_unknown):
+                return further
+        far = self._mostly(step, top_unknown)
+        if far is not None:
+            return self.look(self._pruned(far))
+        least = max(self.thresholds.third, 2 * SHARE * top_unknown)
+        beside = np.where((wanted > 0) & (step.beside > least), step.beside, 0.0)
+        if beside.any():
+            return self.look(self._pruned(self._best_refit(step, beside)))
+        wandering = self._wandering(step)
+        return None if wandering is None else self.look(wandering)
+
+    def _by_pair(self, steps, unknown):
+        """Rounds that begin with two terms at once, if these explain the data better than `steps` do.
+
+        The first of two terms taken alone takes up what belongs to the other, and leads away from both.
+        """
+        first, last, limits = steps[0], steps[-1].solution, self.thresholds
+        pairs = best_pairs(first.found, first.gains, PAIRS)
+        named = {setting.id for setting in last.settings}
+        alone = float(first.gains.max(initial=0.0))
+        if not pairs or pairs[0][0] < alone + PAIR_PRICE * limits.third:
+            return steps, unknown
+        fits = []
+        for promised, places, numbers in pairs:
+            settings = [_setting(first.found.candidates[i], n) for i, n in zip(places, numbers, strict=True)]
+            if named >= {setting.id for setting in settings}:
+                break  # what promises most is what was found
+            if promised > NEARLY * pairs[0][0]:
+                fits.append(self._pruned(self.fit(first.solution, tuple(settings))))
+        fits = [one for one in fits if len(one.settings) > 1]
+        if not fits:
+            return steps, unknown
+        pair = max(fits, key=self.evidence)
+        # The stronger of the two by itself is the round between.
+        single = min(
+            (
+                self.fit(pair, tuple(one for one in pair.settings if one is not drop))
+                for drop in pair.settings
+            ),
+            key=lambda one: one.objective,
+        )
+        rounds, rest = self._walk([first, self.look(single), self.look(pair)], {})
+        other = rounds[-1].solution
+        price = limits.third + FORMULA * (first.solution.objective - last.objective)
+        more = max(len(other.settings) - len(last.settings), 0) if not unknown else 0
+        worth = self._worth(rounds[-1], rest) - self._worth(steps[-1], unknown)
+        if worth > MARGIN and last.objective - other.objective > more * price:
+            return rounds, rest
+        return steps, unknown
+
+    def _worth(self, step, unknown):
+        """Log evidence of a round; what is left unknown counts as explained, but for `ENOUGH`."""
+        return self.evidence(step.solution) + (ENOUGH * float(step.unknown.max()) if unknown else 0.0)
 
     def _evidence_of(self, step):
         """Log Bayes factor (candidates,), from the fits that exist, else by the linear estimate."""
@@ -297,7 +377,7 @@ class Selector:
     def _wandering(self, step):
         """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is
         in."""
-        found = step.found.structures[int(step.unknown.argmax())].id
+        found = _structure(step)
         used = [setting.id for setting in step.solution.settings]
         if found != "walk_gas" or WANDER in self.exclude or len(used) >= MOST_TERMS:
             return None
@@ -325,7 +405,7 @@ class Selector:
         """Whether the power of a fit has left its prior."""
         place = self.model.index["power"]
         pull = solution.state.values[place] / self.model.parameters[place].sigma
-        return abs(pull) > norm.ppf(1 - LEVEL / 2)
+        return abs(pull) > PULL
 
     def _mostly(self, step, top_unknown):
         """Best of the fits from far away that explains enough to be named beside what stays unknown, or None.
@@ -339,12 +419,13 @@ class Selector:
 
     def _of_formulas(self, steps):
         """Chi-squared (candidates,) that inexact formulas of the terms fitted so far may leave to each."""
+        gained = steps[0].solution.objective - steps[-1].solution.objective
         found, candidates = steps[0].found, steps[-1].found.candidates
         place = {(one.id, tuple(one.shape.items())): i for i, one in enumerate(found.candidates)}
         here = [place[one.id, tuple(one.shape.items())] for one in candidates]
         information = found.information[: found.count, : found.count]
         length = np.sqrt(np.maximum(np.diag(information), 1e-300))
-        left = np.zeros(len(candidates))
+        left = np.full(len(candidates), SPILL * gained)
         for setting in steps[-1].solution.settings:
             own = [i for i, one in enumerate(found.candidates) if one.id == setting.id]
             if not own:

@@ -3,15 +3,22 @@
 import numpy as np
 from scipy import stats
 
+from plasmapyro.diagnosis.build import GROUP_SIGMA, POWER_SIGMA, group_sigma
 from plasmapyro.diagnosis.inference import whitened
 from plasmapyro.diagnosis.select import best_by_id
+from plasmapyro.diagnosis.templates import BANDS_OF
 
 LINES = ((777.6, "O I 777"), (844.9, "O I 845"), (868.3, "N I 868"), (822.0, "N I 822"), (926.9, "O I 927"))
 LINE_REACH = 1.6e-9  # [m] around a line
 HUMP = (985e-9, 1030e-9)  # [m] of N2 first positive
 RED = 960e-9  # [m], beyond which channels count as red
 STEP_REACH = 4.0  # [s] on either side of the end of the plasma
-TRACK = np.linspace(-1, 1, 9)
+# Shares of what a matt surface returns: the track bends within the first hundredths.
+MATT = np.array([0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0])
+BINS = np.arange(745e-9, 1031e-9, 5e-9)  # [m] edges in which explanations are compared with a spectrum
+SHAPE_SIGMA = 0.01  # [1] of the light of a bin, besides strengths and power
+FINER = 8  # steps between two amplitudes of a track
+FREE_NUMBER = 2.0  # of chi-squared: what an explanation's amplitude must gain (H. Akaike, IEEE TAC 19, 1974)
 LAGS = 20
 
 
@@ -191,7 +198,9 @@ def gas_monitor(model, fitter, solution, test):
     }
 
 
-ONE_CAUSE = {"core": "P_eff"}  # tracks that the catalogue counts as one: more power, a hotter core
+# Tracks that are one cause: more power is a hotter core; a mirror shows the sight line itself and adds more
+# of the same light, as a longer path would.
+ONE_CAUSE = {"core": "P_eff", "refl": "path", "refl_diffuse": "refl"}
 
 
 def line_hump(library, strengths, explanations, calibration=False):
@@ -217,7 +226,7 @@ def line_hump(library, strengths, explanations, calibration=False):
 
     spectrum, errors = strengths
     at = factors(spectrum)
-    tracks, distance = [], {"none": _away(at, (1.0, 1.0), errors)}
+    tracks = []
     for identity, (name, amplitudes, change) in explanations.items():
         points = [factors(change(amplitude)) for amplitude in amplitudes]
         tracks.append(
@@ -229,8 +238,7 @@ def line_hump(library, strengths, explanations, calibration=False):
                 "hump": [p[1] for p in points],
             }
         )
-        distance[identity] = _from_track(at, points, errors)
-    closest = min(distance, key=lambda identity: distance[identity] + (identity != "none") * 1.0)
+    closest = "calibration" if calibration else _closest(library, spectrum, explanations)
     return {
         "measured": {
             "line": at[0],
@@ -239,21 +247,52 @@ def line_hump(library, strengths, explanations, calibration=False):
             "hump_error": at[1] * errors[1],
         },
         "tracks": tracks,
-        "closest": "calibration" if calibration else ONE_CAUSE.get(closest, closest),
+        "closest": closest,
     }
 
 
-def _away(one, other, errors):
-    """Distance of two points in standard deviations, in logarithms."""
-    return float(np.hypot(*(np.log(np.array(one) / np.array(other)) / np.maximum(errors, 0.01))))
+def _closest(library, spectrum, explanations):
+    r"""Explanation that leaves least of a spectrum (K,) to the strengths and the power, or 'none'.
 
+    .. math:: \chi^2 = \min_a (y - y_a)^T C^{-1} (y - y_a), \quad
+              C = \sum_g \sigma_g^2 f_g f_g^T + \sigma_P^2 p p^T + \sigma^2
 
-def _from_track(at, points, errors):
-    """Least distance from the line, in logarithms, through the points of a track."""
-    steps = np.linspace(0, 1, 25)
-    logs = np.log(points)
-    between = [(1 - step) * a + step * b for a, b in zip(logs[:-1], logs[1:], strict=True) for step in steps]
-    return min(_away(at, np.exp(point), errors) for point in between)
+    with the logarithms :math:`y` of the light in `BINS` over the simulated one, the share :math:`f_g` of a
+    group of lines in them and their change :math:`p` with the power. Line and hump alone leave power and
+    path, ripple and excitation close to one another; the other bins tell them apart.
+    """
+    axis = library.wavelength
+    place = np.digitize(axis, BINS) - 1
+    inside = (place >= 0) & (place < BINS.size - 1)
+    used = np.unique(place[inside])
+
+    def binned(values):
+        return np.bincount(place[inside], values[inside], BINS.size - 1)[used]
+
+    base = binned(library.base)
+
+    def logarithm(values):
+        return np.log(binned(values) / base)
+
+    share = np.array([binned(group) for group in library.group]) / base
+    sigma = np.array([group_sigma(str(name)) for name in library.group_name])
+    bands = share[[str(name).startswith(BANDS_OF) for name in library.group_name]].sum(axis=0)
+    step = POWER_SIGMA / 2
+    power = logarithm(library.power_factor(step) * library.base) - logarithm(
+        library.power_factor(-step) * library.base
+    )
+    rows = np.concatenate([sigma[:, None] * share, [GROUP_SIGMA * bands, power]])
+    covariance = rows.T @ rows + SHAPE_SIGMA**2 * np.eye(used.size)
+    white = np.linalg.inv(np.linalg.cholesky(covariance))
+    measured = logarithm(spectrum)
+    left = {"none": float(np.sum((white @ measured) ** 2)) - FREE_NUMBER}
+    for identity, (_, amplitudes, change) in explanations.items():
+        nodes = np.arange(len(amplitudes))
+        finer = np.interp(np.linspace(0, nodes[-1], FINER * nodes[-1] + 1), nodes, amplitudes)
+        away = np.array([measured - logarithm(change(amplitude)) for amplitude in finer])
+        left[identity] = float(np.min(np.sum((away @ white.T) ** 2, axis=1)))
+    closest = min(left, key=left.get)
+    return ONE_CAUSE.get(closest, closest)
 
 
 def explanations(library, emittance):
@@ -271,7 +310,7 @@ def explanations(library, emittance):
         ),
         "refl_diffuse": (
             "reflected gas light, matt",
-            np.linspace(0, 1.0, 6),
+            MATT,
             lambda a: library.base + a * (1 - emittance) * many,
         ),
         "T_exc": (

@@ -7,22 +7,22 @@ import xarray as xr
 
 from plasmapyro.diagnosis import show
 from plasmapyro.diagnosis.base import fit_base
-from plasmapyro.diagnosis.build import base_model
+from plasmapyro.diagnosis.build import UNIFORM, base_model
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.extension import fragment
 from plasmapyro.diagnosis.gain import cross_condition, gain
 from plasmapyro.diagnosis.inference import free_numbers
+from plasmapyro.diagnosis.interval import half_width
 from plasmapyro.diagnosis.kelvin import PaperShift, fitted_shift, paper_temperature
 from plasmapyro.diagnosis.library import gas_library
 from plasmapyro.diagnosis.probability import honest
 from plasmapyro.diagnosis.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.screen import angles, columns_of_candidates
-from plasmapyro.diagnosis.select import Selector, best_by_id, linear_evidence
+from plasmapyro.diagnosis.select import PULL, Selector, best_by_id, linear_evidence
 from plasmapyro.diagnosis.sentences import candidate_sentence, verdict_sentences
 
 SCHEMA = "plasmapyro-diagnosis-1"
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
-PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
 LARGEST_MISFIT = (
     1.25  # chi-squared per number, beyond which single causes are not judged, if nothing explains it
 )
@@ -638,17 +638,19 @@ class _Report:
         basis = self.model.history.basis(times)
         size = self.model.size
 
+        lamp = size + self.model.index["lamp"]
+
         def estimate(solution, unsure=0.0):
-            mean = basis @ solution.state.knots
-            variance = np.einsum("tk,kl,tl->t", basis, solution.covariance[:size, :size], basis)
+            mean, covariance = basis @ solution.state.knots, solution.covariance
+            variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
+            # The bias of the calibration source is bounded, not normal: its law is kept.
+            by_lamp = (basis @ covariance[:size, lamp]) ** 2 / covariance[lamp, lamp]
             # What the model leaves of the data beyond their noise is in the interval as well.
             misfit = max(solution.objective / max(solution.count - self.size, 1), 1.0)
-            spread = np.sqrt(np.maximum(misfit * variance, 0) + unsure**2)
+            normal = np.sqrt(misfit * np.maximum(variance - by_lamp, 0) + unsure**2)
+            spread = half_width(normal, UNIFORM * np.sqrt(misfit * by_lamp))
             keep = times >= 0
-            return [
-                np.where(keep, values, np.nan)
-                for values in (mean, mean - 1.96 * spread, mean + 1.96 * spread)
-            ]
+            return [np.where(keep, values, np.nan) for values in (mean, mean - spread, mean + spread)]
 
         base = estimate(self.base.solution)
         # Terms that the data ask for but held-out data do not confirm: their shift is an uncertainty.

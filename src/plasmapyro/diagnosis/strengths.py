@@ -2,10 +2,12 @@
 which term could stand behind strengths that a fit has moved."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 EARLY = 3.0  # [s] after injection: the surface does not shine yet
 POWERS = np.linspace(-0.8, 0.8, 33)  # of ln P
 ERROR = 0.01  # [1] of a channel, in the first guess
+NEIGHBOURS = 9  # channels whose scatter is alike: few frames tell it badly for each alone
 LARGEST = 0.4  # [1] of ln of a group, in the first guess
 START = 0.9  # of the largest amplitude that the library holds: fits that begin at a bound may stick there
 LADDER = 25  # amplitudes that are looked at
@@ -35,7 +37,9 @@ def guess(model):
     before, after = before[known], after[known]
     places = model.strengths
     sigma = np.array([model.parameters[place].sigma for place in places])
-    weight = 1 / (ERROR * np.maximum(before, 0.1 * np.mean(before)))
+    weight = 1 / np.hypot(
+        ERROR * np.maximum(before, 0.1 * np.mean(before)), _scatter(one.value[early[0]])[known]
+    )
     best = np.inf
     for power in POWERS:
         light = (one.gas_map @ (library.group * library.power_factor(power)).T).T[:, known]
@@ -60,6 +64,14 @@ def guess(model):
             found[index["gas"]] = np.log(level) + fainter
             found[index["before_injection"]] = -fainter
     return values if np.isinf(best) else found
+
+
+def _scatter(frames):
+    """Standard error (C,) of the mean of frames (n, C), like that of its neighbours; 0 for one frame."""
+    if len(frames) < 2:
+        return np.zeros(frames.shape[1])
+    error = np.nan_to_num(np.nanstd(frames, axis=0, ddof=1)) / np.sqrt(len(frames))
+    return median_filter(error, NEIGHBOURS, mode="nearest")
 
 
 def behind(model, values, terms=tuple(BEHIND)):

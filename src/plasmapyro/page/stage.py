@@ -261,7 +261,8 @@ def _show(report, residual_map):
             _figure(
                 figures.line_hump(plain),
                 "Lines against smooth light of the gas",
-                f"Each track is one explanation of more or less light; closest: {closest}.",
+                "Each track is one explanation of more or less light; closest over the whole spectrum, with"
+                f" power and strengths free within their priors: {closest}.",
                 "Line factor against hump factor with tracks of the explanations and the measured point",
             )
         )

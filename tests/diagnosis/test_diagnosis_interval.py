@@ -1,0 +1,30 @@
+"""Half widths of intervals of a normal plus a bounded error, against limits and against drawn numbers."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.interval import half_width
+
+
+def test_each_error_alone_has_its_own_interval():
+    normal, rectangular, none = half_width([2.0, 0.0, 0.0], [0.0, 3.0, 0.0])
+    assert normal == pytest.approx(2.0 * 1.959963984540054, rel=1e-6)  # a table of the normal law
+    assert rectangular == pytest.approx(0.95 * 3.0, rel=1e-6)
+    assert none == 0.0
+
+
+@pytest.mark.parametrize(("sigma", "bound"), [(1.0, 1.0), (0.3, 2.0), (5.0, 2.0)])
+def test_the_interval_holds_as_many_drawn_numbers_as_it_says(sigma, bound):
+    random = np.random.default_rng(5)
+    count = 400_000
+    drawn = random.normal(0, sigma, count) + random.uniform(-bound, bound, count)
+    for level in (0.5, 0.95):
+        inside = np.mean(np.abs(drawn) < half_width(sigma, bound, level))
+        # five standard deviations of the share of so many numbers
+        assert inside == pytest.approx(level, abs=5 * np.sqrt(level * (1 - level) / count))
+
+
+def test_many_moments_at_once_are_the_same_as_one_by_one():
+    sigma, bound = np.array([1.0, 0.2]), np.array([0.5, 4.0])
+    alone = [float(half_width(s, a)) for s, a in zip(sigma, bound, strict=True)]
+    assert half_width(sigma, bound) == pytest.approx(alone, rel=1e-12)

@@ -1,0 +1,66 @@
+"""Errors that are large against the noise: the fit finds the bottom of the valley, and of two errors of one
+pyrometer the choice of terms does not stop at the one that imitates both."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from small_laboratory import OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
+
+from plasmapyro.diagnosis.base import fit_base
+from plasmapyro.diagnosis.build import base_model
+from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.diagnosis.select import Selector
+
+SHIFT, LOSS = 8e-9, -0.02  # [m] of the wide band's edges; [1] of the largest signal
+SAME_BOTTOM = 0.1  # of chi-squared; fits end where a step gains 0.02
+
+
+@pytest.fixture(scope="module")
+def base(record, response, axis, laboratory):
+    """Base fit of a test whose wide band is shifted and whose detectors grow with the signal."""
+    test = record(noise=0.2)
+    time, wavelength = test["time"].values[:, None], response["wavelength"].values
+    plume = np.interp(wavelength, axis, gas_components(axis, 80e3).sum(axis=0))
+    plasma = np.where(time < 0, 1.6, (time < OFF).astype(float))
+    light = 0.85 * black_body(wavelength, temperature_of(time)) * (time >= 0) + plasma * plume
+    own = response["responsivity_wide"].values
+    moved = np.interp(wavelength - SHIFT, wavelength, own)
+
+    def signal(curve, radiance):
+        return np.trapezoid(curve * radiance, wavelength)
+
+    # The calibration was made with the shifted band: its source is seen as it was.
+    source = signal(moved, black_body(wavelength, 1400.0)) / signal(own, black_body(wavelength, 1400.0))
+    test["signal_wide"].values *= signal(moved, light) / signal(own, light) / source
+    for name in ("signal_wide", "signal_narrow"):
+        test[name].values *= 1 - LOSS * test[name].values / test[name].values.max()
+    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    with np.errstate(all="ignore"):
+        yield fit_base(base_model(test, library, laboratory.calibration, response))
+
+
+@pytest.mark.parametrize("error", [-80.0, 80.0])
+def test_a_fit_comes_back_from_a_wrong_source_temperature(record, response, laboratory, error):
+    """Surface and source of the calibration both `error` [K] off, at signals good to 6e-5, lie in a curved
+    valley far from its bottom; steps cut to stay in it stop 8 of chi-squared above."""
+    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    with np.errstate(all="ignore"):
+        base = fit_base(base_model(record(noise=0.02), library, laboratory.calibration, response))
+        state, place = base.solution.state, base.model.index["lamp"]
+        hot = np.where(state.knots > 500, error * (state.knots / 1773) ** 2, 0.0)
+        values = state.values + error * (np.arange(state.values.size) == place)
+        found = base.fitter.fit(dataclasses.replace(state, knots=state.knots + hot, values=values))
+    assert found.converged
+    assert found.objective == pytest.approx(base.solution.objective, abs=SAME_BOTTOM)
+
+
+def test_both_are_named_where_the_first_alone_leads_to_others(base):
+    with np.errstate(all="ignore"):
+        found = Selector(base.model, base.fitter, draws=300).run(base.solution)
+    assert found.status == "named"
+    amplitude = {one.id: one.amplitude for one in found.final.settings}
+    assert set(amplitude) == {"edge1", "nonlin_p"}
+    # 3 %: the width of a Gaussian band and its calibration at one temperature are first order only
+    assert amplitude["edge1"] == pytest.approx(SHIFT * 1e9, rel=0.03)
+    assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.03)
