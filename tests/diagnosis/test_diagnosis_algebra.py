@@ -149,7 +149,7 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
 
 def test_two_terms_together_gain_what_a_joint_fit_gains():
     information = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 0.2], [0.5, 0.2, 2.0]])
-    score = np.array([8.0, -6.0, 1.0])
+    score = np.array([0.8, -0.6, 0.1])
     ((gained, places, numbers), *_) = best_pairs(screen_of(information, score), np.ones(3))
     assert set(places) == {0, 1}
     joint = np.linalg.solve(information[:2, :2], score[:2])
@@ -159,11 +159,23 @@ def test_two_terms_together_gain_what_a_joint_fit_gains():
 
 def test_each_pair_of_terms_is_given_once_and_best_first():
     information = np.array([[4.0, 1.0, 0.5], [1.0, 9.0, 0.2], [0.5, 0.2, 2.0]])
-    found = screen_of(information, np.array([8.0, -6.0, 1.0]))
+    found = screen_of(information, np.array([0.8, -0.6, 0.1]))
     pairs = best_pairs(found, np.ones(3), 9)
     assert len({frozenset(places) for _, places, _ in pairs}) == len(pairs) == 3
     assert sorted((gained for gained, *_ in pairs), reverse=True) == [gained for gained, *_ in pairs]
     assert best_pairs(found, np.array([1.0, 0.0, 0.0])) == []
+
+
+def test_a_pair_whose_amplitudes_one_cannot_have_is_none():
+    """Grains and reflected light only add; of opposite sign they would explain most."""
+    from plasmapyro.diagnosis.screen import Candidate
+
+    information = 1e4 * np.array([[1.0, 0.9, 0.0], [0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    score = information @ np.array([8.0, -6.0, 2.0])
+    candidates = tuple(Candidate(name, {}, 1.0) for name in ("refl", "particles", "edge1"))
+    found = Screen(candidates, (), score, information, np.ones(3), None)
+    ((_, places, _), *_) = best_pairs(found, np.ones(3))
+    assert set(places) == {0, 2}
 
 
 def test_parallel_directions_have_no_angle_and_independent_ones_a_right_one():

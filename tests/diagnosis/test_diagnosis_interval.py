@@ -18,7 +18,7 @@ def test_the_interval_holds_as_many_drawn_numbers_as_it_says(sigma, bound):
     random = np.random.default_rng(5)
     count = 400_000
     drawn = random.normal(0, sigma, count) + random.uniform(-bound, bound, count)
-    for level in (0.5, 0.95):
+    for level in (0.5, 0.95, 0.999):
         inside = np.mean(np.abs(drawn) < half_width(sigma, bound, level))
         # five standard deviations of the share of so many numbers
         assert inside == pytest.approx(level, abs=5 * np.sqrt(level * (1 - level) / count))

@@ -432,7 +432,7 @@ class Fitter:
                 self.gas = here.gas
                 continue
             if trial is None:
-                converged = True  # no step of any length improves: as close as rounding allows
+                converged = not left  # no step of any length improves: as close as rounding allows
                 break
             left = None if better else (state, here)
             state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
@@ -467,7 +467,7 @@ class Fitter:
             damped[np.diag_indices_from(damped)] *= 1 + damping
             try:
                 step = self._within(damped, vector, state, k, free)
-            except np.linalg.LinAlgError:  # where a climb ended, rounding may leave no step at all
+            except np.linalg.LinAlgError:  # by rounding, as far off as a climb may end
                 damping, objective = max(4 * damping, 1e-3), np.inf
                 continue
             step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)

@@ -5,6 +5,7 @@ from scipy.optimize.elementwise import find_root
 from scipy.special import ndtr
 
 LEVEL = 0.95
+FARTHEST = 38.0  # standard deviations: nothing is left beyond in double precision
 NARROW = 1e-4  # [1], of the other error
 
 
@@ -23,6 +24,12 @@ def half_width(sigma, bound, level=LEVEL):
     level : float
         Probability p inside.
 
+    Returns
+    -------
+    ndarray, the unit of the number
+
+    Notes
+    -----
     Source: JCGM 101:2008 (GUM Supplement 1), 6.4.2 and 7.7: propagated distributions, not their variances.
     """
     sigma, bound = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(bound, dtype=float))
@@ -34,7 +41,7 @@ def half_width(sigma, bound, level=LEVEL):
     def miss(q, s, a):
         return s * (_integral((q + a) / s) - _integral((q - a) / s)) / a - 1 - level
 
-    found = find_root(miss, (np.zeros_like(s), s * 0 + 3.0), args=(s, a))
+    found = find_root(miss, (np.zeros_like(s), a + FARTHEST * s), args=(s, a))
     return found.x * scale
 
 

@@ -81,11 +81,14 @@ class Screen:
             [EFFECTS[one.id].amplitude_of(x) for one, x in zip(self.candidates, self.linear(), strict=True)]
         )
 
+    def ends(self):
+        """Least and largest number of each candidate along its column (2, candidates)."""
+        bounds = [[EFFECTS[c.id].linear_of(end) for end in EFFECTS[c.id].bounds] for c in self.candidates]
+        return np.array(bounds).T
+
     def signed_gains(self):
         """As `gains`, but 0 where the best amplitude lies outside what the term allows."""
-        low, high = np.array(
-            [[EFFECTS[c.id].linear_of(end) for end in EFFECTS[c.id].bounds] for c in self.candidates]
-        ).T
+        low, high = self.ends()
         size = self.linear()
         # One standard deviation of slack: the linear estimate is not the last word.
         slack = 1 / np.sqrt(np.maximum(np.diag(self.information)[: self.count], 1e-300))

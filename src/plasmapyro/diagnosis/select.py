@@ -128,7 +128,8 @@ def _structure(step):
 
 
 def best_pairs(found, allowed, count=1):
-    """Pairs of candidates that together gain most, by the linear estimate, each pair of ids once.
+    """Pairs of candidates that together gain most, by the linear estimate, each pair of ids once, with
+    amplitudes that both may have.
 
     Returns
     -------
@@ -145,7 +146,10 @@ def best_pairs(found, allowed, count=1):
     apart &= ids[:, None] != ids[None]
     safe = np.where(apart, determinant, 1.0)
     numbers = (score[:, None] * own[None] - score[None] * info) / safe  # of the first of each pair
-    both = np.where(apart, numbers * score[:, None] + numbers.T * score[None], 0.0)
+    low, high = found.ends()[:, chosen]
+    slack = np.sqrt(own[None] / safe)  # one standard deviation, as for one alone
+    within = (numbers > low[:, None] - slack) & (numbers < high[:, None] + slack)
+    both = np.where(apart & within & within.T, numbers * score[:, None] + numbers.T * score[None], 0.0)
     pairs, seen = [], set()
     for place in np.argsort(-both, axis=None, kind="stable"):
         one, two = np.unravel_index(place, both.shape)
@@ -337,9 +341,10 @@ class Selector:
         fits = []
         for promised, places, numbers in pairs:
             settings = [_setting(first.found.candidates[i], n) for i, n in zip(places, numbers, strict=True)]
-            if named >= {setting.id for setting in settings}:
+            known = named >= {setting.id for setting in settings}
+            if known and promised == pairs[0][0]:
                 break  # what promises most is what was found
-            if promised > NEARLY * pairs[0][0]:
+            if not known and promised > NEARLY * pairs[0][0]:
                 fits.append(self._pruned(self.fit(first.solution, tuple(settings))))
         fits = [one for one in fits if len(one.settings) > 1]
         if not fits:

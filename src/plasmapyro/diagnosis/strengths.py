@@ -1,6 +1,8 @@
 """How strong the gas is, over large changes: a first guess from the spectra before the sample shines, and
 which term could stand behind strengths that a fit has moved."""
 
+import warnings
+
 import numpy as np
 from scipy.ndimage import median_filter
 
@@ -38,7 +40,7 @@ def guess(model):
     places = model.strengths
     sigma = np.array([model.parameters[place].sigma for place in places])
     weight = 1 / np.hypot(
-        ERROR * np.maximum(before, 0.1 * np.mean(before)), _scatter(one.value[early[0]])[known]
+        ERROR * np.maximum(before, 0.1 * np.mean(before)), _scatter(one.value[early[0]][:, known])
     )
     best = np.inf
     for power in POWERS:
@@ -70,7 +72,9 @@ def _scatter(frames):
     """Standard error (C,) of the mean of frames (n, C), like that of its neighbours; 0 for one frame."""
     if len(frames) < 2:
         return np.zeros(frames.shape[1])
-    error = np.nan_to_num(np.nanstd(frames, axis=0, ddof=1)) / np.sqrt(len(frames))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a channel with one sample
+        error = np.nan_to_num(np.nanstd(frames, axis=0, ddof=1)) / np.sqrt(len(frames))
     return median_filter(error, NEIGHBOURS, mode="nearest")
 
 

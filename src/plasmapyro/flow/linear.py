@@ -106,7 +106,6 @@ class Factors:
         self._factorise(precision)
 
     def _factorise(self, precision):
-        self._precision = precision
         try:
             self._factors = splu(
                 self._matrix.astype(precision, copy=False),
@@ -120,6 +119,7 @@ class Factors:
                 return
             size = self._matrix.shape[0]
             raise ArithmeticError(f"singular matrix of {size} unknowns ({fault})") from None
+        self._precision = precision
 
     def _again(self, fault):
         log.info("factors of %s in double precision after: %s", self._matrix.shape, fault)

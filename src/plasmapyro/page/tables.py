@@ -45,7 +45,12 @@ def names(report):
     """Readable name of each id the report uses."""
     known = {row["id"]: row["name"] for row in report["limits"]}
     known |= {row["id"]: row["name"] for row in report["candidates"]}
-    return known | {"none": "nothing is wrong", "unknown": "something unknown"}
+    return known | {
+        "none": "nothing is wrong",
+        "unknown": "something unknown",
+        "path": "a longer path, or a mirror",
+        "calibration": "the calibration of an instrument",
+    }
 
 
 def candidates(report, most=15):
