@@ -643,7 +643,8 @@ class _Report:
         def estimate(solution, unsure=0.0):
             mean, covariance = basis @ solution.state.knots, solution.covariance
             variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
-            # The bias of the calibration source is bounded, not normal: its law is kept.
+            # ASSUME: the bias of the calibration source keeps its law, bounded and not normal: a test hardly
+            # tells it (0.88 of the standard deviation of its prior is left).
             by_lamp = (basis @ covariance[:size, lamp]) ** 2 / covariance[lamp, lamp]
             # What the model leaves of the data beyond their noise is in the interval as well.
             misfit = max(solution.objective / max(solution.count - self.size, 1), 1.0)
