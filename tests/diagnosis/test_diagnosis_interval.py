@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.interval import half_width
+from plasmapyro.diagnosis.interval import estimated_beside_bounded, half_width
 
 
 def test_each_error_alone_has_its_own_interval():
@@ -28,3 +28,20 @@ def test_many_moments_at_once_are_the_same_as_one_by_one():
     sigma, bound = np.array([1.0, 0.2]), np.array([0.5, 4.0])
     alone = [float(half_width(s, a)) for s, a in zip(sigma, bound, strict=True)]
     assert half_width(sigma, bound) == pytest.approx(alone, rel=1e-12)
+
+
+@pytest.mark.parametrize("known", [0.5, 2.0, 20.0])
+def test_an_estimate_beside_a_bounded_bias_is_within_its_interval_as_often_as_said(known):
+    """One reading of T with a bias u, and one of u alone, good to `known`; u is uniform, its prior normal."""
+    random = np.random.default_rng(6)
+    count, bound, noise, prior_t = 200_000, 3.0, 0.4, 50.0
+    u, t = random.uniform(-bound, bound, count), random.normal(0, prior_t, count)
+    readings = np.array([t + u + noise * random.normal(size=count), u + known * random.normal(size=count)])
+    slopes = np.array([[1.0, 1.0], [0.0, 1.0]])
+    weight = slopes.T @ np.diag([noise**-2.0, known**-2.0])
+    prior = bound / np.sqrt(3)
+    posterior = np.linalg.inv(weight @ slopes + np.diag([prior_t**-2, prior**-2]))
+    found = (posterior @ weight @ readings)[0]
+    half = estimated_beside_bounded(posterior[0, 0], posterior[0, 1], prior)
+    # five standard deviations of the share of so many numbers
+    assert np.mean(np.abs(found - t) < half) == pytest.approx(0.95, abs=5 * np.sqrt(0.95 * 0.05 / count))

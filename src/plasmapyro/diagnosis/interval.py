@@ -45,6 +45,33 @@ def half_width(sigma, bound, level=LEVEL):
     return found.x * scale
 
 
+def estimated_beside_bounded(variance, covariance, prior):
+    r"""Half width of the 95 % interval of a number fitted beside a bounded one, as if that were normal.
+
+    Of a bounded error u, uniform with the standard deviation :math:`\sigma_u` before the data, the posterior
+    mean leaves :math:`\mathrm{cov}(T, u)\,u/\sigma_u^2` in T, bounded by :math:`a = \sqrt 3\,
+    |\mathrm{cov}(T, u)|/\sigma_u`; the other errors are normal with the rest of the variance.
+
+    Parameters
+    ----------
+    variance, covariance : arrays of one shape, [T^2], [T u]
+        Posterior variance of T, and its covariance with u, both with a normal prior of u.
+    prior : float
+        Standard deviation of u before the data.
+
+    Returns
+    -------
+    ndarray, the unit of T
+
+    Notes
+    -----
+    Source: linear Gaussian estimation, e.g. C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006),
+    eq. A.6, for the true instead of the assumed law of u.
+    """
+    share = np.abs(covariance) / prior
+    return half_width(np.sqrt(np.maximum(variance - share**2, 0.0)), np.sqrt(3.0) * share)
+
+
 def _integral(x):
     """Integral of the normal distribution function from -inf to x."""
     return x * ndtr(x) + np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi)

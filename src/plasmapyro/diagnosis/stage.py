@@ -7,12 +7,12 @@ import xarray as xr
 
 from plasmapyro.diagnosis import show
 from plasmapyro.diagnosis.base import fit_base
-from plasmapyro.diagnosis.build import UNIFORM, base_model
+from plasmapyro.diagnosis.build import base_model
 from plasmapyro.diagnosis.catalogue import EFFECTS
 from plasmapyro.diagnosis.extension import fragment
 from plasmapyro.diagnosis.gain import cross_condition, gain
 from plasmapyro.diagnosis.inference import free_numbers
-from plasmapyro.diagnosis.interval import half_width
+from plasmapyro.diagnosis.interval import estimated_beside_bounded
 from plasmapyro.diagnosis.kelvin import PaperShift, fitted_shift, paper_temperature
 from plasmapyro.diagnosis.library import gas_library
 from plasmapyro.diagnosis.probability import honest
@@ -643,13 +643,14 @@ class _Report:
         def estimate(solution, unsure=0.0):
             mean, covariance = basis @ solution.state.knots, solution.covariance
             variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
-            # ASSUME: the bias of the calibration source keeps its law, bounded and not normal: a test hardly
-            # tells it (0.88 of the standard deviation of its prior is left).
-            by_lamp = (basis @ covariance[:size, lamp]) ** 2 / covariance[lamp, lamp]
             # What the model leaves of the data beyond their noise is in the interval as well.
             misfit = max(solution.objective / max(solution.count - self.size, 1), 1.0)
-            normal = np.sqrt(misfit * np.maximum(variance - by_lamp, 0) + unsure**2)
-            spread = half_width(normal, UNIFORM * np.sqrt(misfit * by_lamp))
+            # The bias of the calibration source is bounded, not normal.
+            spread = estimated_beside_bounded(
+                misfit * variance + unsure**2,
+                np.sqrt(misfit) * (basis @ covariance[:size, lamp]),
+                self.model.parameters[self.model.index["lamp"]].sigma,
+            )
             keep = times >= 0
             return [np.where(keep, values, np.nan) for values in (mean, mean - spread, mean + spread)]
 
