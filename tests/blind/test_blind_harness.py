@@ -23,14 +23,8 @@ def workbench():
     table = np.linspace(300.0, 14000.0, 275)
     fractions = np.stack([density(table)[name] * 1.380649e-23 * table / 5000.0 for name in SPECIES], -1)
     profile = xr.Dataset(
-        {
-            "temperature": ("path_distance", TEMPERATURE),
-            "number_density": (
-                ("species", "path_distance"),
-                np.stack([density(TEMPERATURE)[name] for name in SPECIES]),
-            ),
-        },
-        {"path_distance": DISTANCE, "species": list(SPECIES)},
+        {"temperature": ("path_distance", TEMPERATURE)},
+        {"path_distance": DISTANCE},
     )
     composition = xr.Dataset(
         {"mole_fraction": (("pressure", "temperature", "species"), fractions[None])},

@@ -47,7 +47,6 @@ def plasma():
         kept.radiance[1],
         DISTANCE,
         TEMPERATURE,
-        density(TEMPERATURE),
         table,
         density(table),
         weakest=kept.radiance[0].sum(axis=0),

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from blind import draw
 from half_disc import POINT, flow
-from invented import FINE, density, plasma
+from invented import FINE, plasma
 from scipy.constants import c, h, k
 from scipy.special import voigt_profile
 from twin import gas, hidden, incident, light
@@ -107,7 +107,6 @@ def isothermal(kelvin, times, area):
         radiance=np.stack([line, 0 * line + 1e3]),
         distance=distance,
         temperature=np.full(2, kelvin),
-        density={name: np.full(2, values.mean()) for name, values in plain.density.items()},
         view=seen,
     )
 
@@ -157,7 +156,7 @@ def test_a_share_of_the_light_is_scattered():
 def test_gas_alike_on_all_sides_gives_back_its_sight_line():
     plain = plasma()  # its view has the profile of the sight line in all directions
     kelvin = np.interp(FINE, plain.distance, plain.temperature)
-    one = dataclasses.replace(plain, distance=FINE, temperature=kelvin, density=density(kelvin))
+    one = dataclasses.replace(plain, distance=FINE, temperature=kelvin)
     thin = one.falling(lambda depth, damping: np.ones_like(depth))
     np.testing.assert_allclose(thin / one.total, 1.0, rtol=THIN_WAYS)
 

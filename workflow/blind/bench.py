@@ -101,9 +101,6 @@ class Bench:
         return {
             "distance": line.path_distance.values,
             "temperature": line.temperature.values,
-            "density": {
-                str(name): line.number_density.sel(species=name).values for name in line.species.values
-            },
             "table_temperature": at.temperature.values,
             "table_density": {
                 str(name): number * at.mole_fraction.sel(species=name).values for name in at.species.values

@@ -81,7 +81,6 @@ class Gas:
     radiance: np.ndarray  # (C, B)
     distance: np.ndarray  # (Z,) [m]
     temperature: np.ndarray  # (Z,) [K]
-    density: dict  # species: (Z,) [m-3]
     table_temperature: np.ndarray  # (T,) [K], composition at the pressure of the test:
     table_density: dict  # species: (T,) [m-3]
     weakest: np.ndarray | None = None  # (B,) spectrum of the weakest plasma, for an afterglow
@@ -101,7 +100,7 @@ class Gas:
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
-        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self._heating("N2 1P", one, change)) for one in energy]
 
@@ -120,7 +119,7 @@ class Gas:
 
     def vibrating(self, ratio):
         """Spectrum (B,) with the vibration of N2 B at `ratio` times the temperature, its number kept."""
-        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
         changed = self.radiance.copy()
         changed[self.systems.index("N2 1P")] *= nitrogen.change(
             self.centres, mean, nitrogen.vibrational(mean, ratio)
@@ -159,7 +158,7 @@ class Gas:
 
         ASSUME: what absorbs a line emits it too, mixed evenly; what lies in one or two bins is one line.
         """
-        mean = self._mean_temperature("N2", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self.view.mean(self._brighter("N2 1P", one))) for one in energy]
 
@@ -251,30 +250,20 @@ class Gas:
     def _species(self, system):
         return RADIATOR.get(system) or FOLLOWS[system][0]
 
-    def _emission(self, species, energy):
-        return self.density[species] * np.exp(-SECOND * energy / self.temperature)
-
-    def _mean_temperature(self, species, energy):
-        weight = self._emission(species, energy)
-        return np.trapezoid(weight * self.temperature, self.distance) / np.trapezoid(weight, self.distance)
+    def _mean_temperature(self, system, energy):
+        weight = self._along * self._emitted(system, energy)
+        return weight @ self.table_temperature / weight.sum()
 
     def _excitation(self, system, energy, ratio):
-        weight = self._emission(self._species(system), energy)
-        more = np.exp(SECOND * energy / self.temperature * (1 - 1 / ratio))
-        return np.trapezoid(weight * more, self.distance) / np.trapezoid(weight, self.distance)
+        weight = self._along * self._emitted(system, energy)
+        more = np.exp(SECOND * energy / self.table_temperature * (1 - 1 / ratio))
+        return weight @ more / weight.sum()
 
     def _heating(self, system, energy, change):
-        species = self._species(system)
         warmed = np.where(self.temperature > 2000, self.temperature * (1 + change), self.temperature)
-        log_density = np.log(np.maximum(self.table_density[species], 1e-30))
-        density = np.exp(
-            CubicSpline(self.table_temperature, log_density)(np.stack([warmed, self.temperature]))
-        )
-        power = 2 if species == "e-" and system in ("e-ion free-free", "free-bound") else 1
-        new, old = (
-            np.trapezoid(number**power * np.exp(-SECOND * energy / at), self.distance)
-            for number, at in zip(density, (warmed, self.temperature), strict=True)
-        )
+        emitted = self._emitted(system, energy)
+        smooth = CubicSpline(self.table_temperature, np.log(emitted + 1e-30 * emitted.max()))
+        new, old = (np.trapezoid(np.exp(smooth(at)), self.distance) for at in (warmed, self.temperature))
         return new / old
 
 

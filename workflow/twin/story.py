@@ -42,10 +42,6 @@ def _gas(weighted, pressure, sightline, composition, flow=None):
         radiance,
         sightline.path_distance.values,
         sightline.temperature.values,
-        {
-            str(name): np.asarray(sightline.number_density.sel(species=name))
-            for name in sightline.species.values
-        },
         at.temperature.values,
         {str(name): number * at.mole_fraction.sel(species=name).values for name in at.species.values},
         view=None if flow is None else incident.view(flow, at.temperature.values),
