@@ -203,7 +203,8 @@ def test_wider_slit_and_shift_move_light_but_do_not_make_it():
 def test_excitation_follows_boltzmann_in_a_uniform_gas():
     kelvin = np.full(TEMPERATURE.size, 6000.0)
     uniform = gas.Gas(
-        GAS.centres, GAS.systems, GAS.radiance, GAS.distance, kelvin, GAS.table_temperature, GAS.table_density,
+        GAS.centres, GAS.systems, GAS.radiance, GAS.distance, kelvin,
+        GAS.table_temperature, GAS.table_density,
     )  # fmt: skip
     changed = uniform.excited(1.05) / uniform.total
     line = np.argmin(np.abs(GAS.centres - 777.408e-9))

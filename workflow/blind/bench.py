@@ -94,13 +94,25 @@ class Bench:
         return self._views[power]
 
     def profile(self, power):
-        """Keyword arguments of `Gas` that do not depend on the case; of the nearest simulated power."""
+        """Keyword arguments of `Gas` that depend on the power [W] alone.
+
+        The profile lies between those of the neighbouring simulated powers, linearly in the logarithm; what
+        the sample sees is that of the nearest one.
+        """
         nearest = min(self.sightlines, key=lambda one: abs(one - power))
-        line, at = self.sightlines[nearest], self.table.sel(pressure=5000.0, method="nearest")
+        at = self.table.sel(pressure=5000.0, method="nearest")
         number = 5000.0 / (1.380649e-23 * at.temperature.values)
+        distance = self.sightlines[nearest].path_distance.values
+        powers = sorted(self.sightlines)
+        kelvin = [
+            np.interp(distance, line.path_distance.values, line.temperature.values)
+            for line in map(self.sightlines.get, powers)
+        ]
         return {
-            "distance": line.path_distance.values,
-            "temperature": line.temperature.values,
+            "distance": distance,
+            "temperature": np.array(
+                [np.interp(np.log(power), np.log(powers), column) for column in np.transpose(kelvin)]
+            ),
             "table_temperature": at.temperature.values,
             "table_density": {
                 str(name): number * at.mole_fraction.sel(species=name).values for name in at.species.values

@@ -21,13 +21,13 @@ BIN = 0.02e-9  # [m] of the stored spectra
 FIRST, LAST = 716e-9, 1156e-9
 RADIATOR = {"N I": "N", "O I": "O", "N2 1P": "N2", "N2+ Meinel": "N2+"}
 ATOMS = {"N I": (lines.NITROGEN, 96000.0), "O I": (lines.OXYGEN, 97000.0)}
-MOLECULES = {"N2 1P": 61000.0, "N2+ Meinel": 10500.0}  # [cm-1] typical upper level above the ground state
-ENERGY = {**{name: other for name, (_, other) in ATOMS.items()}, **MOLECULES}
+BANDS = {"N2+ Meinel": (lines.MEINEL, 10500.0)}
+NITROGEN_UPPER = 61000.0  # [cm-1] typical level that N2 1P shines from, above the ground state
 LEVELS = (59000.0, 105000.0)  # [cm-1] above the ground state: levels of N2 B with their rotation
 LINE_REACH = 5  # bins on either side of a line
 FAINT_LINE = 1e-4  # of the strongest: below, nothing counts as a line
 FOLLOWS = {  # the fainter systems: what their emission follows, with a typical upper level [cm-1]
-    "NO 11000 A": ("NO", 60000.0),
+    "NO 11000 A": ("NO", 55000.0),
     "NO beta": ("NO", 46000.0),
     "NO infrared": ("NO", 4000.0),
     "e-neutral free-free": ("e-", 10000.0),
@@ -100,7 +100,7 @@ class Gas:
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
-        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self._heating("N2 1P", one, change)) for one in energy]
 
@@ -119,7 +119,7 @@ class Gas:
 
     def vibrating(self, ratio):
         """Spectrum (B,) with the vibration of N2 B at `ratio` times the temperature, its number kept."""
-        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
         changed = self.radiance.copy()
         changed[self.systems.index("N2 1P")] *= nitrogen.change(
             self.centres, mean, nitrogen.vibrational(mean, ratio)
@@ -158,7 +158,7 @@ class Gas:
 
         ASSUME: what absorbs a line emits it too, mixed evenly; what lies in one or two bins is one line.
         """
-        mean = self._mean_temperature("N2 1P", MOLECULES["N2 1P"])
+        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self.view.mean(self._brighter("N2 1P", one))) for one in energy]
 
@@ -172,11 +172,8 @@ class Gas:
                 found += self._falling_lines(system, self.radiance[row], left)
             elif system == "N2 1P":
                 found += self.radiance[row] * bands
-            elif system in MOLECULES or system in FOLLOWS:
-                upper = ENERGY.get(system) or FOLLOWS[system][1]
-                found += self.radiance[row] * self.view.mean(self._brighter(system, upper))
             else:
-                found += self.radiance[row]
+                found += self.radiance[row] * self._by_level(system, self._all_around)
         return found
 
     @cached_property
@@ -188,6 +185,9 @@ class Gas:
         return incident.emission(
             system, self._species(system), energy, self.table_temperature, self.table_density
         )
+
+    def _all_around(self, system, energy):
+        return self.view.mean(self._brighter(system, energy))
 
     def _brighter(self, system, energy):
         """Thin light (A,) from each direction over that of the sight line."""
@@ -232,20 +232,22 @@ class Gas:
         """Spectrum (B,) with each system times factor(system, energy); N2 1P times `shaped` (B,) if given."""
         changed = np.empty_like(self.radiance)
         for row, system in enumerate(self.systems):
-            if system in ATOMS:
-                multiplets, other = ATOMS[system]
-                scale = np.full(self.centres.size, factor(system, other))
-                for first, last, energy in multiplets:
-                    inside = (self.centres >= first * 1e-9) & (self.centres <= last * 1e-9)
-                    scale[inside] = factor(system, energy)
-            elif system == "N2 1P" and shaped is not None:
-                scale = shaped
-            elif system in MOLECULES or system in FOLLOWS:
-                scale = factor(system, ENERGY.get(system) or FOLLOWS[system][1])
-            else:
-                scale = 1.0
-            changed[row] = self.radiance[row] * scale
+            given = system == "N2 1P" and shaped is not None
+            changed[row] = self.radiance[row] * (shaped if given else self._by_level(system, factor))
         return changed.sum(axis=0)
+
+    def _by_level(self, system, factor):
+        """Factor(system, energy) of the levels that a system shines from, by wavelength (B,) if they differ;
+        1 for a system without any."""
+        parts = ATOMS.get(system) or BANDS.get(system)
+        if parts is None:
+            return factor(system, FOLLOWS[system][1]) if system in FOLLOWS else 1.0
+        intervals, other = parts
+        scale = np.full(self.centres.size, factor(system, other))
+        for first, last, energy in intervals:
+            inside = (self.centres >= first * 1e-9) & (self.centres <= last * 1e-9)
+            scale[inside] = factor(system, energy)
+        return scale
 
     def _species(self, system):
         return RADIATOR.get(system) or FOLLOWS[system][0]

@@ -34,7 +34,7 @@ IONIZATION = {"N": 117225.7, "O": 109837.0}  # [cm-1]: NIST, as above
 # Broadening by Plasmas (1974).
 STARK, STARK_PLACE, STARK_BINDING = 3.15e-12 / 1e22, 777.4e-9, 23208.0
 INFRARED = 10500.0  # [cm-1] photons at 950 nm
-AFFINITY = 11784.0  # [cm-1] of O
+AFFINITY, ATTACHING = 11784.0, 13000.0  # [cm-1] of O, and photons that attachment sends out: above it
 
 
 @dataclass(frozen=True)
@@ -120,18 +120,22 @@ def emission(system, species, energy, temperature, density):
     """Relative emission (T,) of a system in equilibrium, of the upper level `energy` [cm-1] if it has one.
 
     ASSUME: bands of molecules but N2 1P come with all rotation of the upper level; continua are those of
-    photons at 950 nm, e-neutral with a cross section that all heavy particles share.
+    photons at 950 nm, but for attachment. Of the neutral particles those of N count alone, whose negative ion
+    is nearly bound:
+    C. A. Ramsbottom, K. L. Bell & K. A. Berrington, J. Phys. B 25, 1443 (1992), falling with
+    the 1.2th power from 4000 to 7000 K. Electrons recombine with ions of N, whose number is Saha's.
     """
     electrons = density["e-"]
     photon = np.exp(-SECOND * INFRARED / temperature)
     if system == "e-ion free-free":
         return electrons**2 / np.sqrt(temperature) * photon
     if system == "free-bound":
-        return electrons**2 / np.sqrt(temperature) * (1 - photon)
+        ionized = np.exp(-SECOND * IONIZATION["N"] / temperature) / partition("N", temperature)
+        return density["N"] * ionized * (1 - photon)
     if system == "e-neutral free-free":
-        return electrons * (density["N2"] + density["N"] + density["O"]) * np.sqrt(temperature) * photon
+        return electrons * density["N"] * temperature**-1.2 * photon
     if system == "O- detachment":
-        bound = np.exp(SECOND * AFFINITY / temperature)
-        return electrons * density["O"] * temperature**-1.5 * bound * photon
+        bound = np.exp(SECOND * (AFFINITY - ATTACHING) / temperature)
+        return electrons * density["O"] * temperature**-1.5 * bound
     level = density[species] / partition(species, temperature) * np.exp(-SECOND * energy / temperature)
     return level if species in LEVELS or system == "N2 1P" else level * temperature

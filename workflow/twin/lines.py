@@ -23,6 +23,22 @@ OXYGEN = (
     (926.0, 927.5, 97421.0),
     (1128.0, 1131.0, 97000.0),
 )
+# N2+ Meinel: the band that shines most in a range, by its upper level [cm-1] above the ground state, from the
+# constants of K. P. Huber & G. Herzberg, Constants of Diatomic Molecules (1979). Bands are shaded to the red.
+MEINEL = (
+    (716.0, 785.0, 16330.0),
+    (785.0, 808.0, 12733.0),
+    (808.0, 832.0, 14546.0),
+    (832.0, 858.0, 16330.0),
+    (858.0, 918.0, 18083.0),
+    (918.0, 947.0, 10889.0),
+    (947.0, 977.0, 12733.0),
+    (977.0, 1010.0, 14546.0),
+    (1010.0, 1044.0, 16330.0),
+    (1044.0, 1109.0, 18083.0),
+    (1109.0, 1147.0, 9015.0),
+    (1147.0, 1156.0, 10889.0),
+)
 # Lines that absorb themselves first: O I, with relative optical depth (gf times lower population at 6000 K).
 OXYGEN_DEPTH = ((777.408, 1.0), (777.631, 0.714), (777.753, 0.428), (844.87, 0.45))
 

@@ -1,7 +1,5 @@
 """The scene of a test of the main job, with the effects that its configuration hides."""
 
-import numpy as np
-
 from twin import gas, hidden, incident
 from twin.campaign import Scene
 
