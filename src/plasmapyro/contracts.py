@@ -84,6 +84,8 @@ VARIABLES = {
     "temperature_change": Variable("1", "largest relative temperature change of the Newton step", 0),
     "cfl_number": Variable("1", "Courant number of the pseudo-time step", 0),
     # diagnosis
+    "core_change": Variable("1", "relative change of the temperature of the gas"),
+    "core_radiance": Variable(RADIANCE, "radiance of the gas so much hotter, through the slit", 0),
     "variation": Variable("", "property of the gas that is varied"),
     "addition": Variable("", "light that is added to that of the gas"),
     "variation_amplitude": Variable(
@@ -607,6 +609,8 @@ DATASETS = {
         "numerical_power": ("condition",),
     },
     "gas_variations": {
+        "core_change": ("core_change",),
+        "core_radiance": ("core_change", "wavelength_slit"),
         "variation": ("variation",),
         "variation_amplitude": ("variation", "level"),
         "varied_radiance": ("variation", "level", "wavelength_slit"),

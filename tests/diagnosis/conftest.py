@@ -38,17 +38,22 @@ def variations(axis):
     base = gas_components(axis, 80e3)
     total = base.sum(axis=0)
     levels = np.array([-0.1, -0.05, 0.0, 0.05, 0.1])
-    names = ("core_temperature", "ripple", "excitation", "vibration", "optical_depth")
-    amplitude = np.array([levels, levels + 0.1, levels, levels * 3, (levels + 0.1) * 10])
-    shapes = np.array([total**0.3, base[0] + 1e5, base[:2].sum(axis=0) + 1e5, base[2] + 1e5, base[0] + 1e5])
+    names = ("excitation", "vibration", "optical_depth")
+    amplitude = np.array([levels, levels * 3, (levels + 0.1) * 10])
+    shapes = np.array([base[:2].sum(axis=0) + 1e5, base[2] + 1e5, base[0] + 1e5])
+    core = 0.06 * np.arange(-6, 8)
     varied = np.array(
         [
             total * np.exp(np.outer(a * s, row / row.max()))
-            for a, s, row in zip(amplitude, (8, 4, 6, 1, -0.3), shapes, strict=True)
+            for a, s, row in zip(amplitude, (6, 1, -0.3), shapes, strict=True)
         ]
     )
     return xr.Dataset(
         {
+            "core_radiance": (
+                ("core_change", "wavelength_slit"),
+                total * np.exp(np.outer(8 * core, (total / total.max()) ** 0.3)),
+            ),
             "variation_amplitude": (("variation", "level"), amplitude),
             "varied_radiance": (("variation", "level", "wavelength_slit"), varied),
             "added_radiance": (
@@ -57,6 +62,7 @@ def variations(axis):
             ),
         },
         {
+            "core_change": core,
             "variation": list(names),
             "addition": ["reflected_specular", "reflected_diffuse", "warm_wall", "cyanogen"],
             "wavelength_slit": axis,

@@ -1,12 +1,15 @@
+import dataclasses
+
 import numpy as np
 import pytest
+from scipy.special import i0
 
 from plasmapyro.diagnosis import gas_variations as vary
 from plasmapyro.diagnosis.inference import FULL, Noise, Weigher, gram, whitened
 from plasmapyro.diagnosis.noise import FLICKER_MARGIN, NoiseModel, on_bins
 from plasmapyro.diagnosis.screen import Screen, Structure, Unknowns, angles, simulated
 from plasmapyro.diagnosis.select import best_pairs
-from plasmapyro.diagnosis.templates import line_groups, widened
+from plasmapyro.diagnosis.templates import GasLibrary, line_groups, widened
 
 FLOAT_RTOL = 1e-9
 
@@ -201,14 +204,47 @@ def test_noise_of_a_mean_of_remembering_samples_is_that_of_the_simulated_mean(ra
     assert found == pytest.approx(FLICKER_MARGIN * np.var(total / count), rel=0.02)
 
 
-def test_the_mean_over_a_ripple_of_an_exponential_is_a_bessel_function():
-    """<exp(b T (1 + x sin))> = exp(b T) I0(b T x)."""
-    from scipy.special import i0
+@pytest.fixture
+def exponential():
+    """Gas whose light goes as exp(b T), b by wavelength, at powers that heat it by 3 % each 10 %."""
+    wavelength, change = np.linspace(7e-7, 11e-7, 41), 0.06 * np.arange(-6, 8)
+    slope = 8 * (wavelength / 9e-7) ** 2  # b T, T of the condition
+    log_power = np.log(80e3) + 0.1 * np.arange(-3, 4)
+    hotter = 1.03 ** np.arange(-3, 4) - 1
 
-    temperature, slope = np.linspace(2000, 12000, 400), 1.5e-3
-    emission = vary.Emission(temperature, np.exp(slope * temperature)[:, None, None])
-    found = vary.ripple(emission, np.array([6000.0]), np.array([1.0]), 0.15)
-    assert found[0] == pytest.approx(np.exp(slope * 6000) * i0(slope * 6000 * 0.15), rel=1e-5)
+    def light(at):
+        return np.exp(np.outer(at, slope))
+
+    return slope, GasLibrary(
+        condition="80kW", power=80e3, wavelength=wavelength, slit_fwhm=1e-9, log_power=log_power,
+        radiance=1.7 ** np.arange(-3, 4)[:, None] * light(hotter), group_name=("all",), group=light([0.0]),
+        variation={"excitation": (np.array([-0.1, -0.05, 0, 0.05, 0.1]), light([-0.1, -0.05, 0, 0.05, 0.1]))},
+        addition={}, weakest=light([-0.1])[0], core=(change, light(change)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("power", [-0.2, 0.0, 0.2])
+def test_a_ripple_of_an_exponential_is_a_bessel_function_at_every_power(exponential, power):
+    """<exp(b T (1 + x sin))> = exp(b T) I0(b T x), T of the power; brightness alone does not heat."""
+    slope, library = exponential
+    kelvin = 1.03 ** (power / 0.1)
+    found = library.factor("ripple", 0.15, power)
+    np.testing.assert_allclose(found, i0(slope * kelvin * 0.15), rtol=1e-4)  # of the nearest temperature
+    found = library.factor("core_temperature", -0.1, power)
+    np.testing.assert_allclose(found, np.exp(-0.1 * slope * kelvin), rtol=1e-3)
+    np.testing.assert_array_equal(library.factor("ripple", 0.0, power), 1.0)
+
+
+def test_excitation_acts_less_on_hotter_atoms(exponential):
+    slope, library = exponential
+    found = library.factor("excitation", 0.05, 0.2)
+    np.testing.assert_allclose(found, np.exp(0.05 / 1.03**2 * slope), rtol=1e-3)
+
+
+def test_one_power_alone_tells_no_temperature(exponential):
+    slope, library = exponential
+    alone = dataclasses.replace(library, log_power=library.log_power[3:4], radiance=library.radiance[3:4])
+    np.testing.assert_allclose(alone.factor("core_temperature", 0.1, 0.2), np.exp(0.1 * slope), rtol=1e-9)
 
 
 def test_a_line_absorbs_itself_as_a_uniform_slab():

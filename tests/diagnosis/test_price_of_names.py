@@ -34,6 +34,7 @@ def selector():
     limits = Thresholds(EFFECT, UNKNOWN, THIRD, 10, 1, np.zeros(1), np.zeros(1))
     one = Selector(model, None, limits)
     one._pruned = lambda fit: fit
+    one.evidence = lambda fit: -fit.objective / 2
     return one
 
 
@@ -66,3 +67,49 @@ def test_nine_tenths_of_an_unknown_stand_for_it_if_no_more_is_left(selector, gai
     found = selector._beside_unknown(before, chosen, np.zeros(3), 100.0)
     assert (found is not None) == named
     assert found is None or found.solution is chosen
+
+
+def test_a_further_term_that_nearly_pays_is_fitted(selector):
+    """Of a price of 36 the tangents promise 22 and 17; the fit of the first brings 60."""
+    fitted = []
+
+    def extended(before, index):
+        fitted.append(NAMES[index])
+        names = [one.id for one in before.solution.settings]
+        return solution(before.solution.objective - 60.0, *names, NAMES[index])
+
+    selector.extended = extended
+    selector.look = lambda fit: step(fit, gains=(0.0, 0.0, 0.0))
+    seen = step(solution(600.0, "P_eff"), gains=(22.0, 17.0, 0.0))
+    found, unknown = selector._walk([step(solution(1166.7)), seen], {})
+    assert fitted == ["winE"] and unknown is None
+    assert [one.id for one in found[-1].solution.settings] == ["P_eff", "winE"]
+
+
+def test_a_first_term_that_nearly_pays_is_not_fitted(selector):
+    """Thresholds of first terms are drawn for tangents: fits beyond them would be further tests."""
+    selector.extended = None
+    found, _ = selector._walk([step(solution(1000.0), gains=(EFFECT - 1, 0.0, 0.0))], {})
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize(
+    ("pull", "loss", "back", "named"),
+    [(4.0, 15.0, 1.0, True), (4.0, 17.0, 1.0, False), (4.0, 15.0, 3.5, False), (2.9, 1.0, 0.0, False)],
+)
+def test_a_power_out_of_its_prior_is_a_finding(selector, pull, loss, back, named):
+    """At 4 standard deviations, if a term of the gas brings the power back for less than 16."""
+    selector.look = lambda fit: step(fit, unknown=-1.0)
+    far = solution(1000.0 + loss, "P_eff", power=0.08 * back)
+    steps = [step(solution(1000.0, power=0.08 * pull), {"P_eff": far})]
+    found, unknown = selector._by_pull(steps, None)
+    assert (found[-1].solution is far) == named and unknown is None
+
+
+def test_which_term_moved_the_power_stays_open(selector):
+    far = {name: solution(990.0, name) for name in ("P_eff", "ripple")}
+    steps = [step(solution(1000.0, power=0.4), far), step(far["P_eff"])]
+    assert selector._behind(steps, "P_eff") == ("ripple",)
+    assert selector._behind(steps, "winE") == ()
+    steps[0] = step(solution(1000.0, power=0.1), far)
+    assert selector._behind(steps, "P_eff") == ()

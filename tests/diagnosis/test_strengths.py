@@ -51,7 +51,7 @@ def test_brightness_before_and_after_the_injection_is_guessed(build, record):
 def test_the_term_that_moved_the_strengths_is_first(build, record, term, amplitude):
     model = build(record())
     library, values = model.library, np.zeros(len(model.parameters))
-    factor = np.log(library.factor(strengths.BEHIND[term], amplitude))
+    factor = np.log(library.factor(strengths.BEHIND[term][0], amplitude))
     for row, name in enumerate(model.groups):
         light = library.group[row]
         values[model.index[name]] = light @ factor / light.sum() if light.sum() else 0.0

@@ -13,8 +13,7 @@ from plasmapyro.radiation.systems import line_lists
 from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
 from plasmapyro.radiation.transfer import layer_thickness
 
-RIPPLE = (0.0, 0.05, 0.1, 0.15, 0.2)
-CORE = (-0.12, -0.06, 0.0, 0.06, 0.12)
+CORE = 0.06 * np.arange(-6, 8)  # a ripple of 0.25 at a power five standard deviations off, and back
 EXCITATION = (-0.1, -0.05, 0.0, 0.05, 0.1)
 VIBRATION = (-0.3, -0.15, 0.0, 0.15, 0.3)
 DEPTHS = (0.0, 0.25, 0.5, 1.0, 2.0)
@@ -45,12 +44,11 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     Returns
     -------
     Dataset, contract 'gas_variations'
-        `varied_radiance` (variation, level, wavelength_slit) at `variation_amplitude` (variation, level):
-        temperature of the core, ripple of the temperature, temperature of excitation of the atoms and of
-        vibration
-        of N2 (relative), optical depth of the strongest line; and `added_radiance` (addition,
-        wavelength_slit):
-        reflected as by a mirror and a matt surface per 1 - emittance, a wall of 1600 K, CN at the wall.
+        `core_radiance` (core_change, wavelength_slit) of hotter and colder gas; `varied_radiance` (variation,
+        level, wavelength_slit) at `variation_amplitude` (variation, level): temperature of excitation of the
+        atoms and of vibration of N2 (relative), optical depth of the strongest line; and `added_radiance`
+        (addition, wavelength_slit): reflected as by a mirror and a matt surface per 1 - emittance, a wall of
+        1600 K, CN at the wall.
 
     Notes
     -----
@@ -73,8 +71,6 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
         return base * spectrum / thin
 
     rows = {
-        "core_temperature": (CORE, [relative(plain.along(temperature * (1 + x), thickness)) for x in CORE]),
-        "ripple": (RIPPLE, [relative(vary.ripple(plain, temperature, thickness, x)) for x in RIPPLE]),
         "excitation": (
             EXCITATION,
             [relative(tabulated(excitation=1 + x).along(temperature, thickness)) for x in EXCITATION],
@@ -103,6 +99,10 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     names = list(rows)
     return xr.Dataset(
         {
+            "core_radiance": (
+                ("core_change", "wavelength_slit"),
+                np.array([relative(plain.along(temperature * (1 + x), thickness)) for x in CORE]),
+            ),
             "variation_amplitude": (("variation", "level"), np.array([rows[n][0] for n in names])),
             "varied_radiance": (
                 ("variation", "level", "wavelength_slit"),
@@ -111,6 +111,7 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
             "added_radiance": (("addition", "wavelength_slit"), np.array(list(additions.values()))),
         },
         {
+            "core_change": CORE,
             "variation": np.array(names, dtype=object),
             "addition": np.array(list(additions), dtype=object),
             "wavelength_slit": slit,

@@ -133,14 +133,6 @@ class Emission:
         return thickness[warm] @ values
 
 
-def ripple(emission, temperature, thickness, amplitude, phases=16):
-    r"""Mean of the radiance over a sinusoidal ripple, :math:`\langle L(T(1 + x\sin\omega t))\rangle` (K,)."""
-    angles = 2 * np.pi * (np.arange(phases) + 0.5) / phases
-    return np.mean(
-        [emission.along(temperature * (1 + amplitude * np.sin(a)), thickness) for a in angles], axis=0
-    )
-
-
 def warmer_wall(distance, temperature, wall_temperature, depth):
     r"""Temperatures (S,) along the path if the wall had another temperature.
 

@@ -56,6 +56,12 @@ def gas_library(condition, radiation, powers, variations, *, fwhm):
         variation=_variations(variations, seen),
         addition=_additions(variations, axis, sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
+        core=None
+        if variations is None
+        else (
+            variations["core_change"].values,
+            np.array([seen(row) for row in variations["core_radiance"].values]),
+        ),
     )
 
 

@@ -158,6 +158,7 @@ class Model:
             spectral_axis=self.library.wavelength,
             spectrum=self.spectrum(values),
             library=self.library,
+            power=float(values[self.index["power"]]),
             history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
         )
         return scene, slope * injected, basis

@@ -30,6 +30,7 @@ class Scene:
     spectral_axis: np.ndarray
     spectrum: np.ndarray
     library: object
+    power: float = 0.0  # of the gas: logarithm, over that of the library
     more_gas: tuple = ()
     path: np.ndarray | float = 1.0
     added: np.ndarray | float = 0.0

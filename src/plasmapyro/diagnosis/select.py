@@ -31,6 +31,7 @@ ENOUGH = 0.9  # of the log Bayes factor of an unknown structure: a term that exp
 # no more than the rest, stands for it; forty free steps find more than one cause leaves
 SHARE = 0.15  # of what an unknown structure explains: a term beside it must explain as much
 KIN = 0.4  # cosine beyond which a term may be the misfit of another one's formula
+NEAR_MISS = 0.5  # of what a further term must bring: if its tangent promises so much, it is fitted
 FAR_FITS = 2  # of the terms that may stand behind moved strengths
 WORTH = 5.0  # chi-squared that a term must promise by the strengths of the gas to be fitted from there
 FORMULA = 0.1  # [1], of the chi-squared that a term gains: what its kin must bring besides,
@@ -256,8 +257,12 @@ class Selector:
         steps, unknown = self._walk([first], trials)
         if steps[-1].solution.settings or unknown:
             steps, unknown = self._by_pair(steps, unknown)
+        steps, unknown = self._by_pull(steps, unknown)
         final = steps[-1].solution
-        sets = tuple(self._set(first, setting.id) for setting in final.settings)
+        sets = tuple(
+            self._set(first, setting.id) + self._behind(steps, setting.id) for setting in final.settings
+        )
+        sets = tuple(tuple(dict.fromkeys(ids)) for ids in sets)
         doubt = "" if unknown else reserve(steps, limits.third, sets)
         status = self._status(final, unknown or doubt, sets)
         return Selection(tuple(steps), final, sets, trials, status, unknown, limits, doubt)
@@ -278,6 +283,8 @@ class Selector:
             seen.add(terms)
             first = not step.solution.settings
             needed = self._needed(steps)
+            if not first and not np.any(step.gains > needed):
+                step = steps[-1] = self._tried(step, needed)
             wanted = np.where(step.gains > needed, step.gains, 0.0)
             order = best_by_id(step.found.candidates, wanted)
             best = order[0] if order else None
@@ -310,6 +317,22 @@ class Selector:
                 step = self.look(self._pruned(chosen))
             steps.append(step)
         return steps, unknown
+
+    def _tried(self, step, needed):
+        """The round with fits of the terms that the tangents nearly ask for.
+
+        Where another parameter has taken up much of a term, as the temperature of the cold surface does a
+        glow, tangents promise a fifth of what a fit gains that moves both.
+        """
+        gains, refits = step.gains.copy(), dict(step.refits)
+        share = np.where(gains > NEAR_MISS * needed, gains / needed, 0.0)
+        for index in best_by_id(step.found.candidates, share)[:REFITTED]:
+            identity = step.found.candidates[index].id
+            if share[index] > 0 and identity not in refits:
+                refits[identity] = self.extended(step, index)
+                gained = step.solution.objective - refits[identity].objective
+                gains[index] = max(gains[index], gained)
+        return replace(step, gains=gains, refits=refits)
 
     def _beside_unknown(self, step, chosen, wanted, top_unknown):
         """The next round where an unknown structure explains more than a term, or None: nothing is named."""
@@ -367,6 +390,36 @@ class Selector:
             return rounds, rest
         return steps, unknown
 
+    def _by_pull(self, steps, unknown):
+        """Rounds that end with a term of the gas as a whole, if its power left its prior and none is named.
+
+        ASSUME: such a power is a finding even where no term explains the spectra better than it does. What
+        doubles a line differs from a power by some per cent of it, as the formulas may; a fit with the term
+        may therefore be worse by as much as the prior of the power has cost.
+        """
+        step = steps[-1]
+        used = {setting.id for setting in step.solution.settings}
+        if not self._too_strong(step.solution) or used & set(strengths.BEHIND) or len(used) >= MOST_TERMS:
+            return steps, unknown
+        worst = step.solution.objective + self._pull(step.solution) ** 2
+        good = [one for one in step.refits.values() if one.objective < worst and not self._too_strong(one)]
+        if not good:
+            return steps, unknown
+        further = self.look(max(good, key=self.evidence))
+        left = _structure(further) if further.unknown.max() > self.thresholds.unknown else None
+        return [*steps, further], left
+
+    def _behind(self, steps, identity):
+        """Ids of the other terms of the gas as a whole, if one is named for a power that left its prior.
+
+        Which of them it is, formulas exact to some per cent do not tell.
+        """
+        if identity not in strengths.BEHIND or not self._too_strong(steps[0].solution):
+            return ()
+        named = {setting.id for setting in steps[-1].solution.settings}
+        tried = {one for step in steps for one in step.refits if one in strengths.BEHIND}
+        return tuple(sorted(tried - named))
+
     def _worth(self, step, unknown):
         """Log evidence of a round; what is left unknown counts as explained, but for `ENOUGH`."""
         return self.evidence(step.solution) + (ENOUGH * float(step.unknown.max()) if unknown else 0.0)
@@ -408,9 +461,12 @@ class Selector:
 
     def _too_strong(self, solution):
         """Whether the power of a fit has left its prior."""
+        return abs(self._pull(solution)) > PULL
+
+    def _pull(self, solution):
+        """Prior standard deviations [1] by which the power of a fit is off."""
         place = self.model.index["power"]
-        pull = solution.state.values[place] / self.model.parameters[place].sigma
-        return abs(pull) > PULL
+        return solution.state.values[place] / self.model.parameters[place].sigma
 
     def _mostly(self, step, top_unknown):
         """Best of the fits from far away that explains enough to be named beside what stays unknown, or None.

@@ -11,13 +11,12 @@ POWERS = np.linspace(-0.8, 0.8, 33)  # of ln P
 ERROR = 0.01  # [1] of a channel, in the first guess
 NEIGHBOURS = 9  # channels whose scatter is alike: few frames tell it badly for each alone
 LARGEST = 0.4  # [1] of ln of a group, in the first guess
-START = 0.9  # of the largest amplitude that the library holds: fits that begin at a bound may stick there
 LADDER = 25  # amplitudes that are looked at
 SPREAD = 0.01  # [1] of ln of the strength of a group, as the data know it
-BEHIND = {  # terms of the gas as a whole, and the variation of the library that they follow
-    "P_eff": "core_temperature",
-    "ripple": "ripple",
-    "T_exc": "excitation",
+BEHIND = {  # terms of the gas as a whole, what of the library they follow, and the amplitudes looked at
+    "P_eff": ("core_temperature", -0.11, 0.11),
+    "ripple": ("ripple", 0.0, 0.18),
+    "T_exc": ("excitation", -0.09, 0.09),
 }
 
 
@@ -123,12 +122,11 @@ def behind(model, values, terms=tuple(BEHIND)):
     plain = rest(whole)[0]
     result = []
     for term in terms:
-        name = BEHIND[term]
-        if name not in library.variation:
+        name, low, high = BEHIND[term]
+        if not library.varies(name):
             continue
-        ends = library.variation[name][0]
         best = None
-        for amplitude in START * np.linspace(ends.min(), ends.max(), LADDER):
+        for amplitude in np.linspace(low, high, LADDER):
             cost, found, left = rest(whole - means(np.log(library.factor(name, amplitude))))
             if best is None or cost < best[0]:
                 start = values.copy()

@@ -22,7 +22,7 @@ def varied(name):
     """A term that replaces the spectrum of the gas by one varied with the engine."""
 
     def apply(scene, amplitude):
-        return scene.but(spectrum=scene.spectrum * scene.library.factor(name, amplitude))
+        return scene.but(spectrum=scene.spectrum * scene.library.factor(name, amplitude, scene.power))
 
     apply.__doc__ = f"The gas with another {name.replace('_', ' ')}."
     return apply
