@@ -120,10 +120,9 @@ def emission(system, species, energy, temperature, density):
     """Relative emission (T,) of a system in equilibrium, of the upper level `energy` [cm-1] if it has one.
 
     ASSUME: bands of molecules but N2 1P come with all rotation of the upper level; continua are those of
-    photons at 950 nm, but for attachment. Of the neutral particles those of N count alone, whose negative ion
-    is nearly bound:
-    C. A. Ramsbottom, K. L. Bell & K. A. Berrington, J. Phys. B 25, 1443 (1992), falling with
-    the 1.2th power from 4000 to 7000 K. Electrons recombine with ions of N, whose number is Saha's.
+    photons at 950 nm, but for attachment. Of the neutral particles N alone counts, whose negative ion is
+    nearly bound: C. A. Ramsbottom, K. L. Bell & K. A. Berrington, J. Phys. B 25, 1443 (1992), absorption that
+    falls as T^-1.2 from 4000 to 7000 K. Electrons recombine with ions of N, whose number is Saha's.
     """
     electrons = density["e-"]
     photon = np.exp(-SECOND * INFRARED / temperature)
