@@ -30,6 +30,7 @@ STATES = {
 VIBRATION = 40  # levels
 MASS = {"N": 14.007, "O": 15.999}
 IONIZATION = {"N": 117225.7, "O": 109837.0}  # [cm-1]: NIST, as above
+IONS = {"N": 9, "O": 4}  # statistical weight of the ground state of the ion
 # Half width of O I 777 per electrons [m4], binding of its upper level [cm-1]: H. R. Griem, Spectral Line
 # Broadening by Plasmas (1974).
 STARK, STARK_PLACE, STARK_BINDING = 3.15e-12 / 1e22, 777.4e-9, 23208.0
@@ -122,15 +123,22 @@ def emission(system, species, energy, temperature, density):
     ASSUME: bands of molecules but N2 1P come with all rotation of the upper level; continua are those of
     photons at 950 nm, but for attachment. Of the neutral particles N alone counts, whose negative ion is
     nearly bound: C. A. Ramsbottom, K. L. Bell & K. A. Berrington, J. Phys. B 25, 1443 (1992), absorption that
-    falls as T^-1.2 from 4000 to 7000 K. Electrons recombine with ions of N, whose number is Saha's.
+    falls as T^-1.2 from 4000 to 7000 K. Electrons recombine with ions of N and O, as many as Saha's law says,
+    into levels as dense as those of hydrogen: A. Unsold, Ann. Phys. 425, 607 (1938).
     """
     electrons = density["e-"]
     photon = np.exp(-SECOND * INFRARED / temperature)
     if system == "e-ion free-free":
         return electrons**2 / np.sqrt(temperature) * photon
     if system == "free-bound":
-        ionized = np.exp(-SECOND * IONIZATION["N"] / temperature) / partition("N", temperature)
-        return density["N"] * ionized * (1 - photon)
+        ionized = sum(
+            density[atom]
+            * weight
+            * np.exp(-SECOND * IONIZATION[atom] / temperature)
+            / partition(atom, temperature)
+            for atom, weight in IONS.items()
+        )
+        return ionized * temperature * (1 - photon)
     if system == "e-neutral free-free":
         return electrons * density["N"] * temperature**-1.2 * photon
     if system == "O- detachment":
