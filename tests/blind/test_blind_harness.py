@@ -256,8 +256,7 @@ def near(one, other):
     [
         (["winE"], [["winE"]], True, True, True, []),
         (["winE_sl"], [["winE_sl"]], False, True, False, []),
-        (["phi"], [["phi", "winE"]], False, True, True, []),
-        (["phi", "winE"], [["phi", "winE"], ["winE"]], True, True, True, ["phi"]),
+        (["phi"], [["phi", "winE"]], False, True, True, ["phi"]),
         (["phi"], [["phi"]], False, False, False, ["phi"]),
         (["winE", "clock"], [["winE"], ["clock"]], True, True, True, ["clock"]),
         ([], [], False, False, False, []),

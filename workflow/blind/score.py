@@ -27,14 +27,8 @@ def score(made, report, temperature, angle):
     true = [one["effect"] for one in made.effects]
     found = [_found(effect, named, sets, angle) for effect in true]
     top = named[0] if named else None
-    # Every named term is an extra that is neither true nor like a true one, nor given as perhaps a true one
-    # that no other name stands for.
-    claimed = dict(zip(named, ({*group} & {*true} - {*named} for group in sets), strict=False))
-    extra = [
-        name
-        for name in named
-        if not claimed.get(name) and not any(_alike(name, effect, angle) for effect in true)
-    ]
+    # Every named term that is neither true nor like a true one is an extra.
+    extra = [name for name in named if not any(_alike(name, effect, angle) for effect in true)]
     probability = verdict["probability"]
     key = _truth_key(made.case.kind, true)
     given = float(probability.get(key, 0.0))
