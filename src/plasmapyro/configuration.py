@@ -2,17 +2,19 @@
 
 import re
 from difflib import get_close_matches
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 
 import yaml
 from jsonschema import Draft202012Validator, ValidationError
 from jsonschema.validators import extend
 
-LARGEST_FILE = 1_000_000  # [byte]
-NAME = re.compile(
-    r"[A-Za-z0-9][A-Za-z0-9_.+-]*"
-)  # becomes part of file names and of patterns of the workflow
+from plasmapyro.foreign import printable, quote, unfit
+
+LARGEST_FILE = 250_000  # [byte]
+MOST_FAULTS, LONGEST_LINE, LONGEST_VALUE = 40, 500, 200  # that a message shows; the others in characters
+# Of what becomes part of file names and of patterns of the workflow.
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
 
 class ConfigurationError(ValueError):
@@ -48,7 +50,15 @@ def _rising(_, count, instance, __):
         yield ValidationError(f"{head} must rise")
 
 
-_Validator = extend(Draft202012Validator, {"rising": _rising})
+def _path(_, __, instance, ___):
+    """Schema keyword `path`: the name of a file or folder that the workflow takes as it stands."""
+    if isinstance(instance, str) and set(instance) & set("{}"):
+        yield ValidationError(
+            f"{instance!r} holds braces, which the workflow takes for a name to fill in; rename it"
+        )
+
+
+_Validator = extend(Draft202012Validator, {"rising": _rising, "path": _path})
 
 
 def read(path):
@@ -57,18 +67,22 @@ def read(path):
     Raises
     ------
     ConfigurationError
-        If it is not YAML, is larger than a configuration can be, holds an alias, or a key stands in it
-        twice; the message names file and line.
+        If it is no plain file, not YAML, larger than a configuration can be, holds an alias, or a key stands
+        in it twice; the message names file and line.
     """
+    if found := unfit(path, LARGEST_FILE):
+        raise ConfigurationError(f"{path}: {'; '.join(found)}")
     try:
-        size = Path(path).stat().st_size
-        if size > LARGEST_FILE:
-            raise ValueError(f"it has {size} bytes, a configuration at most {LARGEST_FILE}")
         return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
     except RecursionError:
         raise ConfigurationError(f"{path}: not readable as YAML: nested too deeply") from None
-    except (OSError, ValueError, yaml.YAMLError) as fault:
-        raise ConfigurationError(f"{path}: not readable as YAML: {fault}") from None
+    except Exception as fault:  # a tag on a word that it does not fit (`!!int ''`) breaks the parser anywhere
+        words = (
+            fault
+            if isinstance(fault, OSError | ValueError | yaml.YAMLError)
+            else "a tag does not fit its word"
+        )
+        raise ConfigurationError(printable(f"{path}: not readable as YAML: {words}")) from None
 
 
 def load(path, schema):
@@ -83,7 +97,7 @@ def load_folder(selection, schema, order=None):
     ----------
     selection : mapping with `folder` (path) and `only` (names to keep; empty for all)
     schema : path of the schema
-    order : key of the files to sort by; by name otherwise
+    order : key of the files to sort by, those without it last; by name otherwise
 
     Returns
     -------
@@ -102,8 +116,41 @@ def load_folder(selection, schema, order=None):
         near = get_close_matches(missing[0], found, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise ConfigurationError(f"no file {folder / missing[0]}.yaml{hint} (listed under 'only')")
-    cases = {name: load(path, schema) for name, path in found.items() if not only or name in only}
-    return dict(sorted(cases.items(), key=lambda case: case[1][order])) if order else cases
+    cases, faults = {}, []
+    for name, path in found.items():
+        if not only or name in only:
+            try:
+                cases[name] = load(path, schema)
+            except ConfigurationError as fault:
+                faults.append(str(fault))
+    if faults:
+        raise ConfigurationError("\n".join(faults))
+    return dict(sorted(cases.items(), key=lambda case: case[1].get(order, inf))) if order else cases
+
+
+def ladder(conditions, name):
+    """Conditions that may share all but the power with one of them, itself included; one of each power.
+
+    Parameters
+    ----------
+    conditions : mapping of name -> values, as from `load_folder`
+    name : str
+
+    Returns
+    -------
+    list of str
+    """
+
+    def gas_of(case):
+        own = {key: value for key, value in case.items() if key not in ("numerical_power_kw", "emittance")}
+        return own | {"cfd": {k: v for k, v in own.get("cfd", {}).items() if k not in ("file", "mesh")}}
+
+    by_power = {conditions[name].get("numerical_power_kw"): name}
+    for one in sorted(conditions):
+        power = conditions[one].get("numerical_power_kw")
+        if None not in (power, *by_power) and gas_of(conditions[one]) == gas_of(conditions[name]):
+            by_power.setdefault(power, one)
+    return [one for one in conditions if one in by_power.values()]
 
 
 def check(values, schema, source):
@@ -119,7 +166,10 @@ def check(values, schema, source):
     lines = [line for fault in faults for line in _explain(fault)]
     lines += [f"{where}: {number} is not a finite number" for where, number in _endless(values)]
     if lines:
-        raise ConfigurationError(f"{source} does not fit {schema}:\n  " + "\n  ".join(lines))
+        more = [f"and {len(lines) - MOST_FAULTS} more"] if len(lines) > MOST_FAULTS else []
+        said = [line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE]}..." for line in lines]
+        words = "\n  ".join([f"{source} does not fit {schema}:", *said[:MOST_FAULTS], *more])
+        raise ConfigurationError(printable(words))
     return values
 
 
@@ -141,10 +191,16 @@ def check_together(config, conditions, tests):
     config : the main configuration
     conditions, tests : mappings as from `load_folder`
     """
-    wanted = {
+    paper = config["claims"]["conditions"]
+    shown = {
         "figures.field_condition": [config["figures"]["field_condition"]],
         "analysis.transient.conditions": config["analysis"]["transient"]["conditions"],
+    }
+    wanted = {
+        "claims.conditions": paper,
+        **shown,
         "experiment.compare_with": config["experiment"]["compare_with"],
+        "diagnosis.condition": [config["diagnosis"]["condition"]],
         **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
         **{
             f"twin.condition of test {name}": [test["twin"]["condition"]]
@@ -154,6 +210,13 @@ def check_together(config, conditions, tests):
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     faults.append(_unknown("claims.test", config["claims"]["test"], tests))
+    faults += [
+        f"{key}: '{name}' is not in claims.conditions, the set that the paper's figures show"
+        for key, names in shown.items()
+        for name in names
+        if name in conditions and name not in paper
+    ]
+    faults += _no_ladder({name: conditions[name] for name in paper if name in conditions})
     drawn = config["figures"]["field_condition"]
     computed = [name for name, case in conditions.items() if "cfd" not in case]
     if computed and drawn in conditions and drawn not in computed:
@@ -177,6 +240,41 @@ def check_together(config, conditions, tests):
         )
 
 
+def check_compared(tests, conditions):
+    """Refuse tests that are to be compared with conditions that are not there.
+
+    Parameters
+    ----------
+    tests : mapping of test -> name of the condition that its file or the configuration states
+    conditions : mapping as from `load_folder`
+    """
+    faults = [
+        f"{_unknown(f'condition of test {test}', name, conditions)}; or leave the test out with tests.only"
+        for test, name in tests.items()
+        if name not in conditions
+    ]
+    if faults:
+        raise ConfigurationError("\n  ".join(["tests name conditions that are not there:", *faults]))
+
+
+def _no_ladder(cases):
+    """What keeps the conditions of the claims from differing in their power only."""
+    first, reference = next(iter(cases.items()), ("", {}))
+    for name, case in cases.items():
+        for key in ("chamber_pressure_mbar", "mass_flow_rate_g_s", "emittance"):
+            if case[key] != reference[key]:
+                yield (
+                    f"claims.conditions: {key} is {case[key]:g} in '{name}' and {reference[key]:g} in"
+                    f" '{first}'; the conditions of the paper's figures differ in their power only"
+                )
+        power = case.get("numerical_power_kw")
+        if power is None:
+            yield f"claims.conditions: '{name}' lacks numerical_power_kw"
+        twin = next(one for one in cases if cases[one].get("numerical_power_kw") == power)
+        if twin != name and power is not None:
+            yield f"claims.conditions: '{twin}' and '{name}' have the same numerical_power_kw"
+
+
 def _unknown(key, name, known):
     if name in known:
         return None
@@ -192,7 +290,10 @@ def _explain(fault):
         for key in sorted(set(fault.instance) - set(valid), key=str):
             near = get_close_matches(str(key), valid, n=1, cutoff=0.5)
             hint = f"did you mean '{near[0]}'?" if near else f"valid keys: {', '.join(valid)}"
-            yield f"unknown key '{f'{where}.' if where else ''}{key}'; {hint}"
+            yield f"unknown key {quote(f'{where}.{key}'.lstrip('.'))}; {hint}"
     else:
         about = fault.schema.get("description", "") if isinstance(fault.schema, dict) else ""
-        yield f"{where or 'top level'}: {fault.message}" + (f" ({about.strip()})" if about else "")
+        shown, value = fault.message, repr(fault.instance)
+        if len(value) > LONGEST_VALUE:
+            shown = shown.replace(value, f"{value[:LONGEST_VALUE]}...")
+        yield f"{where or 'top level'}: {shown}" + (f" ({about.strip()})" if about else "")

@@ -1,6 +1,5 @@
 """Reading and writing files, whole or not at all. The only module that opens or creates netCDF."""
 
-import hashlib
 import json
 import logging
 import os
@@ -11,12 +10,13 @@ from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts, progress, workspace
+from plasmapyro import contracts, foreign, progress, workspace
 from plasmapyro.tables import ORIGINS, weakest
-from plasmapyro.versions import versions
+from plasmapyro.versions import told, versions
 
 REMEDY = "free space or give write permission and call again: finished files are kept"
 LICENCE = "BSD-3-Clause"  # of a result, unless the data it was made from bring a `license` of their own
+LARGEST, LARGEST_TEXT = 2_000_000_000, 200_000_000  # [byte] of a netCDF file, packed or not, and of a text
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
@@ -24,34 +24,70 @@ class StorageError(OSError):
     """A file could not be written; the message says which, why, and what to do."""
 
 
-def read(path, contract, *, largest=None):
+def read(path, contract):
     """Load a stage file and check it against its contract.
 
     Parameters
     ----------
     path : path of the netCDF file
     contract : name in `contracts.DATASETS`
-    largest : int [byte], or None
-        Refuse a file whose variables, unpacked, are larger; for files of unknown origin.
 
     Raises
     ------
     ContractError
-        If the file cannot be read as netCDF or breaches the contract; the message names the file.
+        If the file cannot be read as netCDF, is damaged, says that it holds far more than it has bytes, keeps
+        data in other files, or breaches the contract; the message names the file.
     """
+    sealed = intact(path, LARGEST)
     try:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as stored:
-            if largest is not None and stored.nbytes > largest:
-                raise ValueError(f"holds {stored.nbytes / 1e6:.0f} MB, the limit is {largest / 1e6:.0f} MB")
-            dataset = stored.load()
-    except FileNotFoundError:
-        raise contracts.ContractError(f"{path}: no such file") from None
-    except (OSError, ValueError, RuntimeError, TypeError, LookupError, AttributeError) as fault:
-        raise contracts.ContractError(f"{path}: not a readable netCDF file ({fault})") from fault
+        with foreign.memory_for(path):
+            if not sealed and (found := foreign.elsewhere(path)):
+                raise ValueError("; ".join(found))
+            with xr.open_dataset(path, engine="netcdf4", decode_times=False) as stored:
+                if found := foreign.claim(path, stored.nbytes):
+                    raise ValueError(f"{found}; {foreign.PACKED}")
+                dataset = stored.load()
+    except (OSError, ValueError, RuntimeError, TypeError, LookupError, AttributeError, MemoryError) as fault:
+        words = "it asks for more memory than its size allows" if isinstance(fault, MemoryError) else fault
+        raise contracts.ContractError(f"{path}: not a readable netCDF file ({words})") from fault
     try:
         return contracts.check(dataset, contract)
     except contracts.ContractError as fault:
         raise contracts.ContractError(f"{path}: {fault}") from None
+
+
+def intact(path, largest=LARGEST):
+    """Whether a workflow noted the bytes of a file when it wrote it; they are compared at this moment.
+
+    Parameters
+    ----------
+    path : path
+    largest : int [byte]
+
+    Returns
+    -------
+    bool
+        False if nothing was noted: it is not a result of a workflow.
+
+    Raises
+    ------
+    ContractError
+        No plain file of that size, or other bytes than were noted.
+    """
+    if found := foreign.unfit(path, largest):
+        raise contracts.ContractError(f"{path}: {'; '.join(found)}")
+    noted = workspace.noted(path)
+    if noted is not None:
+        _require_noted(path, workspace.digest(path), noted)
+    return noted is not None
+
+
+def _require_noted(path, found, noted):
+    if found != noted:
+        raise contracts.ContractError(
+            f"{path}: damaged or replaced since the workflow wrote it (SHA-256 {found[:12]}..., noted"
+            f" {noted[:12]}...); call snakemake again: it is computed anew"
+        )
 
 
 def write(dataset, path, contract, *, sources=(), config=None):
@@ -107,15 +143,22 @@ def _labelled(dataset, contract, sources, config):
         "contract": contract,
         "origin": weakest(origin for origin in origins if origin),
         "plasmapyro_version": dict(versions())["plasmapyro"],
-        "versions": ", ".join(f"{name} {number}" for name, number in versions()),
+        "versions": told(),
         "configuration": json.dumps(config or {}, sort_keys=True, default=str),
-        "sources": "\n".join(f"{digest(source)}  {source}" for source in sources),
+        "sources": "\n".join(f"{digest(source)}  {_told(source)}" for source in sources),
     }
     for variable in dataset.variables.values():
-        variable.encoding = (
-            {"_FillValue": None} if variable.dtype.kind != "f" else {"_FillValue": float("nan")}
-        )
+        fill = None if variable.dtype.kind != "f" else float("nan")
+        variable.encoding = {"_FillValue": fill, "fletcher32": True}  # the format's own check at every read
     return dataset
+
+
+def _told(path):
+    """A path as a file that travels may hold it: from the folder of the call on, or the bare name."""
+    path = Path(path)
+    if not path.is_absolute():
+        return path
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else Path(path.name)
 
 
 def write_text(text, path):
@@ -138,18 +181,64 @@ def store(path, writer):
         If the file cannot be written; the message says what to do, and an older file is as it was.
     """
     path = Path(path)
+    if path.exists() and not path.is_file():
+        raise StorageError(f"{path}: is not a plain file and is not replaced; name another")
     part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         writer(part)
         workspace.unseal(path)
         os.replace(part, path)
+    except StorageError:
+        raise
     except (OSError, RuntimeError) as fault:
         raise StorageError(f"{path}: could not be written ({_reason(fault, path)}); {REMEDY}") from fault
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
     workspace.seal(path)
+
+
+def store_folder(folder, writer):
+    """Store a folder of results, all of its files or none: the old folder stays until the new one is whole.
+
+    Parameters
+    ----------
+    folder : path
+        What it holds goes with it.
+    writer : callable
+        Writes into the folder that it is given, a neighbour of `folder`.
+
+    Raises
+    ------
+    StorageError
+        As for `store`.
+    """
+    folder = Path(os.path.realpath(folder))
+    part, aside = (folder.with_name(f".{folder.name}.{os.getpid()}.part{k}") for k in ("", "-old"))
+    try:
+        part.mkdir(parents=True)
+        writer(part)
+        if folder.exists():
+            for path in folder.iterdir():
+                workspace.unseal(path)
+            os.rename(folder, aside)
+        try:
+            os.rename(part, folder)
+        except OSError:
+            if aside.exists():
+                os.rename(aside, folder)
+            raise
+    except StorageError:
+        raise
+    except OSError as fault:
+        raise StorageError(f"{folder}: could not be written ({_reason(fault, folder)}); {REMEDY}") from fault
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+        if folder.exists():
+            shutil.rmtree(aside, ignore_errors=True)
+    for path in sorted(folder.iterdir()):
+        workspace.seal(path)
 
 
 def _reason(fault, path):
@@ -161,23 +250,40 @@ def _reason(fault, path):
     return f"{fault}; {free / 1e6:.1f} MB are free there"
 
 
+def write_texts(texts, paths):
+    """Store text files one after the other, each whole or not at all (errors as for `store`)."""
+    for text, path in zip(texts, paths, strict=True):
+        write_text(text, path)
+
+
 def read_text(path):
     """Read a text file.
 
     Raises
     ------
     ContractError
-        If there is no such file or it is not text; the message names it.
+        If there is no such file, it is too large, damaged or not text; the message names it.
     """
     try:
-        return Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as fault:
-        reason = fault.strerror if isinstance(fault, OSError) else "not a text file"
-        raise contracts.ContractError(f"{path}: {reason}") from None
+        words = read_bytes(path, LARGEST_TEXT).decode("utf-8")
+        return words.replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError:
+        raise contracts.ContractError(f"{path}: not a text file") from None
+
+
+def read_bytes(path, largest=LARGEST):
+    """Read a file of any kind (errors as for `read_text`)."""
+    intact(path, largest)
+    try:
+        return Path(path).read_bytes()
+    except OSError as fault:
+        raise contracts.ContractError(f"{path}: {fault.strerror}") from None
 
 
 def is_netcdf(path):
     """Whether a file begins like netCDF (classic or HDF5); False if it cannot be read."""
+    if foreign.unfit(path, LARGEST):
+        return False
     try:
         with open(path, "rb") as file:
             return file.read(4) in NETCDF_SIGNATURES
@@ -185,17 +291,25 @@ def is_netcdf(path):
         return False
 
 
+def attributes(path):
+    """Attributes of a netCDF file; ContractError if it cannot be read as such."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+            return dict(dataset.attrs)
+    except (OSError, ValueError, RuntimeError) as fault:
+        raise contracts.ContractError(f"{path}: not a readable netCDF file ({fault})") from None
+
+
 def _origin(path):
-    if Path(path).suffix != ".nc":
-        return None
-    with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
-        origin = dataset.attrs.get("origin")
+    origin = attributes(path).get("origin") if Path(path).suffix == ".nc" else None
     return origin if origin in ORIGINS else None
 
 
 def digest(path):
-    """SHA-256 of a file, in hexadecimal."""
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    """SHA-256 of a file, in hexadecimal; a result must still have the one that was noted (see `intact`)."""
+    found = workspace.digest(path)
+    _require_noted(path, found, workspace.noted(path) or found)
+    return found
 
 
 def log_to(path):

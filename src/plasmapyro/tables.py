@@ -3,10 +3,13 @@
 import csv
 import hashlib
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 
 import numpy as np
 import yaml
+
+from plasmapyro.constants import ELECTRON_VOLT
 
 ORIGINS = ("measured", "published", "digitised", "modelled", "synthetic")  # strongest first
 CERTIFICATE_KEYS = {"title", "source", "origin", "obtained", "licence", "valid", "uncertainty", "sha256"}
@@ -25,10 +28,16 @@ TO_SI = {
     "cm-1": 1e2,
     "m-1": 1.0,
     "s-1": 1.0,
-    "eV": 1.602176634e-19,
+    "eV": ELECTRON_VOLT,
     "u": 1.0,
     "J mol-1": 1.0,
     "cm-3": 1e6,
+    "Pa": 1.0,
+    "m s-1": 1.0,
+    "kW m-2": 1e3,
+    "MJ kg-1": 1e6,
+    "cm3 mol-1 s-1": 1e-6,
+    "cm6 mol-2 s-1": 1e-12,
     "cm4 dyn-1": 1e-3,  # absorption per neutral density and electron pressure: cm4/dyn = 1e-8 m4 / 1e-5 N
     "e a0": 1.0,  # transition moment, kept in atomic units
 }
@@ -62,9 +71,16 @@ def load(name):
     folder = files("plasmapyro") / "data"
     content = (folder / f"{name}.csv").read_bytes()
     try:
-        certificate = yaml.safe_load((folder / f"{name}.yml").read_text(encoding="utf-8"))
+        certificate = (folder / f"{name}.yml").read_text(encoding="utf-8")
     except FileNotFoundError:
         raise ValueError(f"table {name} has no certificate {name}.yml") from None
+    return _parsed(name, content, certificate)
+
+
+@cache  # kernels ask for the same table at every layer, and YAML is slow
+def _parsed(name, content, certificate):
+    """The Table of the bytes of a file and the text of its certificate; its columns cannot be written to."""
+    certificate = yaml.safe_load(certificate)
     missing = CERTIFICATE_KEYS - set(certificate)
     if missing:
         raise ValueError(f"certificate of table {name} lacks {', '.join(sorted(missing))}")
@@ -87,4 +103,5 @@ def load(name):
             columns[label] = np.array([float(w) if w else np.nan for w in words]) * TO_SI[unit]
         else:
             raise ValueError(f"table {name}: column {label!r} has unknown unit {unit!r}")
+        columns[label].setflags(write=False)
     return Table(columns, certificate["origin"], certificate["source"])

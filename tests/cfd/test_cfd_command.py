@@ -1,16 +1,13 @@
 """`plasmapyro sightline`, and conditions that bring their own flow field, as a user meets them."""
 
-import os
-import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import cfd_samples as samples
 import numpy as np
 import pytest
 import yaml
+from clone import copy_of_the_project, planned, snakemake
 
 from plasmapyro import cli, io
 from plasmapyro.sightline import neqair
@@ -44,6 +41,16 @@ def test_a_flow_field_becomes_a_sight_line(folder):
     assert float(text.temperature[-1]) == pytest.approx(float(line.temperature[-1]), rel=1e-8)
     assert run(folder, *arguments, "--out", "b.nc") == 0
     assert (folder / "a.nc").read_bytes() == (folder / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(("unit", "length"), [("m", None), ("mm", "0.303"), ("in", "7.69")])
+def test_a_length_unit_that_makes_an_implausible_path_is_doubted(folder, capsys, unit, length):
+    (folder / "map.yaml").write_text(yaml.safe_dump(samples.settings(length_unit=unit)))
+    assert run(folder, "flow.vtu", "--map", "map.yaml", "--points", "30", "--out", "a.nc") == 0
+    said = capsys.readouterr()
+    assert said.out.startswith(f"line of sight: {length or 302.8}"[:19]) and "hottest 2660 K" in said.out
+    words = f"flow.vtu: the line of sight is {length} mm long, laboratory plasmas have 10 mm to 10 m"
+    assert (words in said.err) == ("length_unit" in said.err) == (length is not None)
 
 
 def test_the_spectrum_of_a_flow_field_in_two_commands(folder):
@@ -105,18 +112,6 @@ def test_bad_input_ends_with_one_message_and_nothing_written(folder, capsys, cha
     assert not (folder / "a.nc").is_file() and not list(folder.glob("*.part"))
 
 
-def snakemake(folder, *arguments):
-    command = [sys.executable, "-m", "snakemake", "--cores", "1", *arguments]
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
-
-
-def planned(result):
-    assert result.returncode == 0, result.stdout + result.stderr
-    table = result.stdout.split("Job stats:")[1].split("total")[0]
-    return {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", table, re.MULTILINE)}
-
-
 def own_condition(mapping, file="mine/flow.vtu"):
     return yaml.safe_dump(
         {
@@ -132,11 +127,7 @@ def own_condition(mapping, file="mine/flow.vtu"):
 @pytest.fixture
 def project(tmp_path):
     """A copy of the workflow with a tenth condition that brings its own flow field."""
-    folder = tmp_path / "clone"
-    folder.mkdir()
-    shutil.copy(ROOT / "Snakefile", folder)
-    for name in ("config", "workflow", "profiles"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    folder = copy_of_the_project(tmp_path / "clone")
     (folder / "mine").mkdir()
     shutil.copy(samples.FILES / "mixed_ascii.vtu", folder / "mine/flow.vtu")
     mapping = samples.settings(ray={"origin": [0.29, 0.0]})

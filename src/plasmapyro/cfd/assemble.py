@@ -8,7 +8,8 @@ from scipy.spatial import Delaunay, QhullError
 from plasmapyro.cfd import cgns, columns, su2, tecplot, vtk_files
 from plasmapyro.cfd.grid import DIMENSION, LOWER, OTHER_CELLS, Field, kept_cells, simplices_of
 from plasmapyro.cfd.nodes import to_nodes
-from plasmapyro.readers.text import quote, refuse
+from plasmapyro.foreign import PACKED, memory_for
+from plasmapyro.readers.text import quote, refuse, regular_file
 
 ENDINGS = {
     ".vtu": "vtk",
@@ -31,6 +32,7 @@ READERS = {
     "table": columns.read,
 }
 OTHER_PROGRAMS = (".pvtu", ".pvd", ".vtm", ".vts", ".vtr", ".vti", ".szplt", ".foam", ".cas", ".h5", ".exo")
+LARGEST = 8_000_000_000  # [byte]
 SHOWN = 25  # names that a message lists
 SIDE = 1e-9  # of the extent: nodes nearer to the mirror plane or the axis than this lie on it
 
@@ -61,7 +63,11 @@ def read_zones(path, mapping, mesh=None):
         )
     if kind is None:
         refuse(path, f"is of a kind that its name does not tell ({ending})", "state `format` in the map")
-    zones = su2.read(path, mesh) if kind == "su2" else READERS[kind](path)
+    try:
+        with memory_for(regular_file(mesh or path, LARGEST)):
+            zones = su2.read(path, mesh) if kind == "su2" else READERS[kind](path)
+    except MemoryError:
+        refuse(path, "asks for far more memory than a file of its size can need", PACKED)
     if not mapping.zones:
         return zones
     chosen = []
@@ -236,8 +242,8 @@ def _column(zone, name, quantity, path):
         refuse(path, zone.words[name], "correct it, or name another column")
     known = [*zone.point_data, *zone.cell_data, *zone.words]
     near = get_close_matches(name, known, n=1)
-    listed = ", ".join(map(repr, known[:SHOWN])) + (", ..." if len(known) > SHOWN else "")
-    hint = f"did you mean {near[0]!r}? It" if near else "it"
+    listed = ", ".join(map(quote, known[:SHOWN])) + (", ..." if len(known) > SHOWN else "")
+    hint = f"did you mean {quote(near[0])}? It" if near else "it"
     refuse(path, f"has no variable {quote(name)} ({quantity})", f"{hint} holds {listed}")
 
 

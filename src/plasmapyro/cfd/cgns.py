@@ -1,8 +1,10 @@
 """CGNS files in HDF5: structured and unstructured zones, solutions at vertices or in cells."""
 
+import h5py
 import numpy as np
 
 from plasmapyro.cfd.grid import DIMENSION, Zone, block_cells
+from plasmapyro.foreign import elsewhere
 from plasmapyro.readers.text import Refusal, refuse, regular_file
 
 LARGEST = 8_000_000_000  # [byte]
@@ -36,7 +38,8 @@ def read(path):
     Raises
     ------
     Refusal
-        h5py is not installed, no HDF5, no zone, a cut-off file, or cells that are not read (polyhedra).
+        No HDF5, no zone, a cut-off file, data in other files, more claimed than the file can hold, or cells
+        that are not read (polyhedra).
 
     Notes
     -----
@@ -44,15 +47,13 @@ def read(path):
     """
     path = regular_file(path, LARGEST)
     try:
-        import h5py
-    except ImportError:
-        refuse(path, "needs h5py, which is not installed", "pip install plasmapyro[cfd], or save it as .vtu")
-    try:
+        if found := elsewhere(path):
+            refuse(path, *found)
         with h5py.File(path, "r") as file:
             bases = _labelled(file, "CGNSBase_t")
             dimension = int(_data(bases[0])[0]) if bases else 0
             zones = [_zone(path, node, dimension) for base in bases for node in _labelled(base, "Zone_t")]
-    except Refusal:
+    except (Refusal, MemoryError):
         raise
     except Exception as reason:  # a damaged file lacks nodes anywhere in its tree
         words = " ".join(str(reason).split())

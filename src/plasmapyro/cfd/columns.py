@@ -10,7 +10,6 @@ from plasmapyro.readers.text import quote, read_lines, refuse
 
 LARGEST = 1_000_000_000  # [byte]
 MARKS = (",", ";", "\t")
-KEY = re.compile(r"^\s*([^:,;]+?)\s*:\s*(\S+)(?:\s+(\S+))?\s*$")
 RULE = re.compile(r"^\s*-{3,}")
 
 
@@ -34,12 +33,13 @@ def read(path):
     ]
     if not rows:
         refuse(path, "holds no table", "it needs a header with names and a row per point")
-    if all(KEY.match(line) for _, line in rows):
-        return [_keys(rows)]
+    keys = [_key(line) for _, line in rows]
+    if all(keys):
+        return [_keys(rows, keys)]
     head = rows[0][1]
     mark = max(MARKS, key=head.count) if any(mark in head for mark in MARKS) else None
-    names = _cells(head, mark)
-    cells = [(number, _cells(line, mark)) for number, line in rows[1:] if line != head]
+    names = _cells(path, rows[0], mark)
+    cells = [(row[0], _cells(path, row, mark)) for row in rows[1:] if row[1] != head]
     if not cells:
         refuse(path, "holds a header and no row", "it needs a row per point")
     for number, words in cells:
@@ -61,17 +61,31 @@ def read(path):
     return [zone]
 
 
-def _cells(line, mark):
+def _cells(path, row, mark):
+    number, line = row
     if mark:
-        return [word.strip() for word in next(csv.reader([line], delimiter=mark, skipinitialspace=True))]
+        try:
+            return [word.strip() for word in next(csv.reader([line], delimiter=mark, skipinitialspace=True))]
+        except csv.Error as reason:
+            refuse(path, f"cannot be read as a table ({reason})", "export it again", number)
     # Titles with units may stand one space apart: 'Total Temp [K] Total pressure [kPa]'.
     return [word for part in re.split(r"\s{2,}", line) for word in re.split(r"(?<=\])\s+", part)]
 
 
-def _keys(rows):
+def _key(line):
+    """Name and word of a line 'name: word' or 'name: word unit', or None."""
+    name, _, rest = line.partition(":")
+    words = rest.split()
+    return (
+        (name.strip(), words[0])
+        if name.strip() and not set(name) & set(",;") and 0 < len(words) < 3
+        else None
+    )
+
+
+def _keys(rows, keys):
     zone = Zone("state", {})
-    for number, line in rows:
-        name, word, _ = KEY.match(line).groups()
+    for (number, _), (name, word) in zip(rows, keys, strict=True):
         if _is_number(word):
             zone.point_data[name] = np.array([float(word)])
         else:

@@ -5,19 +5,21 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from plasmapyro import conditions, progress
 from plasmapyro.cfd import assemble, composition, trace
 from plasmapyro.cfd.mapping import parse
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.sightline.hemisphere import directions
 from plasmapyro.sightline.ray import spread
-from plasmapyro.sightline.stage import FINE_SAMPLES, OUTER_POINTS, SURFACE_LENGTH, WINDOW_THICKNESS, bundle
+from plasmapyro.sightline.stage import FINE_SAMPLES, SURFACE_LENGTH, beyond_the_field, bundle
 
 TEMPERATURE_RANGE = (100.0, 3e4)  # [K]
 PRESSURE_RANGE = (1.0, 1e7)  # [Pa]
 START_GAP = 1e-3  # [m]
 """ASSUME: a field that begins within 1 mm of the origin begins at it (facets of a curved surface, an axis
 that the cells do not reach); the first state holds up to the origin."""
+PLAUSIBLE_LENGTH = (0.01, 10.0)  # [m] of a path through a field; beyond, mm was taken for m or the reverse
 SAME_TEMPERATURE = 0.1  # [K]
 OTHER_TEMPERATURES = ("rotational_temperature", "vibrational_temperature", "electron_temperature")
 
@@ -54,7 +56,15 @@ def sightline(path, settings, *, points, mesh=None, angle=None):
     else:
         field = assemble.build(zones, mapping, path)
         arrays, attributes = _along_ray(field, mapping, points, angle)
-    return _dataset(arrays, mapping, attributes)
+    result = _dataset(arrays, mapping, attributes)
+    length = float(result["path_distance"][-1] - result["path_distance"][0])
+    if not PLAUSIBLE_LENGTH[0] <= length <= PLAUSIBLE_LENGTH[1]:
+        low, high = PLAUSIBLE_LENGTH
+        progress.warn(
+            f"{path}: the line of sight is {1e3 * length:.3g} mm long, laboratory plasmas have"
+            f" {1e3 * low:g} mm to {high:g} m: is `length_unit` of the map right?"
+        )
+    return result
 
 
 def to_instrument(
@@ -82,7 +92,7 @@ def to_instrument(
 
     Notes
     -----
-    Source: Fagnani et al., section 'Numerical assessment'; as `sightline.stage.line_of_sight`.
+    Source: Fagnani et al., sec. 4.1; as `sightline.stage.line_of_sight`.
     """
     if inside.attrs["path_end"] == "body":
         raise ValueError(
@@ -90,13 +100,7 @@ def to_instrument(
             " change ray.direction, or state ray.gaps: gas if the hole is gas that the file does not hold"
         )
     leaves = float(inside["path_distance"][-1])
-    if not leaves < window_distance < instrument_distance - WINDOW_THICKNESS:
-        raise ValueError(
-            f"distances must satisfy exit < window < instrument; got {leaves:.4g}, {window_distance:g},"
-            f" {instrument_distance:g} m"
-        )
-    chamber = np.linspace(leaves, window_distance, OUTER_POINTS)[1:]
-    beyond = np.linspace(window_distance + WINDOW_THICKNESS, instrument_distance, OUTER_POINTS)
+    chamber, beyond = beyond_the_field(leaves, window_distance, instrument_distance)
     last = inside.isel(path_distance=np.full(chamber.size, -1)).assign_coords(path_distance=chamber)
     outside = inside.isel(path_distance=np.full(beyond.size, -1)).assign_coords(path_distance=beyond)
     names, density = composition.equilibrium(
@@ -120,6 +124,38 @@ def to_instrument(
     whole = xr.concat([inside, last, outside], "path_distance", data_vars="minimal", join="exact")
     whole.attrs = {**inside.attrs, "window_distance": float(window_distance)}
     return whole
+
+
+def condition_of(
+    line,
+    settings,
+    *,
+    angle_deg=None,
+    numerical_power_kw=None,
+    chamber_pressure_mbar=None,
+    mass_flow_rate_g_s=None,
+):
+    """Attributes that say which condition the gas of a sight line belongs to (`conditions.stated`).
+
+    Parameters
+    ----------
+    line : Dataset, contract 'sightline'
+    settings : mapping, the map of the file
+    angle_deg : float [deg], or None where the map states the ray
+    numerical_power_kw, chamber_pressure_mbar, mass_flow_rate_g_s : float, or None if not known
+
+    Returns
+    -------
+    dict
+    """
+    names = {str(name) for name in line["species"].values}
+    return conditions.stated(
+        gas="air" if names <= set(SPECIES) else " ".join(sorted(names)),
+        settings={"cfd": settings, "angle": angle_deg},
+        numerical_power=None if numerical_power_kw is None else numerical_power_kw * 1e3,
+        chamber_pressure=None if chamber_pressure_mbar is None else chamber_pressure_mbar * 100,
+        mass_flow_rate=None if mass_flow_rate_g_s is None else mass_flow_rate_g_s * 1e-3,
+    )
 
 
 def surface_view(path, settings, *, mesh=None, mirror_angle, directions_count, core_angle, points):

@@ -1,11 +1,11 @@
 """SU2: the mesh in its own text, the solution as restart file, text or binary."""
 
-import csv
+from pathlib import Path
 
 import numpy as np
 
 from plasmapyro.cfd.grid import Zone
-from plasmapyro.readers.text import quote, read_lines, refuse, regular_file
+from plasmapyro.readers.text import WHOLE, quote, read_lines, refuse, regular_file
 
 LARGEST = 2_000_000_000  # [byte]
 CELLS = {3: ("line", 2), 5: ("triangle", 3), 9: ("quad", 4), 10: ("tetra", 4)}
@@ -50,26 +50,32 @@ def read_mesh(path):
         if mark and key.strip() not in at:
             at[key.strip()] = (place, value.split())
     for key in ("NDIME", "NELEM", "NPOIN"):
-        if key not in at or not at[key][1] or not at[key][1][0].isdigit():
+        if key not in at or not at[key][1] or not WHOLE.fullmatch(at[key][1][0]):
             refuse(path, f"has no line {key}= with a number", "it may be cut off, or no SU2 mesh")
     dimension = int(at["NDIME"][1][0])
     points = np.array(_block(path, rows, at, "NPOIN", dimension, float), dtype=float)[:, :dimension]
     kinds = {}
     for number, words in _words(path, rows, at, "NELEM"):
-        kind, count = CELLS.get(int(words[0]) if words[0].isdigit() else -1, (None, 0))
+        kind, count = CELLS.get(int(words[0]) if WHOLE.fullmatch(words[0]) else -1, (None, 0))
         if kind is None or len(words) < 1 + count:
             refuse(path, f"{quote(' '.join(words))} is no cell", "correct the line", number)
         try:
-            nodes = [int(word) for word in words[1 : 1 + count]]
+            nodes = [_index(word) for word in words[1 : 1 + count]]
         except ValueError:
             refuse(path, f"{quote(' '.join(words))} is no cell", "correct the line", number)
-        if min(nodes) < 0 or max(nodes) >= len(points):
+        if max(nodes) >= len(points):
             refuse(
                 path, f"a cell names point {max(nodes)} of {len(points)}", "NPOIN and NELEM disagree", number
             )
         kinds.setdefault(kind, []).append(nodes)
     cells = [(kind, np.array(nodes)) for kind, nodes in kinds.items()]
     return Zone("su2", {name: points[:, k] for k, name in enumerate(COORDINATES[:dimension])}, cells)
+
+
+def _index(word):
+    if not WHOLE.fullmatch(word):
+        raise ValueError(word)
+    return int(word)
 
 
 def _words(path, rows, at, key):
@@ -101,7 +107,7 @@ def _is_binary(path):
 
 
 def _read_binary(path):
-    content = path.read_bytes() if hasattr(path, "read_bytes") else open(path, "rb").read()
+    content = Path(path).read_bytes()
     _, fields, points = np.frombuffer(content[: 4 * HEADER], "<i4")[:3]
     start = 4 * HEADER + NAME_LENGTH * int(fields)
     end = start + 8 * int(fields) * int(points)
@@ -122,10 +128,7 @@ def _read_binary(path):
 def _read_text(path):
     lines, _ = read_lines(path, LARGEST)
     mark = "," if "," in lines[0] else None
-    names = [
-        word.strip().strip('"')
-        for word in (next(csv.reader([lines[0]])) if mark else lines[0].replace('"', "").split())
-    ]
+    names = [word.strip().strip('"') for word in lines[0].split(mark)]
     rows = [(number, line) for number, line in enumerate(lines[1:], 2) if line.strip()]
     if "PointID" not in names or not rows:
         refuse(

@@ -1,11 +1,12 @@
 """Tecplot text files: FE and ordered zones, point by point or in blocks, values at nodes or in cells."""
 
 import re
+from math import prod
 
 import numpy as np
 
 from plasmapyro.cfd.grid import Zone, block_cells
-from plasmapyro.readers.text import quote, read_lines, refuse
+from plasmapyro.readers.text import WHOLE, quote, read_lines, refuse
 
 LARGEST = 2_000_000_000  # [byte]
 CELLS = {
@@ -20,9 +21,12 @@ RECORDS = re.compile(
     re.I,
 )
 NUMERIC = re.compile(r"^\s*([-+.]?\d|[-+]?(nan|inf)\b|[-+]?\.\d)", re.I)
-SETTING = re.compile(r"""(\w+)\s*=\s*("[^"]*"|'[^']*'|\([^)]*\)|[^\s,]+)""")
+SETTING = re.compile(r"""\b(\w++)\s*+=\s*("[^"]*"|'[^']*'|\([^)]*\)|[^\s,]+)""")
 NAME = re.compile(r'"([^"]*)"|([^\s,"]+)')
-LOCATION = re.compile(r"(?:\[([\d,\s-]+)\]|(\d+))\s*=\s*(NODAL|CELLCENTERED)", re.I)
+LOCATION = re.compile(r"(?:\[([^\]]*)\]|(\d+))\s*=\s*(NODAL|CELLCENTERED)", re.I)
+SPAN = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?", re.ASCII)
+REPEATED = re.compile(r"(?<!\S)(\d{1,15})\*(\S+)", re.ASCII)
+LONGEST_LOCATION = 10_000  # characters of VARLOCATION
 FORTRAN_EXPONENT = re.compile(r"([\d.])[dD]([-+]?\d)")
 SHARED = ("VARSHARELIST", "CONNECTIVITYSHAREZONE", "PASSIVEVARLIST")
 
@@ -98,22 +102,22 @@ def _zone(path, names, words, lines, place, start, number):
         )
     if shape == "ORDERED":
         sizes = [_count(path, settings, (key,), start, title, 1) for key in "IJK"]
-        nodes, cells, per_cell = int(np.prod(sizes)), _ordered_cell_count(sizes), 0
+        nodes, cells, per_cell = prod(sizes), prod(max(size - 1, 1) for size in sizes), 0
     else:
         nodes = _count(path, settings, ("N", "NODES"), start, title)
         cells = _count(path, settings, ("E", "ELEMENTS"), start, title)
         per_cell = CELLS[shape][1]
-    in_cells = _cell_centred(settings.get("VARLOCATION", ""), len(names))
+    in_cells = _cell_centred(path, settings.get("VARLOCATION", ""), len(names), start)
     if in_cells and packing == "POINT":
         refuse(path, f"zone {title!r} holds values in cells point by point", "export it in blocks", start)
-    numbers, place, last = _numbers(path, lines, place)
     lengths = [cells if k in in_cells else nodes for k in range(len(names))]
     wanted = sum(lengths) + cells * per_cell
-    if len(numbers) != wanted:
+    numbers, count, place, last = _numbers(path, lines, place, wanted)
+    if count != wanted:
         refuse(
             path,
             f"zone {title!r} needs {wanted} numbers ({nodes} nodes, {cells} cells, {len(names)} variables);"
-            f" {len(numbers)} stand there",
+            f" {count} stand there",
             "the file is cut off, or the counts in its header are wrong",
             last,
         )
@@ -127,7 +131,8 @@ def _zone(path, names, words, lines, place, start, number):
         zone.cells = _ordered_cells(sizes)
     else:
         connectivity = numbers[sum(lengths) :].reshape(cells, per_cell)
-        bad = (connectivity < 1) | (connectivity > nodes) | (connectivity % 1 != 0)
+        bad = ~((connectivity >= 1) & (connectivity <= nodes))
+        bad |= np.where(bad, 1, connectivity) % 1 != 0
         if bad.any():
             cell = int(np.argmax(bad.any(axis=1)))
             refuse(
@@ -143,29 +148,42 @@ def _zone(path, names, words, lines, place, start, number):
 
 def _count(path, settings, keys, start, title, default=None):
     for key in keys:
-        if settings.get(key, "").isdigit():
+        if WHOLE.fullmatch(settings.get(key, "")):
             return int(settings[key])
     if default is None or any(key in settings for key in keys):
         refuse(path, f"zone {title!r} has no {keys[0]}= with a number", "export it with its header", start)
     return default
 
 
-def _cell_centred(location, count):
+def _cell_centred(path, location, count, start):
     """Indices of the variables that VARLOCATION puts in cells: by number, or one word per variable."""
     found = set()
+    if len(location) > LONGEST_LOCATION:
+        refuse(path, f"VARLOCATION has {len(location)} characters", "export the file again", start)
     words = location.strip().strip("()").replace(",", " ").upper().split()
     if words and set(words) <= {"NODAL", "CELLCENTERED"}:
         found = {k for k, word in enumerate(words) if word == "CELLCENTERED"}
     for group, single, where in LOCATION.findall(location):
         for part in (group or single).split(","):
-            first, _, last = part.partition("-")
-            span = range(int(first) - 1, int(last or first))
-            found = found | set(span) if where.upper() == "CELLCENTERED" else found - set(span)
-    return {k for k in found if k < count}
+            numbers = SPAN.fullmatch(part)
+            first, last = (int(numbers[1]), int(numbers[2] or numbers[1])) if numbers else (0, 0)
+            if not 1 <= first <= last <= count:
+                refuse(
+                    path,
+                    f"VARLOCATION names variable {quote(part)} of {count}",
+                    "correct it, or export the file again",
+                    start,
+                )
+            span = set(range(first - 1, last))
+            found = found | span if where.upper() == "CELLCENTERED" else found - span
+    return found
 
 
-def _numbers(path, lines, place):
-    """All numbers up to the next record, the place after them, and the number of their last line."""
+def _numbers(path, lines, place, wanted):
+    """All numbers up to the next record, their count, the place after them, and their last line.
+
+    No more than `wanted` are made out of repeated ones (400000000*1.0): None where there would be more.
+    """
     part = []
     while place < len(lines) and not RECORDS.match(lines[place]):
         line = lines[place].strip()
@@ -173,19 +191,20 @@ def _numbers(path, lines, place):
             part.append(place)
         place += 1
     text = " ".join(lines[k] for k in part).replace(",", " ")
-    if "*" in text:
-        text = re.sub(r"(\d+)\*(\S+)", lambda found: " ".join([found[2]] * int(found[1])), text)
     last = part[-1] + 1 if part else place
+    if "*" in text:
+        repeats = [int(found[1]) for found in REPEATED.finditer(text)]
+        count = len(text.split()) + sum(repeats) - len(repeats)
+        if count > wanted:
+            return None, count, place, last
+        text = REPEATED.sub(lambda found: " ".join([found[2]] * int(found[1])), text)
     try:
-        return np.array(FORTRAN_EXPONENT.sub(r"\1e\2", text).split(), dtype=float), place, last
+        numbers = np.array(FORTRAN_EXPONENT.sub(r"\1e\2", text).split(), dtype=float)
+        return numbers, len(numbers), place, last
     except ValueError as reason:
         word = str(reason).rpartition(": ")[2].strip("'")
         line = next((k + 1 for k in part if word in lines[k]), last)
         refuse(path, f"{quote(word)} is not a number", "correct it, or export the file again", line)
-
-
-def _ordered_cell_count(sizes):
-    return int(np.prod([max(size - 1, 1) for size in sizes]))
 
 
 def _ordered_cells(sizes):

@@ -1,5 +1,7 @@
 """VTK files, legacy and XML, of unstructured and structured grids."""
 
+from contextlib import contextmanager
+
 import meshio
 
 from plasmapyro.cfd.grid import OTHER_CELLS, Zone
@@ -27,11 +29,17 @@ def read(path):
             path, f"is no file that is read ({path.suffix})", "save it as .vtu (unstructured grid, one file)"
         )
     try:
-        mesh = READERS[path.suffix.lower()](str(path))
+        with _nothing_left_out():
+            mesh = READERS[path.suffix.lower()](str(path))
+    except MemoryError:
+        raise
     except Exception as reason:  # whatever a parser of other people's bytes runs into
         if isinstance(reason, KeyError) and reason.args[0] in UNREAD:
             refuse(path, f"holds cells of kind {reason.args[0]}, which are not read", OTHER_CELLS)
         words = " ".join(str(reason).split()) or type(reason).__name__
+        if "meshio cannot handle" in words:
+            kind = words.partition("handle")[2].strip(" .")
+            refuse(path, f"holds cells of a kind that is not read {kind}", OTHER_CELLS)
         refuse(path, f"cannot be read as VTK ({words})", "it may be cut off; save it again as .vtu")
     points = {name: mesh.points[:, k] for k, name in enumerate(COORDINATES[: mesh.points.shape[1]])}
     cells = [(block.type, block.data) for block in mesh.cells]
@@ -41,6 +49,24 @@ def read(path):
         for key in parts[0] if parts else ():
             zone.cell_data[key] = [part[key] for part in parts]
     return [zone]
+
+
+@contextmanager
+def _nothing_left_out():
+    """Make meshio stop where it would say a word and leave out cells or arrays that it does not know."""
+
+    def stop(words, **_):
+        raise ValueError(words)
+
+    modules = (meshio._vtk_common, meshio.vtu._vtu)
+    before = [module.warn for module in modules]
+    try:
+        for module in modules:
+            module.warn = stop
+        yield
+    finally:
+        for module, function in zip(modules, before, strict=True):
+            module.warn = function
 
 
 def _scalars(data):

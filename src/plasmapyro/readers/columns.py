@@ -2,10 +2,11 @@
 
 import csv
 import re
+from types import SimpleNamespace
 
 import numpy as np
 
-from plasmapyro.readers import units
+from plasmapyro.readers import clock, units
 from plasmapyro.readers.text import MISSING, Refusal, fault, number, quote, read_lines, refuse, require_end
 
 LARGEST = 96_000_000  # [byte] of one table
@@ -15,6 +16,8 @@ DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
 REPORTED = 10  # bad cells named before the rest is only counted
 IN_BRACKETS = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
+CLOCK = "time of day"  # key of a column that stands beside the one of the date
+COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
 
 
 class Column:
@@ -22,7 +25,14 @@ class Column:
 
     def __init__(self, name, section):
         self.name = name
-        self.header = section.text("name", needed=True)
+        self.format, self.zero, self.set_back, self.clock = None, None, False, None
+        both = section.raw("name")
+        if name == "time" and "format" in section and isinstance(both, list) and len(both) == 2:
+            self.header, self.clock = both[0], SimpleNamespace(header=both[1])  # date and time of day
+        else:
+            self.header = section.text("name", needed=True)
+        if name == "time" and "format" in section:
+            self._stamps(section)
         self.unit = section.text("unit")
         self.scale = section.number("scale", 1.0)
         if self.scale == 0:
@@ -33,6 +43,17 @@ class Column:
             )
             self.unit = None
         section.close()
+
+    def _stamps(self, section):
+        self.format = section.text("format")
+        self.set_back = section.text("set_back", "no", choices=("yes", "no")) == "yes"
+        if self.format and not clock.reads_format(self.format):
+            section.blame(
+                "format", f"{quote(self.format)} is no format of dates", f"write it as {clock.EXAMPLE}"
+            )
+            self.format = clock.EXAMPLE
+        if "unit" in section:
+            section.blame("unit", "has no meaning beside `format`", "remove one of them")
 
 
 def wanted(section, names):
@@ -99,30 +120,34 @@ def read_table(path, columns, delimiter=None, decimal=None):
         One sentence per fault, with the line.
     """
     lines, ended = read_lines(path, LARGEST)
-    require_end(path, lines, ended)
-    start, mark, places, stated = _header(path, lines, columns, delimiter)
-    width, cells, numbers = places.pop("width"), {name: [] for name in columns}, []
-    faults = []
-    for index in range(start + 1, len(lines)):
-        if not lines[index].strip():
-            continue
-        row = split(lines[index], mark)
-        if len(row) != width:
-            faults.append(
-                fault(
-                    path, f"{len(row)} cells, the header has {width}", "restore or remove the line", index + 1
-                )
-            )
-            continue
-        numbers.append(index + 1)
-        for name, place in places.items():
-            cells[name].append(row[place])
+    stamped = columns["time"] if "time" in columns and columns["time"].format else None
+    sought = {**columns, CLOCK: stamped.clock} if stamped and stamped.clock else columns
+    start, mark, places, stated = _header(path, lines, sought, delimiter)
+    numbers, rows, faults = _rows(path, lines, start, mark)
+    if not ended:
+        faults.append(unfinished(path, lines))
     if not numbers and not faults:
         refuse(path, "holds a header and no data", "export the data again", start + 1)
-    decimal = decimal or _decimal(path, mark, cells, numbers)
+    needed = max(places.values())
+    faults += [
+        fault(path, f"{len(row)} cells, column {needed + 1} is needed", "restore or remove the line", line)
+        for row, line in zip(rows, numbers, strict=True)
+        if len(row) <= needed
+    ]
+    kept = [(row, line) for row, line in zip(rows, numbers, strict=True) if len(row) > needed]
+    numbers = [line for _, line in kept]
+    cells = {name: [row[place] for row, _ in kept] for name, place in places.items()}
+    if CLOCK in cells:
+        cells["time"] = [" ".join(pair) for pair in zip(cells["time"], cells.pop(CLOCK), strict=True)]
+    plain = {name: words for name, words in cells.items() if not (stamped and name == "time")}
+    if not stamped and "time" in cells:
+        faults += _unstated_stamps(path, cells["time"], numbers)
+    if not faults or decimal is None:
+        decimal, more = (decimal, []) if decimal else _decimal(path, mark, plain, numbers)
+        faults += more
     result = {}
-    for name, words in cells.items():
-        values = [number(word, decimal) for word in words]
+    for name, words in plain.items():
+        values = [number(word, decimal or ("," if "," in word else ".")) for word in words]
         faults += [
             fault(
                 path,
@@ -131,33 +156,103 @@ def read_table(path, columns, delimiter=None, decimal=None):
                 numbers[i],
             )
             for i, value in enumerate(values)
-            if value is None
+            if value is None and not (name == "time" and clock.looks_like_stamp(words[i]))
         ]
-        if not faults:
-            result[name] = to_si(path, columns[name], np.array(values, dtype=float), stated[name], start + 1)
+        try:
+            known = np.array([np.nan if value is None else value for value in values], dtype=float)
+            result[name] = to_si(path, columns[name], known, stated[name], start + 1)
+        except Refusal as reason:
+            faults += reason.messages
+    if stamped:
+        result["time"], more = clock.times(
+            path, cells["time"], numbers, stamped.format, stamped.zero, stamped.set_back
+        )
+        faults += more
     if faults:
         more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
         raise Refusal(faults[:REPORTED] + more)
     return result
 
 
+def unfinished(path, lines):
+    """The sentence for a table whose last line has no line end."""
+    try:
+        require_end(path, lines, False)
+    except Refusal as reason:
+        return reason.messages[0]
+
+
+def _rows(path, lines, start, mark):
+    """Line numbers and cells of the rows below the header; rows of another length are faults.
+
+    A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
+    most rows have. Empty cells beyond the header are those of a final delimiter.
+    """
+    header = _without_empty_end(split(lines[start], mark))
+    numbers, rows = [], []
+    for index in range(start + 1, len(lines)):
+        if lines[index].strip() and not lines[index].lstrip().startswith(COMMENT):
+            numbers.append(index + 1)
+            rows.append(split(lines[index], mark))
+    widths = [len(row) if len(row) <= len(header) else len(_without_empty_end(row)) for row in rows]
+    # A named last column that no row or few rows fill is one for remarks.
+    usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
+    least, most = min(usual, len(header)), max(len(header), len(split(lines[start], mark)))
+    faults = [
+        fault(path, f"{width} cells, the header has {len(header)}", "restore or remove the line", line)
+        for width, line in zip(widths, numbers, strict=True)
+        if width < least or width > most
+    ]
+    good = [least <= width <= most for width in widths]
+    return (
+        [line for line, kept in zip(numbers, good, strict=True) if kept],
+        [row for row, kept in zip(rows, good, strict=True) if kept],
+        faults,
+    )
+
+
+def _without_empty_end(cells):
+    """Cells without the empty ones at the end."""
+    count = len(cells)
+    while count > 1 and cells[count - 1] == "":
+        count -= 1
+    return cells[:count]
+
+
+def _unstated_stamps(path, words, numbers):
+    """The fault of dates or clock times whose format test.yaml does not state."""
+    stamps = [line for word, line in zip(words, numbers, strict=True) if clock.looks_like_stamp(word)]
+    if not stamps:
+        return []
+    word = words[numbers.index(stamps[0])]
+    return [
+        fault(
+            path,
+            f"{quote(word)} is a date or a time of day",
+            f"state its `format` beside its `name`, e.g. '{clock.EXAMPLE}', and `zero` in the same form",
+            stamps[0],
+        )
+    ]
+
+
 def split(line, mark):
-    """Cells of one line; quotes are removed, a final empty cell is dropped."""
+    """Cells of one line; quotes are removed."""
     try:
         cells = line.split() if mark == " " else next(csv.reader([line], delimiter=mark))
     except csv.Error:
         cells = line.split(mark)
-    cells = [cell.strip() for cell in cells]
-    return cells[:-1] if len(cells) > 1 and cells[-1] == "" and line.rstrip().endswith(mark) else cells
+    return [cell.strip() for cell in cells]
 
 
 def _header(path, lines, columns, delimiter):
     """Index of the header line, its delimiter, the place of each column, the unit each header gives."""
     marks = [DELIMITERS[delimiter]] if delimiter else list(DELIMITERS.values())
     best, best_line = set(), None
-    for index, line in enumerate(lines[:HEADER_LINES]):
+    listed = list(enumerate(lines[:HEADER_LINES]))
+    # A header may stand behind a comment sign; a plain line that holds the names comes first.
+    for index, line in sorted(listed, key=lambda one: one[1].lstrip().startswith(COMMENT)):
         for mark in marks:
-            cells = split(line, mark)
+            cells = split(line.lstrip("#%! "), mark)
             places, stated = {}, {}
             for name, column in columns.items():
                 hits = [
@@ -176,7 +271,7 @@ def _header(path, lines, columns, delimiter):
                 if hits:
                     places[name], stated[name] = hits[0]
             if len(places) == len(columns):
-                return index, mark, {**places, "width": len(cells)}, stated
+                return index, mark, places, stated
             if len(places) > len(best):
                 best, best_line = set(places), index + 1
     absent = [quote(column.header) for name, column in columns.items() if name not in best]
@@ -194,29 +289,33 @@ def _label(cell):
 
 
 def _decimal(path, mark, cells, numbers):
-    """The decimal sign of the cells; refused where they leave it open."""
+    """The decimal sign of the cells, and what leaves it open."""
     commas = points = doubtful = 0
     for words in cells.values():
         for word in words:
-            if word.lower() not in MISSING:
+            if word.lower() not in MISSING and not clock.looks_like_stamp(word):
                 commas += "," in word
                 points += "." in word
                 doubtful += THOUSANDS.fullmatch(word) is not None
     if commas and points and mark != ",":
-        refuse(
-            path,
-            "numbers with decimal comma and with decimal point are mixed",
-            "export with one decimal sign, or state `decimal` in test.yaml",
-            numbers[0],
-        )
+        return None, [
+            fault(
+                path,
+                "numbers with decimal comma and with decimal point are mixed",
+                "export with one decimal sign, or state `decimal` in test.yaml",
+                numbers[0],
+            )
+        ]
     if commas and doubtful == commas:
-        refuse(
-            path,
-            "every comma is followed by three digits: decimals or thousands?",
-            "state `decimal` in test.yaml",
-            numbers[0],
-        )
-    return "," if commas and not points else "."
+        return None, [
+            fault(
+                path,
+                "every comma is followed by three digits: decimals or thousands?",
+                "state `decimal` in test.yaml",
+                numbers[0],
+            )
+        ]
+    return "," if commas and not points else ".", []
 
 
 def read_matrix(path, delimiter=None, decimal=None):
@@ -238,12 +337,14 @@ def read_matrix(path, delimiter=None, decimal=None):
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)
-    rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    rows = [
+        (i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(COMMENT)
+    ]
     if len(rows) < 2:
         refuse(path, "holds no spectrum", "it needs a header with wavelengths and a row per spectrum")
     mark = DELIMITERS[delimiter] if delimiter else max(DELIMITERS.values(), key=rows[0][1].count)
-    header = split(rows[0][1], mark)
-    cells = {line: split(words, mark) for line, words in rows[1:]}
+    header = _without_empty_end(split(rows[0][1], mark))
+    cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
     if len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
         refuse(
             path,
@@ -260,7 +361,10 @@ def read_matrix(path, delimiter=None, decimal=None):
             ragged[0],
         )
     listing = {rows[0][0]: header[1:], **cells}
-    decimal = decimal or _decimal(path, mark, listing, [rows[0][0]])
+    if decimal is None:
+        decimal, faults = _decimal(path, mark, listing, [rows[0][0]])
+        if faults:
+            raise Refusal(faults)
     numbers = {}
     for line, row in listing.items():
         values = [number(word, decimal) for word in row]
@@ -273,3 +377,8 @@ def read_matrix(path, delimiter=None, decimal=None):
         refuse(path, "a wavelength is missing in the header", "every column needs one", rows[0][0])
     table = np.array(list(numbers.values()))
     return table[:, 0], wavelength, table[:, 1:]
+
+
+def _cut(cells, width):
+    """Cells without empty ones beyond `width`."""
+    return cells[: max(width, len(_without_empty_end(cells)))]

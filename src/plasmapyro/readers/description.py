@@ -10,6 +10,7 @@ from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
 LARGEST = 64_000  # [byte] a description is a page of text
 LONGEST_NAME = 200
 DEEPEST = 12  # nested levels
+MOST_FILES = 1000  # of one record
 
 
 class _Loader(yaml.BaseLoader):
@@ -145,6 +146,22 @@ class Section:
             )
             return None
         return value
+
+    def files(self, key, default=None):
+        """Names of one or more files in the folder, in the order in which they are joined."""
+        words = self.raw(key)
+        if not isinstance(words, list):
+            name = self.file(key, default)
+            return [] if name is None else [name]
+        if not 0 < len(words) <= MOST_FILES or not all(isinstance(word, str) for word in words):
+            self.blame(key, f"must name 1 to {MOST_FILES} files; got {quote(words)}", "correct it")
+            return []
+        outside = [word for word in words if not _inside(word)]
+        if outside or len(set(words)) < len(words):
+            what = f"{quote(outside[0])} is outside the test folder" if outside else "a file stands twice"
+            self.blame(key, what, "name each file of the folder once")
+            return []
+        return words
 
     def section(self, key):
         """The section below `key`."""

@@ -1,13 +1,15 @@
 """The parts of a test folder, each from its section of test.yaml."""
 
+import re
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from plasmapyro.experiment.inputs import NUMBERS
-from plasmapyro.readers import burst, columns, ocean, tdms, units
+from plasmapyro.readers import burst, clock, columns, ocean, tdms, units
 from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
 
 SIGNALS = ("signal_wide", "signal_narrow")
@@ -43,27 +45,53 @@ def attributes(section):
 
 
 def table(folder, section, names, default):
-    """Columns of a CSV or TDMS file, SI, with 'time'; None if the description has faults."""
-    before = len(section.faults)
-    name = section.file("file", default)
+    """Columns of CSV or TDMS files, SI, with 'time'; None if the description does not say enough to read.
+
+    Several files are parts of one record, joined in the order in which they are named.
+    """
+    files = section.files("file", default)
     kind = section.text("format", choices=("csv", "tdms"))
     delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
     decimal = section.text("decimal", choices=(".", ","))
-    shift = section.number("zero", 0.0)
     wanted = columns.wanted(section, ("time", *names))
-    section.close()
-    if len(section.faults) > before or name is None:
-        return None
-    path = Path(folder) / name
-    if kind == "tdms" or (kind is None and path.suffix.lower() == ".tdms"):
-        found = tdms.read_tdms(path, wanted)
+    stamped = "time" in wanted and wanted["time"].format
+    if stamped:
+        wanted["time"].zero = section.text("zero", "", needed=True)
+        shift = 0.0
     else:
-        if "time" not in wanted:
+        shift = section.number("zero", 0.0)
+    section.close()
+    if any(column.header is None for column in wanted.values()) or not wanted:
+        return None
+    parts = []
+    for name in files:
+        path = Path(folder) / name
+        if kind == "tdms" or (kind is None and path.suffix.lower() == ".tdms"):
+            parts.append(tdms.read_tdms(path, wanted, joined=len(files) > 1))
+        elif "time" in wanted:
+            parts.append(columns.read_table(path, wanted, delimiter, decimal))
+        else:
             section.blame("columns.time", "is missing", "name the column that holds the time")
             return None
-        found = columns.read_table(path, wanted, delimiter, decimal)
-    found["time"] = _rising(path, found["time"]) - shift
-    return found
+    first = parts[0].get("start", 0.0) if parts else 0.0
+    for part in parts:
+        part["time"] = part["time"] + part.pop("start", first) - first
+    return joined([Path(folder) / name for name in files], parts, shift) if parts else None
+
+
+def joined(paths, parts, shift):
+    """Parts of one record after one another, their time counted from `shift`."""
+    for path, part in zip(paths, parts, strict=True):
+        rising(path, part["time"])
+    for (path, part), (after, later) in pairwise(zip(paths, parts, strict=True)):
+        if not later["time"][0] > part["time"][-1]:
+            refuse(
+                after,
+                f"begins at {later['time'][0]:g} s, when {path.name} ends at {part['time'][-1]:g} s",
+                "name the files in their order in time; the times of all must be of one clock",
+            )
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return whole | {"time": whole["time"] - shift}
 
 
 def pyrometer(folder, section):
@@ -74,15 +102,15 @@ def pyrometer(folder, section):
 
 
 def spectrometer(folder, section):
-    """Variables on `spectrum_time` and `wavelength`, attributes, and notes; None after faults."""
+    """Variables on `spectrum_time` and `wavelength`, attributes, and the files; None after faults."""
     before = len(section.faults)
     place = section.file("folder", None if "file" in section else "spectrometer")
-    name = section.file("file")
+    tables = section.files("file")
     quantity = section.text("quantity", needed=True, choices=("counts", "spectral_radiance"))
     medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
     limit = section.number("saturation_counts", above=0)
     settings = {"quantity": quantity, "medium": medium, "saturation": limit}
-    if name is not None:
+    if tables:
         settings |= {
             "unit": section.text("unit", needed=True),
             "wavelength_unit": section.text("wavelength_unit", "nm"),
@@ -107,8 +135,8 @@ def spectrometer(folder, section):
     section.close()
     if len(section.faults) > before:
         return None
-    if name is not None:
-        return _one_table(Path(folder) / name, folder, settings)
+    if tables:
+        return _tables([Path(folder) / name for name in tables], folder, settings)
     return _many_files(Path(folder) / place, folder, settings)
 
 
@@ -125,7 +153,7 @@ def _words(values):
     return isinstance(values, list) and all(isinstance(value, str) for value in values)
 
 
-def _rising(path, time):
+def rising(path, time):
     """`time` if it rises strictly; else Refusal, with the place."""
     if np.isnan(time).any():
         refuse(path, f"{int(np.isnan(time).sum())} samples have no time", "remove those lines")
@@ -133,9 +161,12 @@ def _rising(path, time):
     if (steps <= 0).any():
         first = int(np.argmax(steps <= 0))
         what = "stands twice" if steps[first] == 0 else "goes back"
+        hour = (
+            " (by an hour: the end of summer time?)" if abs(steps[first] + clock.HOUR) < clock.CHANGE else ""
+        )
         refuse(
             path,
-            f"the time {what}: sample {first + 2} is at {time[first + 1]:g} s after {time[first]:g} s",
+            f"the time {what}: sample {first + 2} is at {time[first + 1]:g} s after {time[first]:g} s{hour}",
             "remove repeated lines, or log the time with more digits",
         )
     return time
@@ -143,7 +174,7 @@ def _rising(path, time):
 
 def _marathon(folder, section):
     before = len(section.faults)
-    name = section.file("file", "pyrometer.log")
+    files = [Path(folder) / name for name in section.files("file", "pyrometer.log")]
     period = section.number("period", above=0)
     zero = section.text("zero")
     scale = section.number("ampere_per_unit", 1.0, above=0)
@@ -151,12 +182,16 @@ def _marathon(folder, section):
     if undo is not None and (not _words(undo) or set(undo) - set(burst.UNDO)):
         section.blame("undo", f"must be a list of {', '.join(burst.UNDO)}; got {quote(undo)}", "correct it")
     section.close()
+    if len(files) > 1 and (zero is None or period is not None):
+        section.blame("zero", "is needed for a record of several files", "log the clock, and state it")
     if len(section.faults) > before:
         return None
-    path = Path(folder) / name
-    time, items = burst.read_log(path, period, zero)
-    wide, narrow = burst.detector_signals(path, items, undo) * scale
-    return {"time": time, "signal_wide": wide, "signal_narrow": narrow}
+    parts = []
+    for path in files:
+        time, items = burst.read_log(path, period, zero)
+        wide, narrow = burst.detector_signals(path, items, undo) * scale
+        parts.append({"time": time, "signal_wide": wide, "signal_narrow": narrow})
+    return joined(files, parts, 0.0)
 
 
 def _check_units(section, settings):
@@ -207,12 +242,14 @@ def _many_files(place, folder, settings):
         refuse(place, "no such folder", "check `spectrometer.folder` in test.yaml")
     background = settings["background"]
     dark_path = Path(folder) / background if background else None
-    paths = sorted(
-        path
-        for path in place.iterdir()
-        if path.suffix.lower() in SPECTRUM_SUFFIXES
-        and not (dark_path and path.resolve() == dark_path.resolve())
-    )
+    listed = [path for path in place.iterdir() if path.suffix.lower() in SPECTRUM_SUFFIXES]
+    try:
+        paths = sorted(
+            (path for path in listed if not (dark_path and path.resolve() == dark_path.resolve())),
+            key=lambda path: natural(path.name),
+        )
+    except (OSError, RuntimeError) as reason:
+        refuse(place, f"holds a link that leads nowhere ({reason})", "replace it by the file")
     if not paths or len(paths) > MOST_SPECTRA:
         refuse(
             place,
@@ -229,7 +266,13 @@ def _many_files(place, folder, settings):
     if faults:
         more = [f"{place}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
         raise Refusal(faults[:REPORTED] + more)
-    return _joined(paths, spectra, dark_path, dark, settings)
+    return _of_folder(paths, spectra, dark_path, dark, settings)
+
+
+def natural(name):
+    """Sorting key of a file name whose numbers count as numbers: spectrum_2 before spectrum_10."""
+    pieces = re.split(r"(\d+)", name)
+    return [int(piece) if place % 2 else piece for place, piece in enumerate(pieces)], name
 
 
 def _read_all(paths, settings):
@@ -277,7 +320,7 @@ def require_alike(path, spectrum, first_path, first, settings=SETTINGS):
             )
 
 
-def _joined(paths, spectra, dark_path, dark, settings):
+def _of_folder(paths, spectra, dark_path, dark, settings):
     first = spectra[0][0]
     values = np.stack([row for _, row in spectra]) * units.factor(settings["unit"], settings["quantity"])
     result = {
@@ -289,6 +332,13 @@ def _joined(paths, spectra, dark_path, dark, settings):
         attrs["spectrometer_integration_time"] = first.integration_time
     if first.linearised is not None:
         attrs["counts_linearised"] = int(first.linearised)
+    files = {
+        "place": paths[0].parent,
+        "names": [path.name for path in paths],
+        "dates": [spectrum.date for spectrum, _ in spectra],
+        "ordered": settings["time"]["from"] == "order",
+        "background": dark_path,
+    }
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)
         if dark is not None:
@@ -297,7 +347,7 @@ def _joined(paths, spectra, dark_path, dark, settings):
         elif "D" in first.columns and settings["column"] in (None, "S"):
             result["background_counts"] = first.columns["D"]
     result[settings["quantity"]] = values
-    return result, attrs
+    return result, attrs, files
 
 
 def _without_clipped(values, saturation, result, attrs):
@@ -328,7 +378,7 @@ def _spectrum_times(paths, spectra, settings):
     exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
     middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
     time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra]) + middle
-    return _rising(paths[0].parent, time)
+    return rising(paths[0].parent, time)
 
 
 def vacuum(path, wavelength, medium):
@@ -345,20 +395,28 @@ def vacuum(path, wavelength, medium):
     return vacuum_wavelength(wavelength)
 
 
-def _one_table(path, folder, settings):
-    """A table with a row per spectrum: time in the first column, wavelengths in the header of the others."""
-    time, pixels, values = columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+def _tables(paths, folder, settings):
+    """Tables with a row per spectrum: time in the first column, wavelengths in the header of the others."""
+    parts = []
+    for path in paths:
+        time, pixels, values = columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+        if parts and not np.array_equal(pixels, parts[0]["pixels"]):
+            refuse(path, f"other wavelengths than {paths[0].name}", "join only files of one instrument", 1)
+        factor = units.factor(settings["time_unit"], "spectrum_time")
+        parts.append({"time": time * factor, "pixels": pixels, "values": values})
+    pixels = parts[0]["pixels"]
+    whole = joined(paths, parts, settings["zero"])
     order = np.argsort(pixels, kind="stable")
     wavelength = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
     if not (np.diff(wavelength) > 0).all():
-        refuse(path, "a wavelength stands twice in the header", "remove one of the columns", 1)
-    values = values[:, order] * units.factor(settings["unit"], settings["quantity"])
+        refuse(paths[0], "a wavelength stands twice in the header", "remove one of the columns", 1)
+    values = whole["values"][:, order] * units.factor(settings["unit"], settings["quantity"])
     result = {
-        "spectrum_time": _rising(path, time * units.factor(settings["time_unit"], "spectrum_time"))
-        - settings["zero"],
-        "wavelength": vacuum(path, wavelength, settings["medium"]),
+        "spectrum_time": whole["time"],
+        "wavelength": vacuum(paths[0], wavelength, settings["medium"]),
     }
-    attrs = {}
+    background = Path(folder) / settings["background"] if settings["background"] else None
+    attrs, files = {}, {"place": paths[0], "background": background}
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)
         if settings["background"]:
@@ -366,8 +424,11 @@ def _one_table(path, folder, settings):
             _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])
             if dark_pixels.shape != pixels.shape or not np.array_equal(dark_pixels, pixels):
                 refuse(
-                    dark_path, f"other wavelengths than {path.name}", "use a dark of the same instrument", 1
+                    dark_path,
+                    f"other wavelengths than {paths[0].name}",
+                    "use a dark of the same instrument",
+                    1,
                 )
             result["background_counts"] = np.mean(dark, axis=0)[order]
     result[settings["quantity"]] = values
-    return result, attrs
+    return result, attrs, files

@@ -1,18 +1,32 @@
 """From a test folder to one dataset of the contract 'test', or to everything that is wrong with it."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro import contracts, io
-from plasmapyro.experiment import inputs
 from plasmapyro.readers import description, parts
-from plasmapyro.readers.text import Refusal, fault, refuse, regular_file
+from plasmapyro.readers.text import Refusal, fault, refuse
+from plasmapyro.record import inputs
 
 DIMS = {key.rstrip("?"): dims for key, dims in contracts.DATASETS["test"].items()}
-LARGEST = 2_000_000_000  # [byte] of a netCDF file
+OF_LAMP = {  # what need not be said of a record without plasma (`condition: none`)
+    "emittance": 1.0,
+    "emittance_uncertainty": 0.0,
+    "window_transmittance_pyrometer": 1.0,
+    "window_transmittance_spectrometer": 1.0,
+}
+FROM_HEADERS = ("spectrometer_integration_time",)  # attributes that files of spectra bring
 GUIDE = "see docs/your-own-data.md"
+
+
+class Reading(NamedTuple):
+    """A test and the files it was read from, for rules that look at both."""
+
+    test: xr.Dataset
+    files: dict  # instrument -> what parts.py says of its files; empty for netCDF
 
 
 def read_test(folder):
@@ -38,10 +52,15 @@ def read_test(folder):
     ASSUME: spectrometers give wavelengths in air unless test.yaml says `wavelengths: vacuum`: makers
     calibrate them with the air wavelengths of line lamps.
     """
-    dataset, faults = _read(folder)
+    return read_with_files(folder).test
+
+
+def read_with_files(folder):
+    """As `read_test`, with what is known of the files: a `Reading`."""
+    reading, faults = _read(folder)
     if faults:
         raise Refusal(faults)
-    return dataset
+    return reading
 
 
 def check_test(folder):
@@ -73,6 +92,28 @@ def sources(folder):
     return sorted(path for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else [folder]
 
 
+def condition_of(folder):
+    """Simulation that the test in a folder is to be compared with, as its file says.
+
+    Parameters
+    ----------
+    folder : path, as in `read_test`
+
+    Returns
+    -------
+    str, or None if the test does not say or cannot be read yet
+    """
+    described = Path(folder) / "test.yaml"
+    try:
+        if described.exists():
+            found = description.load(described).get("attributes", {}).get("condition")
+        else:
+            found = io.attributes(Path(folder) / "test.nc").get("condition")
+    except (contracts.ContractError, AttributeError):
+        return None
+    return found if isinstance(found, str) else None
+
+
 def _read(folder):
     # Absurd scales overflow to infinity, which the rules for a test then name.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -102,19 +143,19 @@ def _read_folder(folder):
 
 
 def _stored(path):
-    return io.read(regular_file(path, LARGEST), "test", largest=LARGEST)
+    return io.read(path, "test")
 
 
-def _sound(dataset, path):
+def _sound(dataset, path, files=None):
     faults = [f"{path}: {what}" for what in inputs.faults(dataset)]
-    return (None if faults else dataset), faults
+    return (None if faults else Reading(dataset, files or {})), faults
 
 
 def _raw(folder, path):
     faults = []
     top = description.Section(description.load(path), path, "", faults)
     attributes = parts.attributes(top.section("attributes"))
-    variables = {}
+    variables, files = {}, {}
     present = [name for name in ("pyrometer", "spectrometer") if name in top]
     if not present:
         faults.append(fault(path, "describes neither a pyrometer nor a spectrometer", GUIDE))
@@ -122,7 +163,7 @@ def _raw(folder, path):
         try:
             found = getattr(parts, name)(folder, top.section(name))
             if name == "spectrometer" and found is not None:
-                found, own = found
+                found, own, files[name] = found
                 faults += _agree(path, attributes, own)
                 attributes = {**own, **attributes}
             variables |= found or {}
@@ -132,8 +173,11 @@ def _raw(folder, path):
         faults += _tunnel(folder, top.section("tunnel"), variables)
     top.used |= {"attributes", "pyrometer", "spectrometer", "tunnel"}
     top.close()
-    if faults:
-        return None, faults
+    if attributes.get("condition") == "none" and "reference_window" not in attributes:
+        needed = {name for instrument in present for name in inputs.OF_INSTRUMENT[instrument]}
+        attributes = {**{k: v for k, v in OF_LAMP.items() if k in {*inputs.ALWAYS, *needed}}, **attributes}
+    if faults:  # what is wrong with the attributes is said in the same round
+        return None, faults + _of_attributes(path, attributes, present, faults)
     dataset = xr.Dataset(
         {name: (DIMS[name], values) for name, values in variables.items() if DIMS[name] != (name,)},
         {name: values for name, values in variables.items() if DIMS[name] == (name,)},
@@ -143,7 +187,17 @@ def _raw(folder, path):
         dataset = contracts.check(contracts.label(dataset, "test"), "test")
     except contracts.ContractError as reason:
         return None, [f"{path}: {reason}"]
-    return _sound(dataset, path)
+    return _sound(dataset, path, files)
+
+
+def _of_attributes(path, attributes, present, faults):
+    """Faults of the attributes beside those of the files; what a header may still give is not missing."""
+    given = {**dict.fromkeys(FROM_HEADERS, 1.0), **attributes}
+    found = inputs.attribute_faults(xr.Dataset(attrs=given), present)
+    said = "\n".join(faults)
+    return [
+        f"{path}: {what}" for what in found if f"attributes.{what.split(':')[0].split()[-1]} " not in said
+    ]
 
 
 def _tunnel(folder, section, variables):

@@ -10,9 +10,10 @@ from plasmapyro.readers.text import quote, refuse, regular_file
 
 LARGEST = 1_000_000_000  # [byte]
 MOST_SAMPLES = 50_000_000  # of one channel
+EPOCH = np.datetime64("2000-01-01")
 
 
-def read_tdms(path, columns):
+def read_tdms(path, columns, joined=False):
     """Channels of a TDMS file in SI.
 
     Parameters
@@ -21,10 +22,13 @@ def read_tdms(path, columns):
     columns : mapping of name -> `Column`
         Column names are 'group/channel'. Without a column for time, the channels must be waveforms: their
         start offset and increment give it.
+    joined : bool
+        The file is one of several of a record: the channels' start time (wf_start_time) is given as well,
+        so that the files share one clock.
 
     Returns
     -------
-    dict of name -> (N,) ndarray; 'time' included
+    dict of name -> (N,) ndarray; 'time' included; of a joined waveform also 'start' [s] since 2000
 
     Raises
     ------
@@ -43,6 +47,8 @@ def read_tdms(path, columns):
             absent = [column.header for column in columns.values() if column.header not in channels]
             if not absent and all(len(channels[c.header]) <= MOST_SAMPLES for c in columns.values()):
                 found = {name: _channel(path, columns[name], channels) for name in columns}
+                first = channels[next(iter(columns.values())).header]
+                start = _start(path, first) if joined and "time" not in columns else None
             else:
                 found = None
     except ImportError:
@@ -62,7 +68,7 @@ def read_tdms(path, columns):
         refuse(path, f"no channel {', '.join(map(quote, absent))}", f"name one of those it holds: {listed}")
     if found is None:
         refuse(path, f"a channel holds more than {MOST_SAMPLES} samples", "cut it to the test")
-    return _joined(path, found)
+    return _joined(path, found) | ({} if start is None else {"start": start})
 
 
 @contextmanager
@@ -96,6 +102,18 @@ def _channel(path, column, channels):
     if step is not None:
         track = float(properties.get("wf_start_offset", 0.0)) + float(step) * np.arange(values.size)
     return values, track
+
+
+def _start(path, channel):
+    """Start time of a channel [s] since 2000."""
+    start = channel.properties.get("wf_start_time")
+    if start is None:
+        refuse(
+            path,
+            f"channel {quote(channel.name)} has no start time (wf_start_time)",
+            "name a time channel in test.yaml, or join the files in LabVIEW",
+        )
+    return float((np.datetime64(start) - EPOCH) / np.timedelta64(1, "us")) * 1e-6
 
 
 def _joined(path, found):

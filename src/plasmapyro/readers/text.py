@@ -6,13 +6,16 @@ import re
 from pathlib import Path
 
 from plasmapyro.contracts import ContractError
+from plasmapyro.foreign import printable, unfit
+from plasmapyro.foreign import quote as quote
 
 NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?", re.ASCII)
+WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
 MISSING = {"", "nan", "na", "n/a", "-", "--", "null", "none"}
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 LONGEST_LINE = 5_000_000  # characters; a header of 50 000 wavelengths has a tenth of that
-SHOWN = 60  # characters of a cell that a message quotes
 
 
 class Refusal(ContractError):
@@ -26,8 +29,7 @@ class Refusal(ContractError):
 def fault(path, what, remedy, line=None):
     """The sentence for one fault: file, line, what is wrong, what to do."""
     where = f"{path}, line {line}" if line else f"{path}"
-    words = f"{where}: {what}; {remedy}"
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in words)
+    return printable(f"{where}: {what}; {remedy}").replace("\n", "\\n")
 
 
 def refuse(path, what, remedy, line=None):
@@ -35,35 +37,11 @@ def refuse(path, what, remedy, line=None):
     raise Refusal([fault(path, what, remedy, line)])
 
 
-def quote(words):
-    """A piece of a file, shortened and printable, for a message."""
-    words = str(words)
-    return repr(words if len(words) <= SHOWN else words[:SHOWN] + "...")
-
-
 def regular_file(path, limit):
-    """Return `path` if it is a plain file of 1 to `limit` bytes; else Refusal.
-
-    A pipe or a device would block or never end, so nothing but plain files is opened.
-    """
-    path = Path(path)
-    try:
-        if not path.exists():
-            refuse(path, "no such file", "check the name, upper and lower case included")
-        if not path.is_file():
-            refuse(path, "not a plain file", "give the name of a file")
-        size = path.stat().st_size
-    except (OSError, ValueError) as reason:
-        refuse(quote(path), f"cannot be opened ({reason})", "check the name and the access rights")
-    if size == 0:
-        refuse(path, "is empty", "copy it again")
-    if size > limit:
-        refuse(
-            path,
-            f"is {size / 1e6:.0f} MB large, the limit is {limit / 1e6:.0f} MB",
-            "split it, or cut it to the part that is needed",
-        )
-    return path
+    """Return `path` if it is a plain file of 1 to `limit` bytes; else Refusal (see `foreign.unfit`)."""
+    if found := unfit(path, limit):
+        refuse(path, *found)
+    return Path(path)
 
 
 def read_lines(path, limit):
@@ -105,7 +83,7 @@ def read_lines(path, limit):
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
     if "\r" in words:
-        words = re.sub(r"\n\r(?!\n)|\r+\n|\r", "\n", words)  # OceanView ends its header lines with LF CR
+        words = LINE_END.sub(lambda end: "\n" * (1 if end[2] or not end[1] else len(end[1])), words)
     lines = words.split("\n")
     longest = max(map(len, lines))
     if longest > LONGEST_LINE:

@@ -1,0 +1,120 @@
+"""Dates and times of day in the cells of a table, read in a format that test.yaml states."""
+
+import re
+from datetime import datetime
+
+import numpy as np
+
+from plasmapyro.readers.text import MISSING, fault, quote, refuse
+
+STAMP = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|\d{1,2}:\d{2}", re.ASCII)
+FRACTION = re.compile(r"[.,](\d{1,9})$", re.ASCII)
+ZONE = ("%z", "%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on a time zone
+EPOCH = datetime(2000, 1, 1)
+DAY, HOUR = 86400.0, 3600.0  # [s]
+CHANGE = 60.0  # [s] a step back of an hour within this is that of the end of summer time
+EXAMPLE = "%d.%m.%Y %H:%M:%S"
+
+
+def looks_like_stamp(word):
+    """Whether a cell holds a date or a time of day."""
+    return STAMP.search(word) is not None
+
+
+def reads_format(words):
+    """Whether `words` is a format of `datetime.strptime` that this module reads."""
+    if "%" not in words or any(sign in words for sign in ZONE):
+        return False
+    try:
+        datetime.strptime(EPOCH.strftime(words), words)
+    except ValueError:
+        return False
+    return True
+
+
+def seconds(word, form):
+    """Seconds since 2000, or since midnight if the format has no day; None if the cell is not of it.
+
+    Seconds may have decimals after a point or a comma, whether the format says so or not.
+    """
+    word, form, rest = word.strip(), form.strip(), 0.0
+    for decimals in (".%f", ",%f"):
+        form = form.removesuffix(decimals)
+    if form.endswith("%S") and (part := FRACTION.search(word)):
+        word, rest = word[: part.start()], float(f"0.{part.group(1)}")
+    try:
+        stamp = datetime.strptime(word, form)
+    except ValueError:
+        return None
+    start = EPOCH if has_day(form) else datetime(1900, 1, 1)
+    return (stamp - start).total_seconds() + rest
+
+
+def has_day(form):
+    """Whether a format names the day, or the time of day only."""
+    return any(sign in form for sign in ("%d", "%j"))
+
+
+def times(path, words, lines, form, zero, set_back):
+    """Times [s] of the cells of a table, counted from `zero`.
+
+    Parameters
+    ----------
+    path : path, for messages
+    words, lines : lists of str and of int
+        Cells, and the lines they stand in.
+    form : str
+        Format of the cells, as `datetime.strptime` takes it.
+    zero : str
+        The moment that shall be 0, in the same format.
+    set_back : bool
+        The clock was set back by an hour during the record (end of summer time): undo it. It is never
+        guessed: a second record of the same hour looks the same.
+
+    Returns
+    -------
+    (time, faults)
+        (N,) array [s], NaN where a cell is missing or not of the format; sentences.
+    """
+    values = np.array([_value(word, form) for word in words])
+    bad = [i for i, word in enumerate(words) if np.isnan(values[i]) and word.lower() not in MISSING]
+    faults = [
+        fault(
+            path,
+            f"{quote(words[i])} is not of the stated format {quote(form)}",
+            "correct it, or `format`",
+            lines[i],
+        )
+        for i in bad
+    ]
+    start = seconds(zero, form)
+    if start is None:
+        faults.append(fault(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it"))
+    if faults:
+        return values, faults
+    known = np.flatnonzero(np.isfinite(values))
+    if known.size and not has_day(form):
+        nights = np.diff(values[known], prepend=values[known[0]]) < -DAY / 2
+        values[known] += DAY * np.cumsum(nights)
+    back = known[1:][np.abs(np.diff(values[known]) + HOUR) < CHANGE]
+    if back.size and not set_back:
+        refuse(
+            path,
+            "the clock goes back by an hour: the end of summer time?",
+            "if so, state `set_back: yes` beside `format`; else remove the repeated lines",
+            lines[back[0]],
+        )
+    if set_back and back.size != 1:
+        refuse(
+            path,
+            f"`set_back` is stated, and the clock goes back by an hour {back.size} times",
+            "remove `set_back`, or read the record in parts",
+        )
+    if set_back:
+        values[back[0] :] += HOUR
+    return values - start, []
+
+
+def _value(word, form):
+    value = seconds(word, form)
+    return np.nan if value is None else value

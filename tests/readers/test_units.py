@@ -1,0 +1,54 @@
+"""Every unit that a laboratory may write, with its size in SI as definitions and prefixes give it."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.readers import units
+
+RTOL = 1e-15  # powers of ten and one product each
+SIZES = {  # variable -> unit as written -> value of 1 in SI, written out
+    "time": {"s": 1, "sec": 1, "ms": 0.001, "us": 0.000001, "\u00b5s": 0.000001, "\u03bcs": 0.000001}
+    | {"min": 60, "h": 3600},
+    "signal_wide": {"A": 1, "mA": 0.001, "uA": 0.000001, "nA": 0.000000001, "pA": 0.000000000001},
+    "electric_power": {"W": 1, "kW": 1000, "MW": 1000000},
+    # 760 Torr are one standard atmosphere, 101325 Pa.
+    "chamber_pressure": {"Pa": 1, "hPa": 100, "mbar": 100, "kPa": 1000, "bar": 100000}
+    | {"Torr": 133.32236842105263},
+    "mass_flow_rate": {"kg s-1": 1, "kg/s": 1, "kg s^-1": 1, "g s-1": 0.001, "g/s": 0.001, "mg/s": 0.000001}
+    | {"g/min": 1.6666666666666667e-05},
+    "source_temperature": {"K": 1, "degC": 1, "C": 1, "\u00b0C": 1},
+    "wavelength": {"m": 1, "um": 0.000001, "\u00b5m": 0.000001, "nm": 0.000000001, "Angstrom": 0.0000000001},
+    "counts": {"count": 1, "counts": 1},
+    "spectral_radiance": {
+        "W m-2 sr-1 m-1": 1,
+        "W/m2/sr/m": 1,
+        "W m-2 sr-1 nm-1": 1e9,
+        "W/m2/sr/nm": 1e9,
+        "W/m\u00b2/sr/nm": 1e9,
+        "W m-2 sr-1 um-1": 1e6,
+        "W/m2/sr/um": 1e6,
+        "mW/m2/sr/nm": 1e6,
+        "W/cm2/sr/nm": 1e13,  # 1e4 cm2 in a m2, 1e9 nm in a m
+        "W/cm2/sr/um": 1e10,
+        "uW/cm2/sr/nm": 1e7,
+    },
+}
+CASES = [(name, unit, size) for name, sizes in SIZES.items() for unit, size in sizes.items()]
+
+
+@pytest.mark.parametrize(("name", "unit", "size"), CASES)
+def test_one_of_each_unit_is_this_much_in_si(name, unit, size):
+    np.testing.assert_allclose(units.factor(unit, name), size, rtol=RTOL)
+    assert units.offset(unit) == (273.15 if unit in ("degC", "C", "\u00b0C") else 0.0)
+
+
+def test_no_unit_is_left_out_here():
+    written = {units.normalised(unit) for sizes in SIZES.values() for unit in sizes}
+    assert written == {units.normalised(unit) for sizes in units.TO_SI.values() for unit in sizes}
+
+
+def test_a_unit_of_another_quantity_has_no_factor():
+    for name, sizes in SIZES.items():
+        for other, foreign in SIZES.items():
+            shared = set(sizes) & set(foreign)
+            assert name == other or all(units.factor(u, name) is None for u in set(foreign) - shared)
