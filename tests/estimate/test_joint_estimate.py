@@ -9,14 +9,16 @@ import yaml
 
 from plasmapyro import contracts
 from plasmapyro.estimate.dynamics import Dynamics, transition
+from plasmapyro.estimate.instrument import GreyTable, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.prepare import first_gas, gain_uncertainties, samples_of
+from plasmapyro.estimate.prepare import first_gas, gain_uncertainties, pyrometer_data, samples_of
 from plasmapyro.estimate.smoother import Chain, Fit, spread_of
 from plasmapyro.estimate.stage import estimate
-from plasmapyro.experiment import status
-from plasmapyro.forward.model import GreyTable
-from plasmapyro.forward.stage import forward_model
+from plasmapyro.record import status
+from plasmapyro.record.emittance import tilt
+from plasmapyro.record.record import record_of
 
+CLOCK = ("injection_time", "plasma_off_time", "reference_window")
 CASE = board.Draw(0.8, 0.83, 1500.0, 85.0, 0.15, 0.01, 1.6, (5e-10, -5e-10), 7)
 GRADIENT_RTOL = 2e-4  # central difference against the analytic gradient, exposures' second order left out
 
@@ -97,7 +99,8 @@ def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found
 
 def test_a_long_record_is_averaged_over_groups_that_respect_the_switches(made):
     test = made[0]
-    whole, grouped = samples_of(test, (1.0, 0.3)), samples_of(test, (1.0, 0.3), most=1000)
+    record = record_of(test, {"pyrometer": None})
+    whole, grouped = samples_of(record, (1.0, 0.3)), samples_of(record, (1.0, 0.3), most=1000)
     assert whole.time.size == test.sizes["time"] and grouped.time.size < 1010
     assert (np.diff(grouped.group) >= 0).all() and grouped.group[-1] == grouped.time.size - 1
     for switch in (0.0, 300.0 + 1e-6):
@@ -119,14 +122,15 @@ def test_a_test_without_the_needed_samples_is_refused_in_words(made, response):
     few = test.sel(time=slice(0, 15))
     with pytest.raises(ValueError, match="signal_wide must hold 200 samples"):
         estimate(few, calibration, response, counts, **board.SETTINGS)
-    between = test.assign_attrs(reference_window=np.array([1.01, 1.09]))  # no sample falls in there
+    # no sample falls in there
+    between = dataclasses.replace(record_of(test, {"pyrometer": None}), window=(1.01, 1.09))
     with pytest.raises(ValueError, match="1.01 to 1.09 s holds no sample of both bands after injection"):
-        first_gas(between, samples_of(test, (1.0, 0.3)))
+        first_gas(between, samples_of(between, (1.0, 0.3)))
 
 
 def test_the_uncertainty_of_the_source_is_taken_apart_from_that_of_the_gains(made, response):
     calibration = made[2]
-    table = GreyTable(forward_model(response, calibration, {})["pyrometer"])
+    table = GreyTable(pyrometer(response, calibration))
     value, slope, _ = table(calibration.source_temperature.values)
     source, own = gain_uncertainties(calibration, (slope / value).mean(axis=0))
     assert source == pytest.approx(board.SOURCE_UNCERTAINTY, rel=1e-3)
@@ -135,22 +139,22 @@ def test_the_uncertainty_of_the_source_is_taken_apart_from_that_of_the_gains(mad
 
 def observations(response, calibration):
     """A few samples of both instruments with every constant away from its mean."""
-    model = forward_model(response, calibration, {}, np.linspace(750e-9, 1030e-9, 2068))
+    exposed = spectrometer(np.linspace(750e-9, 1030e-9, 2068))
     moved = response.assign_coords(wavelength=response.wavelength + 1e-9)
-    table = GreyTable(model["pyrometer"])
+    table = GreyTable(pyrometer(response, calibration))
     injected, shining = np.array([False, True, True, True]), np.array([True, True, True, False])
-    pyrometer = PyrometerData(
+    bands = PyrometerData(
         np.full((2, 4), 3e-8),
         np.full((2, 4), 1e-8),
         injected,
         shining,
         table,
         np.array([0.008, 0.007]),
-        GreyTable(forward_model(moved, calibration, {})["pyrometer"]),
+        GreyTable(pyrometer(moved, calibration)),
         1e-9,
         np.zeros(2),
     )
-    bins = model["spectrometer"].channel.size
+    bins = exposed.wavelength.size
     spectra = SpectrometerData(
         np.array([0, 2, 3]),
         np.array([0.0, 0.04, -0.03]),
@@ -159,7 +163,7 @@ def observations(response, calibration):
         np.full((3, bins), 1e9),
         injected[[0, 2, 3]],
         shining[[0, 2, 3]],
-        GreyTable(model["spectrometer"]),
+        GreyTable(exposed),
         np.linspace(0.006, 0.004, bins),
         0.0,
     )
@@ -176,7 +180,7 @@ def observations(response, calibration):
         + constants("gas_radiance_before", np.linspace(0.02, -0.02, bins), 0.03)
     )
     path = np.array([[400.0, 0, 0.4, 0.01], [1200, 30, 0.0, 0.02], [1400, 20, 0.1, -0.01], [1500, -10, 0, 0]])
-    return (pyrometer, spectra), fixed, path
+    return (bands, spectra), fixed, path
 
 
 @pytest.mark.parametrize("which", [0, 1], ids=["pyrometer", "spectrometer"])
@@ -252,3 +256,55 @@ def test_the_scoreboard_uses_the_settings_of_the_main_job():
         name = key.removesuffix(ending) if ending else key
         assert board.SETTINGS[name] == pytest.approx(value * units.get(ending, 1.0), rel=1e-12, abs=0), key
     assert len(keys) == len(board.SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def by_pyrometer(made, response):
+    """Estimates a variant of the test from the pyrometer alone."""
+    test, _, calibration, _ = made
+
+    def run(change=lambda test: test):
+        return estimate(
+            change(test.copy()), calibration, response, **board.SETTINGS, instruments=["pyrometer"]
+        )
+
+    return run
+
+
+def test_the_clock_of_the_test_does_not_matter(by_pyrometer):
+    def later(test):
+        own = {name: np.asarray(test.attrs[name]) + 1e4 for name in CLOCK}
+        return test.assign_coords(time=("time", test.time.values + 1e4, test.time.attrs)).assign_attrs(own)
+
+    plain, moved = by_pyrometer(), by_pyrometer(later)
+    np.testing.assert_array_equal(moved.time, plain.time + 1e4)
+    np.testing.assert_array_equal(moved.estimate_status, plain.estimate_status)
+    # Times of 1e4 s are told to 2e-12 s; the iteration ends within a hundredth of a kelvin.
+    np.testing.assert_allclose(moved.surface_temperature, plain.surface_temperature, atol=0.01)
+
+
+def test_signals_at_the_stated_limit_are_left_out(by_pyrometer):
+    """The wide band ends at nine tenths of its highest signal: taken at face value, a surface 20 K colder."""
+
+    def cut(test):
+        limit = 0.9 * float(test.signal_wide[test.time > 50].max())
+        test["signal_wide"] = test.signal_wide.clip(max=limit, keep_attrs=True)
+        return test.assign_attrs(signal_saturation_wide=limit)
+
+    plain, limited = by_pyrometer(), by_pyrometer(cut)
+    change = (
+        limited.surface_temperature - plain.surface_temperature
+    ) / limited.surface_temperature_uncertainty
+    assert float(np.abs(change[(plain.time > 100) & (plain.time < 290)]).max()) < 1.0
+
+
+def test_a_stated_slope_of_the_emittance_is_the_ratio_of_the_bands(made, response):
+    test, _, calibration, _ = made
+    samples = samples_of(record_of(test, {"pyrometer": None}), (1.0, 0.3))
+    grey, tilted = (
+        pyrometer_data(samples, response, calibration, tilt(slope, response)) for slope in (1.0, 1.03)
+    )
+    seen = tilted.table([1600.0])[0][0] / grey.table([1600.0])[0][0]
+    assert seen[0] / seen[1] == pytest.approx(1.03, rel=1e-4)  # bins of 3 nm
+    assert 0.95 < seen[0] < 1.05  # the stated emittance holds between the bands
+    np.testing.assert_array_equal(tilted.source_slope, grey.source_slope)  # the source is black

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from plasmapyro.experiment import status
 from plasmapyro.experiment.correction import (
     _ranked_temperature,
     read_corrected,
@@ -11,6 +10,7 @@ from plasmapyro.experiment.correction import (
     temperature_uncertainty,
 )
 from plasmapyro.instrument.calibration import quadratic_ratio, scaled
+from plasmapyro.record import status
 
 COEFFICIENT = np.array([0.40, 0.12, -0.003])
 COVARIANCE = np.diag([1e-6, 2e-6, 2e-6])

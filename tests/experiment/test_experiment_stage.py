@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
-from plasmapyro.experiment import status
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.instrument.stage import spectrometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record import status
 
 TIME = np.round(np.arange(-4.0, 60.0, 0.25), 9)
 FRAMES = np.arange(-2.0, 60.0, 2.0)
@@ -363,7 +363,7 @@ def test_same_seed_same_result(pyrometer, spectrometer):
         ({"reference_time": 20.0}, "exposure nearest to reference_time 20 s, 19.5 to 20.5 s, is not inside"),
         (
             {"normalisation_wavelength": 1.1e-6},
-            "no pixel within 1 nm of the normalisation wavelength 1100 nm",
+            "no usable pixel within 1 nm of the wavelength at which the spectra are normalised, 1100",
         ),
     ],
 )
@@ -402,3 +402,35 @@ def test_calibration_that_turns_over_is_refused():
     bent["fit_coefficient"] = ("fit_power", [0.4, 0.12, -0.1])
     with pytest.raises(ValueError, match="must rise over the instrument range"):
         correct_pyrometer(made(), bent, **PYROMETER)
+
+
+@pytest.mark.parametrize("by", [10.0, 30.0, -5.0, 1e4])
+def test_the_clock_of_the_test_does_not_matter(by):
+    test = made()
+    moved = test.assign_coords(
+        time=("time", TIME + by, test.time.attrs),
+        spectrum_time=("spectrum_time", FRAMES + by, test.spectrum_time.attrs),
+    ).assign_attrs(
+        {
+            name: np.asarray(test.attrs[name]) + by
+            for name in ("injection_time", "plasma_off_time", "reference_window")
+        }
+    )
+    later = SPECTROMETER | {"reference_time": SPECTROMETER["reference_time"] + by}
+    for plain, shifted, axis in (
+        (
+            correct_pyrometer(test, calibration(), **PYROMETER),
+            correct_pyrometer(moved, calibration(), **PYROMETER),
+            "time",
+        ),
+        (correct_spectra(test, None, **SPECTROMETER), correct_spectra(moved, None, **later), "spectrum_time"),
+    ):
+        np.testing.assert_array_equal(shifted[axis], plain[axis] + by)
+        for name in plain.data_vars:
+            np.testing.assert_array_equal(shifted[name].values, plain[name].values, err_msg=name)
+        for name, value in plain.attrs.items():
+            on_clock = name in ("injection_time", "plasma_off_time", "reference_window", "reference_time")
+            if on_clock or name.endswith(("_surface_onset", "_proposed_window")):
+                np.testing.assert_allclose(shifted.attrs[name], np.asarray(value) + by, atol=1e-9)
+            elif not name.endswith("_bias"):
+                assert np.array_equal(shifted.attrs[name], value), name

@@ -6,9 +6,9 @@ import pytest
 from plasmapyro.experiment.signals import (
     corrected_signal,
     corrected_signal_uncertainty,
-    phases,
     reference_signal,
 )
+from plasmapyro.record.phases import phases
 
 FLOAT_RTOL = 1e-12
 TIME = np.arange(-5.0, 20.0, 0.1)

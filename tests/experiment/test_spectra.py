@@ -33,13 +33,6 @@ def test_known_temperatures_come_back_from_anywhere(fit):
     np.testing.assert_allclose(found, truth, rtol=SETTLED)
 
 
-def test_slope_is_the_derivative_of_planck():
-    beta, step = np.array([1 / 900.0, 1 / 3000.0]), 1e-6
-    up, down = (np.log(spectra.shape_and_slope(WAVELENGTH, beta * (1 + sign * step))[0]) for sign in (1, -1))
-    _, slope = spectra.shape_and_slope(WAVELENGTH, beta)
-    np.testing.assert_allclose((up - down) / (2 * step * beta[:, None]), slope, rtol=1e-7)
-
-
 def test_grey_factor_changes_the_scale_and_nothing_else():
     full, half = body(1500.0, 1.0), body(1500.0, 0.5)
     noise = 0.01 * full

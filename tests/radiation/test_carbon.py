@@ -5,8 +5,8 @@ import pytest
 
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import CARBON, IONS, SPECIES
-from plasmapyro.radiation.carbon import CONSTANTS, REDUCED_MASS, SYSTEMS, carbon_bands, carbon_lines
-from plasmapyro.radiation.diatomic_states import rovibration, state_constants, tabulated_probabilities
+from plasmapyro.radiation.band_systems import MOLECULES, SYSTEMS, bands, reduced_mass
+from plasmapyro.radiation.diatomic_states import state_constants
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import Continuum, gas_path, path_radiance
 from plasmapyro.radiation.systems import line_lists
@@ -16,12 +16,13 @@ SECOND = PLANCK * LIGHT / BOLTZMANN
 WIDE = (2e5, 3e6)  # [m-1], holds whole systems
 REFRACTION = 1.000274  # of standard air in the near infrared
 HEAD_ATOL = 1.0  # [Angstrom]
+NAMES = ("CN red", "C2 Phillips", "C2 Ballik-Ramsay", "C2 Swan")
 SPIN_RTOL = 0.01  # spin, N' - N'' = 1 and the coldest rotations
 
 
 @pytest.fixture(scope="module")
 def systems():
-    return {name: carbon_lines(name, WIDE) for name in SYSTEMS}
+    return {name: SYSTEMS[name].lines(WIDE) for name in NAMES}
 
 
 @pytest.mark.parametrize(
@@ -46,10 +47,7 @@ def test_phillips_bands_have_their_heads(systems, upper_v, lower_v, head):
 )
 def test_origins_of_the_bands(system, origin, atol):
     own = SYSTEMS[system]
-    terms = [
-        rovibration(state_constants(CONSTANTS, own.species, name), REDUCED_MASS[own.species], 1, 2)[0]
-        for name in (own.upper, own.lower)
-    ]
+    terms = [own.levels(state, 2)[1][0] for state in (own.upper, own.lower)]
     assert (terms[0][0, 0] - terms[1][0, 0]) / 100 == pytest.approx(origin, abs=atol)
 
 
@@ -63,8 +61,8 @@ def test_origins_of_the_bands(system, origin, atol):
     ],
 )
 def test_distances_follow_from_masses(species, state, published):
-    rotation = state_constants(CONSTANTS, species, state)["be"]
-    factor = PLANCK / (8 * np.pi**2 * LIGHT * REDUCED_MASS[species])
+    rotation = state_constants(MOLECULES[species][1], species, state)["be"]
+    factor = PLANCK / (8 * np.pi**2 * LIGHT * reduced_mass(species))
     assert 1e10 * np.sqrt(factor / rotation) == pytest.approx(published, abs=5e-4)
 
 
@@ -76,25 +74,22 @@ def test_half_the_levels_of_equal_nuclei_without_spin_do_not_exist(systems):
     assert not lines["lower_degeneracy"][~even].any()
     pairs, _ = systems["C2 Swan"]
     assert (pairs["lower_degeneracy"] == 2 * pairs["lower_j"] + 1).all()
-    kept = carbon_bands("C2 Phillips", (8e5, 1.5e6), lost_fraction=1e-3, reference_temperature=(5000.0,))
+    kept = SYSTEMS["C2 Phillips"].line_list((8e5, 1.5e6), lost_fraction=1e-3, reference_temperature=(5000.0,))
     assert (kept.upper_degeneracy > 0).all()
     assert (kept.component, kept.species) == ("C2 Phillips", "C2")
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", NAMES)
 def test_a_level_decays_at_the_tabulated_rate(systems, system):
     """Cubes of the origin put back, lines from one level into one v'' add to the probability of the band."""
     lines, decay = systems[system]
     own = SYSTEMS[system]
-    table = tabulated_probabilities(own.probabilities)
+    table = bands(own.moments)[1]
     assert decay[0] == pytest.approx(table[0].sum(), rel=1e-9)
-    terms = [
-        rovibration(state_constants(CONSTANTS, own.species, name), REDUCED_MASS[own.species], n - 1, n)[0]
-        for name, n in zip((own.upper, own.lower), table.shape, strict=True)
-    ]
+    terms = [own.levels(state, n)[1][0] for state, n in zip((own.upper, own.lower), table.shape, strict=True)]
     v_upper, v_lower = (0, 0) if system != "C2 Ballik-Ramsay" else (2, 0)
     origin = terms[0][v_upper, 0] - terms[1][v_lower, 0]
-    spin = own.upper_symmetry["spin"] % 1
+    spin = own.levels(own.upper, 1)[0].spin % 1
     picked = (lines["upper_v"] == v_upper) & (lines["lower_v"] == v_lower) & (lines["upper_degeneracy"] > 0)
     # Levels of one upper J and component that exist; each Lambda component reaches its own lower levels.
     picked &= (lines["upper_j"] == 20 + spin) & (lines["upper_component"] == 0)
@@ -115,13 +110,12 @@ def test_emission_is_population_times_probability_times_photon(systems, system):
     """Without spin: (2N+1) states of each component, each decaying at equal N with its own cube."""
     lines, _ = systems[system]
     own, temperature = SYSTEMS[system], 4000.0
-    table = tabulated_probabilities(own.probabilities)
+    table = bands(own.moments)[1]
     upper, lower = (
-        rovibration(state_constants(CONSTANTS, own.species, name), REDUCED_MASS[own.species], n - 1, n)
-        for name, n in zip((own.upper, own.lower), table.shape, strict=True)
+        own.levels(state, n)[1] for state, n in zip((own.upper, own.lower), table.shape, strict=True)
     )
     number = np.arange(1, 200)
-    weight = 2 * (2 * own.upper_symmetry["spin"] + 1) / (2 if own.species == "C2" else 1)
+    weight = 2 * (2 * own.levels(own.upper, 1)[0].spin + 1) / (2 if own.species == "C2" else 1)
     level = weight * (2 * number + 1) * np.exp(-SECOND * upper[0][:, number] / temperature)
     level = level * upper[2][:, number]
     photon = np.maximum(upper[0][:, None, number] - lower[0][None, :, number], 0)

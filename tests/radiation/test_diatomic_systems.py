@@ -6,14 +6,13 @@ import pytest
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation import nitric_oxide, nitrogen
+from plasmapyro.radiation.band_systems import SYSTEMS, bands, reduced_mass
 from plasmapyro.radiation.diatomic_curves import kinetic_factor
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
 from plasmapyro.radiation.diatomic_states import (
     RADIUS,
     rovibration,
     state_constants,
-    tabulated_moments,
     transition_moments,
 )
 
@@ -23,29 +22,25 @@ RANGE = (1 / 1250e-9, 1 / 650e-9)
 WIDE = (1e5, 5e6)  # [m-1], holds whole systems
 TEMPERATURES = (3000.0, 5000.0, 8000.0, 12000.0)
 LOST = 1e-4
-MAKERS = {
-    "N2 1P": nitrogen.nitrogen_first_positive,
-    "N2+ Meinel": nitrogen.nitrogen_ion_meinel,
-    "NO 11000 A": nitric_oxide.nitric_oxide_11000,
-}
+NAMES = ("N2 1P", "N2+ Meinel", "NO 11000 A")
 
 
 @pytest.fixture(scope="module")
 def lists():
     return {
-        name: make(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
-        for name, make in MAKERS.items()
+        name: SYSTEMS[name].line_list(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
+        for name in NAMES
     }
 
 
 @pytest.fixture(scope="module")
 def meinel():
-    return nitrogen.meinel_lines(WIDE)
+    return SYSTEMS["N2+ Meinel"].lines(WIDE)
 
 
 @pytest.fixture(scope="module")
 def infrared():
-    return nitric_oxide.eleven_thousand_angstrom_lines(WIDE)
+    return SYSTEMS["NO 11000 A"].lines(WIDE)
 
 
 def states(table, species, name, mass, count):
@@ -63,23 +58,23 @@ def test_lists_carry_their_names_and_count_from_the_ground_level(lists):
 
 def test_origins_of_the_bands():
     """N2+ 0-0: Laher & Gilmore (1991). NO: Te and we of Huber & Herzberg (1979), 0-0 near 11000 Angstrom."""
-    upper = states("gas/diatomic_nitrogen", "N2+", "A2Pi_u", nitrogen.NITROGEN_MASS / 2, 1)[0]
-    lower = states("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", nitrogen.NITROGEN_MASS / 2, 1)[0]
+    upper = states("gas/diatomic_nitrogen", "N2+", "A2Pi_u", reduced_mass("N2"), 1)[0]
+    lower = states("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", reduced_mass("N2"), 1)[0]
     assert upper[0, 0] - lower[0, 0] == pytest.approx(9015.6e2, abs=1.0)
-    upper = states("gas/diatomic_oxygen", "NO", "D2Sigma+", nitric_oxide.REDUCED_MASS, 6)[0]
-    lower = states("gas/diatomic_oxygen", "NO", "A2Sigma+", nitric_oxide.REDUCED_MASS, 9)[0]
+    upper = states("gas/diatomic_oxygen", "NO", "D2Sigma+", reduced_mass("NO"), 6)[0]
+    lower = states("gas/diatomic_oxygen", "NO", "A2Sigma+", reduced_mass("NO"), 9)[0]
     assert 1e10 / (upper[0, 0] - lower[0, 0]) == pytest.approx(10998.0, abs=3.0)
     assert lower[0, 0] == pytest.approx(44200.2e2, abs=2e2)  # gamma 0-0, from X2Pi1/2
 
 
 def test_equilibrium_distances_follow_from_masses_and_rotational_constants():
     """K. P. Huber, G. Herzberg (1979), re [Angstrom]."""
-    nitrogen_pair = nitrogen.NITROGEN_MASS / 2
+    nitrogen_pair = reduced_mass("N2")
     for table, species, name, mass, published in (
         ("gas/diatomic_nitrogen", "N2", "A3Sigma_u+", nitrogen_pair, 1.2866),
         ("gas/diatomic_nitrogen", "N2", "B3Pi_g", nitrogen_pair, 1.2126),
         ("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", nitrogen_pair, 1.1164),
-        ("gas/diatomic_oxygen", "NO", "A2Sigma+", nitric_oxide.REDUCED_MASS, 1.0634),
+        ("gas/diatomic_oxygen", "NO", "A2Sigma+", reduced_mass("NO"), 1.0634),
     ):
         rotation = state_constants(table, species, name)["be"]
         assert 1e10 * np.sqrt(kinetic_factor(mass) / rotation) == pytest.approx(published, abs=5e-4)
@@ -87,8 +82,8 @@ def test_equilibrium_distances_follow_from_masses_and_rotational_constants():
 
 def test_meinel_strengths_come_from_one_smooth_moment():
     """Tabulated for v' <= 8 of another author's wave functions, they give R(r) on ours with 2 % scatter."""
-    table = tabulated_moments("molecules/nitrogen_ion_meinel_moment")
-    mass = nitrogen.NITROGEN_MASS / 2
+    table = bands("molecules/nitrogen_ion_meinel_moment")[1]
+    mass = reduced_mass("N2")
     upper = states("gas/diatomic_nitrogen", "N2+", "A2Pi_u", mass, table.shape[0])[1]
     lower = states("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", mass, table.shape[1])[1]
     powers = np.array(
@@ -130,7 +125,7 @@ def test_a_level_decays_at_the_rate_of_its_bands(system, request):
         "meinel": "molecules/nitrogen_ion_meinel_moment",
         "infrared": "molecules/nitric_oxide_11000_moment",
     }
-    moment = tabulated_moments(table[system])
+    moment = bands(table[system])[1]
     reduced = lines["einstein_a"] / lines["wavenumber"] ** 3
     weight = lines["upper_degeneracy"] / (2 * lines["upper_j"] + 1)
     for v_upper, v_lower in ((0, 0), (2, 1)):
@@ -170,8 +165,8 @@ def emission(lines, temperature):
 
 def test_emission_of_the_ion_is_population_times_probability_times_photon(lists):
     """Without spin: 4 (2N+1) / 2 states of A2Pi_u at E_v(N), each decaying into X at equal N."""
-    temperature, mass = 7000.0, nitrogen.NITROGEN_MASS / 2
-    moment = tabulated_moments("molecules/nitrogen_ion_meinel_moment")
+    temperature, mass = 7000.0, reduced_mass("N2")
+    moment = bands("molecules/nitrogen_ion_meinel_moment")[1]
     upper, _, bound = states("gas/diatomic_nitrogen", "N2+", "A2Pi_u", mass, moment.shape[0])
     lower, _, _ = states("gas/diatomic_nitrogen", "N2+", "X2Sigma_g+", mass, moment.shape[1])
     number = np.arange(1, 200)
@@ -197,7 +192,7 @@ def test_partition_function_of_the_ion_counts_from_the_same_zero(temperature):
     electronic = {"X2Sigma_g+": (2, 0, 22, 30), "A2Pi_u": (4, 1, 28, 40), "B2Sigma_u+": (2, 0, 8, 20)}
     for name, (weight, orbital, known, count) in electronic.items():
         values = state_constants("gas/diatomic_nitrogen", "N2+", name)
-        term, _, bound = rovibration(values, nitrogen.NITROGEN_MASS / 2, known - 1, count)
+        term, _, bound = rovibration(values, reduced_mass("N2"), known - 1, count)
         number = np.arange(term.shape[1])
         level = weight / 2 * (2 * number + 1) * (bound & (number >= orbital))
         total += (level * np.exp(-SECOND * term / temperature)).sum()
@@ -207,6 +202,6 @@ def test_partition_function_of_the_ion_counts_from_the_same_zero(temperature):
 @pytest.mark.parametrize("name", ["NO 11000 A"])
 def test_bad_requests_are_refused(name):
     with pytest.raises(ValueError, match="wavenumber_range must increase strictly"):
-        MAKERS[name](RANGE[::-1], lost_fraction=LOST, reference_temperature=TEMPERATURES)
+        SYSTEMS[name].line_list(RANGE[::-1], lost_fraction=LOST, reference_temperature=TEMPERATURES)
     with pytest.raises(ValueError, match=r"lost_fraction must lie in \(0, 1\]; got 2"):
-        MAKERS[name](RANGE, lost_fraction=2.0, reference_temperature=TEMPERATURES)
+        SYSTEMS[name].line_list(RANGE, lost_fraction=2.0, reference_temperature=TEMPERATURES)

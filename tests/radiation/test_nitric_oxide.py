@@ -7,11 +7,10 @@ from plasmapyro.constants import BOHR_RADIUS
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation import nitric_oxide
+from plasmapyro.radiation.band_systems import MOLECULES, SYSTEMS, bands, reduced_mass
 from plasmapyro.radiation.broadening import mean_square_radius
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR
-from plasmapyro.radiation.diatomic_states import RADIUS, rovibration, state_constants, tabulated_moments
-from plasmapyro.radiation.nitrogen import nitrogen_first_positive
+from plasmapyro.radiation.diatomic_states import RADIUS, rovibration, state_constants
 
 PLANCK, LIGHT, BOLTZMANN = 6.62607015e-34, 299792458.0, 1.380649e-23
 SECOND = PLANCK * LIGHT / BOLTZMANN
@@ -32,14 +31,8 @@ GAMMA_BOUND = 1e-5  # [1], of first positive and NO 11000 A; reached: 4e-6
 
 @pytest.fixture(scope="module")
 def lists():
-    makers = (
-        nitrogen_first_positive,
-        nitric_oxide.nitric_oxide_11000,
-        nitric_oxide.nitric_oxide_beta,
-        nitric_oxide.nitric_oxide_infrared,
-    )
-    made = [make(RANGE, **LOST) for make in makers]
-    return {lines.component: lines for lines in made}
+    names = ("N2 1P", "NO 11000 A", "NO beta", "NO infrared")
+    return {name: SYSTEMS[name].line_list(RANGE, **LOST) for name in names}
 
 
 def emission(lines, temperature):
@@ -51,16 +44,16 @@ def emission(lines, temperature):
 
 
 def ground(count):
-    values = state_constants(nitric_oxide.CONSTANTS, "NO", "X2Pi")
-    return rovibration(values, nitric_oxide.REDUCED_MASS, count - 1, count)
+    values = state_constants(MOLECULES["NO"][1], "NO", "X2Pi")
+    return rovibration(values, reduced_mass("NO"), count - 1, count)
 
 
 def test_beta_moment_gives_the_published_bands():
     """S. Chauveau et al. (2002): <v'|R|v''> [e a0] of v' = 0 and 6."""
-    values = state_constants(nitric_oxide.CONSTANTS, "NO", "B2Pi")
-    upper = rovibration(values, nitric_oxide.REDUCED_MASS, *nitric_oxide.BETA_LEVELS)[1][0]
+    values = state_constants(MOLECULES["NO"][1], "NO", "B2Pi")
+    upper = rovibration(values, reduced_mass("NO"), *SYSTEMS["NO beta"].upper.levels)[1][0]
     lower = ground(23)[1][0]
-    moment = nitric_oxide.beta_moment(RADIUS)
+    moment = SYSTEMS["NO beta"].moments(RADIUS)
     for v_upper, v_lower, published in PUBLISHED_BETA:
         found = abs((upper[:, v_upper] * moment * lower[:, v_lower]).sum())
         assert found == pytest.approx(published, rel=FIT_RTOL), (v_upper, v_lower)
@@ -68,7 +61,7 @@ def test_beta_moment_gives_the_published_bands():
 
 def test_energies_count_from_the_lower_component():
     """X2Pi: 121 cm-1 between the ladders (Huber & Herzberg 1979), lowest level at 3B/2 of N = 1 in ours."""
-    lines, _ = nitric_oxide.infrared_lines((7e5, 2e6))
+    lines, _ = SYSTEMS["NO infrared"].lines((7e5, 2e6))
     ladder = {
         f: lines["lower_energy"][(lines["lower_v"] == 0) & (lines["lower_component"] == f)].min()
         for f in (0, 1)
@@ -79,8 +72,8 @@ def test_energies_count_from_the_lower_component():
 
 def test_overtone_lines_carry_the_published_moments():
     """Cubes taken out, lines from one level into one v'' add to K R^2."""
-    lines, _ = nitric_oxide.infrared_lines((1e5, 4e6))
-    table = tabulated_moments("molecules/nitric_oxide_infrared_moment")
+    lines, _ = SYSTEMS["NO infrared"].lines((1e5, 4e6))
+    table = bands("molecules/nitric_oxide_infrared_moment")[1]
     own = (lines["upper_v"] == 16) & (lines["lower_v"] == 10) & (lines["upper_j"] == 12.5)
     for component in (0, 1):
         picked = own & (lines["upper_component"] == component)
@@ -105,8 +98,8 @@ def test_tails_are_faint_beside_the_infrared_system(lists, system, temperature, 
 @pytest.mark.parametrize("temperature", [5000.0, 6500.0, 8000.0])
 def test_gamma_is_too_faint_to_be_in(lists, temperature):
     """Upper bound from rotationless bands v' <= 8 with R = 0.1 e a0, more than any published (0.07)."""
-    values = state_constants(nitric_oxide.CONSTANTS, "NO", "A2Sigma+")
-    upper, wave, _ = rovibration(values, nitric_oxide.REDUCED_MASS, 8, 9)
+    values = state_constants(MOLECULES["NO"][1], "NO", "A2Sigma+")
+    upper, wave, _ = rovibration(values, reduced_mass("NO"), 8, 9)
     lower, lower_wave, _ = ground(31)
     overlap = np.einsum("rv,rw->vw", wave[0], lower_wave[0])
     origin = upper[:, None, 0] - lower[None, :, 0]
@@ -128,7 +121,7 @@ def test_rydberg_bands_left_out_may_outshine_the_infrared_system(temperature, sh
     """
     upper, lower, sigma = 62209.0, 52479.0, 53085.0  # [cm-1], 3d, 3p, and D alone
     probability = 5.14e7 * ((upper - lower) / 12202.0) ** 3
-    decay = nitric_oxide.eleven_thousand_angstrom_lines(RANGE)[1][0]
+    decay = SYSTEMS["NO 11000 A"].lines(RANGE)[1][0]
     found = 10 / 2 * np.exp(-100 * SECOND * (upper - sigma) / temperature)
     found *= probability / decay * (upper - lower) / (sigma - 43966.0)
     assert found == pytest.approx(share, rel=0.1)

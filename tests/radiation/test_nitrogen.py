@@ -8,7 +8,7 @@ import pytest
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation import nitrogen
+from plasmapyro.radiation.band_systems import SYSTEMS, reduced_mass
 from plasmapyro.radiation.diatomic_curves import kinetic_factor, potential_curve, vibrational_states
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
 from plasmapyro.radiation.diatomic_states import (
@@ -23,6 +23,7 @@ REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 PLANCK, LIGHT, BOLTZMANN = 6.62607015e-34, 299792458.0, 1.380649e-23
 SECOND = PLANCK * LIGHT / BOLTZMANN
 RANGE = (1 / 1250e-9, 1 / 650e-9)
+FIRST_POSITIVE, MASS = SYSTEMS["N2 1P"], reduced_mass("N2")
 TEMPERATURES = (3000.0, 5000.0, 7000.0, 10000.0)
 LOST = 1e-4
 LIFETIME_RTOL = 0.02  # the published ones are sums of published strengths, each given to three digits
@@ -41,24 +42,28 @@ def constants(name):
 
 
 def states(name, highest, count):
-    return rovibration(constants(name), nitrogen.NITROGEN_MASS / 2, highest, count)
+    return rovibration(constants(name), MASS, highest, count)
+
+
+def first_positive_states():
+    return [FIRST_POSITIVE.levels(state)[1] for state in (FIRST_POSITIVE.upper, FIRST_POSITIVE.lower)]
 
 
 @pytest.fixture(scope="module")
 def full():
-    return nitrogen.first_positive_lines(RANGE)
+    return FIRST_POSITIVE.lines(RANGE)
 
 
 @pytest.fixture(scope="module")
 def listed():
-    return nitrogen.nitrogen_first_positive(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
+    return FIRST_POSITIVE.line_list(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
 
 
 @pytest.fixture(scope="module")
 def bands():
     """Terms (v, N), moments (v', v'', N) of the Q type and overlaps of the rotationless levels."""
-    (upper, upper_wave, bound), (lower, lower_wave, _) = nitrogen.first_positive_states()
-    moment = transition_moments(upper_wave, lower_wave, nitrogen.first_positive_moment(RADIUS))
+    (upper, upper_wave, bound), (lower, lower_wave, _) = first_positive_states()
+    moment = transition_moments(upper_wave, lower_wave, FIRST_POSITIVE.moments(RADIUS))
     overlap = transition_moments(upper_wave, lower_wave, np.ones(RADIUS.size))
     return {
         "upper": upper,
@@ -81,7 +86,7 @@ def air_angstrom(wavenumber):
 
 def test_origin_of_the_zero_zero_band():
     """R. R. Laher, F. R. Gilmore (1991): 59306.8 - 49754.8 cm-1."""
-    (upper, _, _), (lower, _, _) = nitrogen.first_positive_states()
+    (upper, _, _), (lower, _, _) = first_positive_states()
     assert upper[0, 0] - lower[0, 0] == pytest.approx(955200.0, abs=1e-3)
 
 
@@ -102,9 +107,8 @@ def test_curves_carry_the_levels_of_the_constants_within_one_wavenumber():
         values = constants(name)
         ladder = np.polynomial.Polynomial([0.0, *values["vibration"]])
         depth = values["limit"] - values["origin"] + ladder(0.5)
-        mass = nitrogen.NITROGEN_MASS / 2
-        potential = potential_curve(RADIUS, values["vibration"], values["rotation"], mass, highest, depth)
-        energy, _, _ = vibrational_states(RADIUS, potential, mass, [0], observed)
+        potential = potential_curve(RADIUS, values["vibration"], values["rotation"], MASS, highest, depth)
+        energy, _, _ = vibrational_states(RADIUS, potential, MASS, [0], observed)
         np.testing.assert_allclose(energy[0], ladder(np.arange(observed) + 0.5), rtol=0, atol=LEVEL_TOLERANCE)
 
 
@@ -191,7 +195,7 @@ def test_list_is_what_the_engine_asks_for(listed):
 
 
 def test_two_lists_are_equal_to_the_last_bit(listed):
-    again = nitrogen.nitrogen_first_positive(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
+    again = FIRST_POSITIVE.line_list(RANGE, lost_fraction=LOST, reference_temperature=TEMPERATURES)
     for name in ("wavenumber", "einstein_a", "upper_energy", "natural_hwhm"):
         assert getattr(again, name).tobytes() == getattr(listed, name).tobytes()
 
@@ -308,7 +312,7 @@ def test_widths_are_those_of_the_lifetime_and_of_the_assumed_collisions(listed):
 def test_rotation_changes_the_moment_as_first_order_perturbation_says(bands):
     """Mixing of vibrational levels by k N(N+1) / r^2, over the levels of N = 0 (Herman & Wallis, 1955)."""
     turns = 10 * 11.0
-    inverse_square = kinetic_factor(nitrogen.NITROGEN_MASS / 2) / RADIUS**2
+    inverse_square = kinetic_factor(MASS) / RADIUS**2
     moment, slope = bands["moment"][:, :, 0], 0.0
     for name, highest, count, axis in (("B3Pi_g", 21, 22, 0), ("A3Sigma_u+", 20, 30, 1)):
         term, wave, _ = states(name, highest, count)

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from plasmapyro.constants import BOLTZMANN, LIGHT_SPEED, PLANCK
-from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.planck import (
+    blackbody_derivatives,
+    blackbody_radiance,
+    planck,
+    planck_and_slope,
+    planck_curvature,
+    radiance_and_inverse_slope,
+)
 
 FLOAT_RTOL = 1e-13  # ~500 eps: a dozen operations, the exponent up to 100
 STEFAN_BOLTZMANN = 5.670374419e-8  # CODATA 2018, exact to the digits given
@@ -54,3 +61,39 @@ def test_unphysical_arguments_are_refused(bad):
         blackbody_radiance(1e-6, bad)
     with pytest.raises(ValueError, match="wavelength must be > 0 m"):
         blackbody_radiance(bad, 1000.0)
+
+
+WAVELENGTH = np.array([0.75e-6, 1.1e-6, 20e-6])  # from Wien to near Rayleigh-Jeans
+BODIES = np.array([900.0, 3000.0])
+
+
+def test_the_unguarded_law_is_the_same_law():
+    guarded = blackbody_radiance(WAVELENGTH, BODIES[:, None])
+    np.testing.assert_allclose(planck(WAVELENGTH, BODIES), guarded, rtol=FLOAT_RTOL)
+    np.testing.assert_allclose(planck_and_slope(WAVELENGTH, BODIES)[0], guarded, rtol=FLOAT_RTOL)
+
+
+def test_both_derivatives_are_those_of_finite_differences():
+    step = 1e-4 * BODIES[:, None]
+    low, middle, high = (
+        blackbody_derivatives(WAVELENGTH, BODIES[:, None] + sign * step) for sign in (-1, 0, 1)
+    )
+    # Third derivative: (x/6)^2 step^2 / T^2 = 1e-8 * 9 at x = 21; rounding 1e-16 / 1e-4.
+    np.testing.assert_allclose(middle[1], (high[0] - low[0]) / (2 * step), rtol=1e-6)
+    np.testing.assert_allclose(middle[2], (high[1] - low[1]) / (2 * step), rtol=1e-6)
+
+
+def test_the_unguarded_derivatives_are_the_guarded_ones():
+    body, first, second = blackbody_derivatives(WAVELENGTH, BODIES[:, None])
+    np.testing.assert_allclose(planck_and_slope(WAVELENGTH, BODIES)[1], first, rtol=FLOAT_RTOL)
+    # Rayleigh-Jeans: terms of the order x cancel to x^2, x = 0.24 for 20 um at 3000 K.
+    np.testing.assert_allclose(planck_curvature(WAVELENGTH, BODIES), second / body, rtol=1e-11)
+
+
+def test_slope_over_inverse_temperature_is_that_of_finite_differences():
+    beta, step = 1 / BODIES, 1e-6
+    up, down = (
+        np.log(radiance_and_inverse_slope(WAVELENGTH, beta * (1 + sign * step))[0]) for sign in (1, -1)
+    )
+    _, slope = radiance_and_inverse_slope(WAVELENGTH, beta)
+    np.testing.assert_allclose((up - down) / (2 * step * beta[:, None]), slope, rtol=1e-7)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, require_cover
+from plasmapyro.radiation.bandsignal import band_signal, gridless_signal, require_cover, respond
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 
 FWHM = 0.75e-9
@@ -51,8 +51,8 @@ def test_a_slit_wider_than_the_spectrum_is_refused():
         slit_wavelengths(FINE, 10e-9)
 
 
-def test_gridded_signal_of_a_flat_spectrum_is_the_area_of_the_response():
-    flat = gridded_signal(FINE, np.full_like(FINE, 2.0), RESPONSE_WAVELENGTH, RESPONSE)
+def test_band_signal_of_a_flat_spectrum_is_the_area_of_the_response():
+    flat = band_signal(FINE, respond(FINE, RESPONSE_WAVELENGTH, RESPONSE), np.full_like(FINE, 2.0))
     assert flat == pytest.approx(2.0 * 7.5e-9, rel=1e-6, abs=0)
 
 

@@ -9,8 +9,9 @@ LAGS = 4  # samples over which the decay of the flicker is read
 
 
 def variance(values):
-    """Robust variance about zero, NaN ignored."""
-    return (NORMAL_MAD * np.nanmedian(np.abs(values))) ** 2
+    """Robust variance about zero, NaN ignored; NaN where nothing else is left."""
+    size = np.abs(values[np.isfinite(values)])
+    return (NORMAL_MAD * np.median(size)) ** 2 if size.size else np.nan
 
 
 def smoothed(signal, samples):

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
-from plasmapyro.forward.model import GreyTable
+from plasmapyro.estimate.instrument import GreyTable
 
 HUBER = 4.0  # [1] residuals beyond this many standard deviations count less
 

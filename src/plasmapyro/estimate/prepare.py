@@ -6,13 +6,13 @@ import numpy as np
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate import noise
+from plasmapyro.estimate.bins import pixel_bins
 from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE
+from plasmapyro.estimate.instrument import BANDS, GreyTable, bin_pixels, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.experiment.signals import phases
-from plasmapyro.forward.bins import pixel_bins
-from plasmapyro.forward.model import GreyTable
-from plasmapyro.forward.stage import BANDS, bin_pixels, forward_model
 from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.record.binning import groups
+from plasmapyro.record.emittance import relative_emittance
 
 MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of samples
 NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
@@ -37,12 +37,12 @@ class Samples:
     flicker_time: float  # [s]
 
 
-def samples_of(test, spans, most=MOST_SAMPLES):
+def samples_of(record, spans, most=MOST_SAMPLES):
     """Samples of a test with their noise; those in which the probe moves in or the plasma dies are left out.
 
     Parameters
     ----------
-    test : Dataset, contract 'test'
+    record : Record, with the pyrometer
     spans : (2,) floats [s], left out before injection and after the end of the plasma
     most : int
         A longer record is averaged over groups of neighbours, which never straddle a switch.
@@ -51,10 +51,10 @@ def samples_of(test, spans, most=MOST_SAMPLES):
     -------
     Samples
     """
-    time, injection, off = test.time.values, test.attrs["injection_time"], test.attrs["plasma_off_time"]
-    raw = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float)
-    moving = ((time >= injection - spans[0]) & (time < injection)) | ((time > off) & (time <= off + spans[1]))
-    signal = np.where(moving, np.nan, raw)
+    bands = record.instrument("pyrometer")
+    time, off = bands.time, record.off
+    moving = ((time >= -spans[0]) & (time < 0)) | ((time > off) & (time <= off + spans[1]))
+    signal = np.where(moving, np.nan, bands.sound.T)
     for band, row in zip(BANDS, signal, strict=True):
         if np.isfinite(row).sum() < 4 * NOISE_BLOCK:
             raise ValueError(
@@ -65,10 +65,10 @@ def samples_of(test, spans, most=MOST_SAMPLES):
     level = np.stack([noise.smoothed(row, 11) for row in signal])
     spread = np.hypot(floor[:, None], relative[:, None] * level)
     spread = np.maximum(spread, np.median(spread, axis=1, keepdims=True) * LEAST_NOISE)
-    low, high = test.attrs["reference_window"]
-    windows = [time < injection - spans[0], (time >= low) & (time <= high)]
+    low, high = record.window
+    windows = [time < -spans[0], (time >= low) & (time <= high)]
     deviation, correlation = noise.flicker(time, signal, windows)
-    group = _groups(time, (injection, off), most)
+    group = groups(time, (0.0, off), most)
     count = np.bincount(group)
     middle = np.bincount(group, time) / count
     good = np.isfinite(signal)
@@ -79,37 +79,35 @@ def samples_of(test, spans, most=MOST_SAMPLES):
         own = np.where(valid > 0, np.sqrt(square / valid), 1.0)
     if count.max() > 1 and np.isfinite(deviation):
         deviation = mean_flicker(deviation, correlation, float(np.median(np.diff(middle))))
-    injected, _ = phases(middle, injection, off)
+    injected, _ = record.phases(middle)
     return Samples(middle, mean, own, injected, middle <= off, group, deviation, correlation)
 
 
-def _groups(time, switches, most):
-    """Group (t,) of each sample, at most about `most` of them, none across a switch."""
-    size = int(np.ceil(time.size / most))
-    phase = (time >= switches[0]).astype(int) + (time > switches[1])
-    start = np.searchsorted(phase, phase)  # first sample of the same phase
-    place = (np.arange(time.size) - start) // size
-    new = np.append(True, (np.diff(place) != 0) | (np.diff(phase) != 0))
-    return np.cumsum(new) - 1
-
-
-def pyrometer_data(samples, response, calibration):
-    """What the pyrometer contributes to the estimate."""
-    model = forward_model(response, calibration, {})["pyrometer"]
-    moved = forward_model(response.assign_coords(wavelength=response.wavelength + SHIFT), calibration, {})
-    table, shifted = GreyTable(model), GreyTable(moved["pyrometer"])
+def pyrometer_data(samples, response, calibration, slope=0.0):
+    """What the pyrometer contributes to the estimate; `slope` [m-1] as from `record.emittance.tilt`."""
+    moved = response.assign_coords(wavelength=response.wavelength + SHIFT)
+    both = [pyrometer(own, calibration) for own in (response, moved)]
+    black, black_shifted = (GreyTable(own) for own in both)
+    table, shifted = (black, black_shifted) if slope == 0 else (GreyTable(_lit(own, slope)) for own in both)
     points = calibration.source_temperature.values
-    value, slope, _ = table(points)
+    value, by_temperature, _ = black(points)
     return PyrometerData(
         samples.signal,
         samples.noise,
         samples.injected,
         samples.shining,
         table,
-        (slope / value).mean(axis=0),
+        (by_temperature / value).mean(axis=0),
         shifted,
         SHIFT,
-        np.log(shifted(points)[0] / value).mean(axis=0) / SHIFT,
+        np.log(black_shifted(points)[0] / value).mean(axis=0) / SHIFT,
+    )
+
+
+def _lit(instrument, slope):
+    """An instrument in front of a surface that is not grey: its bins see so much less of a black body."""
+    return dataclasses.replace(
+        instrument, weight=instrument.weight * relative_emittance(instrument.wavelength, slope)
     )
 
 
@@ -134,11 +132,12 @@ def gain_uncertainties(calibration, source_slope):
     return float(source.mean()), np.full(2, own)
 
 
-def pyrometer_constants(test, data, calibration, gas, gas_change, band_shift_uncertainty):
+def pyrometer_constants(record, data, calibration, gas, gas_change, band_shift_uncertainty):
     """Prior of what does not change, as far as the pyrometer sees it; `gas` (2,) [A] is a first guess."""
-    emittance = test.attrs["emittance"]
-    spread = max(test.attrs["emittance_uncertainty"] / emittance, NOTHING)
+    emittance = record.emittance
+    spread = max(record.emittance_uncertainty / emittance, NOTHING)
     source, own = gain_uncertainties(calibration, data.source_slope)
+    own = np.hypot(own, record.emittance_slope_uncertainty / np.sqrt(2))  # between the bands, half in each
     return (
         constants("log_emittance", np.log(emittance), spread)
         + constants("source_error", 0.0, max(source, NOTHING))
@@ -149,7 +148,7 @@ def pyrometer_constants(test, data, calibration, gas, gas_change, band_shift_unc
     )
 
 
-def first_gas(test, samples):
+def first_gas(record, samples):
     """Gas signal (2,) [A] to start from: the median of the reference window.
 
     Raises
@@ -157,9 +156,10 @@ def first_gas(test, samples):
     ValueError
         If the window holds no sample of a band between injection and the end of the plasma.
     """
-    low, high = test.attrs["reference_window"]
+    low, high = record.window
     inside = (samples.time >= low) & (samples.time <= high) & samples.injected & samples.shining
     if not np.isfinite(samples.signal[:, inside]).any(axis=1).all():
+        low, high = record.clock(low), record.clock(high)
         raise ValueError(
             f"the reference window {low:g} to {high:g} s holds no sample of both bands after injection"
         )
@@ -167,7 +167,7 @@ def first_gas(test, samples):
     return np.maximum(np.nanmedian(samples.signal[:, inside], axis=1), least)
 
 
-def first_path(samples, data, gas, emittance, injection_time, initial_temperature):
+def first_path(samples, data, gas, emittance, initial_temperature):
     """Path (n, 4) to start from: the narrow band less its gas, read as a grey surface."""
     time, narrow = samples.time, noise.smoothed(samples.signal[1], 31)
     surface = narrow - np.where(data.shining, gas[1], 0.0)
@@ -175,7 +175,7 @@ def first_path(samples, data, gas, emittance, injection_time, initial_temperatur
     inverse = np.linspace(1 / 3900.0, 1 / 250.0, 500)
     curve = np.log(emittance * data.table(1 / inverse)[0][:, 1])
     guess = 1 / np.interp(np.log(surface[clear]), curve[::-1], inverse[::-1])
-    axis, values = np.append(injection_time, time[clear]), np.append(initial_temperature, guess)
+    axis, values = np.append(0.0, time[clear]), np.append(initial_temperature, guess)
     path = np.zeros((time.size, SIZE))
     path[:, TEMPERATURE] = np.where(data.injected, np.interp(time, axis, values), initial_temperature)
     path[:, RATE] = np.where(data.injected, np.gradient(path[:, TEMPERATURE], time), 0.0)
@@ -186,22 +186,21 @@ def first_path(samples, data, gas, emittance, injection_time, initial_temperatur
     return path
 
 
-def spectrometer_data(test, time, radiance, instrument, source_temperature, flicker, noise_block, spans):
+def spectrometer_data(record, frames, time, source_temperature, flicker, noise_block, spans, slope=0.0):
     """What the spectrometer contributes: means of the bins; None if no exposure is of use.
 
     Exposures during which the probe moves in or the plasma starts or ends are left out.
     """
-    middle = test.spectrum_time.values
-    injection, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
-    half = test.attrs["spectrometer_integration_time"] / 2
+    middle, off, half = frames.time, record.off, frames.integration_time / 2
+    pixels, radiance, instrument = frames.wavelength, frames.sound, spectrometer(frames.wavelength)
     usable = np.isfinite(radiance)
     own = local_noise(radiance, noise_block)
-    mean, count = bin_pixels(test.wavelength.values, radiance, usable, instrument.edges)
-    square, _ = bin_pixels(test.wavelength.values, own**2, usable & np.isfinite(own), instrument.edges)
+    mean, count = bin_pixels(pixels, radiance, usable, instrument.edges)
+    square, _ = bin_pixels(pixels, own**2, usable & np.isfinite(own), instrument.edges)
     spread = np.sqrt(square / np.maximum(count, 1))
     apart = (
-        ((middle - half >= injection) & (middle + half <= off))
-        | (middle + half <= injection - spans[0])
+        ((middle - half >= 0) & (middle + half <= off))
+        | (middle + half <= -spans[0])
         | (middle - half >= off + spans[1])
     )
     inside = (middle >= time[0]) & (middle <= time[-1]) & apart
@@ -218,9 +217,9 @@ def spectrometer_data(test, time, radiance, instrument, source_temperature, flic
         2 * half,
         mean[:, good],
         np.where(np.isfinite(mean), spread, 1.0)[:, good],
-        middle >= injection,
+        middle >= 0,
         middle <= off,
-        GreyTable(_of_pixels(instrument, test.wavelength.values, usable.any(axis=0), good)),
+        GreyTable(_lit(_of_pixels(instrument, pixels, usable.any(axis=0), good), slope)),
         (SECOND_RADIATION / instrument.wavelength / source_temperature**2)[good],
         flicker,
     )
@@ -235,7 +234,6 @@ def _of_pixels(instrument, pixels, usable, good):
     return dataclasses.replace(
         instrument,
         edges=edges,
-        channel=instrument.channel[good],
         weight=(weight / np.maximum(weight.sum(axis=1, keepdims=True), 1))[good],
     )
 

@@ -4,12 +4,15 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.estimate import prepare
+from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, TEMPERATURE, Dynamics
 from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
-from plasmapyro.experiment import inputs, status
-from plasmapyro.experiment.stage import CARRIED, calibrated_radiance
-from plasmapyro.forward.stage import BANDS, forward_model
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
+from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.record import flags, status
+from plasmapyro.record.attributes import carried
+from plasmapyro.record.emittance import tilt
+from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 FIRST_RATE = 0.1  # [K/s] standard deviation before injection: nothing heats the sample
@@ -88,35 +91,43 @@ def estimate(
 
     Notes
     -----
-    Not in the paper; method and reasons in docs/temperature.md.
+    Not in the paper; method and reasons in docs/temperature.md. Where instruments and calibrations contradict
+    each other there is no temperature, but a status and the reason.
     """
-    test = inputs.require(test, "pyrometer")
-    injection, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
+    record = record_of(
+        test,
+        {"pyrometer": calibration, "spectrometer": spectrometer_calibration}
+        if "spectrometer" in instruments
+        else {"pyrometer": calibration},
+        saturation_counts=saturation_counts,
+        needed=["pyrometer"],
+    )
     spans = injection_time_span, plasma_off_time_span
-    samples = prepare.samples_of(test, spans)
-    pyrometer = prepare.pyrometer_data(samples, response, calibration)
+    samples = prepare.samples_of(record, spans)
+    slope = tilt(record.emittance_slope, response)
+    pyrometer = prepare.pyrometer_data(samples, response, calibration, slope)
     told = np.isfinite(samples.flicker)
     deviation = samples.flicker if told else gas_flicker
     correlation = samples.flicker_time if told else gas_flicker_time
-    gas = prepare.first_gas(test, samples)
-    fixed = prepare.pyrometer_constants(test, pyrometer, calibration, gas, gas_change, band_shift_uncertainty)
-    path = prepare.first_path(
-        samples, pyrometer, gas, test.attrs["emittance"], injection, initial_temperature
+    gas = prepare.first_gas(record, samples)
+    fixed = prepare.pyrometer_constants(
+        record, pyrometer, calibration, gas, gas_change, band_shift_uncertainty
     )
+    path = prepare.first_path(samples, pyrometer, gas, record.emittance, initial_temperature)
     observations = [pyrometer]
-    if "spectrometer" in inputs.instruments(test) and "spectrometer" in instruments:
-        radiance, *_ = calibrated_radiance(test, spectrometer_calibration, saturation_counts)
+    frames = record.instrument("spectrometer")
+    if frames is not None:
         # ASSUME: one source for both instruments; its error then does not average out.
         source = calibration if spectrometer_calibration is None else spectrometer_calibration
         spectra = prepare.spectrometer_data(
-            test,
+            record,
+            frames,
             samples.time,
-            radiance,
-            forward_model(response, calibration, {}, test.wavelength.values)["spectrometer"],
             float(source.source_temperature.mean()),
-            prepare.mean_flicker(deviation, correlation, test.attrs["spectrometer_integration_time"]),
+            prepare.mean_flicker(deviation, correlation, frames.integration_time),
             noise_block,
             spans,
+            slope,
         )
         if spectra is not None:
             observations.append(spectra)
@@ -126,14 +137,14 @@ def estimate(
     time = samples.time
     chain = Chain(
         time,
-        (injection, off),
-        injection,
+        (0.0, record.off),
+        0.0,
         np.array([initial_temperature, 0.0, path[0, GAS], 0.0]),
         np.diag(
             [
                 initial_temperature_uncertainty**2,
-                FIRST_RATE**2 if time[0] < injection else KICK**2,
-                BEFORE_DEVIATION**2 if time[0] < injection else GAS_START**2,
+                FIRST_RATE**2 if time[0] < 0 else KICK**2,
+                BEFORE_DEVIATION**2 if time[0] < 0 else GAS_START**2,
                 deviation**2,
             ]
         ),
@@ -141,7 +152,7 @@ def estimate(
     dynamics = Dynamics(
         **START_DYNAMICS,
         kick=KICK,
-        gas=gas_drift**2 / (off - injection),
+        gas=gas_drift**2 / record.off,
         gas_start=GAS_START,
         flicker=deviation,
         flicker_time=correlation,
@@ -155,7 +166,7 @@ def estimate(
         raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
     spread = spread_of(chain, observations, fixed, found)
     limits = least_surface_share, largest_uncertainty
-    return _dataset(test, calibration, samples, observations, fixed, found, spread, limits)
+    return _dataset(record, test, calibration, samples, observations, fixed, found, spread, limits)
 
 
 def _told(time, told, temperature, largest):
@@ -165,21 +176,26 @@ def _told(time, told, temperature, largest):
     return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
 
 
-def _dataset(test, calibration, samples, observations, fixed, found, spread, limits):
+def _dataset(record, test, calibration, samples, observations, fixed, found, spread, limits):
     of, group = fixed.where, samples.group
     least_share, largest = limits
     middle = found.path[:, TEMPERATURE]
     told = _told(samples.time, spread.told, middle, largest)[group]
-    temperature = np.interp(test.time.values, samples.time, middle)
+    bands = record.instrument("pyrometer")
+    temperature = np.interp(bands.time, samples.time, middle)
     deviation = np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE])[group]
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     share, injected = (surface / (surface + gas))[:, group], samples.injected[group]
+    against, words = contradicted(samples.time, observations, fixed, found)
     known = injected & told & (deviation < largest * temperature)
     low, high = calibration.fit_range.values
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
     state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
-    state[np.isnan([test[f"signal_{band}"].values for band in BANDS]).all(axis=0)] = status.MISSING
+    state[bands.flagged(flags.SATURATED, flags.CLIPPED).all(axis=1)] = status.SATURATED
+    state[bands.flagged(flags.LOST, flags.STUCK).all(axis=1)] = status.MISSING
     state[~known] = status.NO_SIGNAL
+    state[against[group]] = status.CONTRADICTED
+    known &= ~against[group]
     state[~injected] = status.NOT_INJECTED
     factor = np.exp(NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, np.exp(found.path[:, GAS]), 0.0)[group]
@@ -214,9 +230,10 @@ def _dataset(test, calibration, samples, observations, fixed, found, spread, lim
             ),
         },
         {"time": test.time.values, "band": list(BANDS)},
-        {name: test.attrs[name] for name in CARRIED if name in test.attrs}
+        carried(test)
         | {
             "instruments": " ".join(["pyrometer", "spectrometer"][: len(observations)]),
+            "contradictions": "; ".join(words),
             "steps": found.steps,
             "gas_flicker": float(found.dynamics.flicker),
             "gas_flicker_time": float(found.dynamics.flicker_time),

@@ -1,8 +1,19 @@
 """Temperatures of the pyrometer, before and after the correction, with status and uncertainty."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from plasmapyro.experiment.status import (
+from plasmapyro.experiment.signals import corrected_signal, corrected_signal_uncertainty
+from plasmapyro.instrument.calibration import (
+    invert_quadratic,
+    invert_quadratic_freely,
+    require_rising,
+    spread,
+)
+from plasmapyro.instrument.pyrometer import signal_ratio
+from plasmapyro.progress import step
+from plasmapyro.record.status import (
     GAS_DOMINATED,
     MISSING,
     NO_SIGNAL,
@@ -10,9 +21,6 @@ from plasmapyro.experiment.status import (
     SATURATED,
     WITH_VALUE,
 )
-from plasmapyro.instrument.calibration import invert_quadratic, invert_quadratic_freely, spread
-from plasmapyro.instrument.pyrometer import signal_ratio
-from plasmapyro.progress import step
 
 BLOCK = 512  # samples whose draws are held at once
 LEAST_SLOPE = 0.01  # of a draw: emittances are > 0
@@ -38,7 +46,7 @@ def read_measured(signals, saturated, slope, coefficient, fit_range, instrument_
 
     Notes
     -----
-    Source: Fagnani et al., sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
+    Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
     """
     ratio = signal_ratio(*signals) / slope
     temperature, status = invert_quadratic(ratio, coefficient, fit_range, instrument_range)
@@ -86,7 +94,7 @@ def read_corrected(
 
     Notes
     -----
-    Source: Fagnani et al., sec. 5.2.
+    Source: Fagnani et al., eqs. 6 and 13, sec. 5.2.
     """
     detected = (corrected > detection_level * uncertainty).all(axis=0)
     ratio = np.where(detected, signal_ratio(*corrected), np.nan) / slope
@@ -98,6 +106,69 @@ def read_corrected(
     status[np.isnan(corrected).any(axis=0)] = MISSING
     status[~injected] = NOT_INJECTED
     return np.where(np.isin(status, WITH_VALUE), temperature, np.nan), status
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the paper's method reads a temperature from two signals: curve of the calibration and limits."""
+
+    coefficient: np.ndarray  # (3,) of the quadratic fit of the ratio
+    fit_range: np.ndarray  # (2,) [K]
+    instrument_range: np.ndarray  # (2,) [K]
+    slope: float  # [1] emittance in the wide band over that in the narrow one
+    signal_uncertainty: float  # [1] relative, of one signal
+    gas_variation: float  # [1] relative, of the gas about the reference
+    detection_level: float  # [1]
+    least_surface_share: float  # [1]
+
+    @classmethod
+    def of(cls, calibration, slope, **limits):
+        """From a dataset of the contract 'calibration' and the fields after `slope` by name.
+
+        Raises
+        ------
+        ValueError
+            If the ratio of the calibration does not rise over its range.
+        """
+        fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
+        require_rising(*fit)
+        return cls(*fit, slope, **limits)
+
+    @property
+    def fit(self):
+        """What `instrument.calibration.invert_quadratic` needs besides the ratio."""
+        return self.coefficient, self.fit_range, self.instrument_range
+
+    def corrected(self, signals, reference, reference_uncertainty, injected, shining, saturated):
+        r"""Signals of the surface and the temperature they give.
+
+        .. math:: T_{corr} = H_c^{-1}\!\left(\frac{S_1 - S_{1,ref}}{S_2 - S_{2,ref}}\right)
+
+        Parameters
+        ----------
+        signals : (2, t) array [A]
+        reference, reference_uncertainty : (2,) arrays [A], see `signals.reference_signal`
+        injected, shining, saturated : (t,) bool arrays
+
+        Returns
+        -------
+        corrected, uncertainty : (2, t) ndarrays [A]
+        temperature : (t,) ndarray [K]
+        status : (t,) int8 ndarray, see `status.MEANINGS`
+
+        Notes
+        -----
+        Source: Fagnani et al., eqs. 6 and 13, with the quadratic fit of the calibration points (sec. 3.2).
+        """
+        corrected = corrected_signal(signals, reference, injected, shining)
+        uncertainty = corrected_signal_uncertainty(
+            signals, reference, reference_uncertainty, shining, self.signal_uncertainty, self.gas_variation
+        )
+        limits = self.detection_level, self.least_surface_share
+        temperature, status = read_corrected(
+            signals, corrected, uncertainty, injected, saturated, self.slope, *self.fit, *limits
+        )
+        return corrected, uncertainty, temperature, status
 
 
 def temperature_uncertainty(

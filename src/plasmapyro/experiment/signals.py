@@ -5,24 +5,6 @@ import numpy as np
 from plasmapyro.checks import increasing
 
 
-def phases(time, injection_time, plasma_off_time):
-    """Where a sample is in view, and where the plasma shines on it.
-
-    Parameters
-    ----------
-    time : (t,) array [s]
-    injection_time, plasma_off_time : float [s]
-
-    Returns
-    -------
-    injected, shining : (t,) bool ndarrays
-        From injection on; from injection to the end of the plasma, both included.
-    """
-    time = np.asarray(time, dtype=float)
-    injected = time >= injection_time
-    return injected, injected & (time <= plasma_off_time)
-
-
 def reference_signal(time, signal, window):
     r"""Mean signal of the reference window and its standard uncertainty.
 
@@ -49,6 +31,13 @@ def reference_signal(time, signal, window):
     Notes
     -----
     Source: Fagnani et al., eq. 12. Deviation: the uncertainty of the mean is carried along.
+
+    Examples
+    --------
+    >>> time, signal = np.arange(5.0), np.array([9.0, 3.0, 5.0, 4.0, 8.0])
+    >>> mean, uncertainty = reference_signal(time, signal, (1.0, 3.0))
+    >>> mean, round(uncertainty, 3)
+    (4.0, 0.577)
     """
     time = increasing("time", time, "s")
     inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signal)
@@ -83,6 +72,14 @@ def corrected_signal(signal, reference, injected, shining):
     -----
     Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the
     reference window holds until the plasma is switched off.
+
+    Examples
+    --------
+    Before the injection, in the plasma, after it is switched off:
+
+    >>> injected, shining = np.array([False, True, True]), np.array([True, True, False])
+    >>> corrected_signal([5.0, 7.0, 7.0], 4.0, injected, shining)
+    array([nan,  3.,  7.])
     """
     reduced = np.asarray(signal, dtype=float) - np.where(shining, np.asarray(reference)[..., None], 0.0)
     return np.where(injected, reduced, np.nan)

@@ -2,34 +2,12 @@
 
 import numpy as np
 
-from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
-from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.planck import blackbody_radiance, radiance_and_inverse_slope
 
 STEPS = 40  # Gauss-Newton steps allowed; a handful suffices from the starting grid
 STEP_LIMIT = 0.1  # largest relative change of 1/T in one step
 CONVERGED = 1e-7  # relative change of 1/T that ends the iteration: the next one changes 1e-4 K at most
 STARTS = 24  # trial temperatures from which the best starts the iteration
-
-
-def shape_and_slope(wavelength, inverse_temperature):
-    r"""Planck's law and its logarithmic derivative with respect to inverse temperature.
-
-    .. math:: \frac{d\ln L}{d\beta} = -\frac{c_2}{\lambda}\,\frac{1}{1 - e^{-c_2\beta/\lambda}}
-              = -\frac{c_2}{\lambda}\left(1 + \frac{\lambda^5 L}{2hc^2}\right)
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    inverse_temperature : (R,) array [K-1], > 0
-
-    Returns
-    -------
-    radiance : (R, W) ndarray [W m-2 sr-1 m-1]
-    slope : (R, W) ndarray [K]
-    """
-    radiance = blackbody_radiance(wavelength, 1 / np.asarray(inverse_temperature, dtype=float)[:, None])
-    photons = wavelength**5 / FIRST_RADIATION * radiance
-    return radiance, -SECOND_RADIATION / wavelength * (1 + photons)
 
 
 def normalised(values, usable, pivot):
@@ -121,7 +99,7 @@ def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start
     data = np.where(weight > 0, data, 0.0)
 
     def model(beta):
-        shape, slope = shape_and_slope(wavelength, beta)
+        shape, slope = radiance_and_inverse_slope(wavelength, beta)
         mean = _pivot_mean(shape, usable, pivot)[:, None]
         mean_slope = _pivot_mean(-shape * slope, usable, pivot)[:, None] / -mean
         curve = np.nan_to_num(shape / mean)
@@ -174,7 +152,7 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
         return _ratio(np.sum(weight * shape * data, axis=1), np.sum(weight * shape**2, axis=1))
 
     def step(beta):
-        shape, slope = shape_and_slope(wavelength, beta)
+        shape, slope = radiance_and_inverse_slope(wavelength, beta)
         scale = scale_of(shape)[:, None]
         derivative = scale * shape * slope
         # Take out of the derivative what a change of scale can do.
@@ -184,14 +162,16 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
         return _ratio(np.sum(weight * derivative * rest, axis=1), np.sum(weight * derivative**2, axis=1))
 
     def misfit(beta):
-        shape, _ = shape_and_slope(wavelength, beta)
+        shape, _ = radiance_and_inverse_slope(wavelength, beta)
         return np.sum(weight * (data - scale_of(shape)[:, None] * shape) ** 2, axis=1)
 
     temperature = _iterate(step, misfit, data.shape[0], good.sum(axis=1) >= 3, temperature_range, start)
     found = np.isfinite(temperature)
     scale = np.full(temperature.shape, np.nan)
     if found.any():
-        shape, _ = shape_and_slope(wavelength, 1 / np.where(found, temperature, temperature_range[0]))
+        shape, _ = radiance_and_inverse_slope(
+            wavelength, 1 / np.where(found, temperature, temperature_range[0])
+        )
         scale = np.where(found, scale_of(shape), np.nan)
     return temperature, scale
 

@@ -5,7 +5,7 @@ import logging
 import numpy as np
 import xarray as xr
 
-from plasmapyro.experiment import correction, inputs, onset, signals, spectra, status
+from plasmapyro.experiment import correction, signals, spectra
 from plasmapyro.experiment.frame import (
     FrameFit,
     factor_errors,
@@ -13,23 +13,15 @@ from plasmapyro.experiment.frame import (
     fitted_curve,
     pivot_signal_to_noise,
 )
-from plasmapyro.instrument.calibration import require_rising
-from plasmapyro.instrument.raw_counts import above_baseline
-from plasmapyro.instrument.spectrometer import USABLE, local_noise, measured_radiance
+from plasmapyro.instrument.spectrometer import USABLE, local_noise
+from plasmapyro.progress import step
+from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.record import flags, onset, status
+from plasmapyro.record.attributes import carried
+from plasmapyro.record.calibrated import halves
+from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
-BANDS = ("wide", "narrow")
-SAME_PIXEL = 1e-11  # [m] programs print 2 to 4 digits of a nanometre; pixels are ten times as far apart
-CARRIED = (
-    "title",
-    "origin",
-    "condition",
-    "injection_time",
-    "plasma_off_time",
-    "reference_window",
-    "emittance",
-    "emittance_uncertainty",
-)
 
 
 def correct_pyrometer(
@@ -65,25 +57,30 @@ def correct_pyrometer(
     -----
     Source: Fagnani et al., eqs. 12 and 13, sec. 5.2.
     """
-    test = inputs.require(test, "pyrometer")
-    time = test.time.values
-    raw = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float)
-    injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
-    limits = [test.attrs.get(f"signal_saturation_{band}", np.inf) for band in BANDS]
-    saturated = (raw >= np.array(limits)[:, None]).any(axis=0)
-    slope = float(test.attrs.get("emittance_slope", 1.0))
+    record = record_of(test, {"pyrometer": calibration}, needed=["pyrometer"])
+    bands = record.instrument("pyrometer")
+    injected, shining = record.phases(bands.time)
+    saturated = bands.flagged(flags.SATURATED, flags.CLIPPED).any(axis=1)
+    raw = np.where(bands.flagged(flags.STUCK), np.nan, bands.value).T
     sound = np.where(saturated, np.nan, raw)
-    means = [signals.reference_signal(time, row, test.attrs["reference_window"]) for row in sound]
+    means = [
+        signals.reference_signal(bands.time, row, record.window) if record.window else (0.0, 0.0)
+        for row in sound
+    ]
     reference, reference_uncertainty = np.array(means).T
-    corrected = signals.corrected_signal(raw, reference, injected, shining)
-    uncertainty = signals.corrected_signal_uncertainty(
-        raw, reference, reference_uncertainty, shining, signal_uncertainty, gas_variation
+    reading = correction.Reading.of(
+        calibration,
+        record.emittance_slope,
+        signal_uncertainty=signal_uncertainty,
+        gas_variation=gas_variation,
+        detection_level=detection_level,
+        least_surface_share=least_surface_share,
     )
-    fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
-    require_rising(*fit)
-    measured_temperature, measured_status = correction.read_measured(raw, saturated, slope, *fit)
-    corrected_temperature, corrected_status = correction.read_corrected(
-        raw, corrected, uncertainty, injected, saturated, slope, *fit, detection_level, least_surface_share
+    corrected, uncertainty, corrected_temperature, corrected_status = reading.corrected(
+        raw, reference, reference_uncertainty, injected, shining, saturated
+    )
+    measured_temperature, measured_status = correction.read_measured(
+        raw, saturated, record.emittance_slope, *reading.fit
     )
 
     def monte_carlo(gas, gas_uncertainty, temperature, stream):
@@ -91,11 +88,11 @@ def correct_pyrometer(
             raw,
             gas,
             gas_uncertainty,
-            slope,
-            float(test.attrs.get("emittance_slope_uncertainty", 0.0)),
-            fit[0],
+            record.emittance_slope,
+            record.emittance_slope_uncertainty,
+            reading.coefficient,
             calibration.fit_covariance.values,
-            fit[1],
+            reading.fit_range,
             signal_uncertainty,
             gas_variation,
             draws,
@@ -106,8 +103,8 @@ def correct_pyrometer(
     nothing = np.zeros_like(raw)
     return xr.Dataset(
         {
-            "signal_wide": ("time", raw[0]),
-            "signal_narrow": ("time", raw[1]),
+            "signal_wide": ("time", bands.value[:, 0]),
+            "signal_narrow": ("time", bands.value[:, 1]),
             "reference_signal": ("band", reference),
             "reference_signal_uncertainty": ("band", reference_uncertainty),
             "corrected_signal": (("band", "time"), corrected),
@@ -137,8 +134,8 @@ def correct_pyrometer(
             "instrument_range": calibration.instrument_range,
             "fit_range": calibration.fit_range,
         },
-        {"time": time, "band": list(BANDS)},
-        _carried(test) | _window_attributes("pyrometer", test, time, sound),
+        {"time": test.time.values, "band": list(BANDS)},
+        carried(test) | _window_attributes("pyrometer", record, bands.time, sound),
     )
 
 
@@ -156,7 +153,6 @@ def correct_spectra(
     noise_block,
     draws,
     seed,
-    report=None,
 ):
     """Corrected spectra of a test and the temperatures fitted to them.
 
@@ -183,8 +179,6 @@ def correct_spectra(
         Pixels per noise estimate.
     draws, seed : int
         Of the Monte Carlo uncertainties.
-    report : function (done, total), optional
-        Called as the fits go on.
 
     Returns
     -------
@@ -201,29 +195,39 @@ def correct_spectra(
     normalised at a pivot (`spectrometer_temperature`), and one with a free scale in units of the noise
     (`scaled_temperature`), which needs no pivot and gives the apparent emittance as well.
     """
-    test = inputs.require(test, "spectrometer")
-    time, wavelength = test.spectrum_time.values, test.wavelength.values
-    radiance, pixels, saturated = calibrated_radiance(test, spectrometer_calibration, saturation_counts)
-    reference = radiance[_reference_index(test, reference_time)]
-    injected, shining = signals.phases(time, test.attrs["injection_time"], test.attrs["plasma_off_time"])
+    record = record_of(
+        test,
+        {"spectrometer": spectrometer_calibration},
+        saturation_counts=saturation_counts,
+        needed=["spectrometer"],
+    )
+    frames = record.instrument("spectrometer")
+    time, wavelength, pixels = frames.time, frames.wavelength, frames.channel_status
+    radiance, saturated = frames.sound, frames.flagged(flags.SATURATED)
+    index = _reference_index(record, frames, reference_time) if record.window else 0
+    reference = radiance[index] if record.window else np.zeros(wavelength.size)
+    injected, shining = record.phases(time)
     corrected = signals.corrected_signal(radiance.T, reference, injected, shining).T
     noise = np.where(np.isfinite(corrected), local_noise(corrected, noise_block), np.nan)
     gas = np.where(shining[:, None], reference, 0.0)
     usable = np.isfinite(corrected) & (np.hypot(noise, gas_variation * gas) > 0)
     pivot = np.abs(wavelength - normalisation_wavelength) <= normalisation_half_width
-    if not pivot.any():
+    good = wavelength[pixels == USABLE]
+    if not (pivot & (pixels == USABLE)).any():
+        span = f"{good[0] * 1e9:.5g} to {good[-1] * 1e9:.5g} nm" if good.size else "none"
         raise ValueError(
-            f"no pixel within {normalisation_half_width * 1e9:g} nm of the normalisation wavelength"
-            f" {normalisation_wavelength * 1e9:g} nm; the spectra end at {wavelength[-1] * 1e9:g} nm"
+            f"no usable pixel within {normalisation_half_width * 1e9:g} nm of the wavelength at which the"
+            f" spectra are normalised, {normalisation_wavelength * 1e9:g} nm; usable are {span}: choose"
+            " another with --normalisation-nm (in the workflow: normalisation_wavelength_nm)"
         )
     to_noise = pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
-    state = _spectrum_status(test, time, injected, usable & pivot, to_noise, least_signal_to_noise)
+    state = _spectrum_status(record, frames, injected, usable & pivot, to_noise, least_signal_to_noise)
     state[(state == status.MISSING) & saturated[:, pivot].any(axis=1)] = status.SATURATED
     factor_error, gas_level = _common_errors(spectrometer_calibration, wavelength, gas_variation, draws, seed)
     trials = spectra.trial_curves(wavelength, temperature_range)
     fits = np.full((time.size, len(FrameFit._fields)), np.nan)
-    frames = np.flatnonzero(state == status.VALID)
-    for done, frame in enumerate(frames, 1):
+    usable_frames = np.flatnonzero(state == status.VALID)
+    for done, frame in enumerate(usable_frames, 1):
         fits[frame] = fit_frame(
             wavelength,
             corrected[frame],
@@ -238,8 +242,7 @@ def correct_spectra(
             gas_level,
             np.random.default_rng([seed, 1, frame]),
         )
-        if report is not None:
-            report(done, frames.size)
+        step("fitting spectra", done, usable_frames.size)
     found = FrameFit(*fits.T)
     # A spectrum that no black body in the range resembles holds no signal of one.
     state[(state == status.VALID) & np.isnan(found.temperature)] = status.NO_SIGNAL
@@ -262,118 +265,52 @@ def correct_spectra(
             "signal_to_noise": ("spectrum_time", to_noise),
             "spectrum_status": ("spectrum_time", state, status.flags()),
         },
-        {"spectrum_time": time, "wavelength": wavelength},
-        _carried(test)
-        | _window_attributes("spectrometer", test, time, halves(radiance))
+        {"spectrum_time": test.spectrum_time.values, "wavelength": wavelength},
+        carried(test)
+        | _window_attributes("spectrometer", record, time, halves(radiance))
         | {
-            "reference_time": float(time[_reference_index(test, reference_time)]),
+            "reference_time": float(test.spectrum_time.values[index]) if record.window else np.nan,
             "normalisation_wavelength": float(normalisation_wavelength),
         },
     )
 
 
-def on_same_wavelengths(first, second):
-    """Whether two datasets hold the same pixels, up to the digits that programs print."""
-    mine, its = first.wavelength.values, second.wavelength.values
-    return mine.size == its.size and np.allclose(mine, its, rtol=0, atol=SAME_PIXEL)
-
-
-def _span(dataset):
-    values = dataset.wavelength.values * 1e9
-    return f"{values.size} pixels from {values[0]:.3f} to {values[-1]:.3f} nm"
-
-
-def _carried(test):
-    return {name: test.attrs[name] for name in CARRIED if name in test.attrs}
-
-
-def halves(radiance):
-    """Mean radiance (2, S) of the pixels of shorter and of longer wavelength; NaN without a usable one."""
-    good = np.isfinite(radiance)
-    middle = np.searchsorted(np.cumsum(good.any(axis=0)), good.any(axis=0).sum() / 2)
-    parts = [slice(None, middle), slice(middle, None)]
-    count = np.array([good[:, part].sum(axis=1) for part in parts])
-    total = np.array([np.where(good[:, part], radiance[:, part], 0.0).sum(axis=1) for part in parts])
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
-
-
-def _window_attributes(instrument, test, time, pair):
+def _window_attributes(name, record, time, pair):
     """What the program finds in the reference window (see `onset.attributes`); also logged if amiss."""
-    window = test.attrs["reference_window"]
-    found = onset.attributes(instrument, time, pair, window, test.attrs["plasma_off_time"])
-    if found[f"{instrument}_reference_verdict"] in (onset.SHOWS, onset.DRIFTS):
-        LOG.warning("%s: reference window %g to %g s: %s", instrument, *window, found)
+    if not record.window:
+        return {}
+    found = onset.attributes(name, time, pair, record.window, record.off)
+    # The record counts from the injection, a reader on the clock of the test.
+    for moment in (f"{name}_surface_onset", f"{name}_proposed_window"):
+        if moment in found:
+            found[moment] = record.clock(np.array(found[moment])).tolist()
+    if found[f"{name}_reference_verdict"] in (onset.SHOWS, onset.DRIFTS):
+        LOG.warning(
+            "%s: reference window %g to %g s: %s", name, *record.clock(np.array(record.window)), found
+        )
     return found
 
 
-def calibrated_radiance(test, calibration, saturation_counts):
-    """Radiance (S, W), NaN where unusable; status (W,) of the pixels; where the converter clipped (S, W)."""
-    if calibration is None:
-        if "spectral_radiance" not in test.variables:
-            raise ValueError(
-                "the test holds counts: a spectrometer calibration is needed (in the workflow:"
-                " calibrated_spectra: false in the file of the test, and instrument.spectrometer_counts)"
-            )
-        pixels = np.full(test.sizes["wavelength"], USABLE, dtype="int8")
-    else:
-        if not on_same_wavelengths(calibration, test):
-            raise ValueError(
-                "the spectrometer calibration and the test are not on the same wavelengths:"
-                f" {_span(calibration)} against {_span(test)}"
-            )
-        pixels = calibration.pixel_status.values.astype("int8")
-    shape = test.sizes["spectrum_time"], test.sizes["wavelength"]
-    saturated = test.saturated.values > 0 if "saturated" in test.variables else np.zeros(shape, dtype=bool)
-    if "spectral_radiance" in test.variables:
-        good = (pixels == USABLE) & ~saturated
-        return np.where(good, test.spectral_radiance.values, np.nan), pixels, saturated
-    raw = test.counts.values.astype(float)
-    saturated |= raw >= saturation_counts
-    raw[saturated] = np.nan
-    background = test.background_counts.values
-    if "linearity_coefficient" in calibration:
-        # As the counts of the source were treated, so are these.
-        if test.attrs.get("counts_linearised") and calibration.sizes["linearity_power"] > 1:
-            raise ValueError(
-                "the counts of the test are linearised already, those of the calibration were not: switch the"
-                " correction off in the spectrometer's program, or calibrate with linearised counts"
-            )
-        masked = calibration.masked_pixel.values if "masked_pixel" in calibration else []
-        raw, background = (
-            above_baseline(values, calibration.linearity_coefficient.values, masked)
-            for values in (raw, background)
-        )
-    radiance = measured_radiance(
-        raw,
-        background,
-        calibration.calibration_factor.values,
-        test.attrs["spectrometer_integration_time"],
-    )
-    return radiance, pixels, saturated
-
-
-def _reference_index(test, reference_time):
+def _reference_index(record, frames, reference_time):
     """Index of the exposure that gives the reference spectrum; refused if it is not all in the window."""
-    time, window = test.spectrum_time.values, test.attrs["reference_window"]
-    index = int(np.argmin(np.abs(time - reference_time)))
-    half = test.attrs["spectrometer_integration_time"] / 2
-    if not window[0] <= time[index] - half < time[index] + half <= window[1]:
+    index = int(np.argmin(np.abs(frames.time - (reference_time - record.injection))))
+    middle, half = frames.time[index], frames.integration_time / 2
+    if not record.window[0] <= middle - half < middle + half <= record.window[1]:
+        begin, end, low, high = record.clock(np.array([middle - half, middle + half, *record.window]))
         raise ValueError(
-            f"the exposure nearest to reference_time {reference_time:g} s, {time[index] - half:g} to"
-            f" {time[index] + half:g} s, is not inside the reference window"
-            f" {window[0]:g} to {window[1]:g} s"
+            f"the exposure nearest to reference_time {reference_time:g} s, {begin:g} to {end:g} s, is not"
+            f" inside the reference window {low:g} to {high:g} s"
         )
     return index
 
 
-def _spectrum_status(test, time, injected, chosen, to_noise, least):
-    half = test.attrs["spectrometer_integration_time"] / 2
-    state = np.full(time.size, status.VALID, dtype="int8")
+def _spectrum_status(record, frames, injected, chosen, to_noise, least):
+    state = np.full(frames.time.size, status.VALID, dtype="int8")
     state[~(to_noise >= least)] = status.NO_SIGNAL
     state[~chosen.any(axis=1)] = status.MISSING
     state[~injected] = status.NOT_INJECTED
-    for moment in (test.attrs["injection_time"], test.attrs["plasma_off_time"]):
-        state[np.abs(time - moment) < half] = status.STRADDLING
+    for moment in (0.0, record.off) if record.window else ():
+        state[np.abs(frames.time - moment) < frames.integration_time / 2] = status.STRADDLING
     return state
 
 

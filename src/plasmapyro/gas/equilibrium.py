@@ -71,7 +71,7 @@ def composition(temperature, pressure):
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     pressure = positive("pressure", pressure, "Pa")
     temperature, pressure = np.broadcast_arrays(temperature, pressure)
-    gibbs = _standard("standard_gibbs_RT", temperature.ravel())
+    gibbs = standard_state("standard_gibbs_RT", temperature.ravel())
     standard = -gibbs - np.log(pressure.ravel() / REFERENCE_PRESSURE)[:, None]
     # Start: no element may exceed the amount it has as a molecule, as an atom or as an ion.
     potential = np.stack(
@@ -172,7 +172,7 @@ def species_enthalpy(temperature):
     Source: NASA-9 polynomials, as `composition`.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
-    return _standard("standard_enthalpies_RT", temperature) * (BOLTZMANN * temperature)[..., None]
+    return standard_state("standard_enthalpies_RT", temperature) * (BOLTZMANN * temperature)[..., None]
 
 
 def species_heat_capacity(temperature):
@@ -193,11 +193,11 @@ def species_heat_capacity(temperature):
     Source: NASA-9 polynomials, as `composition`.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
-    return _standard("standard_cp_R", temperature)
+    return standard_state("standard_cp_R", temperature)
 
 
-def _standard(name, temperature):
-    """One molar standard-state property of the phase, shape of `temperature` + (11,)."""
+def standard_state(name, temperature):
+    """One molar standard-state property of `phase` by its Cantera name, shape of `temperature` + (11,)."""
     gas = phase()
     rows = np.empty((temperature.size, len(SPECIES)))
     for row, one in zip(rows, temperature.flat, strict=True):

@@ -255,6 +255,56 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
     return BOLTZMANN * np.sum(x * (heat_capacity[:, HEAVY] - 2.5) / resistance, axis=1)
 
 
+def diffusion_matrix(mole_fraction, diffusion):
+    r"""Fluxes of the species per driving force, without electric current.
+
+    Solves the Stefan-Maxwell equations for :math:`F_i = \sum_j M_{ij} d_j`:
+
+    .. math:: \sum_j \frac{x_i F_j - x_j F_i}{D_{ij}} = d_i - \frac{q_i x_i}{kT} E, \quad
+              \sum_i m_i F_i = 0, \quad \sum_i q_i F_i = 0
+
+    Parameters
+    ----------
+    mole_fraction : ndarray [1]
+        Shape (points, 11).
+    diffusion : ndarray [m-1 s-1]
+        n D, shape (points, 11, 11), from `diffusion`.
+
+    Returns
+    -------
+    ndarray [m-1 s-1]
+        Shape (points, 11, 11): number fluxes per gradient of the mole fractions; forces must add up to zero.
+
+    Notes
+    -----
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system).
+    """
+    size = mole_fraction.shape[1]
+    matrix = _stefan_maxwell(mole_fraction, diffusion)
+    return np.linalg.solve(matrix, np.eye(size + 1)[:, :size])[:, :size]
+
+
+def _stefan_maxwell(mole_fraction, diffusion):
+    """Matrix (points, 12, 12) of the equations of `diffusion_matrix`; the last unknown is the field."""
+    points, size = mole_fraction.shape
+    resistance = 1 / diffusion
+    matrix = np.zeros((points, size + 1, size + 1))
+    pairs = mole_fraction[:, :, None] * resistance
+    matrix[:, :size, :size] = pairs
+    index = np.arange(size)
+    friction = np.einsum("pj,pij->pi", mole_fraction, resistance) - mole_fraction * _diagonal(resistance)
+    matrix[:, index, index] = -friction
+    # The equations add up to 0 = 0; the mass balance, weighted with x, makes them independent.
+    scale = friction.mean(axis=1)
+    matrix[:, :size, :size] -= (scale[:, None] * mole_fraction)[:, :, None] * (MASS / MASS.max())
+    # The unknown is E x_e/kT, which stays of order one where nothing is ionised.
+    electrons = np.maximum(mole_fraction[:, ELECTRON], np.finfo(float).tiny)
+    matrix[:, :size, size] = scale[:, None] * CHARGE * mole_fraction / electrons[:, None]
+    matrix[:, ELECTRON, size] = -scale  # also where there is no electron at all
+    matrix[:, size, :size] = CHARGE * scale[:, None]
+    return matrix
+
+
 def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion, thermal_ratio):
     r"""Thermal conductivity by diffusion of the reacting species, without electric current.
 
@@ -294,24 +344,9 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
     elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
     """
-    points, size = mole_fraction.shape
-    resistance = 1 / diffusion
-    matrix = np.zeros((points, size + 1, size + 1))
-    pairs = mole_fraction[:, :, None] * resistance
-    matrix[:, :size, :size] = pairs
-    index = np.arange(size)
-    friction = np.einsum("pj,pij->pi", mole_fraction, resistance) - mole_fraction * _diagonal(resistance)
-    matrix[:, index, index] = -friction
-    # The equations add up to 0 = 0; the mass balance, weighted with x, makes them independent.
-    scale = friction.mean(axis=1)
-    matrix[:, :size, :size] -= (scale[:, None] * mole_fraction)[:, :, None] * (MASS / MASS.max())
-    # The unknown is E x_e/kT, which stays of order one where nothing is ionised.
-    electrons = np.maximum(mole_fraction[:, ELECTRON], np.finfo(float).tiny)
-    matrix[:, :size, size] = scale[:, None] * CHARGE * mole_fraction / electrons[:, None]
-    matrix[:, ELECTRON, size] = -scale  # also where there is no electron at all
-    matrix[:, size, :size] = CHARGE * scale[:, None]
     force = slope + mole_fraction * thermal_ratio / temperature[:, None]
-    flux = _solve(matrix, np.concatenate([force, np.zeros((points, 1))], axis=1))[:, :size]
+    matrix = _stefan_maxwell(mole_fraction, diffusion)
+    flux = _solve(matrix, np.concatenate([force, np.zeros((len(force), 1))], axis=1))[:, :-1]
     carried = enthalpy + BOLTZMANN * temperature[:, None] * thermal_ratio
     return -np.einsum("pi,pi->p", flux, carried)
 

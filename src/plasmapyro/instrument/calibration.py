@@ -4,12 +4,8 @@ import numpy as np
 
 from plasmapyro.checks import positive
 
-BELOW, VALID, ABOVE, EXTRAPOLATED = (
-    -1,
-    0,
-    1,
-    2,
-)  # status of a reading; only VALID and EXTRAPOLATED have a value
+# Status of a reading; only VALID and EXTRAPOLATED have a value.
+BELOW, VALID, ABOVE, EXTRAPOLATED = -1, 0, 1, 2
 
 
 def fit_sensitivity(measured, modelled, covariance):

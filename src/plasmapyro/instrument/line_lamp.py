@@ -9,10 +9,10 @@ from scipy.special import erf
 from plasmapyro import tables
 from plasmapyro.checks import increasing, positive
 from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.refraction import vacuum_wavelength
 
 LAMP_TABLES = ("lamp/mercury_sansonetti_1996", "lamp/argon_nist")
-FWHM = 2 * np.sqrt(2 * np.log(2))  # of a Gaussian, in standard deviations
 ISOLATION = 2.5  # [FWHM] a line with another this near is left out
 REACH = 1.6  # [FWHM] half of the range that is fitted
 NOISE_BLOCK = 100  # pixels
@@ -113,7 +113,7 @@ def _fit(wavelength, net, threshold, name, line, width, search):
         steps = erf((edges - (wavelength[top] + centre * width)) / (np.sqrt(2) * abs(sigma) * width))
         return (area * (steps[1] - steps[0]) * width / pixel + level) * height + floor
 
-    start = [0.0, 1 / FWHM, 0.5, 0.0]
+    start = [0.0, 1 / FWHM_PER_SIGMA, 0.5, 0.0]
     result = least_squares(lambda p: (model(p) - values) / height, start)
     centre, sigma = result.x[0] * width, abs(result.x[1]) * width
     if not result.success or abs(wavelength[top] + centre - line) > search or not sigma > pixel / 20:
@@ -130,6 +130,6 @@ def _fit(wavelength, net, threshold, name, line, width, search):
         float(line),
         float(wavelength[top] + centre),
         float(np.sqrt(covariance[0, 0]) * width),
-        float(FWHM * sigma),
+        float(FWHM_PER_SIGMA * sigma),
         float(height / threshold[top]),
     )

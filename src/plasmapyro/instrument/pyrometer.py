@@ -1,30 +1,10 @@
 """What a two-colour ratio pyrometer makes of a spectrum: band signals, their ratio, a temperature."""
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from plasmapyro.checks import increasing
+from plasmapyro.radiation.bandsignal import band_signal
 from plasmapyro.radiation.planck import blackbody_radiance
-
-
-def band_signal(wavelength, responsivity, radiance):
-    r"""Relative band signal :math:`\int \tilde R\,L_\lambda\,d\lambda`, by the trapezoidal rule.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m], strictly increasing
-    responsivity : (W,) array [1], normalised to a peak of 1
-    radiance : (..., W) array [W m-2 sr-1 m-1]
-
-    Returns
-    -------
-    (...) ndarray [W m-2 sr-1]
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 1 without throughput and gain, which are the sensitivity of the band.
-    """
-    return trapezoid(responsivity * radiance, wavelength, axis=-1)
 
 
 def blackbody_signal(temperature, wavelength, responsivity):
@@ -57,13 +37,75 @@ def signal_ratio(signal_wide, signal_narrow):
 
     Notes
     -----
-    Source: Fagnani et al., eq. 4.
+    Source: Fagnani et al., eq. 4, left side.
     """
     wide, narrow = np.broadcast_arrays(
         np.asarray(signal_wide, dtype=float), np.asarray(signal_narrow, dtype=float)
     )
     good = (wide > 0) & (narrow > 0)
     return np.divide(wide, narrow, out=np.full(wide.shape, np.nan), where=good)
+
+
+def measured_ratio(sensitivity_ratio, emittance, blackbody, gas):
+    r"""Signal ratio of a grey surface behind gas.
+
+    .. math:: \rho_m = \varphi\, \frac{\int \tilde R_1\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
+                                     {\int \tilde R_2\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
+
+    Parameters
+    ----------
+    sensitivity_ratio : float [1]
+        :math:`\varphi`, of the wide band over the narrow one.
+    emittance : (...) array [1]
+    blackbody, gas : pairs of (...) arrays [W m-2 sr-1]
+        Signals of a black body at the temperature of the surface, and of the gas: wide and narrow band, as
+        from `band_signal`.
+
+    Returns
+    -------
+    (...) ndarray [1]
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 4; the window cancels, being uniform.
+
+    Examples
+    --------
+    Gas that is relatively brighter in the wide band makes the surface look hotter:
+
+    >>> f"{measured_ratio(0.315, 0.85, (4.0, 1.0), (1.7, 0.17)):.3f}"
+    '1.575'
+    """
+    (wide, narrow), (gas_wide, gas_narrow) = blackbody, gas
+    return sensitivity_ratio * (emittance * wide + gas_wide) / (emittance * narrow + gas_narrow)
+
+
+def calibration_ratio(sensitivity_ratio, blackbody):
+    r"""Signal ratio of a black body without gas: the calibration curve at its temperature.
+
+    .. math:: \rho_c = \varphi\, \frac{\int \tilde R_1\, L^{bb}(T_{obj})\, d\lambda}
+                                     {\int \tilde R_2\, L^{bb}(T_{obj})\, d\lambda} = H_c(T_{obj})
+
+    Parameters
+    ----------
+    sensitivity_ratio : float [1]
+    blackbody : pair of (...) arrays [W m-2 sr-1]
+        As in `measured_ratio`.
+
+    Returns
+    -------
+    (...) ndarray [1]
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 5, which is eq. 4 with emittance 1 and no gas.
+
+    Examples
+    --------
+    >>> f"{calibration_ratio(0.315, (4.0, 1.0)):.2f}"
+    '1.26'
+    """
+    return measured_ratio(sensitivity_ratio, 1.0, blackbody, (0.0, 0.0))
 
 
 def invert_ratio(ratio, calibration_temperature, calibration_ratio):
@@ -93,6 +135,14 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
     Notes
     -----
     Source: Fagnani et al., eq. 6.
+
+    Examples
+    --------
+    Half way in the logarithm of the ratio is half way in 1/T:
+
+    >>> temperature, status = invert_ratio(2.0, [1000.0, 2000.0], [1.0, 4.0])
+    >>> f"{temperature:.1f} K", int(status)
+    ('1333.3 K', 0)
     """
     temperature = increasing("calibration_temperature", calibration_temperature, "K")
     nodes = increasing("calibration_ratio", calibration_ratio, "1")

@@ -5,8 +5,8 @@ import numpy as np
 from plasmapyro.checks import positive
 from plasmapyro.radiation.planck import blackbody_radiance
 
-USABLE, NO_SIGNAL, SATURATED, MISSING, HOT, MASKED = range(6)  # pixel status
-STATUS_WORDS = "usable no_signal saturated missing hot masked"
+USABLE, NO_SIGNAL, SATURATED, MISSING, HOT, MASKED, LEFT_OUT = range(7)  # pixel status
+STATUS_WORDS = "usable no_signal saturated missing hot masked left_out"
 
 
 def pixel_status(counts, background, saturation, least_net):
@@ -52,6 +52,14 @@ def calibration_factor(wavelength, counts, background, source_temperature, integ
     Notes
     -----
     Source: Fagnani et al., eq. 9. ASSUME: counts proportional to radiance and integration time.
+
+    Examples
+    --------
+    A black body at 1773 K that gives 1000 counts above the background in 0.1 s at 1 um:
+
+    >>> factor = calibration_factor(np.array([1e-6]), [1200.0], [200.0], 1773.0, 0.1)
+    >>> f"{factor[0]:.4g} W m-2 sr-1 m-1 s per count"
+    '3.563e+06 W m-2 sr-1 m-1 s per count'
     """
     net = np.asarray(counts, dtype=float) - np.asarray(background, dtype=float)
     rate = np.where(net > 0, net, np.nan) / float(positive("integration_time", integration_time, "s"))
@@ -77,6 +85,11 @@ def measured_radiance(counts, background, factor, integration_time):
     Notes
     -----
     Source: Fagnani et al., eq. 8.
+
+    Examples
+    --------
+    >>> f"{measured_radiance(np.array([1500.0]), 500.0, 4e6, 2.0)[0]:.3g} W m-2 sr-1 m-1"
+    '2e+09 W m-2 sr-1 m-1'
     """
     time = float(positive("integration_time", integration_time, "s"))
     return (np.asarray(counts, dtype=float) - background) / time * factor

@@ -7,11 +7,11 @@ from plasmapyro import tables
 from plasmapyro.checks import increasing, positive
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument import calibration, raw_counts, spectrometer
-from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.instrument.pyrometer import blackbody_signal, calibration_ratio
 from plasmapyro.instrument.response import sandwich_response, silicon_absorption
 from plasmapyro.instrument.shape import planck_shape
+from plasmapyro.radiation.bandsignal import BANDS, responsivities
 
-BANDS = ("wide", "narrow")
 SLOPE_STEP = 1e-4  # relative half step of central differences: error 1e-8 of the slope
 
 
@@ -102,15 +102,13 @@ def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrum
     Source: Fagnani et al., eq. 5; the sensitivity ratio 0.315 from their sec. 3.2.
     """
     curve = increasing("calibration_temperature", calibration_temperature, "K")
-    wide, narrow = (
-        blackbody_signal(curve, response.wavelength.values, response[f"responsivity_{band}"].values)
-        for band in BANDS
-    )
+    wavelength = response.wavelength.values
+    black = [blackbody_signal(curve, wavelength, weight) for weight in responsivities(response)]
     phi = float(positive("sensitivity_ratio", sensitivity_ratio, "1"))
     return xr.Dataset(
         {
             "sensitivity_ratio": phi,
-            "calibration_ratio": ("calibration_temperature", phi * wide / narrow),
+            "calibration_ratio": ("calibration_temperature", calibration_ratio(phi, black)),
             "instrument_range": ("bound", increasing("instrument_range", instrument_range, "K")),
         },
         {"calibration_temperature": curve},
@@ -296,7 +294,7 @@ def spectrometer_calibration(
                 "wavelength",
                 status,
                 {
-                    "flag_values": np.arange(6, dtype="int8"),
+                    "flag_values": np.arange(spectrometer.LEFT_OUT + 1, dtype="int8"),
                     "flag_meanings": spectrometer.STATUS_WORDS,
                 },
             ),
@@ -307,7 +305,7 @@ def spectrometer_calibration(
     )
 
 
-def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise_block):
+def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise_block, fit_range=None):
     """`exposure_calibration` with the facts of the detector that a calibration folder states.
 
     Parameters
@@ -319,6 +317,7 @@ def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise
         Where the exposures state none.
     least_net_counts : float [count]
     noise_block : int
+    fit_range : (2,) floats [m], optional
 
     Returns
     -------
@@ -336,6 +335,7 @@ def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise
         least_net_counts=least_net_counts,
         transmittance=float(facts["transmittance"]),
         noise_block=noise_block,
+        fit_range=fit_range,
     )
 
 
@@ -351,6 +351,7 @@ def exposure_calibration(
     least_net_counts,
     transmittance,
     noise_block,
+    fit_range=None,
 ):
     r"""Calibration factor of a spectrometer from raw exposures of a certified source.
 
@@ -380,6 +381,8 @@ def exposure_calibration(
         Of what stood before the source and will not stand before the test: neutral-density filter, window.
     noise_block : int
         Pixels per noise estimate.
+    fit_range : (2,) floats [m], optional
+        Pixels beyond it are left out of every fit to spectra.
 
     Returns
     -------
@@ -422,6 +425,8 @@ def exposure_calibration(
     status[:, np.asarray(masked_pixels, dtype=int)] = spectrometer.MASKED
     source = np.asarray(exposures.source_radiance.values, dtype=float)
     status[:, ~np.isfinite(source)] = spectrometer.MISSING
+    if fit_range is not None:
+        status[:, (wavelength < fit_range[0]) | (wavelength > fit_range[1])] = spectrometer.LEFT_OUT
     usable = status == spectrometer.USABLE
     rate, noise = raw_counts.combined(rates, noises, usable)
     pixel = np.where(usable.any(axis=0), spectrometer.USABLE, status[0]).astype("int8")
@@ -445,7 +450,10 @@ def exposure_calibration(
             "pixel_status": (
                 "wavelength",
                 pixel,
-                {"flag_values": np.arange(6, dtype="int8"), "flag_meanings": spectrometer.STATUS_WORDS},
+                {
+                    "flag_values": np.arange(spectrometer.LEFT_OUT + 1, dtype="int8"),
+                    "flag_meanings": spectrometer.STATUS_WORDS,
+                },
             ),
             "dark_scale": ("exposure", scales),
             "linearity_coefficient": ("linearity_power", np.asarray(linearity_coefficients, dtype=float)),

@@ -138,8 +138,7 @@ def _griem_power_laws(name, system, density):
 
 
 def _tabulated_widths(atom, labels, wavenumber, upper_binding):
-    """Stark widths [m2] and exponents of lines (NaN if not in the table), and (binding, width, exponent) of
-    each multiplet found."""
+    """Stark widths [m2] and exponents of lines, NaN if not tabulated, and those of each multiplet found."""
     width = np.full(len(wavenumber), np.nan)
     power = np.full(len(wavenumber), np.nan)
     found = []

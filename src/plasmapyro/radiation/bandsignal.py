@@ -4,7 +4,13 @@ import numpy as np
 
 from plasmapyro.checks import increasing
 
+BANDS = ("wide", "narrow")  # S_1 and S_2 of the paper
 UNSEEN = 1e-3  # [1], of the integrated response that may lie outside the spectrum
+
+
+def responsivities(band_response):
+    """Responsivities of both bands (R,) [1] of a dataset of contract 'response', in the order of `BANDS`."""
+    return [band_response[f"responsivity_{band}"].values for band in BANDS]
 
 
 def respond(wavelength, response_wavelength, responsivity):
@@ -50,28 +56,35 @@ def require_cover(wavelength_range, response_wavelength, responsivity, what):
         )
 
 
-def gridded_signal(wavelength, radiance, response_wavelength, responsivity):
-    r"""Signal of a spectrum in a band, :math:`\int \tilde R\, L\, d\lambda`.
+def band_signal(wavelength, responsivity, radiance):
+    r"""Relative signal of a spectrum in a band, :math:`S / \Theta k = \int \tilde R\, L_\lambda\, d\lambda`.
 
     Parameters
     ----------
-    wavelength : (G,) [m]
+    wavelength : (W,) [m]
         Increasing.
-    radiance : (..., G) [W m-2 sr-1 m-1]
-    response_wavelength, responsivity : (R,) [m], [1]
+    responsivity : (W,) [1]
+        There, normalised to a peak of 1; as from `respond`.
+    radiance : (..., W) [W m-2 sr-1 m-1]
 
     Returns
     -------
     ndarray (...) [W m-2 sr-1]
-        Trapezoidal rule on the grid.
+        Trapezoidal rule.
 
     Notes
     -----
-    Source: Fagnani et al., equation of the pyrometer signal.
+    Source: Fagnani et al., eq. 1 without throughput and gain, which are the sensitivity of the band.
+
+    Examples
+    --------
+    A band of 200 nm with straight flanks in light of 1 W m-2 sr-1 per nm:
+
+    >>> wavelength = np.array([0.9e-6, 1.0e-6, 1.1e-6])
+    >>> f"{band_signal(wavelength, np.array([0.0, 1.0, 0.0]), 1e9):.1f} W m-2 sr-1"
+    '100.0 W m-2 sr-1'
     """
-    return np.trapezoid(
-        radiance * respond(wavelength, response_wavelength, responsivity), wavelength, axis=-1
-    )
+    return np.trapezoid(responsivity * radiance, wavelength, axis=-1)
 
 
 def gridless_signal(

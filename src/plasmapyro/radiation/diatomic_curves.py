@@ -123,7 +123,7 @@ def potential_curve(radius, vibration, rotation, reduced_mass, highest_level, we
     return np.where(radius < first, inside, np.where(radius > last, outside, core))
 
 
-def vibrational_states(radius, potential, reduced_mass, rotation_number, count):
+def vibrational_states(radius, potential, reduced_mass, rotation_number, count, *, waves=True):
     r"""Levels and wave functions of the radial equation, rotation included, by sinc-DVR.
 
     .. math::
@@ -143,12 +143,14 @@ def vibrational_states(radius, potential, reduced_mass, rotation_number, count):
         Rotational quantum numbers N >= 0.
     count : int
         Number of levels wanted per N, the lowest first.
+    waves : bool
+        Whether wave functions are wanted: they take half of the time.
 
     Returns
     -------
     energy : (N, count) [m-1]
         Above the minimum of `potential`.
-    wave : (N, R, count) [1]
+    wave : (N, R, count) [1] or None
         Amplitudes with unit sum of squares: matrix elements are sums over the grid.
     bound : (N, count) bool
         Below the top of the centrifugal barrier (or the dissociation limit when there is none).
@@ -166,14 +168,16 @@ def vibrational_states(radius, potential, reduced_mass, rotation_number, count):
     with np.errstate(divide="ignore"):
         kinetic = np.where(offset == 0, np.pi**2 / 3, 2.0 / offset**2) * (-1.0) ** offset * factor / step**2
 
-    energies, waves, bounds = [], [], []
+    energies, shapes, bounds = [], [], []
     for number in rotation_number:
         effective = _closed_at_barrier(potential + factor / radius**2 * number * (number + 1))
-        energy, wave = np.linalg.eigh(kinetic + np.diag(effective))
+        matrix = kinetic + np.diag(effective)
+        energy, wave = np.linalg.eigh(matrix) if waves else (np.linalg.eigvalsh(matrix), None)
         energies.append(energy[:count])
-        waves.append(wave[:, :count])
         bounds.append(energy[:count] < effective[-1])
-    return np.array(energies), np.array(waves), np.array(bounds)
+        if waves:
+            shapes.append(wave[:, :count])
+    return np.array(energies), np.array(shapes) if waves else None, np.array(bounds)
 
 
 def _closed_at_barrier(effective):

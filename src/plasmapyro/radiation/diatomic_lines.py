@@ -71,11 +71,21 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     Source: J. T. Hougen, NBS Monograph 115 (1970), section 5; normalised as E. E. Whiting et al.,
     J. Mol. Spectrosc. 80 (1980) 249.
     """
+    coupling = photon_coupling(upper, lower, quantum_number, step)
+    return _shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coupling)
+
+
+def photon_coupling(upper, lower, quantum_number, step):
+    """Clebsch-Gordan coefficients (J'', Sigma) [1] of all bands of a transition for one J' - J''."""
+    projection = upper.orbital + upper.projection
+    return clebsch_gordan(quantum_number[:, None], step, projection, upper.orbital - lower.orbital)
+
+
+def _shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coupling):
+    """As `rotational_shares`, with the coefficients that all bands share."""
     partner = np.arange(len(quantum_number)) + step
     inside = (partner >= 0) & (partner < len(quantum_number))
     vector = upper_vector[np.clip(partner, 0, len(quantum_number) - 1)] * inside[:, None, None]
-    projection = upper.orbital + upper.projection
-    coupling = clebsch_gordan(quantum_number[:, None], step, projection, upper.orbital - lower.orbital)
     amplitude = (vector[:, :, :, None] * lower_vector[:, :, None, :] * coupling[:, :, None, None]).sum(axis=1)
     doubling = 2 if upper.orbital > 0 and lower.orbital == 0 else 1
     ratio = (2 * quantum_number + 1) / np.maximum(2 * (quantum_number + step) + 1, 1)
@@ -148,6 +158,7 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
     weight = _line_weights(upper, lower, nuclear_spin)
     strength = EINSTEIN_FACTOR * orbital_doubling(upper.state, lower.state)
     component = np.arange(upper.state.multiplicity)
+    couplings = [photon_coupling(upper.state, lower.state, momentum, step) for step in STEPS]
     parts = []
     for v_upper, v_lower in np.ndindex(bands):
         for index, step in enumerate(STEPS):
@@ -160,9 +171,8 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
             keep &= upper.exists[v_upper, above, :, None] & lower.exists[v_lower, below, None, :]
             if not keep.any():
                 continue
-            share = rotational_shares(
-                upper.state, upper.vector[v_upper], lower.state, lower.vector[v_lower], momentum, step
-            )[below]
+            vectors = (upper.state, upper.vector[v_upper], lower.state, lower.vector[v_lower])
+            share = _shares(*vectors, momentum, step, couplings[index])[below]
             keep &= share > FAINTEST_SHARE
             square = moment[index, v_upper, v_lower, below, None, None] ** 2
             quantum = momentum[below, None, None]

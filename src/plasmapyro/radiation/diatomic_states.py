@@ -1,19 +1,18 @@
-"""Electronic states of the molecules by name: constants, term values, wave functions, line lists."""
+"""Electronic states of the molecules by name: constants, term values, wave functions, lines."""
 
 import numpy as np
 
 from plasmapyro import tables
-from plasmapyro.constants import BOLTZMANN, LIGHT_SPEED, STANDARD_ATMOSPHERE
+from plasmapyro.constants import BOLTZMANN, STANDARD_ATMOSPHERE
 from plasmapyro.radiation.diatomic_curves import potential_curve, vibrational_states
 from plasmapyro.radiation.diatomic_lines import (
     EINSTEIN_FACTOR,
     STEPS,
     orbital_doubling,
-    strong_enough,
     transition_lines,
 )
 from plasmapyro.radiation.diatomic_rotation import rotational_levels
-from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE, LineList
+from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE
 
 # [m]; 3.7 points per wave at 40000 cm-1 of kinetic energy of N2; halving the step moves levels by < 0.01 cm-1
 RADIUS = np.arange(0.85e-10, 2.8e-10, 0.013e-10)
@@ -69,7 +68,7 @@ def ladder(vibration):
     return np.polynomial.Polynomial(np.concatenate(([0.0], vibration)))
 
 
-def rovibration(values, reduced_mass, highest_level, count):
+def rovibration(values, reduced_mass, highest_level, count, *, waves=True):
     r"""Term values and wave functions of an electronic state.
 
     Vibration follows the constants up to `highest_level` and the potential beyond; rotation and its
@@ -86,12 +85,14 @@ def rovibration(values, reduced_mass, highest_level, count):
         Last v for which the constants hold.
     count : int
         Number of vibrational levels.
+    waves : bool
+        Whether wave functions are wanted.
 
     Returns
     -------
     term : (v, N) [m-1]
         Above v = 0 of the ground state; N = 0 ... HIGHEST_ROTATION + 1.
-    wave : (N, R, v) [1]
+    wave : (N, R, v) [1] or None
         On `RADIUS`.
     bound : (v, N) bool
 
@@ -105,7 +106,9 @@ def rovibration(values, reduced_mass, highest_level, count):
         RADIUS, values["vibration"], values["rotation"], reduced_mass, highest_level, depth
     )
     rotation_number = np.arange(HIGHEST_ROTATION + 2)
-    energy, wave, bound = vibrational_states(RADIUS, potential, reduced_mass, rotation_number, count)
+    energy, wave, bound = vibrational_states(
+        RADIUS, potential, reduced_mass, rotation_number, count, waves=waves
+    )
     known = np.minimum(np.arange(count), highest_level)
     term = values["origin"] + (energy - energy[0, known]) + (vibration(known + 0.5) - vibration(0.5))
     return term.T, wave, bound.T
@@ -133,34 +136,6 @@ def transition_moments(upper_wave, lower_wave, electronic):
         product = np.swapaxes(upper_wave[low + step], 1, 2) @ weighted[low]
         moments[index][:, :, low] = np.moveaxis(product, 0, 2)
     return moments
-
-
-def tabulated_moments(table_name):
-    """Band moments of a table with columns upper_v, lower_v and moment; bands it leaves out are zero.
-
-    Returns
-    -------
-    (v', v'') [e a0]
-    """
-    return _tabulated(table_name, "moment")
-
-
-def tabulated_probabilities(table_name):
-    """Band probabilities of a table with columns upper_v, lower_v and einstein_a; others are zero.
-
-    Returns
-    -------
-    (v', v'') [s-1]
-    """
-    return _tabulated(table_name, "einstein_a")
-
-
-def _tabulated(table_name, column):
-    table = tables.load(table_name)
-    upper, lower = table["upper_v"].astype(int), table["lower_v"].astype(int)
-    values = np.zeros((upper.max() + 1, lower.max() + 1))
-    values[upper, lower] = table[column]
-    return values
 
 
 def moments_of_probabilities(probability, upper_state, upper_term, lower_state, lower_term):
@@ -223,43 +198,3 @@ def system_lines(upper_state, upper, lower_state, lower, moment, wavenumber_rang
     origin = np.maximum(upper[0][:, None, 0] - lower[0][None, :, 0], 0.0)
     decay = (EINSTEIN_FACTOR * origin**3 * moment[STEPS.index(0), :, :, 0] ** 2).sum(axis=1)
     return lines, decay * orbital_doubling(upper_state, lower_state)
-
-
-def line_list(component, species, lines, decay, lost_fraction, reference_temperature):
-    """The strong ones of a system's lines as the engine's `LineList`.
-
-    Parameters
-    ----------
-    component, species : str
-    lines, decay
-        As from `system_lines`.
-    lost_fraction : float [1]
-        Optically thin emission that dropped lines may carry, at each reference temperature.
-    reference_temperature : (T,) [K]
-
-    Returns
-    -------
-    LineList
-        Natural width of the vibrational level without rotation, collisions as `COLLISION_HWHM`.
-    """
-    keep = strong_enough(lines, reference_temperature, lost_fraction)
-    kept = {name: column[keep] for name, column in lines.items()}
-    kept["lower_energy"][np.abs(kept["lower_energy"]) < ROUNDING] = 0.0
-    names = (
-        "wavenumber",
-        "upper_energy",
-        "lower_energy",
-        "upper_degeneracy",
-        "lower_degeneracy",
-        "einstein_a",
-        "upper_rotation",
-        "lower_rotation",
-    )
-    return LineList(
-        component,
-        species,
-        **{name: kept[name] for name in names},
-        natural_hwhm=decay[kept["upper_v"].astype(int)] / (4 * np.pi * LIGHT_SPEED),
-        van_der_waals_hwhm=COLLISION_HWHM,
-        origin="published",
-    )

@@ -69,7 +69,8 @@ def boltzmann_population(energy, degeneracy, temperature, number_density, partit
     """
     temperature = positive("temperature", temperature, "K")
     number_density = non_negative("number_density", number_density, "m-3")
-    per_state = np.exp(energy * (-SECOND_RADIATION / temperature))
+    per_state = np.asarray(energy * (-SECOND_RADIATION / temperature))
+    np.exp(per_state, out=per_state)
     per_state *= number_density / partition_function
     return degeneracy * per_state
 

@@ -16,6 +16,7 @@ from plasmapyro.gas.species import (
     SPECIES,
     particle_mass,
 )
+from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm
 from plasmapyro.radiation.continuum import (
     bound_free,
@@ -46,6 +47,7 @@ TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and cont
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
 RESOLVED_SHARE = 1e-3  # [1], of the whole thin emission; the grid need not resolve systems fainter than that
+SHINES = 4000.0  # [K]; air hotter than that shines, whatever its length
 UNRESOLVED_SHARE = 0.01  # [1], of a system's emission that may come from layers colder than the grid resolves
 
 
@@ -211,12 +213,22 @@ def thin_lines(path, lines):
     """
     by_line = np.zeros(len(lines))
     by_layer, bound = np.zeros(len(path.thickness)), np.zeros(len(path.thickness))
-    hot = SECOND_RADIATION * lines.wavenumber / path.temperature.max()
+    quantum = SECOND_RADIATION * lines.wavenumber
+    hot = quantum / path.temperature.max()
+    hottest = np.expm1(-hot)
+    cold, excess = (
+        np.empty(len(lines)),
+        np.empty(len(lines)),
+    )  # new arrays would cost more than the arithmetic
     for layer, thickness in enumerate(path.thickness):
-        radiance = path.emission(lines, layer) * thickness
-        cold = SECOND_RADIATION * lines.wavenumber / path.temperature[layer]
+        radiance = path.emission(lines, layer)
+        radiance *= thickness
         # B(hot)/B(cold); cold stays below 120 in the allowed ranges, far from overflow.
-        excess = radiance * np.exp(cold - hot) * np.expm1(-cold) / np.expm1(-hot)
+        np.divide(quantum, path.temperature[layer], out=cold)
+        np.exp(np.subtract(cold, hot, out=excess), out=excess)
+        excess *= radiance
+        excess *= np.expm1(np.negative(cold, out=cold), out=cold)
+        excess /= hottest
         by_line += radiance
         by_layer[layer], bound[layer] = radiance.sum(), excess.sum()
     return by_line, by_layer, bound
@@ -289,9 +301,13 @@ class Continuum:
         return np.array([ionic, neutral, recombination, detachment])
 
     def on_grid(self, values):
-        """Coarse values (..., W) interpolated to the grid (..., G)."""
-        low = values[..., self.below]
-        return low + self.fraction * (values[..., self.below + 1] - low)
+        """Coarse values (n, W) interpolated to the grid (n, G)."""
+        result = np.empty((len(values), len(self.below)))
+        for row, coarse, rise in zip(result, values, np.diff(values), strict=True):
+            np.take(rise, self.below, out=row, mode="clip")  # 'clip': no copy; all lie within
+            row *= self.fraction
+            row += coarse.take(self.below)
+        return result
 
 
 @dataclass(frozen=True)
@@ -328,12 +344,19 @@ def surface_radiance(grid, emittance, temperature):
 
     Notes
     -----
-    Source: Fagnani et al., section on the pyrometer.
+    Source: Fagnani et al., eq. 2, first term, without window and atmosphere.
+
+    Examples
+    --------
+    >>> from plasmapyro.radiation.grid import log_grid
+    >>> grid = log_grid((1.0e-6, 1.1e-6), 2001)  # the shortest wavelength comes last
+    >>> f"{surface_radiance(grid, 0.85, 1500.0)[-1] * 1e-6:.1f} W m-2 sr-1 per um"
+    '6913.4 W m-2 sr-1 per um'
     """
     return fraction("emittance", emittance) * blackbody_radiance(grid.wavelength, temperature)
 
 
-def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
+def path_radiance(path, line_lists, grid, *, boundary=None):
     r"""Spectral radiance at the end of a path; nothing enters at its start unless told.
 
     .. math:: j_\lambda = \tilde\nu \sum_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda, \qquad
@@ -353,8 +376,6 @@ def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
     grid : Grid
     boundary : (G,) [W m-2 sr-1 m-1], optional
         Radiance that enters at the start of the path (of a surface: `surface_radiance`).
-    progress : function (layers done, layers in all), optional
-        Called after each layer that is not too dark to count.
 
     Returns
     -------
@@ -370,7 +391,7 @@ def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
 
     Notes
     -----
-    Source: Fagnani et al., section on the radiation code; Kirchhoff's law for the absorption.
+    Source: Fagnani et al., sec. 4.2; Kirchhoff's law for the absorption.
     ASSUME: within the profile of a line, emission over absorption varies as a black body.
     """
     unknown = set(path.departures) - {lines.component for lines in line_lists}
@@ -403,13 +424,13 @@ def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
     hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
     if not path.equilibrium or (boundary is not None and np.any(boundary > hottest)):
         kept = np.ones_like(kept)
-    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress)
+    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
     gas = solution[0][: len(spreaders) + len(CONTINUA)]
     emerging = -np.trapezoid(gas.sum(axis=0), grid.wavelength)
     # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
     if bounds[~kept].sum() > max(NEGLIGIBLE * emerging, dark):
         kept = np.ones_like(kept)
-        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress)
+        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
     return PathRadiance(
         (
             *(lines.component for lines in line_lists),
@@ -423,6 +444,21 @@ def path_radiance(path, line_lists, grid, *, boundary=None, progress=None):
     )
 
 
+def require_any_resolution(path, grid):
+    """Refuse, without line lists, a grid too coarse even for the widest lines of a path that shines.
+
+    Raises
+    ------
+    ValueError
+        Says how many points these need; narrower lines may need more.
+    """
+    hottest = path.temperature.max()
+    if hottest > SHINES:
+        require_resolution(
+            grid, doppler_sigma(hottest, particle_mass("N")), f"the widest lines, at {hottest:.0f} K"
+        )
+
+
 def _require_resolution_of_light(temperature, systems, grid):
     """Refuse a grid too coarse for the narrowest Doppler width of the (spreader, emission by layer)."""
     narrowest = []
@@ -434,27 +470,26 @@ def _require_resolution_of_light(temperature, systems, grid):
         require_resolution(grid, *min(narrowest))
 
 
-def _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress):
+def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
     """Radiance by component (C, G), thin radiance and depth (G,) from the kept parts of each layer."""
     gas = len(spreaders) + len(CONTINUA)
     radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
     if boundary is not None:
         radiance[gas] = boundary
     thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
-    crossed = np.flatnonzero(kept.any(axis=0))
+    crossed, emitted = np.flatnonzero(kept.any(axis=0)), np.empty_like(radiance)
     for done, layer in enumerate(crossed, start=1):
         temperature, thickness = path.temperature[layer], path.thickness[layer]
         blackbody = blackbody_radiance(grid.wavelength, path.electron_temperature[layer])
-        emitted = np.zeros_like(radiance)
-        excess = 0.0
+        emitted[:], excess = 0.0, 0.0
         if kept[-1, layer]:
-            emitted[len(spreaders) : gas] = continuum.on_grid(smooth[layer]) * blackbody
+            np.multiply(continuum.on_grid(smooth[layer]), blackbody, out=emitted[len(spreaders) : gas])
         for index, spreader in enumerate(spreaders):
             if kept[index, layer]:
                 lines = spreader.lines
                 sigma = doppler_sigma(temperature, particle_mass(lines.species))
                 emission, hwhm = path.emission(lines, layer), path.hwhm(lines, layer)
-                emitted[index] = grid.wavenumber * spread(spreader, emission, hwhm, sigma)
+                np.multiply(grid.wavenumber, spread(spreader, emission, hwhm, sigma), out=emitted[index])
                 absorbing = path.absorption_excess(lines, layer)
                 if absorbing is not None:
                     surplus = spread(spreader, emission * (absorbing - 1), hwhm, sigma)
@@ -463,6 +498,5 @@ def _solve(path, spreaders, continuum, smooth, grid, kept, boundary, progress):
         radiance, depth = cross_layer(radiance, emitted, (total + excess) / blackbody, thickness)
         thin_radiance += total * thickness
         optical_depth += depth
-        if progress is not None:
-            progress(done, len(crossed))
+        step("layers", done, len(crossed))
     return radiance, thin_radiance, optical_depth

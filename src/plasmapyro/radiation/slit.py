@@ -25,10 +25,10 @@ def slit_wavelengths(wavelength, fwhm, samples_per_fwhm=5):
     Raises
     ------
     ValueError
-        If the spectrum is too short for one slit function.
+        If the spectrum is too short for one slit function, or too coarse.
     """
     wavelength = increasing("wavelength", wavelength, "m")
-    margin = REACH * positive("fwhm", fwhm, "m") / FWHM_PER_SIGMA
+    margin = REACH * _sigma(wavelength, fwhm)
     first, last = wavelength[0] + margin, wavelength[-1] - margin
     if last <= first:
         raise ValueError(
@@ -65,11 +65,11 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
 
     Notes
     -----
-    Source: Fagnani et al., section on the spectrometer (FWHM 0.75 nm).
-    Deviation: the paper once prints 0.75 um; 0.75 nm is meant.
+    Source: Fagnani et al., sec. 4.2 (FWHM 0.75 nm).
+    Deviation: their sec. 3.3 prints 0.75 um; 0.75 nm is meant.
     """
     wavelength = increasing("wavelength", wavelength, "m")
-    sigma = float(positive("fwhm", fwhm, "m")) / FWHM_PER_SIGMA
+    sigma = _sigma(wavelength, fwhm)
     tolerance = 1e-9 * wavelength[-1]
     if wavelength_slit[0] - REACH * sigma < wavelength[0] - tolerance or (
         wavelength_slit[-1] + REACH * sigma > wavelength[-1] + tolerance
@@ -78,9 +78,6 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
             f"slit view must stay {REACH * sigma:g} m inside [{wavelength[0]:g}, {wavelength[-1]:g}] m;"
             f" got [{wavelength_slit[0]:g}, {wavelength_slit[-1]:g}] m"
         )
-    coarsest = np.max(np.diff(wavelength))
-    if coarsest > sigma:
-        raise ValueError(f"slit fwhm must be > {FWHM_PER_SIGMA * coarsest:g} m on this grid; got {fwhm:g} m")
     weight = np.gradient(wavelength)
     first = np.searchsorted(wavelength, wavelength_slit - REACH * sigma)
     last = np.searchsorted(wavelength, wavelength_slit + REACH * sigma)
@@ -90,3 +87,12 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
         # einsum, not @: the bytes must not depend on the number of BLAS threads.
         result[..., k] = np.einsum("...g,g->...", radiance[..., low:high], kernel / kernel.sum())
     return result
+
+
+def _sigma(wavelength, fwhm):
+    """Standard deviation of a slit function [m]; refuses one narrower than the grid."""
+    sigma = float(positive("fwhm", fwhm, "m")) / FWHM_PER_SIGMA
+    coarsest = np.max(np.diff(wavelength))
+    if coarsest > sigma:
+        raise ValueError(f"slit fwhm must be > {FWHM_PER_SIGMA * coarsest:g} m on this grid; got {fwhm:g} m")
+    return sigma

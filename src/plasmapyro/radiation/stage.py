@@ -3,22 +3,27 @@
 import numpy as np
 import xarray as xr
 
+from plasmapyro import conditions
 from plasmapyro.checks import within
 from plasmapyro.radiation.atoms import TABLE_RANGE
-from plasmapyro.radiation.bandsignal import gridded_signal, gridless_signal, require_cover
+from plasmapyro.radiation.bandsignal import (
+    BANDS,
+    band_signal,
+    gridless_signal,
+    require_cover,
+    respond,
+    responsivities,
+)
 from plasmapyro.radiation.grid import log_grid
-from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance
+from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance, require_any_resolution
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
 from plasmapyro.tables import weakest
 
-BANDS = ("wide", "narrow")
 REFLECTIONS = ("specular", "diffuse")
 
 
-def line_of_sight_radiance(
-    sightline, band_response, *, wavelength_range, grid_points, slit_fwhm, progress=None
-):
+def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_points, slit_fwhm):
     r"""Radiance of the gas along a sight line, by component, as seen from its far end.
 
     Parameters
@@ -33,15 +38,14 @@ def line_of_sight_radiance(
         Of the logarithmic wavenumber grid; refused when too few for the Doppler widths.
     slit_fwhm : float [m]
         Of the Gaussian slit function of the coarse view.
-    progress : function (layers done, layers in all), optional
 
     Returns
     -------
     Dataset, contract 'radiation'
         `gas_radiance` and its components on the grid (the gas's own light only), the relative uncertainty of
-        each component's strength, `optical_depth`, the view
-        through the slit, and the band signals: of the spectrum, of the same spectrum without absorption
-        (thin), and of the lines and continuum without a grid (gridless).
+        each component's strength, `optical_depth`, the view through the slit, and the band signals: of the
+        spectrum, of the same spectrum without absorption (thin), and of the lines and continuum without a
+        grid (gridless). The attributes of the condition (`conditions.stated`) are those of the sight line.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def line_of_sight_radiance(
 
     Notes
     -----
-    Source: Fagnani et al., section on the radiation code.
+    Source: Fagnani et al., sec. 4.2, second term of eq. 2.
     ASSUME: local thermal equilibrium.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
@@ -65,13 +69,15 @@ def line_of_sight_radiance(
         density,
         excitation_temperature=None if excitation is None else excitation.values,
     )
-    lists = line_lists(grid, path.number_density)
-    result = path_radiance(path, lists, grid, progress=progress)
-
+    # What needs no lines is refused before they are made, which takes seconds.
     wavelength = grid.wavelength[::-1]
+    view = slit_wavelengths(wavelength, slit_fwhm)
+    require_any_resolution(path, grid)
+    lists = line_lists(grid, path.number_density)
+    result = path_radiance(path, lists, grid)
+
     radiance, thin = result.radiance[:, ::-1], result.thin_radiance[::-1]
     total = radiance.sum(axis=0)
-    view = slit_wavelengths(wavelength, slit_fwhm)
     seen = through_slit(wavelength, radiance, view, slit_fwhm)
     coarse = log_grid(wavelength_range, len(result.thin_continuum)).wavelength[::-1]
     lines = [(1 / lines.wavenumber, values) for lines, values in result.thin_lines]
@@ -82,8 +88,10 @@ def line_of_sight_radiance(
         for response in responses
     ]
 
+    weights = [respond(wavelength, response_wavelength, response) for response in responses]
+
     def signal(spectrum):
-        return ("band", [gridded_signal(wavelength, spectrum, response_wavelength, r) for r in responses])
+        return ("band", [band_signal(wavelength, weight, spectrum) for weight in weights])
 
     radiation = xr.Dataset(
         {
@@ -108,6 +116,7 @@ def line_of_sight_radiance(
             "slit_fwhm": float(slit_fwhm),
             "neglected_radiance_bound": result.neglected_bound,
             "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
+            **conditions.carried(sightline),
         },
     )
     return radiation if responses else radiation.drop_dims("band")
@@ -142,8 +151,8 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
 
     Notes
     -----
-    Source: Fagnani et al., equation of the radiance at the instrument, term :math:`L^{g,s}`, which the paper
-    neglects; Modest, Radiative Heat Transfer, 3rd ed., chapter 1.
+    Source: Fagnani et al., eq. 2, :math:`L^{g,s}` of the third term, which the paper neglects;
+    Modest, Radiative Heat Transfer, 3rd ed., chapter 1.
     ASSUME: the rays start dark at the boundary of the field: torch and chamber walls do not glow.
     ASSUME: neighbours of the stagnation point within the measured spot see the same gas.
     """
@@ -156,17 +165,18 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
     lists = line_lists(grid, view["species"].values.astype(str))
     components = (*(lines.component for lines in lists), *CONTINUA)
     wavelength = grid.wavelength[::-1]
+    seen = [respond(wavelength, response_wavelength, response) for response in responses]
     incident = np.zeros((len(REFLECTIONS), len(components), len(grid)))
     signals = []
     for ray, weight in enumerate(weights):
         radiance = path_radiance(_towards_surface(view.isel(ray=ray)), lists, grid).radiance[:, ::-1]
         incident[1 if weight else 0] += radiance * (weight or 1.0)
         total = radiance.sum(axis=0)
-        signals.append([gridded_signal(wavelength, total, response_wavelength, r) for r in responses])
+        signals.append([band_signal(wavelength, weight, total) for weight in seen])
 
     slit = slit_wavelengths(wavelength, slit_fwhm)
     both = incident.sum(axis=1)
-    in_bands = [gridded_signal(wavelength, both, response_wavelength, r) for r in responses]
+    in_bands = [band_signal(wavelength, weight, both) for weight in seen]
     return xr.Dataset(
         {
             "incident_radiance": (("reflection", "wavelength"), both),
@@ -200,7 +210,7 @@ def _responses(band_response, wavelength_range):
     if band_response is None:
         return None, []
     wavelength = band_response["wavelength"].values
-    responses = [band_response[f"responsivity_{band}"].values for band in BANDS]
+    responses = responsivities(band_response)
     for band, response in zip(BANDS, responses, strict=True):
         require_cover(wavelength_range, wavelength, response, band)
     return wavelength, responses

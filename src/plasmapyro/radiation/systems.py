@@ -1,41 +1,14 @@
 """Which line systems the engine knows, and their line lists for a grid."""
 
-from dataclasses import replace
-from functools import partial
-
 import numpy as np
 
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, atomic_lines
-from plasmapyro.radiation.carbon import SYSTEMS as CARBON_SYSTEMS
-from plasmapyro.radiation.carbon import carbon_bands
-from plasmapyro.radiation.nitric_oxide import nitric_oxide_11000, nitric_oxide_beta, nitric_oxide_infrared
-from plasmapyro.radiation.nitrogen import nitrogen_first_positive, nitrogen_ion_meinel
+from plasmapyro.radiation.band_systems import SYSTEMS as MOLECULES
 from plasmapyro.radiation.opacity import PADDING
 
 LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
-FAINT = ("NO beta", "NO infrared")  # systems below 0.3 % of the light of air at 50 mbar
-FAINT_LOST_FRACTION = 1e-2  # [1], the same of those
-MOLECULES = {
-    "N2 1P": nitrogen_first_positive,
-    "N2+ Meinel": nitrogen_ion_meinel,
-    "NO 11000 A": nitric_oxide_11000,
-    "NO beta": nitric_oxide_beta,
-    "NO infrared": nitric_oxide_infrared,
-    **{component: partial(carbon_bands, component) for component in CARBON_SYSTEMS},
-}
-# [1], relative, of the strength of a whole system: the certificates of its tables say why.
-MOLECULES_UNCERTAINTY = {
-    "N2 1P": 0.1,
-    "N2+ Meinel": 0.3,
-    "NO 11000 A": 0.3,
-    "NO beta": 1.0,
-    "NO infrared": 1.0,
-    "CN red": 0.1,
-    "C2 Phillips": 0.15,
-    "C2 Ballik-Ramsay": 0.2,
-    "C2 Swan": 0.1,
-}
+FAINT_LOST_FRACTION = 1e-2  # [1], the same of faint systems
 # e-ion: interpolated Gaunt factors; e-neutral: quantal tables against the cross-section formula; free-bound:
 # TOPbase away from resonances; O-: newer experiments within 5 %, newer theory 40 % higher.
 CONTINUA_UNCERTAINTY = {
@@ -74,16 +47,13 @@ def line_lists(grid, species=SPECIES):
     reach, species = _molecular_range(grid), set(species)
     atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
     molecules = [
-        replace(
-            make(
-                reach,
-                lost_fraction=FAINT_LOST_FRACTION if name in FAINT else LOST_FRACTION,
-                reference_temperature=REFERENCE_TEMPERATURE,
-            ),
-            relative_uncertainty=MOLECULES_UNCERTAINTY[name],
+        system.line_list(
+            reach,
+            lost_fraction=FAINT_LOST_FRACTION if system.faint else LOST_FRACTION,
+            reference_temperature=REFERENCE_TEMPERATURE,
         )
-        for name, make in MOLECULES.items()
-        if name.split()[0] in species
+        for system in MOLECULES.values()
+        if system.species in species
     ]
     lowest, highest = grid.wavenumber[0], grid.wavenumber[-1]
     return [

@@ -11,7 +11,14 @@ from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma
 from plasmapyro.radiation.grid import Grid
 from plasmapyro.radiation.opacity import SMALLEST_SIGMA_STEPS, prepare, spread
-from plasmapyro.radiation.path import CONTINUA, TEMPERATURE_RANGE, Continuum, gas_path
+from plasmapyro.radiation.path import (
+    CONTINUA,
+    NEGLIGIBLE,
+    TEMPERATURE_RANGE,
+    Continuum,
+    gas_path,
+    layers_that_matter,
+)
 from plasmapyro.radiation.planck import blackbody_radiance
 
 NODES = 32
@@ -37,7 +44,8 @@ class EmissionTable:
     """What particles emit and absorb on temperature nodes, as logarithms.
 
     `temperature` (K,) [K] ascending; `emission` (C, K, G): logarithm of the emission coefficient of each line
-    system per particle [W sr-1 m-1] plus its shift; `shift` (C, K): logarithm of that;
+    system per particle [W sr-1 m-1] plus its shift; `shift` (C, K): logarithm of that; `whole` (C, K): that
+    of the emission of all lines of the system [W sr-1];
     `continuum` (P, K, W): logarithm of the absorption coefficients of `CONTINUUM_PARTS` per density of
     their species on the axis of `smooth`.
     """
@@ -48,6 +56,7 @@ class EmissionTable:
     temperature: np.ndarray
     emission: np.ndarray
     shift: np.ndarray
+    whole: np.ndarray
     continua: tuple
     continuum: np.ndarray
     smooth: Continuum
@@ -116,7 +125,7 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
         raise ValueError(f"table nodes must be a whole number >= {STENCIL}; got {temperature.size}")
     nodes = gas_path(np.arange(temperature.size, dtype=float), temperature, number_density)
     emission = np.empty((len(line_lists), temperature.size, len(grid)))
-    shift = np.empty(emission.shape[:2])
+    shift, whole = np.empty(emission.shape[:2]), np.empty(emission.shape[:2])
     for system, lines in enumerate(line_lists):
         spreader = prepare(lines, grid)
         mass = particle_mass(lines.species)
@@ -128,17 +137,16 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
                 for name in dict.fromkeys((*SPECIES, lines.species))
             },
         )
-        whole = np.empty(temperature.size)
         for node in range(temperature.size):
             step(f"table of {lines.component}", node + 1, temperature.size)
             sigma = max(doppler_sigma(temperature[node], mass), SMALLEST_SIGMA_STEPS * grid.step)
             strength = one.emission(lines, node)
-            whole[node] = strength.sum()
+            whole[system, node] = strength.sum()
             profile = spread(spreader, strength, nodes.hwhm(lines, node), sigma)
             emission[system, node] = grid.wavenumber * profile
-        share = SHIFT_OVER_RIPPLE * np.max(-emission[system].min(axis=1) / whole)
-        floor = SMALLEST_SHIFT * np.max(emission[system].max(axis=1) / whole)
-        shift[system] = np.log(max(share, floor) * whole)
+        share = SHIFT_OVER_RIPPLE * np.max(-emission[system].min(axis=1) / whole[system])
+        floor = SMALLEST_SHIFT * np.max(emission[system].max(axis=1) / whole[system])
+        shift[system] = np.log(max(share, floor) * whole[system])
         emission[system] += np.exp(shift[system])[:, None]
         np.log(emission[system], out=emission[system])
     smooth = Continuum(grid)
@@ -149,6 +157,7 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
         temperature,
         emission,
         shift,
+        np.log(whole),
         tuple(continua),
         _continuum_coefficients(smooth, temperature),
         smooth,
@@ -206,8 +215,9 @@ def table_radiance(table, path, *, boundary=None):
 
     Returns
     -------
-    tuple : radiance by component (C, G), optical depth (G,), bound on what cold layers could change
-        [W m-2 sr-1]. Components: those of the table, its continua, and the boundary if there is one.
+    tuple : radiance by component (C, G), optical depth (G,), bound on what gas left out could change
+        [W m-2 sr-1]: cold layers, and systems in layers that matter less than `path.NEGLIGIBLE` together.
+        Components: those of the table, its continua, and the boundary if there is one.
 
     Raises
     ------
@@ -231,19 +241,54 @@ def table_radiance(table, path, *, boundary=None):
         radiance[gas] = boundary
     warm = np.flatnonzero(path.temperature >= table.temperature[0])
     first, weights = _weights(table.temperature, path.temperature[warm])
-    shift = np.array(
-        [
-            [np.exp(_blend(row[f : f + STENCIL], w)) for f, w in zip(first, weights, strict=True)]
-            for row in table.shift
-        ]
-    ).reshape(len(table.components), len(warm))
+    shift, whole = (_at_layers(rows, first, weights) for rows in (table.shift, table.whole))
+    bound = _pair_bound(table, path, warm, whole)
+    allowance = NEGLIGIBLE / 2 * np.sum(whole * _column(table, path, warm)) / len(bound)
+    kept = np.array([layers_that_matter(row, allowance) for row in bound])
+    # As in `path.path_radiance`: the bounds hold as long as nothing brighter than the gas shines through.
+    hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
+    kept |= boundary is not None and bool(np.any(boundary > hottest))
     smooth = _continua(table, path, warm, first, weights)
-    depth = np.zeros(len(grid))
-    for start in range(0, len(grid), BLOCK):
-        part = slice(start, min(start + BLOCK, len(grid)))
-        block = np.ascontiguousarray(radiance[:, part])
-        radiance[:, part], depth[part] = _cross(table, path, warm, first, weights, shift, smooth, part, block)
-    return radiance, depth, _cold_bound(table, path, np.flatnonzero(path.temperature < table.temperature[0]))
+
+    def cross():
+        depth, behind = np.zeros(len(grid)), radiance.copy()
+        for start in range(0, len(grid), BLOCK):
+            part = slice(start, min(start + BLOCK, len(grid)))
+            block = np.ascontiguousarray(behind[:, part])
+            behind[:, part], depth[part] = _cross(
+                table, path, warm, first, weights, shift, kept, smooth, part, block
+            )
+        return behind, depth
+
+    behind, depth = cross()
+    if bound[~kept].sum() > -NEGLIGIBLE * np.trapezoid(behind[:gas].sum(axis=0), grid.wavelength):
+        kept[:] = True  # so opaque that little of the thin radiance emerges
+        behind, depth = cross()
+    cold = np.flatnonzero(path.temperature < table.temperature[0])
+    return behind, depth, _cold_bound(table, path, cold) + float(bound[~kept].sum())
+
+
+def _at_layers(rows, first, weights):
+    """Exponentials of rows of logarithms (C, K) at the layers (C, S)."""
+    values = [
+        [np.exp(_blend(row[f : f + STENCIL], w)) for f, w in zip(first, weights, strict=True)] for row in rows
+    ]
+    return np.array(values).reshape(len(rows), len(first))
+
+
+def _column(table, path, layers):
+    """Particles of each system per area of the layers (C, S) [m-2]."""
+    return np.array([path.number_density[name][layers] * path.thickness[layers] for name in table.species])
+
+
+def _pair_bound(table, path, layers, whole):
+    """What a system in a layer may add or take away at most (C, S) [W m-2 sr-1], as `path.thin_lines` says.
+
+    The ratio of the black bodies at the grid's largest wavenumber exceeds those of all lines.
+    """
+    quantum = SECOND_RADIATION * table.grid.wavenumber[-1]
+    ratio = np.expm1(quantum / path.temperature[layers]) / np.expm1(quantum / path.temperature.max())
+    return whole * _column(table, path, layers) * ratio
 
 
 def _continua(table, path, layers, first, weights):
@@ -260,7 +305,7 @@ def _continua(table, path, layers, first, weights):
     return result
 
 
-def _cross(table, path, layers, first, weights, shift, smooth, part, radiance):
+def _cross(table, path, layers, first, weights, shift, kept, smooth, part, radiance):
     """Radiance (C, B) behind the layers and their optical depth (B,) in one block of the grid.
 
     As `transfer.cross_layer`, in place: one block of one layer takes some 0.1 ms.
@@ -279,6 +324,9 @@ def _cross(table, path, layers, first, weights, shift, smooth, part, radiance):
         per_blackbody /= first_radiation
         for system, species in enumerate(table.species):
             row = emitted[system]
+            if not kept[system, place]:
+                row[:] = 0.0
+                continue
             np.einsum("k,kg->g", weights[place], table.emission[system, stencil, part], out=row)
             np.exp(row, out=row)
             row -= shift[system, place]

@@ -90,5 +90,7 @@ def cross_layer(radiance, emission_coefficient, absorption_coefficient, thicknes
     transmitted = depth * escape
     behind = radiance * np.subtract(1, transmitted, out=transmitted)
     escape *= thickness
-    behind += emission_coefficient * escape
+    added = np.empty_like(escape)
+    for row, emission in zip(behind, emission_coefficient, strict=True):  # row by row: within the cache
+        row += np.multiply(emission, escape, out=added)
     return behind, depth

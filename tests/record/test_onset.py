@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.experiment import onset
+from plasmapyro.record import onset
 
 TIME = np.arange(0.0, 60.0, 0.1)
 GAS = np.array([[2.0], [1.0]])

@@ -10,6 +10,7 @@ GAS_DOMINATED = 5  # the gas gives more than the allowed share of a signal
 NOT_INJECTED = 6  # no sample in view
 STRADDLING = 7  # the exposure holds the injection or the end of the plasma
 SATURATED = 8  # the detector or its converter was at its limit
+CONTRADICTED = 9  # instruments, or one and its calibration, contradict each other
 
 WITH_VALUE = (VALID, EXTRAPOLATED, GAS_DOMINATED)  # all others go with NaN
 
@@ -24,6 +25,7 @@ MEANINGS = {
     NOT_INJECTED: "not_injected",
     STRADDLING: "straddling",
     SATURATED: "saturated",
+    CONTRADICTED: "contradicted",
 }
 
 

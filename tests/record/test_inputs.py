@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
-from plasmapyro.experiment import inputs
+from plasmapyro.record import inputs
 
 TIME, FRAMES, PIXELS = (
     np.arange(-5.0, 50.0, 0.5),

@@ -44,6 +44,7 @@ NUMBERS = {  # attribute -> (lowest, highest, unit)
     "emittance_slope_uncertainty": (0.0, 1.0, "1"),
 }
 ALWAYS = ("injection_time", "plasma_off_time", "emittance", "emittance_uncertainty")
+OF_PLASMA = ("injection_time", "plasma_off_time")
 OF_INSTRUMENT = {
     "pyrometer": ("window_transmittance_pyrometer", "pyrometer_integration_time"),
     "spectrometer": (
@@ -65,6 +66,14 @@ def instruments(test):
     return [name for name, variables in found.items() if variables]
 
 
+def has_plasma(test):
+    """Whether a test has a plasma, and so an injection, an end and a reference window.
+
+    A lamp or a furnace has none: `condition` is 'none', and nothing is said of a window.
+    """
+    return test.attrs.get("condition") != "none" or "reference_window" in test.attrs
+
+
 def faults(test):
     """Every breach of the rules for a test.
 
@@ -79,17 +88,16 @@ def faults(test):
     present = instruments(test)
     found = [] if present else ["neither pyrometer signals nor spectra: one of them is needed"]
     found += _faults_of_variables(test, present)
-    found += _faults_of_attributes(test, present)
-    if not found:
+    found += attribute_faults(test, present)
+    if not found and has_plasma(test):
         found += _faults_of_window(test, present)
     return found
 
 
-def require(test, instrument):
-    """Return `test` if it is sound and holds `instrument`; else raise ValueError with every fault."""
+def require(test, *needed):
+    """Return `test` if it is sound and holds the instruments named; else ValueError with every fault."""
     found = faults(test)
-    if instrument not in instruments(test):
-        found.append(f"the test holds no data of the {instrument}")
+    found += [f"the test holds no data of the {name}" for name in needed if name not in instruments(test)]
     if found:
         raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
     return test
@@ -131,8 +139,11 @@ def _faults_of_variables(test, present):
                 )
 
 
-def _faults_of_attributes(test, present):
-    needed = [*ALWAYS, *(name for instrument in present for name in OF_INSTRUMENT[instrument])]
+def attribute_faults(test, present):
+    """Every breach of the rules for the attributes of a test with the instruments `present`."""
+    plasma = has_plasma(test)
+    always = [name for name in ALWAYS if plasma or name not in OF_PLASMA]
+    needed = [*always, *(name for instrument in present for name in OF_INSTRUMENT[instrument])]
     for name in [*needed, *(name for name in NUMBERS if name in test.attrs and name not in needed)]:
         low, high, unit = NUMBERS[name]
         value = test.attrs.get(name)
@@ -145,6 +156,8 @@ def _faults_of_attributes(test, present):
     if test.attrs.get("origin") not in ORIGINS:
         yield f"attribute origin: {test.attrs.get('origin')!r}, must be one of {', '.join(ORIGINS)}"
     window = np.asarray(test.attrs.get("reference_window", []))
+    if not plasma:
+        return
     if window.shape != (2,) or window.dtype.kind not in "fiu" or not window[0] < window[1]:
         yield "attribute reference_window: must be two rising times [s, s]"
 
@@ -168,7 +181,9 @@ def _faults_of_window(test, present):
         for name in ("signal_wide", "signal_narrow"):
             count = int(np.isfinite(test[name].values[inside]).sum())
             if count < LEAST_REFERENCE_SAMPLES:
+                first, last = test.time.values[[0, -1]]
+                hint = "; is `zero` missing?" if first > window[1] or last < window[0] else ""
                 yield (
                     f"{name}: {count} samples in the reference window {window[0]:g} to {window[1]:g} s,"
-                    f" {LEAST_REFERENCE_SAMPLES} needed"
+                    f" {LEAST_REFERENCE_SAMPLES} needed; the record runs from {first:g} to {last:g} s{hint}"
                 )

@@ -1,0 +1,77 @@
+"""Where instruments and calibrations contradict each other: nothing is averaged over that."""
+
+import numpy as np
+
+from plasmapyro.estimate.observations import PyrometerData
+
+# What calibrations and statements say, with their uncertainty; the gas is left to the data.
+STATED = {
+    "log_emittance": "the emittance",
+    "source_error": "the temperature of the calibration source",
+    "gain_error": "a gain of the pyrometer",
+    "band_shift": "the place of a band of the pyrometer",
+    "scale_error": "the scale of the spectrometer",
+    "bin_error": "the shape of the spectrometer's calibration",
+}
+LARGEST_PULL = 5.0  # standard deviations; sound data pull by 1.2 at most, a gain that is 5 % off by 18
+LARGEST_RESIDUAL = {True: 20.0, False: 10.0}  # [1] of the pyrometer, of a spectrum; sound ones reach 10 and 2
+NEAR = 1.0  # [s] over which residuals of the pyrometer are averaged
+
+
+def contradicted(time, observations, fixed, found):
+    """Which samples of the chain contradict one another, and why.
+
+    Parameters
+    ----------
+    time : (n,) array [s]
+    observations : list of PyrometerData and SpectrometerData
+        With the noise that their residuals show.
+    fixed : Constants
+    found : result of `smoother.fit`
+
+    Returns
+    -------
+    where : (n,) bool ndarray
+        All samples if what a calibration states is pulled by more than `LARGEST_PULL` of its standard
+        deviations; else those around residuals beyond `LARGEST_RESIDUAL`.
+    words : list of str
+
+    Notes
+    -----
+    Not in the paper. A pull is (value - stated) / uncertainty; one of 5 is no chance.
+    """
+    pulls = np.abs(found.values - fixed.mean) / fixed.deviation
+    largest = {name: pulls[fixed.where(name)].max(initial=0.0) for name in STATED}
+    words = [
+        f"the data pull {STATED[name]} by {pull:.0f} standard uncertainties away from what is stated"
+        for name, pull in largest.items()
+        if pull > LARGEST_PULL
+    ]
+    if words:
+        return np.ones(time.size, dtype=bool), words
+    where = np.zeros(time.size, dtype=bool)
+    for data in observations:
+        of_bands = isinstance(data, PyrometerData)
+        moments, size = _sizes(data, data.residual(found.path, found.values, fixed.where), time)
+        far = size > LARGEST_RESIDUAL[of_bands]
+        for moment in moments[far]:
+            where |= np.abs(time - moment) <= NEAR
+        if far.any():
+            name = "pyrometer" if of_bands else "spectrometer"
+            words.append(
+                f"the {name} lies up to {size[far].max():.0f} times its noise off the common temperature,"
+                f" first at {moments[far][0]:.5g} s after the injection"
+            )
+    return where, words
+
+
+def _sizes(data, residual, time):
+    """Times and root mean squares of the whitened residuals: over `NEAR` of the bands, or over a spectrum."""
+    square = residual**2
+    if isinstance(data, PyrometerData):
+        square, count = np.nansum(square, axis=0), np.isfinite(square).sum(axis=0)
+        total, number = (np.concatenate([[0.0], np.cumsum(row)]) for row in (square, count))
+        first, last = (np.searchsorted(time, time + shift) for shift in (-NEAR / 2, NEAR / 2))
+        return time, np.sqrt((total[last] - total[first]) / np.maximum(number[last] - number[first], 1))
+    moments = time[data.place] + data.offset
+    return moments, np.sqrt(np.nansum(square, axis=1) / np.maximum(np.isfinite(square).sum(axis=1), 1))

@@ -1,0 +1,118 @@
+"""What a black body gives in the channels of an instrument, by bins of wavelength, over its temperature."""
+
+import dataclasses
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from plasmapyro.estimate.bins import band_edges, bin_mean, pixel_bins, spectrometer_edges
+from plasmapyro.radiation.bandsignal import BANDS, responsivities
+from plasmapyro.radiation.planck import blackbody_derivatives
+
+TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
+TABLE_POINTS = 400  # equal steps of 1/T; ln S is nearly straight in it: error below 1e-8
+
+
+@dataclasses.dataclass(frozen=True)
+class Instrument:
+    """Bins of wavelength and what they give in the channels; `weight` None: each bin is a channel."""
+
+    edges: np.ndarray  # (B + 1,) [m]
+    weight: np.ndarray | None = None  # (C, B) signal per radiance of a bin
+
+    @property
+    def wavelength(self):
+        """(B,) [m] middle of each bin."""
+        return (self.edges[1:] + self.edges[:-1]) / 2
+
+    def detect(self, radiance):
+        """Signal (..., C) of a radiance (..., B)."""
+        return radiance if self.weight is None else radiance @ self.weight.T
+
+
+def pyrometer(response, calibration):
+    """The pyrometer, with the absolute sensitivities of its calibration as gains.
+
+    Parameters
+    ----------
+    response : Dataset, contract 'response'
+    calibration : Dataset, contract 'calibration'
+
+    Returns
+    -------
+    Instrument
+
+    Notes
+    -----
+    Source: Fagnani et al., eq. 1, with the responsivity as mean over each bin.
+    """
+    wavelength = response.wavelength.values
+    bands = np.stack(responsivities(response))
+    edges = band_edges(wavelength, bands[0])
+    gains = calibration.absolute_sensitivity.sel(band=list(BANDS)).values
+    return Instrument(edges, gains[:, None] * bin_mean(wavelength, bands, edges) * np.diff(edges))
+
+
+def spectrometer(pixels):
+    """The spectrometer of some pixels (W,) [m]: radiance in bins, one for each line of the gas."""
+    return Instrument(spectrometer_edges(pixels))
+
+
+class GreyTable:
+    """Black body signals of an instrument as a function of 1/T, with two derivatives by T."""
+
+    def __init__(self, instrument, temperatures=TABLE_TEMPERATURES, points=TABLE_POINTS):
+        inverse = np.linspace(1 / temperatures[1], 1 / temperatures[0], points)
+        body = blackbody_derivatives(instrument.wavelength, 1 / inverse[:, None])[0]
+        self._spline = CubicSpline(inverse, np.log(instrument.detect(body)))
+        self.temperatures = temperatures
+
+    def __call__(self, temperature):
+        r"""Signal, :math:`S'`, :math:`S''` by the temperature, each (t, C).
+
+        Raises
+        ------
+        ValueError
+            If a temperature lies outside the table.
+        """
+        temperature = np.asarray(temperature, dtype=float)
+        if not np.all((temperature >= self.temperatures[0]) & (temperature <= self.temperatures[1])):
+            raise ValueError(
+                f"temperature must lie in [{self.temperatures[0]:g}, {self.temperatures[1]:g}] K;"
+                f" got {np.min(temperature):g} to {np.max(temperature):g} K"
+            )
+        beta = 1 / temperature
+        value = np.exp(self._spline(beta))
+        logarithmic, bend = self._spline(beta, 1), self._spline(beta, 2)
+        beta = beta[:, None]
+        first = -(beta**2) * logarithmic
+        second = first**2 + beta**4 * bend + 2 * beta**3 * logarithmic
+        return value, value * first, value * second
+
+
+def bin_pixels(pixels, spectra, usable, edges):
+    """Means of the usable pixels of each bin.
+
+    Parameters
+    ----------
+    pixels : (W,) array [m]
+    spectra : (S, W) array
+    usable : (S, W) bool array
+    edges : (C + 1,) array [m]
+
+    Returns
+    -------
+    mean : (S, C) ndarray, NaN where a bin has lost a pixel that other exposures have
+    count : (C,) ndarray
+        Pixels that enter.
+    """
+    place = pixel_bins(pixels, edges)
+    ever = usable.any(axis=0)
+    total, lost = np.zeros((2, len(spectra), len(edges) - 1))
+    for column in np.flatnonzero(ever):
+        good = usable[:, column]
+        total[:, place[column]] += np.where(good, spectra[:, column], 0.0)
+        lost[:, place[column]] += ~good
+    count = np.bincount(place[ever], minlength=len(edges) - 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where((lost == 0) & (count > 0), total / count, np.nan), count

@@ -1,0 +1,277 @@
+"""Rules for results: instruments against each other, and each against what is known of its light."""
+
+import numpy as np
+
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.record import status
+
+GOOD = (status.VALID, status.EXTRAPOLATED)
+EFFECTIVE = 1.0e-6  # [m] wavelength of silicon detectors for the slope of Planck's law
+BRIGHT = 0.2  # of the highest corrected signal
+WIDEST = 1.5  # factor between emittances that no uncertainty needs to explain
+PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
+
+
+def compared(result):
+    """Differences of the two instruments where both are valid.
+
+    Each spectrum is compared with the mean of the valid samples of the pyrometer within a second, or with
+    the two next to it; the temperature of the spectrum is that of the fit with a free scale.
+
+    Parameters
+    ----------
+    result : Dataset, contract 'correction', with both instruments
+
+    Returns
+    -------
+    (moment, difference, uncertainty)
+        (n,) arrays: [s]; pyrometer minus spectrometer [K]; both uncertainties combined [K].
+    """
+    held = np.isin(result.corrected_status.values, GOOD) & np.isfinite(
+        result.corrected_temperature_uncertainty.values
+    )
+    time, value, error = (
+        result[name].values[held]
+        for name in ("time", "corrected_temperature", "corrected_temperature_uncertainty")
+    )
+    good = result.spectrum_status.values == status.VALID
+    good &= np.isfinite(result.scaled_temperature_uncertainty.values)
+    found = []
+    for index in np.flatnonzero(good):
+        moment = result.spectrum_time.values[index]
+        near = np.abs(time - moment) <= 0.5
+        if not near.any():
+            continue
+        other = result.scaled_temperature.values[index], result.scaled_temperature_uncertainty.values[index]
+        # ASSUME: the pyrometer's error is common to neighbours: its mean is as uncertain as one of them.
+        found.append((moment, value[near].mean() - other[0], np.hypot(error[near].mean(), other[1])))
+    return tuple(np.array(found).T) if found else (np.empty(0),) * 3
+
+
+def disagreeing(result, limit):
+    """Of what `compared` gives, that where the two differ by more than `limit` uncertainties."""
+    moment, difference, uncertainty = compared(result)
+    far = np.abs(difference) > limit * uncertainty
+    return moment[far], difference[far], uncertainty[far]
+
+
+@rule(
+    "instruments_disagree",
+    looks_at="pyrometer and spectrometer, where both are valid",
+    needs=("result", "pyrometer", "spectrometer"),
+    limit=3.0,
+    unit="combined standard uncertainties",
+    reason="both see the same surface; three uncertainties are passed once in 370 spectra if all is right",
+    says="pyrometer and spectrometer contradict each other: in {count} of {all} spectra they differ by more"
+    " than three"
+    " uncertainties, at {moment:g} s by {difference:+.0f} K +- {uncertainty:.0f} K (pyrometer minus"
+    " spectrometer)",
+    remedy="trust neither before the cause is found (a gain, a clock, a dark, a source temperature, the aim)",
+)
+def instruments_disagree(case, limit):
+    if not {"corrected_temperature", "scaled_temperature"} <= set(case.result.variables):
+        return None  # a joint estimate
+    total = compared(case.result)[0].size
+    moment, difference, uncertainty = disagreeing(case.result, limit)
+    if not moment.size:
+        return None
+    worst = int(np.argmax(np.abs(difference) / uncertainty))
+    return {
+        "count": moment.size,
+        "all": total,
+        "moment": float(moment[worst]),
+        "difference": float(difference[worst]),
+        "uncertainty": float(uncertainty[worst]),
+    }
+
+
+@rule(
+    "ratio_outside_calibration",
+    looks_at="status of the brightest corrected samples",
+    needs=("result", "pyrometer"),
+    limit=0.2,
+    unit="1",
+    reason="the brightest samples are those the instrument is made for; a fifth allows for a slow rise",
+    says="{share:.0%} of the brightest samples have a ratio that the calibration cannot give within"
+    " {low:g} to {high:g} K (median {ratio:.3g}, the calibration gives {least:.3g} to {most:.3g})",
+    remedy="see whether the bands are swapped, a gain changed, or the calibration is of another instrument;"
+    " or the"
+    " surface is outside the range",
+)
+def ratio_outside_calibration(case, limit):
+    if "corrected_signal" not in case.result or case.calibration is None:
+        return None
+    signal, state = case.result.corrected_signal.values, case.result.corrected_status.values
+    share = case.result.surface_share.values
+    top = np.nanmax(np.where(share > 0.5, signal, np.nan), axis=1, keepdims=True, initial=-np.inf)
+    bright = ((signal > BRIGHT * top) & (share > 0.5)).all(axis=0)
+    if bright.sum() < 5:
+        return None
+    outside = np.isin(state[bright], (status.BELOW, status.ABOVE))
+    if outside.mean() <= limit:
+        return None
+    low, high = case.calibration.instrument_range.values
+    curve = case.calibration.fitted_ratio.values
+    ratio = signal[0, bright] / signal[1, bright]
+    return {
+        "share": float(outside.mean()),
+        "low": float(low),
+        "high": float(high),
+        "ratio": float(np.median(ratio)),
+        "least": float(np.nanmin(curve)),
+        "most": float(np.nanmax(curve)),
+    }
+
+
+@rule(
+    "level_against_ratio",
+    looks_at="emittance that the level of a signal gives at the temperature of the ratio",
+    needs=("result", "pyrometer", "calibration", "response"),
+    limit=3.0,
+    unit="combined standard uncertainties",
+    reason="the calibration knows both the ratio and the level of the signals; a window or an aim may cost a"
+    " tenth, a gain of one band shows as a factor of two",
+    says="at the temperature of the ratio ({kelvin:.0f} K) the level of signal_{band} asks for an emittance"
+    " of {found:.3g};"
+    " {stated:g} is stated, a factor between {least:.2g} and {most:.2g} would be within the uncertainties",
+    remedy="see whether the unit, the gain or the window of the test differs from that of the calibration",
+)
+def level_against_ratio(case, limit):
+    if "corrected_signal" not in case.result:
+        return None
+    good = np.isin(case.result.corrected_status.values, GOOD)
+    good &= (case.result.surface_share.values > 0.7).all(axis=0)
+    if good.sum() < 5:
+        return None
+    kelvin = case.result.corrected_temperature.values[good]
+    error = case.result.corrected_temperature_uncertainty.values[good]
+    attrs = case.test.attrs
+    stated, window = attrs["emittance"], attrs["window_transmittance_pyrometer"]
+    relative = np.hypot(
+        SECOND_RADIATION / EFFECTIVE * np.nanmedian(error / kelvin**2),
+        attrs["emittance_uncertainty"] / stated,
+    )
+    # ASSUME: what stands in the light of the test may have stood in that of the calibration, or not.
+    width = max(limit * relative, np.log(WIDEST)) - np.log(window)
+    for index, band in enumerate(BANDS):
+        curve = blackbody_signal(
+            kelvin, case.response.wavelength.values, case.response[f"responsivity_{band}"].values
+        )
+        level = case.result.corrected_signal.values[index, good]
+        sensitivity = case.calibration.absolute_sensitivity.values[index]
+        found = float(np.median(level / (sensitivity * curve)))
+        if not abs(np.log(found / stated)) <= width:
+            return {
+                "kelvin": float(np.median(kelvin)),
+                "band": band,
+                "found": found,
+                "stated": stated,
+                "least": float(np.exp(-width)),
+                "most": float(np.exp(width)),
+            }
+    return None
+
+
+@rule(
+    "emittance_of_spectra",
+    looks_at="emittance that the fitted scale of the spectra gives",
+    needs=("result", "spectrometer"),
+    limit=1.5,
+    unit="1",
+    reason="aim and window may cost a third; a filter, a unit or an integration time forgotten costs more",
+    says="the spectra ask for an emittance of {found:.3g} (median of {count}); {stated:g} +- {error:g} is"
+    " stated",
+    remedy="see whether integration time, filter, window and unit of test and calibration are those that"
+    " were used",
+)
+def emittance_of_spectra(case, limit):
+    if "apparent_emittance" not in case.result:
+        return None
+    good = case.result.spectrum_status.values == status.VALID
+    values, errors = (
+        case.result[name].values[good] for name in ("apparent_emittance", "apparent_emittance_uncertainty")
+    )
+    known = np.isfinite(values) & np.isfinite(errors) & (errors < 0.3 * values)
+    if known.sum() < 3:
+        return None
+    attrs = case.test.attrs
+    found, stated = float(np.median(values[known])), attrs["emittance"]
+    own = 3 * np.hypot(
+        float(np.median(errors[known] / values[known])), attrs["emittance_uncertainty"] / stated
+    )
+    width = max(own, np.log(limit)) - np.log(attrs["window_transmittance_spectrometer"])
+    if abs(np.log(found / stated)) <= width:
+        return None
+    return {
+        "found": found,
+        "count": int(known.sum()),
+        "stated": stated,
+        "error": attrs["emittance_uncertainty"],
+    }
+
+
+@rule(
+    "emittance_jumps",
+    looks_at="emittance that the fitted scale gives, from spectrum to spectrum",
+    needs=("result", "spectrometer"),
+    limit=0.25,
+    unit="1",
+    reason="a surface changes by some per cent between spectra; a quarter at once, and five uncertainties,"
+    " is a fibre"
+    " that was bent, a window that fogged, or another exposure",
+    says="between {first:g} and {second:g} s the emittance that the spectra ask for goes from {before:.3g}"
+    " to {after:.3g}",
+    remedy="see what was touched then; temperatures from the shape stay right if only the level changed",
+)
+def emittance_jumps(case, limit):
+    if "apparent_emittance" not in case.result:
+        return None
+    values, errors, time = (
+        case.result[name].values[case.result.spectrum_status.values == status.VALID]
+        for name in ("apparent_emittance", "apparent_emittance_uncertainty", "spectrum_time")
+    )
+    known = np.isfinite(errors) & (errors < 0.2 * values)
+    values, errors, time = values[known], (errors / values)[known], time[known]
+    jump = np.abs(np.diff(np.log(values)))
+    far = np.flatnonzero(jump > np.maximum(limit, 5 * np.hypot(errors[1:], errors[:-1])))
+    if not far.size:
+        return None
+    first = far[0]
+    return {
+        "first": float(time[first]),
+        "second": float(time[first + 1]),
+        "before": float(values[first]),
+        "after": float(values[first + 1]),
+    }
+
+
+@rule(
+    "shape_of_spectra",
+    looks_at="corrected spectra against the fitted Planck curve, smoothed, with the plasma off or"
+    " overpowered",
+    needs=("result", "spectrometer"),
+    limit=0.06,
+    unit="1",
+    reason="a calibration is good to a few per cent over the range; dark, linearity or calibration of another"
+    " instrument bend the spectrum by more",
+    says="the spectra bend away from Planck's law by {worst:.0%} (root mean square of the brightest valid"
+    " ones)",
+    remedy="see whether dark, calibration and unit belong to these spectra, or lines of the gas are left",
+)
+def shape_of_spectra(case, limit):
+    if "normalised_radiance" not in case.result:
+        return None
+    good = np.flatnonzero(case.result.spectrum_status.values == status.VALID)
+    measured, fitted = (case.result[name].values[good] for name in ("normalised_radiance", "normalised_fit"))
+    level = case.result.corrected_radiance.values[good]
+    if good.size < 1 or measured.shape[1] < 2 * PIXELS:
+        return None
+    bright = np.nanmedian(level, axis=1) > BRIGHT * np.nanmedian(level, axis=1).max()
+    rest = (measured / fitted - 1)[bright]
+    used = np.isfinite(rest).any(axis=0)
+    parts = np.array_split(np.flatnonzero(used), max(used.sum() // PIXELS, 1))
+    means = np.array([np.nanmedian(rest[:, part], axis=1) for part in parts if part.size])
+    worst = float(np.median(np.sqrt(np.nanmean(means**2, axis=0))))
+    return {"worst": worst} if worst > limit else None

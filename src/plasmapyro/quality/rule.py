@@ -1,0 +1,146 @@
+"""What a rule is, and what it looks at."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.record.inputs import instruments
+from plasmapyro.record.phases import phases
+
+BANDS = ("wide", "narrow")
+DATASETS = (
+    "calibration",
+    "response",
+    "spectrometer_calibration",
+    "result",
+    "points",
+    "exposures",
+    "sightline",
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """All that is known of a test or a calibration when its quality is judged; what is absent is None."""
+
+    place: Path  # folder or file, for messages
+    test: xr.Dataset | None = None
+    files: dict = field(default_factory=dict)  # of the spectrometer, as readers.parts gives them
+    calibration: xr.Dataset | None = None
+    response: xr.Dataset | None = None
+    spectrometer_calibration: xr.Dataset | None = None
+    result: xr.Dataset | None = None  # contract 'correction'
+    points: xr.Dataset | None = None  # contract 'calibration_points'
+    exposures: xr.Dataset | None = None  # contract 'spectrometer_exposures'
+    sightline: xr.Dataset | None = None
+
+    @cached_property
+    def holds(self):
+        """Names of what the rules may ask for."""
+        held = {name for name in DATASETS if getattr(self, name) is not None}
+        if self.test is not None:
+            held |= {"test", *instruments(self.test)}
+            held |= {name for name in ("counts", "spectral_radiance") if name in self.test}
+            held |= {"plasma"} if "plasma_off_time" in self.test.attrs else set()
+        if self.result is not None:
+            held |= {"pyrometer"} if "corrected_temperature" in self.result else set()
+            held |= {"spectrometer"} if "scaled_temperature" in self.result else set()
+        dated = self.files.get("dates") and all(date is not None for date in self.files["dates"])
+        return held | {name for name, value in self.files.items() if value} | ({"dated"} if dated else set())
+
+    @cached_property
+    def pair(self):
+        """Signals (2, t) [A] of the pyrometer."""
+        return np.stack([self.test[f"signal_{band}"].values for band in BANDS]).astype(float)
+
+    @cached_property
+    def net(self):
+        """Light (S, W) of the spectra: radiances, or counts without the dark."""
+        if "spectral_radiance" in self.test:
+            return self.test.spectral_radiance.values.astype(float)
+        return self.test.counts.values.astype(float) - self.test.background_counts.values
+
+    @cached_property
+    def light(self):
+        """Mean light (S,) of the pixels that no spectrum lacks; NaN without such pixels."""
+        good = np.isfinite(self.net).all(axis=0)
+        return self.net[:, good].mean(axis=1) if good.any() else np.full(len(self.net), np.nan)
+
+    @cached_property
+    def exposure(self):
+        """Length of an exposure [s]."""
+        return float(self.test.attrs["spectrometer_integration_time"])
+
+    def shining(self, axis):
+        """Where the plasma shines on the sample, on the axis `time` or `spectrum_time`."""
+        attrs = self.test.attrs
+        return phases(self.test[axis].values, attrs["injection_time"], attrs["plasma_off_time"])[1]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One entry of the table: what is looked at, which limit, why it, and what is said."""
+
+    name: str
+    looks_at: str  # in words, for the table
+    needs: tuple  # of `Case.holds`
+    limit: float
+    unit: str
+    reason: str  # of the limit
+    says: str  # template, filled with what `find` saw
+    remedy: str  # a template as well
+    find: Callable  # (case, limit) -> mapping for `says`, or None
+
+    def __call__(self, case):
+        """The sentence about a case, or None."""
+        if not case.holds.issuperset(self.needs):
+            return None
+        saw = self.find(case, self.limit)
+        if saw is None:
+            return None
+        where = saw.pop("where", case.place)
+        return f"{where}: {self.says.format(**saw)}; {self.remedy.format(**saw)} [{self.name}]"
+
+
+class Finding(NamedTuple):
+    """What a rule said."""
+
+    rule: Rule
+    words: str
+
+
+def rule(name, **entry):
+    """Decorator that makes a `Rule` of the function which looks for the contradiction."""
+
+    def made(find):
+        return Rule(name=name, find=find, **entry)
+
+    return made
+
+
+def rules_of(*modules):
+    """The rules that modules declare, in their order."""
+    return tuple(value for module in modules for value in vars(module).values() if isinstance(value, Rule))
+
+
+def look(case, rules):
+    """Every contradiction that `rules` find in a case, in the order of the rules.
+
+    Parameters
+    ----------
+    case : Case
+    rules : iterable of Rule
+
+    Returns
+    -------
+    list of Finding
+    """
+    # Signals of zero and missing samples make ratios that the rules leave out.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        said = [(rule, rule(case)) for rule in rules]
+    return [Finding(rule, words) for rule, words in said if words is not None]

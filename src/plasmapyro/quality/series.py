@@ -1,0 +1,153 @@
+"""Numbers that several rules take from a record: runs, steps, falls, lags."""
+
+import numpy as np
+
+SIDE = 6  # blocks on each side of a step: enough to fit a line and to tell its scatter
+MOST_BLOCKS = 3000
+SIGMA = 1.4826  # standard deviations per median absolute deviation of normal noise
+
+
+def blocks(time, values, begin, end, least=0.0):
+    """Means of a record over blocks, at most `MOST_BLOCKS`, none shorter than `least` [s]; no NaN.
+
+    Returns
+    -------
+    (time, values)
+        (n,) and (..., n) arrays.
+    """
+    held = (time >= begin) & (time <= end) & np.isfinite(values).all(axis=tuple(range(values.ndim - 1)))
+    time, values = time[held], values[..., held]
+    if time.size < 2:
+        return time, values
+    size = max(least, (time[-1] - time[0]) / MOST_BLOCKS)
+    number = np.unique(np.floor((time - time[0]) / size), return_inverse=True)[1] if size > 0 else None
+    if number is None or number[-1] == time.size - 1:
+        return time, values
+    count = np.bincount(number)
+    mean = np.array([np.bincount(number, row) / count for row in values.reshape(-1, time.size)])
+    return np.bincount(number, time) / count, mean.reshape(*values.shape[:-1], count.size)
+
+
+def longest_run(same):
+    """Index of the first sample and number of samples of the longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], np.asarray(same, dtype=int), [0]])))
+    if not edges.size:
+        return 0, 0
+    begins, lengths = edges[::2], edges[1::2] - edges[::2]
+    longest = int(np.argmax(lengths))
+    return int(begins[longest]), int(lengths[longest])
+
+
+def steps(values):
+    r"""Height of the step around each place, over and above the slopes of the record before and after it.
+
+    .. math:: H_i = x_{i+2} - x_{i-1} - \tfrac32 (b_- + b_+)
+
+    with the slopes b of lines through `SIDE` samples up to i - 1 and from i + 2 on. A bend of the record,
+    where only the slope changes, gives none.
+
+    Parameters
+    ----------
+    values : (n,) array, evenly spaced
+
+    Returns
+    -------
+    height, deviations : (n,) ndarrays
+        Of the step between each sample and the next, 0 near the ends; over the usual scatter of such heights.
+    """
+    height = np.zeros(values.size)
+    if values.size < 4 * SIDE:
+        return height, height
+    place = np.arange(SIDE) - (SIDE - 1) / 2
+    slope = np.convolve(values, place[::-1] / np.sum(place**2), mode="valid")  # of values[i : i + SIDE]
+    inner = np.arange(SIDE, values.size - SIDE - 1)
+    before, after = slope[inner - SIDE], slope[inner + 2]
+    height[inner] = known = values[inner + 2] - values[inner - 1] - 1.5 * (before + after)
+    scatter = SIGMA * np.median(np.abs(known - np.median(known)))
+    near = np.array([_scatter(height, index) for index in range(values.size)])
+    usual = np.maximum(np.maximum(scatter, near), 1e-12)
+    # A sharp bend between two samples cannot be told from a step of one sample's slope.
+    known = np.where(np.abs(known) > 3 * np.maximum(np.abs(before), np.abs(after)), known, 0.0)
+    # All three places from which a step is seen must show it: a bend shows its slope at one side only.
+    three = np.stack([known[:-2], known[1:-1], known[2:]])
+    alike = np.abs(np.sign(three).sum(axis=0)) == 3
+    height[inner[1:-1]] = np.where(alike, np.sign(three[1]) * np.abs(three).min(axis=0), 0.0)
+    height[inner[[0, -1]]] = 0.0
+    return height, height / usual
+
+
+def widened(places, reach):
+    """Where True lies within `reach` samples."""
+    return np.lib.stride_tricks.sliding_window_view(np.pad(places, reach), 2 * reach + 1).any(axis=1)
+
+
+def _scatter(height, index):
+    """Scatter of the heights around a place, without those that a step at it makes itself."""
+    low, high = max(index - 6 * SIDE, 0), index + 6 * SIDE + 1
+    own = np.abs(np.arange(low, min(high, height.size)) - index) > SIDE
+    part = height[low:high][own]
+    return SIGMA * np.median(np.abs(part - np.median(part))) if part.size else 0.0
+
+
+def fall(time, values, length):
+    """Span of time in which a signal begins to fall for good, or None.
+
+    Parameters
+    ----------
+    time, values : (n,) arrays
+        Means over intervals of `length` [s].
+    length : float [s]
+
+    Returns
+    -------
+    (first, last, drop), or None
+        The end of the plasma lies between first and last [s]; relative drop. None if no drop stands out.
+    """
+    if time.size < 6 or not (values > 0).all():
+        return None
+    drop = -np.diff(np.log(values))
+    # A cooling surface goes on falling, and faster in the logarithm: the first large drop is the one.
+    clear = max(LEAST_DROP, MANY * SIGMA * np.median(np.abs(np.diff(drop))), drop.max() / 3)
+    if drop.max() < clear:
+        return None
+    place = int(np.argmax(drop >= clear))
+    first = max(place - 1, 0)
+    return time[first] - length / 2, time[place + 1] + length / 2, -np.expm1(-drop[place])
+
+
+LEAST_DROP, MANY = 0.03, 4.0  # of the logarithm in one step; over the usual change between such steps
+
+
+def lag(time, pair, moments, light, length, lags):
+    """By how much spectra must be moved to fit the pyrometer best.
+
+    The light of a spectrum is taken as a sum of both bands, averaged over its exposure, and a constant: light
+    adds up. Its squares of relative residuals are compared for each lag.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    pair : (2, t) array, without NaN
+    moments, light : (S,) arrays
+        Middles of the exposures [s]; light, > 0.
+    length : float [s], of an exposure
+    lags : (L,) array [s]
+
+    Returns
+    -------
+    (L,) ndarray, root mean square of the relative residuals; NaN where an exposure has no samples
+    """
+    total = np.concatenate(
+        [np.zeros((2, 1)), np.cumsum((pair[:, 1:] + pair[:, :-1]) / 2 * np.diff(time), axis=1)], axis=1
+    )
+    found = np.full(lags.size, np.nan)
+    for index, shift in enumerate(lags):
+        begin, end = moments + shift - length / 2, moments + shift + length / 2
+        if begin.min() < time[0] or end.max() > time[-1]:
+            continue
+        means = [(np.interp(end, time, row) - np.interp(begin, time, row)) / length for row in total]
+        design = np.stack([*means, np.ones_like(light)], axis=1) / light[:, None]
+        design = design / np.abs(design).max(axis=0)
+        rest = 1 - design @ np.linalg.lstsq(design, np.ones_like(light), rcond=None)[0]
+        found[index] = np.sqrt(np.sum(rest**2) / max(light.size - 3, 1))
+    return found

@@ -1,0 +1,75 @@
+"""Radiances out of what a spectrometer wrote down."""
+
+import numpy as np
+
+from plasmapyro.instrument.raw_counts import above_baseline
+from plasmapyro.instrument.spectrometer import USABLE, measured_radiance
+
+SAME_PIXEL = 1e-11  # [m] programs print 2 to 4 digits of a nanometre; pixels are ten times as far apart
+
+
+def on_same_wavelengths(first, second):
+    """Whether two datasets hold the same pixels, up to the digits that programs print."""
+    mine, its = first.wavelength.values, second.wavelength.values
+    return mine.size == its.size and np.allclose(mine, its, rtol=0, atol=SAME_PIXEL)
+
+
+def _span(dataset):
+    values = dataset.wavelength.values * 1e9
+    return f"{values.size} pixels from {values[0]:.3f} to {values[-1]:.3f} nm"
+
+
+def halves(radiance):
+    """Mean radiance (2, S) of the pixels of shorter and of longer wavelength; NaN without a usable one."""
+    good = np.isfinite(radiance)
+    middle = np.searchsorted(np.cumsum(good.any(axis=0)), good.any(axis=0).sum() / 2)
+    parts = [slice(None, middle), slice(middle, None)]
+    count = np.array([good[:, part].sum(axis=1) for part in parts])
+    total = np.array([np.where(good[:, part], radiance[:, part], 0.0).sum(axis=1) for part in parts])
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def calibrated_radiance(test, calibration, saturation_counts):
+    """Radiance (S, W), NaN where unusable; status (W,) of the pixels; where the converter clipped (S, W)."""
+    if calibration is None:
+        if "spectral_radiance" not in test.variables:
+            raise ValueError(
+                "the test holds counts: a spectrometer calibration is needed (in the workflow:"
+                " calibrated_spectra: false in the file of the test, and instrument.spectrometer_counts)"
+            )
+        pixels = np.full(test.sizes["wavelength"], USABLE, dtype="int8")
+    else:
+        if not on_same_wavelengths(calibration, test):
+            raise ValueError(
+                "the spectrometer calibration and the test are not on the same wavelengths:"
+                f" {_span(calibration)} against {_span(test)}"
+            )
+        pixels = calibration.pixel_status.values.astype("int8")
+    shape = test.sizes["spectrum_time"], test.sizes["wavelength"]
+    saturated = test.saturated.values > 0 if "saturated" in test.variables else np.zeros(shape, dtype=bool)
+    if "spectral_radiance" in test.variables:
+        good = (pixels == USABLE) & ~saturated
+        return np.where(good, test.spectral_radiance.values, np.nan), pixels, saturated
+    raw = test.counts.values.astype(float)
+    saturated |= raw >= saturation_counts
+    raw[saturated] = np.nan
+    background = test.background_counts.values
+    if "linearity_coefficient" in calibration:
+        # As the counts of the source were treated, so are these.
+        if test.attrs.get("counts_linearised") and calibration.sizes["linearity_power"] > 1:
+            raise ValueError(
+                "the counts of the test are linearised already, those of the calibration were not: switch the"
+                " correction off in the spectrometer's program, or calibrate with linearised counts"
+            )
+        masked = calibration.masked_pixel.values if "masked_pixel" in calibration else []
+        raw, background = (
+            above_baseline(values, calibration.linearity_coefficient.values, masked)
+            for values in (raw, background)
+        )
+    radiance = measured_radiance(
+        raw,
+        background,
+        calibration.calibration_factor.values,
+        test.attrs["spectrometer_integration_time"],
+    )
+    return radiance, pixels, saturated

@@ -1,0 +1,42 @@
+"""An emittance that differs between the two bands, as one that is straight over wavelength."""
+
+import numpy as np
+
+from plasmapyro.radiation.planck import blackbody_radiance
+
+PIVOT = 0.95e-6  # [m] ASSUME: where the stated emittance holds
+HOT = 1600.0  # [K] of the surface whose light weights the bands
+
+
+def tilt(slope, response):
+    r"""Slope b of the emittance over wavelength that gives the bands a ratio of emittances.
+
+    .. math:: \varepsilon(\lambda) = \varepsilon\,[1 + b\,(\lambda - \lambda_0)], \qquad
+              s = \frac{1 + b\,(\bar\lambda_1 - \lambda_0)}{1 + b\,(\bar\lambda_2 - \lambda_0)}
+
+    with the mean wavelengths of the light of a hot surface in the bands.
+
+    Parameters
+    ----------
+    slope : float [1], > 0
+        Emittance in the wide band over that in the narrow one.
+    response : Dataset, contract 'response'
+
+    Returns
+    -------
+    float [m-1], 0 for a grey surface
+    """
+    if slope == 1:
+        return 0.0
+    wavelength = response["wavelength"].values
+    light = blackbody_radiance(wavelength, HOT)
+    wide, narrow = (
+        np.trapezoid(weight * (wavelength - PIVOT), wavelength) / np.trapezoid(weight, wavelength)
+        for weight in (light * response[f"responsivity_{band}"].values for band in ("wide", "narrow"))
+    )
+    return float((1 - slope) / (slope * narrow - wide))
+
+
+def relative_emittance(wavelength, tilt):
+    """Emittance (...) at wavelengths (...) [m] over the stated one, see `tilt`."""
+    return 1 + tilt * (np.asarray(wavelength) - PIVOT)

@@ -1,0 +1,91 @@
+"""What can be wrong with single samples, as bits, and how two of the faults show in the samples."""
+
+import numpy as np
+
+SATURATED, MASKED, LOST, STUCK, CLIPPED = (1 << bit for bit in range(5))
+MEANINGS = {
+    SATURATED: "at or beyond the stated limit of the detector or its converter",
+    MASKED: "in a pixel that its calibration cannot use",
+    LOST: "not recorded",
+    STUCK: "the same as before, over and over, in all channels",
+    CLIPPED: "at a ceiling that nothing states: the highest value of its channel, over and over",
+}
+LONGEST = 10  # samples; runs of equal ones up to here are left alone
+CHANCE = 1e-6  # of a longer run in a record without a fault
+ALTERNATING = 0.25  # share of steps that turn back: 2/3 for noise, 0.4 for slow flicker, 0 for a smooth curve
+
+
+def _run_lengths(same):
+    """Length (t,) of the run of equal samples that each belongs to; `same` (t - 1,): as the one before."""
+    begin = np.flatnonzero(np.concatenate([[True], ~same]))
+    length = np.diff(np.append(begin, same.size + 1))
+    return np.repeat(length, length)
+
+
+def _longest_by_chance(same, lengths):
+    """Longest run that neighbours which happen to be equal explain: they are, with a coarse converter."""
+    outside = lengths[1:] <= LONGEST
+    share = same[outside].mean() if outside.any() else 0.0
+    if share == 0:
+        return LONGEST
+    return max(LONGEST, np.log(CHANCE / lengths.size) / np.log(min(share, 1 - 1e-9)))
+
+
+def _noisy(values):
+    """Whether a series (t,) is a measurement: noise turns back at every other step, a formula does not."""
+    step = np.diff(values[np.isfinite(values)])
+    step = step[step != 0]
+    return step.size > LONGEST and np.mean(step[1:] * step[:-1] < 0) > ALTERNATING
+
+
+def stuck(values):
+    """Samples that repeat the last one in all channels for longer than chance: a logger that hangs.
+
+    Parameters
+    ----------
+    values : (t, C) array, NaN where missing
+
+    Returns
+    -------
+    (t,) bool ndarray
+        The first sample of such a run is a measurement and is not among them. Never in a record without
+        noise, nor at the lowest level of a channel: there is nothing to see.
+    """
+    values = np.asarray(values, dtype=float)
+    seen = np.isfinite(values).any(axis=0)
+    if len(values) <= LONGEST or not seen.any():
+        return np.zeros(len(values), dtype=bool)
+    values = values[:, seen]
+    with np.errstate(invalid="ignore"):
+        same = (values[1:] == values[:-1]).all(axis=1)
+    lengths = _run_lengths(same)
+    if lengths.max() <= LONGEST or not _noisy(values.mean(axis=1)):
+        return np.zeros(len(values), dtype=bool)
+    long = (lengths > _longest_by_chance(same, lengths)) & (values > np.nanmin(values, axis=0)).all(axis=1)
+    return long & np.append(False, same)
+
+
+def clipped(values):
+    """Samples at the highest value of their channel, where it is reached in a run longer than chance.
+
+    Parameters
+    ----------
+    values : (t, C) array, NaN where missing
+
+    Returns
+    -------
+    (t, C) bool ndarray
+    """
+    values = np.asarray(values, dtype=float)
+    result = np.zeros(values.shape, dtype=bool)
+    for channel, row in enumerate(values.T):
+        if row.size <= LONGEST or not np.isfinite(row).any() or np.nanmax(row) == np.nanmin(row):
+            continue
+        at_top = row == np.nanmax(row)
+        if at_top.sum() <= LONGEST:
+            continue
+        same = row[1:] == row[:-1]
+        lengths = _run_lengths(same)
+        if lengths[at_top].max() > _longest_by_chance(same, lengths) and _noisy(row):
+            result[:, channel] = at_top
+    return result

@@ -1,0 +1,172 @@
+"""A test as numbers to use: calibrated, flagged sample by sample, its time counted from the injection."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from plasmapyro.instrument.spectrometer import USABLE
+from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.record import flags, inputs
+from plasmapyro.record.calibrated import calibrated_radiance
+from plasmapyro.record.phases import phases
+
+ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """What one instrument gave in its C channels, bands or pixels, at its own t times.
+
+    `value` (t, C): signals of bands [A], or radiances of pixels [W m-2 sr-1 m-1], NaN where there is none;
+    `flag` (t, C): bits of `flags.MEANINGS`, 0 for a sound sample. A pixel has a `wavelength`, a band a name.
+    """
+
+    name: str
+    time: np.ndarray  # (t,) [s] middle of each sample, from the injection on
+    integration_time: float  # [s]
+    value: np.ndarray
+    flag: np.ndarray
+    window_transmittance: float = 1.0
+    band: tuple = ()  # (C,) names
+    wavelength: np.ndarray | None = None  # (C,) [m]
+    channel_status: np.ndarray | None = None  # (C,) of pixels, see `instrument.spectrometer`
+    factor: np.ndarray | None = None  # (C,) radiance per count rate; None where radiances were given
+    factor_uncertainty: np.ndarray | None = None  # (C,) [1] relative, from counting noise
+
+    @property
+    def sound(self):
+        """Values (t, C), NaN where a flag is set."""
+        return np.where(self.flag == 0, self.value, np.nan)
+
+    def flagged(self, *bits):
+        """Where (t, C) one of some flags is set."""
+        return (self.flag & np.bitwise_or.reduce(bits)) > 0
+
+
+@dataclass(frozen=True)
+class Record:
+    """One test. Every time counts from the injection, in seconds; `clock` brings it back to that of the test.
+
+    `instruments` holds any number of them, each on its own clock ticks and with any number of channels.
+    """
+
+    injection: float  # [s] on the clock of the test; without a plasma its first sample
+    off: float  # [s] end of the plasma; -inf without one
+    window: tuple  # (begin, end) [s] of the reference; empty without a plasma
+    emittance: float  # [1]
+    emittance_uncertainty: float
+    emittance_slope: float  # [1] emittance in the wide band over that in the narrow one
+    emittance_slope_uncertainty: float
+    instruments: tuple
+    accompanying: dict = field(
+        default_factory=dict
+    )  # name -> (time (t,), values (t,)): power, pressure, flow
+    attributes: dict = field(default_factory=dict)
+
+    def clock(self, time):
+        """Times [s] on the clock of the test."""
+        return time + self.injection
+
+    def instrument(self, name):
+        """The instrument of a name, or None."""
+        return next((one for one in self.instruments if one.name == name), None)
+
+    def in_window(self, time):
+        """Which of some times (t,) [s] lie in the reference window."""
+        return (time >= self.window[0]) & (time <= self.window[1])
+
+    def phases(self, time):
+        """Where the sample is in view, and where the plasma shines on it: (t,) bool each, see `phases`."""
+        return phases(time, 0.0, self.off)
+
+
+def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
+    """The record of a test, made from its data and its calibrations.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    calibrations : mapping of the instruments that are wanted -> calibration, or None
+        'pyrometer': what stands there is not asked, its samples are signals. 'spectrometer': contract
+        'spectrometer_calibration', needed for counts.
+    saturation_counts : float [count]
+        Raw counts of a spectrometer from here on are saturated.
+    needed : names of instruments that must be there
+
+    Returns
+    -------
+    Record
+        With those of the instruments wanted that the test holds.
+
+    Raises
+    ------
+    ValueError
+        Naming every fault of the test, or a calibration that does not fit it.
+    """
+    inputs.require(test, *needed)
+    attributes, plasma = test.attrs, inputs.has_plasma(test)
+    first = [float(test[axis].values[0]) for axis in ("time", "spectrum_time") if axis in test.variables]
+    injection = float(attributes["injection_time"]) if plasma else min(first)
+    present = [name for name in inputs.instruments(test) if name in calibrations]
+    instruments = {"pyrometer": _pyrometer, "spectrometer": _spectrometer}
+    return Record(
+        injection,
+        float(attributes["plasma_off_time"]) - injection if plasma else -np.inf,
+        tuple(float(moment) - injection for moment in attributes["reference_window"]) if plasma else (),
+        float(attributes["emittance"]),
+        float(attributes["emittance_uncertainty"]),
+        float(attributes.get("emittance_slope", 1.0)),
+        float(attributes.get("emittance_slope_uncertainty", 0.0)),
+        tuple(instruments[name](test, injection, calibrations[name], saturation_counts) for name in present),
+        {
+            name: (test.time.values - injection, test[name].values)
+            for name in ACCOMPANYING
+            if name in test.variables and "time" in test.variables
+        },
+        dict(attributes),
+    )
+
+
+def _pyrometer(test, injection, _, __):
+    value = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float).T
+    limits = [test.attrs.get(f"signal_saturation_{band}", np.inf) for band in BANDS]
+    flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
+    flag[value >= np.array(limits)] |= flags.SATURATED
+    flag[flags.clipped(value)] |= flags.CLIPPED
+    flag[flags.stuck(value)] |= flags.STUCK
+    return Instrument(
+        "pyrometer",
+        test.time.values - injection,
+        float(test.attrs["pyrometer_integration_time"]),
+        value,
+        flag,
+        float(test.attrs["window_transmittance_pyrometer"]),
+        band=BANDS,
+    )
+
+
+def _spectrometer(test, injection, calibration, saturation_counts):
+    radiance, status, saturated = calibrated_radiance(test, calibration, saturation_counts)
+    unusable = np.broadcast_to(status != USABLE, radiance.shape)
+    flag = np.where(np.isnan(radiance) & ~saturated & ~unusable, flags.LOST, 0).astype("uint8")
+    flag[saturated] |= flags.SATURATED
+    flag[unusable] |= flags.MASKED
+    flag[flags.stuck(radiance)] |= flags.STUCK
+    factor = None
+    if "spectral_radiance" not in test.variables:
+        exposure = float(test.attrs["spectrometer_integration_time"])
+        factor = calibration["calibration_factor"].values / exposure
+    return Instrument(
+        "spectrometer",
+        test.spectrum_time.values - injection,
+        float(test.attrs["spectrometer_integration_time"]),
+        radiance,
+        flag,
+        float(test.attrs["window_transmittance_spectrometer"]),
+        wavelength=test.wavelength.values,
+        channel_status=status,
+        factor=factor,
+        factor_uncertainty=None
+        if calibration is None
+        else np.nan_to_num(calibration["calibration_factor_uncertainty"].values),
+    )

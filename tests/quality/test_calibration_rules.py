@@ -1,0 +1,96 @@
+"""A calibration that contradicts itself is refused by name, and taken only by name."""
+
+import laboratory
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro import cli
+from plasmapyro.commands.calibrate import RESPONSE
+from plasmapyro.instrument.stage import band_response
+from plasmapyro.quality.catalogue import OF_CALIBRATION
+from plasmapyro.quality.rule import Case, look
+
+
+def said(**held):
+    return {found.rule.name: found.words for found in look(Case("lab", **held), OF_CALIBRATION)}
+
+
+@pytest.fixture(scope="module")
+def response():
+    return band_response(**RESPONSE)
+
+
+def points(factor=1.0, row=4):
+    kelvin = np.arange(1000.0, 1801.0, 100.0)
+    wide, narrow = laboratory.signals(kelvin)
+    wide[row] *= factor
+    values = {"source_temperature": kelvin, "signal_wide": wide, "signal_narrow": narrow}
+    return xr.Dataset({name: ("calibration_point", row) for name, row in values.items()})
+
+
+def test_a_level_may_be_a_quarter_off_and_not_more(response):
+    # exp(0.25) = 1.284
+    for factor in (1.27, 1 / 1.27):
+        assert said(points=points(factor), response=response) == {}
+    for factor, words in ((1.30, "+30%"), (1 / 1.30, "-23%")):
+        found = said(points=points(factor), response=response)["levels_leave_curve"]
+        assert f"at 1400 K signal_wide of the calibration points is {words} off" in found
+
+
+def test_a_ratio_may_be_four_per_cent_off_and_not_more():
+    for off, count in ((0.039, 0), (-0.041, 1)):
+        calibration = xr.Dataset(
+            {
+                "model_residual": ("calibration_point", [0.0, off, 0.01]),
+                "source_temperature": ("calibration_point", [1000.0, 1200.0, 1400.0]),
+            }
+        )
+        found = said(calibration=calibration)
+        assert len(found) == count
+        assert all(
+            "at 1200 K the ratio of the calibration points is -4.1% off" in words for words in found.values()
+        )
+
+
+def exposures(second=1.0, net=1000.0):
+    light = net * (1 + np.linspace(0, 1, 50))
+    counts = np.stack([light, second * light / 2]) + 500.0
+    noise = np.random.default_rng(2).standard_normal((2, 50))
+    return xr.Dataset(
+        {
+            "exposure_counts": (("exposure", "wavelength"), counts + noise),
+            "exposure_dark": (("exposure", "wavelength"), np.full((2, 50), 500.0)),
+            "exposure_time": ("exposure", [0.2, 0.1]),
+        }
+    )
+
+
+def test_exposures_of_one_source_give_one_rate_and_are_brighter_than_the_dark():
+    assert said(exposures=exposures()) == {}
+    assert said(exposures=exposures(1.09)) == {}
+    found = said(exposures=exposures(1.12))
+    assert (
+        "exposures 1 and 2 of one source give count rates that differ by a factor of 1.12"
+        in found["rates_disagree"]
+    )
+    assert (
+        "exposure 1 of the source is darker than its dark in 100%"
+        in said(exposures=exposures(net=-200.0))["source_dark"]
+    )
+
+
+def test_calibrate_refuses_by_name_and_goes_on_by_name(tmp_path, capsys):
+    folder = laboratory.calibration_folder(tmp_path / "raw")
+    described = folder / "calibration.yaml"
+    described.write_text(described.read_text().replace("unit: degC", "unit: K"))
+    words = ["calibrate", str(folder), "--out", str(tmp_path / "lab")]
+    assert cli.main(words) == 2
+    refused = capsys.readouterr().err
+    assert "[points_leave_curve]" in refused and "[levels_leave_curve]" in refused and "--accept" in refused
+    assert "see whether source_temperature is in the unit stated (degC or K)" in refused
+    assert not (tmp_path / "lab").exists()
+    assert cli.main(["check", str(folder)]) == 2
+    assert cli.main([*words, "--accept", "points_leave_curve"]) == 2
+    assert cli.main([*words, "--accept", "points_leave_curve", "levels_leave_curve"]) == 0
+    assert (tmp_path / "lab" / "calibration.nc").exists()

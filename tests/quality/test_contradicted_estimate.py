@@ -1,0 +1,89 @@
+"""The joint estimate gives a status and a reason, not a mean, where instruments contradict each other."""
+
+import laboratory
+import numpy as np
+import pytest
+
+from plasmapyro import contracts
+from plasmapyro.commands.joint import SETTINGS
+from plasmapyro.estimate import contradiction
+from plasmapyro.estimate.stage import estimate
+from plasmapyro.instrument.stage import calibrate_exposures, pyrometer_calibration
+from plasmapyro.readers.calibration import read_exposures, read_points
+from plasmapyro.record import status
+
+NEAR = 5.0  # [K] where the truth is: the pyrometer's quadratic curve and the step of the invented surface
+
+
+@pytest.fixture(scope="module")
+def calibrations(tmp_path_factory):
+    from plasmapyro.commands.calibrate import CURVE, RESPONSE
+    from plasmapyro.instrument.stage import band_response
+
+    folder = laboratory.calibration_folder(tmp_path_factory.mktemp("raw") / "calibration")
+    response = band_response(**RESPONSE)
+    pyrometer = pyrometer_calibration(
+        response,
+        read_points(folder),
+        source_temperature_uncertainty=3.0,
+        signal_uncertainty=0.01,
+        instrument_range=(973.0, 2073.0),
+        calibration_temperature=CURVE,
+        draws=100,
+        seed=1,
+    )
+    spectrometer = calibrate_exposures(
+        read_exposures(folder), saturation_counts=65000.0, least_net_counts=50.0, noise_block=50
+    )
+    return pyrometer, response, spectrometer
+
+
+def joint(test, calibrations):
+    return estimate(
+        contracts.label(test, "test"), *calibrations, **SETTINGS, saturation_counts=65000.0, noise_block=50
+    )
+
+
+def test_sound_data_give_a_temperature_and_no_contradiction(calibrations):
+    found = joint(laboratory.made(), calibrations)
+    assert found.attrs["contradictions"] == ""
+    good = found.estimate_status.values == status.VALID
+    assert good.sum() > 200
+    truth = laboratory.temperature(found.time.values)[good]
+    np.testing.assert_allclose(found.surface_temperature.values[good], truth, atol=NEAR)
+
+
+def test_a_gain_that_is_ten_per_cent_off_gives_a_status_and_the_reason(calibrations):
+    test = laboratory.made()
+    found = joint(test.assign(signal_wide=1.1 * test.signal_wide), calibrations)
+    injected = found.time.values >= 0
+    assert (found.estimate_status.values[injected] == status.CONTRADICTED).all()
+    assert np.isnan(found.surface_temperature).all() and np.isnan(found.surface_temperature_interval).all()
+    assert "a gain of the pyrometer by 1" in found.attrs["contradictions"]
+
+
+def test_a_spectrum_of_another_moment_is_left_out_around_it(calibrations):
+    test = laboratory.made()
+    counts = test.counts.values.copy()
+    counts[20] = counts[10]  # what was seen at 21 s, at 41 s again: 175 K less
+    found = joint(test.assign(counts=(test.counts.dims, counts)), calibrations)
+    state, time = found.estimate_status.values, found.time.values
+    assert (state[np.abs(time - 41) < 0.9] == status.CONTRADICTED).all()
+    assert not (state[(time > 20) & (time < 35)] == status.CONTRADICTED).any()
+    assert "times its noise off the common temperature" in found.attrs["contradictions"]
+    good = (state == status.VALID) & (time > 10) & (np.abs(time - 41) > 3)
+    off = found.surface_temperature.values - laboratory.temperature(time)
+    assert np.abs(off[good]).max() < 3 * NEAR
+
+
+def test_what_is_pulled_is_named_from_five_uncertainties_on():
+    from types import SimpleNamespace
+
+    from plasmapyro.estimate.observations import constants
+
+    fixed = constants("gain_error", [0.0, 0.0], 0.01) + constants("gas_signal", 1.0, 1e-3)
+    for gain, words in ((0.0499, []), (-0.0501, ["a gain of the pyrometer by 5"])):
+        found = SimpleNamespace(values=np.array([0.0, gain, 9.0]), path=None)
+        where, said = contradiction.contradicted(np.arange(4.0), [], fixed, found)
+        assert where.all() == bool(words) and len(said) == len(words)
+        assert all(word in sentence for word, sentence in zip(words, said, strict=True))

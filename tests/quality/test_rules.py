@@ -1,0 +1,367 @@
+"""Each rule says what it saw of the contradiction it is for, and nothing of sound data."""
+
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import laboratory
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro.constants import BOLTZMANN
+from plasmapyro.quality import agreement, series
+from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, table
+from plasmapyro.quality.rule import Case, look
+
+PLACE = Path("my_test")
+ALL = {rule.name: rule for rule in (*OF_TEST, *OF_CALIBRATION, *OF_SIGHTLINE)}
+NAMES = [f"spectrum_{index:03d}.txt" for index in range(30)]
+START = datetime(2026, 11, 22, 10)
+
+
+@pytest.fixture(scope="module")
+def sound():
+    return laboratory.made()
+
+
+def files(**changes):
+    """Files of the spectra of the sound test: one every 2 s from 1 s on."""
+    dates = [START + timedelta(seconds=2 * index) for index in range(30)]
+    known = {
+        "place": Path("spectrometer"),
+        "names": NAMES,
+        "dates": dates,
+        "ordered": True,
+        "background": None,
+    }
+    return known | changes
+
+
+def said(test=None, given=None, rules=OF_TEST, **more):
+    """Names of the rules that speak of a case -> their words."""
+    case = Case(PLACE, test, files() if given is None and test is not None else given or {}, **more)
+    return {finding.rule.name: finding.words for finding in look(case, rules)}
+
+
+def with_signals(test, change):
+    """The test with other signals: (time, pair (2, t)) -> pair."""
+    pair = change(test.time.values, np.stack([test.signal_wide.values, test.signal_narrow.values]))
+    return test.assign(signal_wide=("time", pair[0]), signal_narrow=("time", pair[1]))
+
+
+def with_spectra(test, change, name="counts"):
+    return test.assign({name: (test[name].dims, change(test[name].values.copy()))})
+
+
+def attributes(test, **changes):
+    return test.copy().assign_attrs(test.attrs | changes)
+
+
+def times(row, span, value):
+    row = row.copy()
+    row[span] = value
+    return row
+
+
+def test_sound_data_are_passed_in_silence(sound):
+    assert said(sound) == {}
+
+
+def at(time, begin, end):
+    return (time >= begin) & (time < end)
+
+
+PYROMETER = {
+    "equal_channels": (lambda t, p: np.stack([p[0], 0.7 * p[0]]), "their ratio is 1.42857 in all samples"),
+    "swapped_bands": (lambda t, p: p[::-1], "falls while both signals rise (slope -0.1"),
+    "negative_signal": (lambda t, p: np.stack([p[0], -p[1]]), "signal_narrow is below zero in 100%"),
+    "stuck": (
+        lambda t, p: np.where(at(t, 30, 34), p[:, [136]], p),
+        "exactly the same over 16 samples, from 30 to 33.75 s",
+    ),
+    "flat_top": (
+        lambda t, p: np.stack([p[0], np.minimum(p[1], 1e-3)]),
+        "signal_narrow stands at exactly its highest value, 0.001 A, in ",
+    ),
+    "unit_of_signals": (lambda t, p: p * 1e3, "signal_wide reaches 2.1 A"),
+    "unexplained_step": (
+        lambda t, p: p * np.where(t >= 35, [[1.05], [1.0]], 1.0),
+        "the ratio wide/narrow steps by +",
+    ),
+    "spikes": (
+        lambda t, p: p * np.where(t == 2.5, 2.0, 1.0),
+        "signal_wide has 1 samples in the reference window",
+    ),
+    "dark_reference": (
+        lambda t, p: p * np.where(t < 5.5, 1e-5, 1.0),
+        "in the reference window the signals are 4",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PYROMETER)
+def test_a_rule_of_the_pyrometer_says_what_it_saw(sound, name):
+    change, words = PYROMETER[name]
+    found = said(with_signals(sound, change))
+    assert words in found[name]
+    assert found[name].startswith("my_test: ")
+
+
+SMALL = {  # just inside the limits: nothing is said of them
+    "stuck": lambda t, p: np.where(at(t, 30, 32.25), p[:, [136]], p),
+    "unexplained_step": lambda t, p: p * np.where(t >= 35, [[1.015], [1.0]], 1.0),
+    "negative_signal": lambda t, p: p * np.where(at(t, 30, 35.75), -1, 1),
+    "unit_of_signals": lambda t, p: p * 470,
+    "dark_reference": lambda t, p: p * np.where(t < 5.5, 0.3, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_rule_of_the_pyrometer_is_silent_below_its_limit(sound, name):
+    assert name not in said(with_signals(sound, SMALL[name]))
+
+
+def test_a_saturation_that_is_stated_is_not_said_again(sound):
+    clipped = with_signals(sound, lambda t, p: np.minimum(p, [[np.inf], [1e-3]]))
+    assert "flat_top" not in said(attributes(clipped, signal_saturation_narrow=0.99e-3))
+
+
+def test_signals_of_few_digits_are_neither_stuck_nor_clipped(sound):
+    rounded = with_signals(sound, lambda t, p: np.round(p / p.max(axis=1, keepdims=True) * 200) * 1e-6)
+    assert not {"stuck", "flat_top", "equal_channels"} & set(said(rounded))
+
+
+def test_rules_of_spectra_say_what_they_saw(sound):
+    repeated = with_spectra(sound, lambda c: times(c, 9, c[8]))
+    assert "the spectra at 17 and 19 s are equal" in said(repeated)["repeated_spectrum"]
+    summed = with_spectra(sound, lambda c: c * 10)
+    assert "more than a 16-bit converter gives" in said(summed)["nonlinear_end"]
+
+
+DARKS = {
+    "dark_constant": (lambda dark, counts: 0 * dark, "the dark is 0 counts in every pixel"),
+    "dark_brighter": (lambda dark, counts: counts[15], "the dark is brighter than the spectrum at"),
+    "dark_like_light": (lambda dark, counts: counts[0], "the dark equals the spectrum at 1 s"),
+}
+
+
+@pytest.mark.parametrize("name", DARKS)
+def test_a_rule_of_the_dark_names_its_file(sound, name):
+    change, words = DARKS[name]
+    dark = change(sound.background_counts.values, sound.counts.values)
+    test = sound.assign(background_counts=("wavelength", dark))
+    found = said(test, files(background=Path("my_test/dark.txt")))
+    assert found[name].startswith("my_test/dark.txt: ")
+    assert words in found[name]
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6, 1e7, 1e9, 1e13])
+def test_counts_that_are_called_radiance_are_whole_numbers(sound, unit):
+    values = np.round(sound.counts.values) * unit
+    test = sound.drop_vars(["counts", "background_counts"])
+    test["spectral_radiance"] = (("spectrum_time", "wavelength"), values)
+    assert "counts_as_radiance" in said(test)
+    noisy = values * (1 + 1e-3 * np.random.default_rng(3).standard_normal(values.shape))
+    test["spectral_radiance"] = (("spectrum_time", "wavelength"), noisy)
+    assert "counts_as_radiance" not in said(test)
+    # 1e4 counts are 1e13 W m-2 sr-1 m-1 in W/m2/sr/nm; a black body of 3500 K gives 3e12 at 900 nm.
+    assert ("too_bright" in said(test)) == (unit > 1e8)
+
+
+FILES = {
+    "natural_order": (
+        {"names": [f"s{i}.txt" for i in range(1, 31)]},
+        "s1.txt, s2.txt, ..., s30.txt (by letters s10.txt",
+    ),
+    "missing_frame": (
+        {"names": [f"s{i:02d}.txt" for i in range(31) if i != 7]},
+        "1 numbers are missing in the file names, the first after s06.txt: all later spectra",
+    ),
+    "mixed_series": (
+        {"names": [*NAMES[:29], "lamp_1.txt"]},
+        "lamp_1.txt does not belong to the series spectrum_000",
+    ),
+    "dates_against_order": (
+        {
+            "dates": [START + timedelta(seconds=2 * i + 2 * (i > 10) + 1) for i in range(30)][:11]
+            + [START + timedelta(seconds=2 * i + 4) for i in range(11, 30)]
+        },
+        "by its header spectrum_011.txt was taken 25 s after spectrum_000.txt, by `from: order` 22 s",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_rule_of_the_files_says_what_it_saw(sound, name):
+    changes, words = FILES[name]
+    found = said(sound, files(**changes))
+    assert found[name].startswith("spectrometer: ")
+    assert words in found[name]
+
+
+def test_dates_may_differ_by_their_rounding(sound):
+    rounded = [START + timedelta(seconds=2 * i + i % 3) for i in range(30)]
+    assert said(sound, files(dates=rounded)) == {}
+    assert said(sound, files(dates=[None, *rounded[1:]])) == {}
+
+
+def moved(test, axis, change):
+    return test.assign_coords({axis: change(test[axis].values)})
+
+
+AXES = {
+    "gap_in_cycle": (
+        lambda t: moved(t, "spectrum_time", lambda s: s + 3.0 * (s > 20)),
+        "spectra come every 2 s, but 1 intervals are longer, the first from 19 to 24 s",
+    ),
+    "exposures_overlap": (
+        lambda t: attributes(t, spectrometer_integration_time=2.5),
+        "exposures of 2.5 s follow one another every 2 s",
+    ),
+    "wavelength_range": (
+        lambda t: moved(t, "wavelength", lambda w: w * 1.5),
+        "the pixels run from 1125 to 1545 nm",
+    ),
+    "width_of_spectrometer": (
+        lambda t: attributes(t, spectrometer_fwhm=0.4e-9),
+        "spectrometer_fwhm is 0.4 nm, the pixels are 1.88 nm apart over 280.1 nm",
+    ),
+    "record_begins_late": (
+        lambda t: t.isel(time=slice(22, None)),
+        "time begins at 1.5 s, the injection is at 0 s",
+    ),
+    "record_ends_early": (lambda t: t.isel(time=slice(0, 200)), "time ends at 45.75 s, the plasma at 50 s"),
+    "gaps": (
+        lambda t: t.isel(time=[*range(60), *range(110, 256)]),
+        "time has 1 gaps, the first from 10.75 to 23.5 s",
+    ),
+    "few_in_plasma": (
+        lambda t: moved(t, "spectrum_time", lambda s: s * 1000),
+        "spectrum_time has 0 values between injection (0 s) and the end of the plasma (50 s)",
+    ),
+    "integration_longer_than_step": (
+        lambda t: attributes(t, pyrometer_integration_time=10.0),
+        "pyrometer_integration_time is 10 s, the samples follow every 0.25 s",
+    ),
+    "plasma_off_time": (
+        lambda t: attributes(t, plasma_off_time=53.0),
+        "the light of the pyrometer falls by 10% between 48.8",
+    ),
+    "two_clocks": (
+        lambda t: moved(t, "spectrum_time", lambda s: s + 2.0),
+        "the spectra fit the pyrometer best when moved by -1.9 s",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_a_rule_of_times_and_axes_says_what_it_saw(sound, name):
+    change, words = AXES[name]
+    assert words in said(change(sound), {})[name]
+
+
+def test_a_plasma_off_time_within_a_second_is_passed(sound):
+    for moment in (49.0, 51.0):
+        assert "plasma_off_time" not in said(attributes(sound, plasma_off_time=moment))
+
+
+def result_of(pyrometer, spectrometer, uncertainties=(20.0, 2.0), state=0):
+    """A correction that holds what the comparison needs: both temperatures at 1 to 10 s."""
+    time = np.arange(1.0, 11.0)
+    values = {
+        "corrected_temperature": ("time", time, pyrometer, uncertainties[0], "corrected_status"),
+        "scaled_temperature": ("spectrum_time", time, spectrometer, uncertainties[1], "spectrum_status"),
+    }
+    data, coords = {}, {}
+    for name, (axis, moments, kelvin, error, status) in values.items():
+        coords[axis] = moments
+        data[name] = (axis, np.broadcast_to(np.asarray(kelvin, dtype=float), moments.shape).copy())
+        data[f"{name}_uncertainty"] = (axis, np.full(moments.size, error))
+        data[status] = (axis, np.full(moments.size, state, dtype="int8"))
+    return xr.Dataset(data, coords)
+
+
+def test_instruments_are_compared_in_their_combined_uncertainty():
+    # hypot(21, 20) = 29: three of them are 87 K.
+    for off, count in ((86.9, 0), (87.1, 10), (-87.1, 10)):
+        moment, difference, error = agreement.disagreeing(result_of(1600 + off, 1600, (21.0, 20.0)), 3.0)
+        assert moment.size == count
+        np.testing.assert_allclose(difference, off)
+        np.testing.assert_allclose(error, 29.0)
+    assert agreement.disagreeing(result_of(1900, 1600, state=4), 3.0)[0].size == 0
+
+
+def test_the_contradiction_of_the_instruments_is_said_first(sound):
+    one = result_of(np.where(np.arange(10) == 4, 1700.0, 1600.0), 1600.0)
+    both = with_signals(sound, lambda t, p: p * 1e3)
+    words = said(both, result=one)
+    assert next(iter(words)) == "instruments_disagree"
+    assert (
+        "in 1 of 10 spectra they differ by more than three uncertainties, at 5 s by +100 K +- 20 K"
+        in words["instruments_disagree"]
+    )
+
+
+def gas(path=0.1, factor=1.0):
+    """A sight line of an ideal gas at 5000 Pa and 6000 K."""
+    distance = np.linspace(0, path, 20)
+    density = np.full((1, 20), factor * 5000.0 / (BOLTZMANN * 6000.0))
+    return xr.Dataset(
+        {
+            "temperature": ("path_distance", np.full(20, 6000.0)),
+            "pressure": ("path_distance", np.full(20, 5000.0)),
+            "number_density": (("species", "path_distance"), density),
+        },
+        {"path_distance": distance, "species": ["N"]},
+    )
+
+
+def test_a_sight_line_has_the_length_and_the_density_of_a_wind_tunnel():
+    assert said(sightline=gas(), rules=OF_SIGHTLINE) == {}
+    for path in (0.009, 10.1, 3e-4, 300.0):
+        assert "m long; check `length_unit`" in said(sightline=gas(path), rules=OF_SIGHTLINE)["path_length"]
+    for path in (0.011, 9.9):
+        assert said(sightline=gas(path), rules=OF_SIGHTLINE) == {}
+    for factor in (1e-6, 0.66, 1.51, 1e6, 0.0):
+        assert set(said(sightline=gas(factor=factor), rules=OF_SIGHTLINE)) == {"ideal_gas"}
+    for factor in (0.67, 1.49):
+        assert said(sightline=gas(factor=factor), rules=OF_SIGHTLINE) == {}
+    assert "n k T = 0.005 Pa at 0" in said(sightline=gas(factor=1e-6), rules=OF_SIGHTLINE)["ideal_gas"]
+
+
+def test_a_step_is_found_and_a_bend_is_not():
+    height, deviations = series.steps(np.r_[np.zeros(40), np.ones(40)])
+    assert np.flatnonzero(height).tolist() == [39]
+    assert height[39] == 1.0 and deviations[39] > 1e3
+    bend, _ = series.steps(np.r_[np.arange(40.0), np.full(40, 40.0)])
+    assert not bend.any()
+    ramp, _ = series.steps(np.arange(80.0) ** 2)
+    assert not ramp.any()
+
+
+def test_the_longest_run_and_the_means_over_blocks():
+    assert series.longest_run([0, 1, 1, 0, 1, 1, 1, 0]) == (4, 3)
+    assert series.longest_run([0, 0]) == (0, 0)
+    time, values = series.blocks(np.arange(10.0), np.arange(20.0).reshape(2, 10), 0, 9, 2.0)
+    np.testing.assert_allclose(time, [0.5, 2.5, 4.5, 6.5, 8.5])
+    np.testing.assert_allclose(values[1], [10.5, 12.5, 14.5, 16.5, 18.5])
+
+
+def test_the_page_holds_the_table_of_the_rules():
+    page = (Path(__file__).resolve().parents[2] / "docs" / "your-own-data.md").read_text(encoding="utf-8")
+    for rules in (OF_TEST, OF_CALIBRATION, OF_SIGHTLINE):
+        assert table(rules) in page
+
+
+def test_every_rule_is_named_once_and_says_what_to_do():
+    names = [rule.name for rule in (*OF_TEST, *OF_CALIBRATION, *OF_SIGHTLINE)]
+    assert len(set(names)) == len(names)
+    assert all(rule.remedy and rule.reason and rule.looks_at for rule in ALL.values())
+
+
+def test_a_spectrum_taken_earlier_than_its_place_says_is_found_too(sound):
+    early = [START + timedelta(seconds=2 * i - 3 * (i > 20)) for i in range(30)]
+    words = said(sound, files(dates=early))["dates_against_order"]
+    assert (
+        "by its header spectrum_021.txt was taken 39 s after spectrum_000.txt, by `from: order` 42 s" in words
+    )

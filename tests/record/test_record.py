@@ -1,0 +1,178 @@
+"""The record of a test against numbers written down, and what its readers make of its flags."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from plasmapyro.diagnosis.fit import observation
+from plasmapyro.experiment.stage import correct_pyrometer
+from plasmapyro.instrument.calibration import quadratic_ratio
+from plasmapyro.record import binning, flags, status
+from plasmapyro.record.phases import afterwards, during
+from plasmapyro.record.record import record_of
+
+START, STEP = 100.0, 0.1  # [s] injection on the clock of the test; from sample to sample
+TIME = np.round(np.arange(-3.0, 60.0, STEP), 9)
+COEFFICIENT, FIT, INSTRUMENT = np.array([0.40, 0.12, -0.003]), (973.0, 1773.0), (973.0, 2073.0)
+LIMITS = {
+    "signal_uncertainty": 0.01,
+    "gas_variation": 0.03,
+    "detection_level": 2.0,
+    "least_surface_share": 0.5,
+}
+NOISE = 0.002
+
+
+def calibration():
+    return xr.Dataset(
+        {
+            "fit_coefficient": ("fit_power", COEFFICIENT),
+            "fit_covariance": (("fit_power", "other_fit_power"), np.diag([1e-6, 2e-6, 2e-6])),
+            "fit_range": ("bound", list(FIT)),
+            "instrument_range": ("bound", list(INSTRUMENT)),
+        }
+    )
+
+
+def temperature(time):
+    return np.clip(350 + 60 * (time - 5), 350, 1600)
+
+
+def made(change=None, **attributes):
+    """A noisy pyrometer in front of a plate that heats to 1600 K; plasma until 50 s after the injection."""
+    kelvin = temperature(TIME)
+    narrow = 1e-6 * np.exp(14000 * (1 / 1600 - 1 / kelvin)) * (TIME >= 0)
+    wide = np.maximum(quadratic_ratio(kelvin, COEFFICIENT, FIT), 0.01) * narrow
+    gas = np.array([2e-8, 1e-8])[:, None] * (TIME <= 50)
+    noise = 1 + NOISE * np.random.default_rng(5).standard_normal((2, TIME.size))
+    signals = (np.stack([wide, narrow]) + gas) * noise
+    if change is not None:
+        signals = change(signals)
+    return xr.Dataset(
+        {
+            "signal_wide": ("time", signals[0], {"units": "A"}),
+            "signal_narrow": ("time", signals[1], {"units": "A"}),
+            "electric_power": ("time", np.full(TIME.size, 1.6e5), {"units": "W"}),
+        },
+        {"time": ("time", TIME + START, {"units": "s"})},
+        {
+            "origin": "synthetic",
+            "condition": "80kW",
+            "injection_time": START,
+            "plasma_off_time": START + 50.0,
+            "reference_window": np.array([START + 1.0, START + 4.0]),
+            "emittance": 0.85,
+            "emittance_uncertainty": 0.05,
+            "window_transmittance_pyrometer": 0.9,
+            "pyrometer_integration_time": 0.01,
+        }
+        | attributes,
+    )
+
+
+def corrected(test):
+    return correct_pyrometer(test, calibration(), **LIMITS, draws=20, seed=1)
+
+
+def test_a_record_counts_from_the_injection_and_tells_what_the_test_states():
+    record = record_of(made(emittance_slope=1.02, emittance_slope_uncertainty=0.01), {"pyrometer": None})
+    bands = record.instrument("pyrometer")
+    np.testing.assert_allclose(bands.time, TIME, atol=1e-12)
+    np.testing.assert_allclose(record.clock(bands.time), TIME + START, atol=1e-12)
+    assert (record.off, record.window) == (50.0, (1.0, 4.0))
+    assert (record.emittance_slope, record.emittance_slope_uncertainty) == (1.02, 0.01)
+    assert (bands.band, bands.window_transmittance, bands.integration_time) == (("wide", "narrow"), 0.9, 0.01)
+    assert list(record.accompanying) == ["electric_power"] and record.instrument("spectrometer") is None
+    np.testing.assert_array_equal(
+        record.in_window(np.array([0.9, 1.0, 4.0, 4.1])), [False, True, True, False]
+    )
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        record.off = 3.0
+
+
+def test_flagged_samples_are_kept_as_measured_and_left_out_of_what_is_sound():
+    limit = 5e-7
+    bands = record_of(made(signal_saturation_narrow=limit), {"pyrometer": None}).instrument("pyrometer")
+    beyond = bands.value[:, 1] >= limit
+    assert beyond.sum() > 100
+    np.testing.assert_array_equal(bands.flag[:, 1] == flags.SATURATED, beyond)
+    assert np.isfinite(bands.value).all() and np.isnan(bands.sound[beyond, 1]).all()
+    np.testing.assert_array_equal(bands.sound[~beyond], bands.value[~beyond])
+
+
+def test_a_flat_top_that_nothing_states_gives_no_temperature():
+    """The wide band ends at 0.35 uA, as one with a stated limit there: up to 300 K too cold, else."""
+
+    def clip(signals):
+        return np.stack([np.minimum(signals[0], 3.5e-7), signals[1]])
+
+    stated = corrected(made(clip, signal_saturation_wide=3.5e-7))
+    found = corrected(made(clip))
+    assert (found.corrected_status == status.SATURATED).sum() > 100
+    np.testing.assert_array_equal(found.corrected_status, stated.corrected_status)
+    np.testing.assert_array_equal(
+        found.signal_wide, clip(np.array([made().signal_wide, made().signal_narrow]))[0]
+    )
+
+
+def test_a_logger_that_hangs_gives_no_temperature():
+    first, last = np.searchsorted(TIME, [20.0, 30.0])
+
+    def hang(signals):
+        signals[:, first:last] = signals[:, [first]]
+        return signals
+
+    state = corrected(made(hang)).corrected_status.values
+    assert (state[first + 1 : last] == status.MISSING).all()
+    assert state[first] == state[last] == status.VALID
+
+
+def test_a_stated_slope_is_taken_out_of_the_ratio():
+    def steeper(signals):
+        return np.stack([1.03 * signals[0], signals[1]])
+
+    plain, stated = corrected(made()), corrected(made(steeper, emittance_slope=1.03))
+    for name in ("corrected_temperature", "measured_temperature"):
+        np.testing.assert_allclose(stated[name], plain[name], rtol=1e-9)
+    assert (
+        np.nanmax(np.abs(corrected(made(steeper)).corrected_temperature - plain.corrected_temperature)) > 20
+    )
+
+
+def test_parts_of_a_test_are_shares_of_its_exposure():
+    np.testing.assert_allclose(during([0.1, 1.0], 300.0), [30.0, 300.0])
+    np.testing.assert_allclose(afterwards([0.0, 0.5, 1.0], 300.0, 400.0), [300.0, 350.0, 400.0])
+    np.testing.assert_allclose(afterwards([1.0], 300.0, 320.0), [320.0])  # to the end of the record
+    np.testing.assert_allclose(afterwards([1.0], 300.0, 9000.0), [400.0])  # a third of the exposure at most
+    np.testing.assert_allclose(afterwards([1.0], 300.0, 200.0), [300.0])  # the record ends before
+
+
+def test_bins_of_a_short_exposure_are_short():
+    edges = binning.time_edges(-4.0, 12.0, 0.0, 6.0)
+    np.testing.assert_allclose(np.diff(edges[(edges >= 0) & (edges <= 4)]), 0.2)
+
+
+def test_a_mean_over_a_saturated_sample_is_saturated_and_one_over_a_lost_sample_is_not():
+    bands = record_of(made(), {"pyrometer": None}).instrument("pyrometer")
+    flag = bands.flag.copy()
+    flag[100, 0], flag[200, 0] = flags.SATURATED, flags.LOST
+    short = binning.thinned(dataclasses.replace(bands, flag=flag), 50.0, 100)
+    group = binning.groups(bands.time, (0.0, 50.0), 100)
+    assert short.flag[group[100], 0] == flags.SATURATED and np.isnan(short.sound[group[100], 0])
+    assert short.flag[group[200], 0] == 0
+    others = np.flatnonzero((group == group[200]) & (flag[:, 0] == 0))
+    assert short.value[group[200], 0] == pytest.approx(bands.value[others, 0].mean(), rel=1e-12)
+
+
+@pytest.mark.parametrize(("exposure", "error"), [(1.0, 2e-3), (3.6, 2e-3)])
+def test_the_instants_of_an_exposure_give_the_mean_of_light_that_grows_fast(exposure, error):
+    """Exponential growth, by a factor of ten in 2.4 s; two instants would be 3 % off in the long exposure."""
+    rate = np.log(10) / 2.4
+    nodes = observation.nodes_of(exposure)
+    index = np.zeros(1, dtype=int)
+    half = np.array([exposure / 2])
+    instants, _ = observation.instants(-half, half, index, 1, nodes)
+    exact = np.sinh(rate * half[0]) / (rate * half[0])
+    assert np.exp(rate * instants).mean() == pytest.approx(exact, rel=error)
