@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from small_laboratory import OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
+from small_laboratory import FIT, OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
 
 
 @pytest.fixture(scope="session")
@@ -25,9 +25,10 @@ def radiation(axis):
             {
                 "gas_radiance_slit": ("wavelength_slit", parts.sum(axis=0)),
                 "gas_radiance_component_slit": (("component", "wavelength_slit"), parts),
+                "component_uncertainty": ("component", [0.05, 0.09, 0.1]),
             },
             {"wavelength_slit": axis, "component": ["O I", "N I", "N2 1P"]},
-            {"slit_fwhm": SLIT_FWHM, "origin": "synthetic"},
+            {"slit_fwhm": SLIT_FWHM, "origin": "synthetic", "numerical_power": power},
         )
 
     return {name: dataset(power) for name, power in POWERS.items()}
@@ -93,13 +94,19 @@ def calibration(response):
         )
         for band in ("wide", "narrow")
     ]
+    ratio = 0.3 * signals[0] / signals[1]
+    between = (temperature >= FIT[0]) & (temperature <= FIT[1])
+    place = (temperature[between] - sum(FIT) / 2) / (np.diff(FIT) / 2)
     return xr.Dataset(
         {
+            "fit_coefficient": ("fit_power", np.polynomial.polynomial.polyfit(place, ratio[between], 2)),
+            "fit_range": ("bound", list(FIT)),
+            "instrument_range": ("bound", [800.0, 2000.0]),
             "sensitivity_ratio": 0.3,
             "sensitivity_ratio_uncertainty": 0.0015,
             "absolute_sensitivity": ("band", [0.3e-8, 1e-8]),
             "source_temperature": ("calibration_point", np.arange(1000.0, 1700.0, 100.0)),
-            "calibration_ratio": ("calibration_temperature", 0.3 * signals[0] / signals[1]),
+            "calibration_ratio": ("calibration_temperature", ratio),
         },
         {"band": ["wide", "narrow"], "calibration_temperature": temperature},
         {"origin": "synthetic"},
@@ -108,19 +115,39 @@ def calibration(response):
 
 @pytest.fixture(scope="session")
 def record(axis, response):
-    """Makes a test: record(window_loss=..., ratio_error=..., seed=...)."""
+    """Makes a test: record(window_loss=..., ratio_error=..., seed=...).
 
-    def make(*, seed=1, window_loss=0.0, ratio_error=0.0, fringe=0.0, noise=1.0, emittance=0.85, power=80e3):
+    It runs from `start` to `end` [s] with a sample every `period` and a spectrum every `frame`.
+    """
+
+    def make(
+        *,
+        seed=1,
+        window_loss=0.0,
+        ratio_error=0.0,
+        fringe=0.0,
+        noise=1.0,
+        emittance=0.85,
+        power=80e3,
+        start=-12.0,
+        end=150.0,
+        off=OFF,
+        rise_time=12.0,
+        period=0.5,
+        frame=1.0,
+    ):
         random = np.random.default_rng(seed)
-        time = np.arange(-12.0, 150.0, 0.5) + 0.05
-        middle = np.arange(-11.5, 150.0, 1.0)
+        time = np.arange(start, end, period) + period / 10
+        middle = np.arange(start + frame / 2, end, frame)
         pixels = np.arange(752e-9, 1028e-9, 0.8e-9)
         plume = gas_components(axis, power).sum(axis=0)
 
         def light(wavelength, gas, moment):
             moment = moment[:, None]
-            surface = emittance * black_body(wavelength, temperature_of(moment)) * (moment >= 0)
-            scale = np.where(moment < 0, 1.6, (moment < OFF).astype(float))
+            surface = (
+                emittance * black_body(wavelength, temperature_of(moment, off, rise_time)) * (moment >= 0)
+            )
+            scale = np.where(moment < 0, 1.6, (moment < off).astype(float))
             return surface + scale * gas
 
         wavelength = response.wavelength.values
@@ -133,13 +160,13 @@ def record(axis, response):
             ]
         )
         signals = signals * (1 + noise * 0.003 * random.standard_normal(signals.shape))
-        nodes = middle[:, None] + 0.45 * np.array([-1, 0, 1]) * np.sqrt(3 / 5)
+        nodes = middle[:, None] + 0.45 * frame * np.array([-1, 0, 1]) * np.sqrt(3 / 5)
         seen = gas_components(pixels, power).sum(axis=0)
         spectra = sum(
             share * light(pixels, seen, nodes[:, place])
             for place, share in enumerate((5 / 18, 8 / 18, 5 / 18))
         )
-        spectra = spectra * (1 - window_loss * np.clip(middle / OFF, 0, 1)[:, None])
+        spectra = spectra * (1 - window_loss * np.clip(middle / off, 0, 1)[:, None])
         spectra = spectra * (1 + fringe * np.sin(2 * np.pi * 1.1e-4 / pixels))
         level = np.hypot(0.006 * spectra, 2e5)
         spectra = spectra + noise * level * random.standard_normal(spectra.shape)
@@ -158,14 +185,14 @@ def record(axis, response):
                 "condition": "80kW",
                 "origin": "synthetic",
                 "injection_time": 0.0,
-                "plasma_off_time": OFF,
-                "reference_window": np.array([0.0, 4.0]),
+                "plasma_off_time": off,
+                "reference_window": np.array([0.0, rise_time / 3]),
                 "emittance": 0.85,
                 "emittance_uncertainty": 0.05,
                 "window_transmittance_pyrometer": 0.87,
                 "window_transmittance_spectrometer": 0.95,
-                "pyrometer_integration_time": 0.01,
-                "spectrometer_integration_time": 0.9,
+                "pyrometer_integration_time": period / 50,
+                "spectrometer_integration_time": 0.9 * frame,
                 "spectrometer_fwhm": SLIT_FWHM,
             },
         )
@@ -176,22 +203,25 @@ def record(axis, response):
 @pytest.fixture(scope="session")
 def laboratory(radiation, variations, response, calibration):
     return SimpleNamespace(
-        radiation=radiation, powers=POWERS, variations=variations, response=response, calibration=calibration
+        radiation=radiation, variations=variations, response=response, calibration=calibration
     )
 
 
 @pytest.fixture(scope="session")
 def model(record, laboratory):
-    from plasmapyro.diagnosis.build import base_model
-    from plasmapyro.diagnosis.library import gas_library
+    from plasmapyro.diagnosis.fit.build import base_model
+    from plasmapyro.diagnosis.gas.library import gas_library
+    from plasmapyro.record.record import record_of
 
-    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
-    return base_model(record(), library, laboratory.calibration, laboratory.response)
+    both = {"pyrometer": None, "spectrometer": None}
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
+    return base_model(record_of(record(), both), library, laboratory.calibration, laboratory.response)
 
 
 @pytest.fixture(scope="session")
 def diagnosed(record, laboratory):
     """Diagnoses a test of `record` with some settings, keeping results."""
+    from plasmapyro.diagnosis import command
     from plasmapyro.diagnosis.stage import diagnose
 
     kept = {}
@@ -203,12 +233,13 @@ def diagnosed(record, laboratory):
                 kept[key] = diagnose(
                     record(**settings),
                     laboratory.radiation,
-                    laboratory.powers,
                     laboratory.variations,
                     laboratory.response,
                     laboratory.calibration,
                     exclude=without,
                     draws=400,
+                    saturation_counts=65000.0,
+                    limits=command.LIMITS,
                 )
         return kept[key]
 

@@ -5,14 +5,15 @@ import numpy as np
 SLIT_FWHM = 0.75e-9
 POWERS = {"60kW": 60e3, "80kW": 80e3, "100kW": 100e3}
 OFF = 120.0  # s
+FIT = (900.0, 1700.0)  # K, of the calibration points
 
 
-def temperature_of(time):
-    rise = 350 + 1150 * -np.expm1(-np.maximum(time, 0) / 12.0)
-    top = 350 + 1150 * -np.expm1(-OFF / 12.0)
+def temperature_of(time, off=OFF, rise_time=12.0):
+    rise = 350 + 1150 * -np.expm1(-np.maximum(time, 0) / rise_time)
+    top = 350 + 1150 * -np.expm1(-off / rise_time)
     # radiative cooling: T^-3 grows linearly
-    fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - OFF, 0)) ** (-1 / 3)
-    return np.where(time < OFF, rise, fall)
+    fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - off, 0)) ** (-1 / 3)
+    return np.where(time < off, rise, fall)
 
 
 H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from scipy.special import i0
 
-from plasmapyro.diagnosis import gas_variations as vary
-from plasmapyro.diagnosis.inference import FULL, Noise, Weigher, gram, whitened
-from plasmapyro.diagnosis.noise import FLICKER_MARGIN, NoiseModel, on_bins
-from plasmapyro.diagnosis.screen import Screen, Structure, Unknowns, angles, simulated
-from plasmapyro.diagnosis.select import best_pairs
-from plasmapyro.diagnosis.templates import GasLibrary, line_groups, widened
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.inference import FULL, Noise, Weigher, gram, whitened
+from plasmapyro.diagnosis.fit.noise import FLICKER_MARGIN, NoiseModel, on_bins
+from plasmapyro.diagnosis.gas import variations as vary
+from plasmapyro.diagnosis.gas.templates import GasLibrary, line_groups, widened
+from plasmapyro.diagnosis.select.screen import Candidate, Screen, angles, best_pairs
+from plasmapyro.diagnosis.select.structures import Structure
+from plasmapyro.diagnosis.select.thresholds import simulated
+from plasmapyro.diagnosis.select.unknowns import SCALES, Unknowns
 
 FLOAT_RTOL = 1e-9
 
@@ -110,11 +113,9 @@ def test_products_have_the_normal_matrix_of_the_columns_they_stand_for(random):
 
 
 def screen_of(information, score, structures=()):
-    from plasmapyro.diagnosis.screen import Candidate
-
     count = len(score) - sum(s.columns.stop - s.columns.start for s in structures if not s.single)
     names = ("winE", "phi", "off1", "eps_slope")[:count]
-    candidates = tuple(Candidate(name, {}, 1.0) for name in names)
+    candidates = tuple(Candidate(CATALOGUE[name], {}) for name in names)
     return Screen(
         candidates, tuple(structures), np.array(score), np.array(information), np.ones(len(score)), None
     )
@@ -130,13 +131,11 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
     """ln B = -ln(1 + s^2 G)/2 + z^2/(G + 1/s^2)/2, by the integral over the amplitude."""
     from scipy.integrate import quad
 
-    from plasmapyro.diagnosis import screen
-
     information, score = 5000.0, 300.0
     structure = Structure("pattern", "one", slice(0, 1))
     found = screen_of([[information]], [score], [structure])
     values = []
-    for scale in screen.SCALES:
+    for scale in SCALES:
         value, _ = quad(
             lambda x, s=scale: (
                 np.exp(score * s * x - information * (s * x) ** 2 / 2 - x * x / 2) / np.sqrt(2 * np.pi)
@@ -146,7 +145,7 @@ def test_an_unknown_structure_of_one_column_has_the_evidence_of_a_gaussian():
             limit=200,
         )
         values.append(np.log(value))
-    expected = max(values) - np.log(len(screen.SCALES))
+    expected = max(values) - np.log(len(SCALES))
     assert Unknowns(found)(np.array([score]))[0] == pytest.approx(expected, abs=1e-6)
 
 
@@ -171,11 +170,9 @@ def test_each_pair_of_terms_is_given_once_and_best_first():
 
 def test_a_pair_whose_amplitudes_one_cannot_have_is_none():
     """Grains and reflected light only add; of opposite sign they would explain most."""
-    from plasmapyro.diagnosis.screen import Candidate
-
     information = 1e4 * np.array([[1.0, 0.9, 0.0], [0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])
     score = information @ np.array([8.0, -6.0, 2.0])
-    candidates = tuple(Candidate(name, {}, 1.0) for name in ("refl", "particles", "edge1"))
+    candidates = tuple(Candidate(CATALOGUE[name], {}) for name in ("refl", "particles", "edge1"))
     found = Screen(candidates, (), score, information, np.ones(3), None)
     ((_, places, _), *_) = best_pairs(found, np.ones(3))
     assert set(places) == {0, 2}
@@ -220,6 +217,7 @@ def exponential():
         radiance=1.7 ** np.arange(-3, 4)[:, None] * light(hotter), group_name=("all",), group=light([0.0]),
         variation={"excitation": (np.array([-0.1, -0.05, 0, 0.05, 0.1]), light([-0.1, -0.05, 0, 0.05, 0.1]))},
         addition={}, weakest=light([-0.1])[0], core=(change, light(change)),
+            systems=("all",), strength_modes=light([0.0]), shape_modes=light([0.0]),
     )  # fmt: skip
 
 
@@ -241,10 +239,15 @@ def test_excitation_acts_less_on_hotter_atoms(exponential):
     np.testing.assert_allclose(found, np.exp(0.05 / 1.03**2 * slope), rtol=1e-3)
 
 
-def test_one_power_alone_tells_no_temperature(exponential):
+def test_one_power_alone_takes_another_as_hotter_gas(exponential):
+    """By 0.3 of its relative change, as the powers of the default torch have it."""
     slope, library = exponential
     alone = dataclasses.replace(library, log_power=library.log_power[3:4], radiance=library.radiance[3:4])
-    np.testing.assert_allclose(alone.factor("core_temperature", 0.1, 0.2), np.exp(0.1 * slope), rtol=1e-9)
+    np.testing.assert_allclose(alone.power_factor(0.2), np.exp(0.06 * slope), rtol=1e-9)
+    found = alone.factor("core_temperature", 0.1, 0.2)
+    np.testing.assert_allclose(found, np.exp(0.1 * 1.06 * slope), rtol=1e-9)
+    bare = dataclasses.replace(alone, core=None)
+    np.testing.assert_allclose(bare.power_factor(0.2), np.exp(0.2), rtol=1e-15)
 
 
 def test_a_line_absorbs_itself_as_a_uniform_slab():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.interval import estimated_beside_bounded, half_width
+from plasmapyro.diagnosis.report.interval import estimated_beside_bounded, half_width
 
 
 def test_each_error_alone_has_its_own_interval():

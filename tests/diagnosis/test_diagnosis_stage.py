@@ -3,11 +3,12 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from small_laboratory import OFF, temperature_of
+from small_laboratory import OFF, SLIT_FWHM, temperature_of
 
-from plasmapyro import contracts
+from plasmapyro import contracts, io
 from plasmapyro.diagnosis import command
-from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.gas.library import NEED_VARIATIONS, gas_library, remarks, rungs
 
 LOSS = 0.03  # of window E at the end, some 20 standard deviations
 
@@ -90,7 +91,7 @@ def test_probabilities_add_up(diagnosed):
 
 def test_what_stays_invisible_is_said_in_kelvin(diagnosed):
     limits = diagnosed().report["limits"]
-    assert {row["id"] for row in limits} == set(EFFECTS)
+    assert {row["id"] for row in limits} == {i for i, one in CATALOGUE.items() if not one.steady_gas}
     hidden = [row["temperature_prior"] for row in limits if row["invisible"]]
     assert hidden == sorted(hidden, reverse=True)
 
@@ -103,20 +104,40 @@ def test_one_instrument_is_enough_to_run(record, laboratory):
         result = diagnose(
             test,
             laboratory.radiation,
-            laboratory.powers,
             laboratory.variations,
             laboratory.response,
             laboratory.calibration,
             draws=200,
+            saturation_counts=65000.0,
+            limits=command.LIMITS,
         )
     assert result.report["dataset"]["instruments"] == ["pyrometer"]
     command.check(result.report)
 
 
+def test_without_variations_of_the_gas_what_needs_them_is_not_looked_for(record, laboratory):
+    from plasmapyro.diagnosis.stage import diagnose
+
+    with np.errstate(all="ignore"):
+        result = diagnose(
+            record(),
+            laboratory.radiation,
+            None,
+            laboratory.response,
+            laboratory.calibration,
+            draws=200,
+            saturation_counts=65000.0,
+            limits=command.LIMITS,
+        )
+    command.check(result.report)
+    assert not {row["id"] for row in result.report["limits"]} & set(NEED_VARIATIONS)
+    tracks = {track["id"] for track in result.report["show"]["line_hump"]["tracks"]}
+    assert tracks == {"P_eff", "path"}
+
+
 def test_an_unknown_condition_or_effect_is_refused(record, laboratory):
     inputs = command.Inputs(
         laboratory.radiation,
-        laboratory.powers,
         {},
         laboratory.response,
         laboratory.calibration,
@@ -128,6 +149,79 @@ def test_an_unknown_condition_or_effect_is_refused(record, laboratory):
         command.diagnose_test(record().assign_attrs(condition="1MW"), inputs)
     with pytest.raises(ValueError, match="exclude must name effects"):
         command.diagnose_test(record(), inputs, without=("gremlins",))
+
+
+def stored(folder, radiation, rename=str):
+    """Files of the spectra as a run leaves them, under names of one's own."""
+    for name, one in radiation.items():
+        whole = one.assign_coords(
+            wavelength=("wavelength", one.wavelength_slit.values), band=["wide", "narrow"]
+        )
+        whole["gas_radiance"] = ("wavelength", one.gas_radiance_slit.values)
+        whole["optical_depth"] = ("wavelength", 0 * one.gas_radiance_slit.values)
+        whole["gas_radiance_component"] = (
+            ("component", "wavelength"),
+            one.gas_radiance_component_slit.values,
+        )
+        for signal in ("band_signal", "band_signal_thin", "band_signal_gridless"):
+            whole[signal] = ("band", [1.0, 1.0])
+        io.write(whole, folder / f"{rename(name)}.nc", "radiation")
+
+
+def test_names_of_conditions_mean_nothing(laboratory, tmp_path):
+    stored(
+        tmp_path / "radiation",
+        laboratory.radiation,
+        lambda name: {"60kW": "z", "80kW": "mine"}.get(name, "a"),
+    )
+    (tmp_path / "instrument").mkdir()
+    io.write(laboratory.response, tmp_path / "instrument/response.nc", "response")
+    inputs = command.load_inputs(tmp_path / "radiation", tmp_path / "instrument")
+    assert rungs("mine", inputs.radiation) == ["z", "mine", "a"]
+    own = gas_library("mine", inputs.radiation, laboratory.variations, fwhm=SLIT_FWHM)
+    same = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
+    np.testing.assert_array_equal(own.power_factor(0.1), same.power_factor(0.1))
+
+
+def test_only_the_files_that_are_named_are_read(laboratory, tmp_path):
+    """A spectrum that an earlier run left in the folder changes nothing."""
+    stored(tmp_path / "radiation", laboratory.radiation)
+    (tmp_path / "instrument").mkdir()
+    io.write(laboratory.response, tmp_path / "instrument/response.nc", "response")
+    (tmp_path / "radiation_variations").mkdir()
+    (tmp_path / "radiation_variations/80kW.nc").write_bytes(b"left by an earlier run")
+    named = [tmp_path / f"radiation/{name}.nc" for name in ("60kW", "80kW")]
+    inputs = command.load_inputs(named, tmp_path / "instrument", [])
+    assert list(inputs.radiation) == ["60kW", "80kW"] and inputs.variations == {}
+
+
+def test_another_pressure_or_an_equal_power_is_no_rung(laboratory):
+    plain = {"chamber_pressure": 5000.0}
+    gases = {name: one.assign_attrs(plain) for name, one in laboratory.radiation.items()}
+    base = gas_library("80kW", gases, laboratory.variations, fwhm=SLIT_FWHM)
+    wet = gases["100kW"].assign_attrs(numerical_power=90e3, chamber_pressure=2000.0)
+    more = {**gases, "a wet": wet, "a twin": gases["100kW"].assign_attrs(numerical_power=80e3)}
+    changed = gas_library("80kW", more, laboratory.variations, fwhm=SLIT_FWHM)
+    np.testing.assert_array_equal(changed.power_factor(0.1), base.power_factor(0.1))
+
+
+def test_a_spectrum_through_another_slit_or_on_another_axis_is_no_rung(laboratory):
+    gases = dict(laboratory.radiation)
+    gases["60kW"] = gases["60kW"].assign_attrs(slit_fwhm=2 * SLIT_FWHM)
+    gases["100kW"] = gases["100kW"].isel(wavelength_slit=slice(1, None))
+    assert rungs("80kW", gases) == ["80kW"]
+
+
+def test_what_the_simulations_lack_is_said_in_a_sentence(laboratory):
+    gases, varied = laboratory.radiation, laboratory.variations
+    assert remarks("80kW", gases, varied) == []
+    (alone,) = remarks("80kW", {"80kW": gases["80kW"]}, varied)
+    assert "no other simulation shares all but the power with 80kW" in alone and "0.3 of its" in alone
+    bare = {name: one.copy() for name, one in gases.items()}
+    bare["80kW"].attrs = {"slit_fwhm": SLIT_FWHM}
+    nameless, missing = remarks("80kW", bare, None)
+    assert "80kW does not state its power" in nameless and "brightness" in nameless
+    assert "no varied spectra of 80kW" in missing
 
 
 def test_files_are_written_all_or_none(diagnosed, tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import cho_factor
 from scipy.stats import multivariate_normal
 
-from plasmapyro.diagnosis.gain import _held_out
+from plasmapyro.diagnosis.select.held_out import _held_out
 
 SIGMA = 0.3
 

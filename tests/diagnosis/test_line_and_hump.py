@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis import show
-from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.report import line_hump
 
 MATT_LINE, MATT_HUMP = 113.0, 57.0  # of a matt surface over the sight line, as at 60 kW
 ERRORS = (0.03, 0.03)
@@ -16,13 +16,12 @@ def library(radiation, variations, axis):
     total = radiation["80kW"].gas_radiance_slit.values
     matt = np.where(np.abs(axis - 777.6e-9) < 3e-9, MATT_LINE, MATT_HUMP) * total
     changed["added_radiance"].loc["reflected_diffuse"] = matt
-    powers = {name: float(name[:-2]) * 1e3 for name in radiation}
-    return gas_library("80kW", radiation, powers, changed, fwhm=1.0e-9)
+    return gas_library("80kW", radiation, changed, fwhm=1.0e-9)
 
 
 def closest(library, spectrum, **settings):
-    explanations = show.explanations(library, 0.85)
-    return show.line_hump(library, (spectrum, ERRORS), explanations, **settings)["closest"]
+    explanations = line_hump.explanations(library, 0.85)
+    return line_hump.line_hump(library, (spectrum, ERRORS), explanations, **settings)["closest"]
 
 
 @pytest.mark.parametrize("share", [0.012, 0.025, 0.04, 0.08])
@@ -33,9 +32,9 @@ def test_a_little_matt_light_is_a_reflection(library, share):
 
 
 def test_matt_track_is_nowhere_far_from_its_curve(library):
-    name, amplitudes, change = show.explanations(library, 0.85)["refl_diffuse"]
-    near = np.abs(library.wavelength - 777.6e-9) < show.LINE_REACH
-    hump = (library.wavelength > show.HUMP[0]) & (library.wavelength < show.HUMP[1])
+    name, amplitudes, change = line_hump.explanations(library, 0.85)["refl_diffuse"]
+    near = np.abs(library.wavelength - 777.6e-9) < line_hump.LINE_REACH
+    hump = (library.wavelength > line_hump.HUMP[0]) & (library.wavelength < line_hump.HUMP[1])
     points = np.log(
         [
             [change(a)[part].sum() / library.base[part].sum() for part in (near, hump)]

@@ -4,17 +4,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from small_laboratory import POWERS, SLIT_FWHM
+from small_laboratory import SLIT_FWHM
 
 from plasmapyro import cli
-from plasmapyro.diagnosis import gas_variations as vary
-from plasmapyro.diagnosis import published
-from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.claims import published_experiment as published
+from plasmapyro.diagnosis.gas import variations as vary
+from plasmapyro.diagnosis.gas.library import gas_library
 
 
 @pytest.fixture(scope="module")
 def library(laboratory):
-    return gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    return gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
 
 
 @pytest.fixture(scope="module")

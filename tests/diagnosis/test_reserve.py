@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.inference import Fitter, Noise
-from plasmapyro.diagnosis.model import Setting
-from plasmapyro.diagnosis.reserve import reserve
-from plasmapyro.diagnosis.screen import screen
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
+from plasmapyro.diagnosis.fit.inference import Fitter, Noise
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.select.reserve import reserve
+from plasmapyro.diagnosis.select.screen import screen
 
 THIRD = 18.0  # chi-squared that one more term must gain
 STRENGTH = 20.0  # standard deviations of what is hidden
@@ -17,7 +18,7 @@ NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear e
 
 
 def round_of(names, objective, left=0.0, amplitudes=None, covariance=None):
-    settings = tuple(Setting(name, 1.0, {}) for name in names)
+    settings = tuple(Setting(CATALOGUE[name], 1.0, {}) for name in names)
     solution = SimpleNamespace(
         settings=settings,
         objective=objective,
@@ -76,6 +77,7 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
     [
         ("winE_sl", 0.05, {"exponent": 2.0}, ""),
         ("winE_sl", 0.05, {"exponent": 0.7}, "shape"),
+        ("winE_sl", 0.05, {"exponent": 4.19}, "shape"),
         ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
         ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
         ("refl", 1.0, {"diffuse": 0.0}, ""),  # a mirror
@@ -83,7 +85,7 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
     ],
 )
 def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitude, shape, expected):
-    settings = (Setting(name, amplitude, shape),)
+    settings = (Setting(CATALOGUE[name], amplitude, shape),)
     last = round_of(("winE",), 9e3, 0.0, np.array([amplitude, *shape.values()]), np.diag([1e-4] * 5))
     last.solution.settings = settings
     assert reserve([round_of((), 1e4), last], THIRD) == expected
@@ -101,7 +103,8 @@ def test_a_free_shape_does_not_hide_that_names_cancel():
     covariance = np.eye(6)
     covariance[3:, 3:] = np.linalg.inv(columns @ columns.T + 1e-9 * np.eye(3))
     last = round_of(("winE", "winD_sl"), 9.0e3, 0.0, np.array([1.0, 0.9, 2.0]), covariance)
-    last.solution.settings = (Setting("winE", 1.0, {}), Setting("winD_sl", 0.9, {"exponent": 2.0}))
+    blue = Setting(CATALOGUE["winD_sl"], 0.9, {"exponent": 2.0})
+    last.solution.settings = (Setting(CATALOGUE["winE"], 1.0, {}), blue)
     steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
     assert reserve(steps, THIRD) == ""
     last.solution.state.amplitudes[0] = -0.9
@@ -116,7 +119,7 @@ def with_a_deposit(model):
     """Fitter of data without noise that hide a deposit on the window, and the knots of their temperature."""
     knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([parameter.centre for parameter in model.parameters])
-    hidden = (Setting("winE", 0.03, {}),)
+    hidden = (Setting(CATALOGUE["winE"], 0.03, {}),)
     measured = [model.evaluate(which, knots, values, hidden) for which in range(2)]
     noise = [Noise((0.003 * one) ** 2, np.zeros(len(one))) for one in measured]
     fitter = Fitter(model, noise, measured)
@@ -127,10 +130,10 @@ def test_a_number_that_a_bound_holds_is_no_free_direction(model):
     """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
     term can gain more beside it than the objective holds."""
     fitter, knots = with_a_deposit(model)
-    start = fitter.start(knots, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
-    solution = fitter.fit(start, (Setting("winE_sl", 0.03, {"exponent": 0.75}),))
+    start = fitter.start(knots, (Setting(CATALOGUE["winE_sl"], 0.03, {"exponent": 0.75}),))
+    solution = fitter.fit(start, (Setting(CATALOGUE["winE_sl"], 0.03, {"exponent": 0.75}),))
     assert solution.settings[0].shape["exponent"] == pytest.approx(0.7, abs=1e-6)
-    found = screen(model, solution, exclude=("winE_sl",), structures=False)
+    found = screen(model, solution, without(CATALOGUE, ["winE_sl"]), structures=False)
     assert found.gains().max() < NOT_LINEAR * solution.objective
 
 
@@ -139,6 +142,6 @@ def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
     fitter, knots = with_a_deposit(model)
     early, late = (fitter.fit(fitter.start(knots + 1.0), steps=steps) for steps in (1, 20))
     assert early.objective > late.objective + 1.0
-    gains = [screen(model, one, structures=False).gains() for one in (early, late)]
+    gains = [screen(model, one, CATALOGUE, structures=False).gains() for one in (early, late)]
     strong = gains[1] > 0.1 * gains[1].max()
     assert gains[0][strong] == pytest.approx(gains[1][strong], rel=EARLY)

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis import screen as screens
-from plasmapyro.diagnosis.binning import pixel_edges
-from plasmapyro.diagnosis.catalogue import EFFECTS
-from plasmapyro.diagnosis.model import Setting
-from plasmapyro.diagnosis.screen import Candidate, Screen, Structure, Unknowns
-from plasmapyro.diagnosis.templates import line_groups
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.gas.templates import line_groups
+from plasmapyro.diagnosis.select.screen import Candidate, Screen
+from plasmapyro.diagnosis.select.structures import Structure
+from plasmapyro.diagnosis.select.unknowns import SCALES, Unknowns
+from plasmapyro.record.binning import pixel_edges
 
 ALGEBRA = 1e-8  # relative, of two ways to the same number
 
@@ -26,14 +27,14 @@ def test_a_pixel_as_wide_as_the_slit_may_be_a_bin_of_its_own_at_a_line():
 @pytest.mark.parametrize(("identity", "tolerance"), [("grad", 0.02), ("lsf", 0.12), ("ripple", 0.4)])
 def test_a_term_that_acts_by_its_square_is_found_near_its_amplitude(model, identity, tolerance):
     """The secant over the prior is the start of a fit at half of it; higher powers are left."""
-    effect = EFFECTS[identity]
+    effect = CATALOGUE[identity]
     knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([p.centre for p in model.parameters])
     half = 0.5 * effect.step
 
     def change(amplitude):
         plain = model.evaluate(1, knots, values)
-        return model.evaluate(1, knots, values, (Setting(identity, amplitude, {}),)) - plain
+        return model.evaluate(1, knots, values, (Setting(CATALOGUE[identity], amplitude, {}),)) - plain
 
     column = change(effect.step) / effect.step
     linear = np.sum(column * change(half)) / np.sum(column**2)
@@ -48,7 +49,7 @@ def test_the_gain_beside_a_structure_is_that_of_least_squares_with_its_covarianc
     data = rows[:, 0] + rows[:, 2] * 0.3 + random.normal(size=30)
     structure = Structure("pattern", "three", slice(0, 3), single)
     found = Screen(
-        (Candidate("winE", {}, 1.0), Candidate("phi", {}, 1.0)),
+        (Candidate(CATALOGUE["winE"], {}), Candidate(CATALOGUE["phi"], {})),
         (structure,),
         rows.T @ data,
         rows.T @ rows,
@@ -57,7 +58,7 @@ def test_the_gain_beside_a_structure_is_that_of_least_squares_with_its_covarianc
     )
     gains = Unknowns(found).gains_beside(found, 0)
     best = -np.inf
-    for scale in screens.SCALES:
+    for scale in SCALES:
         for chosen in [[2], [3], [4]] if single else [[2, 3, 4]]:
             covariance = np.eye(30) + scale**2 * rows[:, chosen] @ rows[:, chosen].T
             inverse = np.linalg.inv(covariance)

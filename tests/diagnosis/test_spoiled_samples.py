@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis import binning, noise, observation
+from plasmapyro.diagnosis.fit import noise, observation
+from plasmapyro.record import binning
 
 SAMPLES, CHANNELS = 200, 60
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plasmapyro import tables
-from plasmapyro.diagnosis import probability
+from plasmapyro.diagnosis.select import probability
 
 LOG = {"winE": 0.0, "winE_sl": -2.0, "none": -9.0, "unknown": -4.0}
 

@@ -5,14 +5,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from small_laboratory import OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
+from small_laboratory import OFF, SLIT_FWHM, black_body, gas_components, temperature_of
 
-from plasmapyro.diagnosis.base import fit_base
-from plasmapyro.diagnosis.build import base_model
-from plasmapyro.diagnosis.library import gas_library
-from plasmapyro.diagnosis.select import Selector
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.record.record import record_of
 
 SHIFT, LOSS = 8e-9, -0.02  # [m] of the wide band's edges; [1] of the largest signal
+BOTH = {"pyrometer": None, "spectrometer": None}
 SAME_BOTTOM = 0.1  # of chi-squared; fits end where a step gains 0.02
 
 
@@ -35,18 +38,20 @@ def base(record, response, axis, laboratory):
     test["signal_wide"].values *= signal(moved, light) / signal(own, light) / source
     for name in ("signal_wide", "signal_narrow"):
         test[name].values *= 1 - LOSS * test[name].values / test[name].values.max()
-    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
     with np.errstate(all="ignore"):
-        yield fit_base(base_model(test, library, laboratory.calibration, response))
+        yield fit_base(base_model(record_of(test, BOTH), library, laboratory.calibration, response))
 
 
 @pytest.mark.parametrize("error", [-80.0, 80.0])
 def test_a_fit_comes_back_from_a_wrong_source_temperature(record, response, laboratory, error):
     """Surface and source of the calibration both `error` [K] off, at signals good to 6e-5, lie in a curved
     valley far from its bottom; steps cut to stay in it stop 8 of chi-squared above."""
-    library = gas_library("80kW", laboratory.radiation, POWERS, laboratory.variations, fwhm=SLIT_FWHM)
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
     with np.errstate(all="ignore"):
-        base = fit_base(base_model(record(noise=0.02), library, laboratory.calibration, response))
+        base = fit_base(
+            base_model(record_of(record(noise=0.02), BOTH), library, laboratory.calibration, response)
+        )
         state, place = base.solution.state, base.model.index["lamp"]
         hot = np.where(state.knots > 500, error * (state.knots / 1773) ** 2, 0.0)
         values = state.values + error * (np.arange(state.values.size) == place)
@@ -57,7 +62,7 @@ def test_a_fit_comes_back_from_a_wrong_source_temperature(record, response, labo
 
 def test_both_are_named_where_the_first_alone_leads_to_others(base):
     with np.errstate(all="ignore"):
-        found = Selector(base.model, base.fitter, draws=300).run(base.solution)
+        found = select(base, CATALOGUE, draws=300)
     assert found.status == "named"
     amplitude = {one.id: one.amplitude for one in found.final.settings}
     assert set(amplitude) == {"edge1", "nonlin_p"}

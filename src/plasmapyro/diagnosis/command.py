@@ -3,10 +3,6 @@
 import importlib
 import importlib.util
 import json
-import os
-import shutil
-import tempfile
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -16,24 +12,31 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import contracts, io
-from plasmapyro.diagnosis.catalogue import EFFECTS
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.diagnosis.stage import diagnose
-from plasmapyro.experiment.inputs import faults
+from plasmapyro.record.inputs import faults
 from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
 INSTRUMENT = ("response", "calibration", "spectrometer_calibration")
 VARIATIONS = "radiation_variations"  # folder beside that of the radiance
+SATURATION_COUNTS = 65000.0  # [count] as `experiment.spectrometer.saturation_counts` of the configuration
+LIMITS = {  # as `experiment.pyrometer` of the configuration
+    "signal_uncertainty": 0.01,
+    "gas_variation": 0.03,
+    "detection_level": 2.0,
+    "least_surface_share": 0.5,
+}
 NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html")
 FINDINGS = {"named": 3, "one-of": 3, "named+unknown": 3, "unknown": 4}  # exit status with --fail-on-finding
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Everything but the test, read once: spectra of all conditions, their powers, variations, instrument."""
+    """Everything but the test, read once: spectra of all conditions, their variations, instrument."""
 
     radiation: dict
-    powers: dict
     variations: dict
     response: xr.Dataset
     calibration: xr.Dataset | None
@@ -42,17 +45,16 @@ class Inputs:
     digests: dict
 
 
-def load_inputs(radiance, instrument, variations=None, powers=None):
+def load_inputs(radiance, instrument, variations=None):
     """Read the stage files that a diagnosis compares with.
 
     Parameters
     ----------
-    radiance : folder of `{condition}.nc`, contract 'radiation'
+    radiance : folder of `{condition}.nc`, contract 'radiation', or the list of such files
     instrument : folder with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as
     needed
-    variations : folder of `{condition}.nc`, contract 'gas_variations'; beside `radiance` by default
-    powers : mapping condition -> float [W], optional
-        By default the number at the beginning of the name of the condition, in kW.
+    variations : folder of `{condition}.nc`, contract 'gas_variations', or the list of such files; the folder
+    beside `radiance` by default
 
     Returns
     -------
@@ -63,24 +65,22 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
     ContractError
         A file that is missing or breaches its contract.
     """
-    radiance = Path(radiance)
-    files = sorted(radiance.glob("*.nc"))
+    files = _files(radiance)
     if not files:
         raise contracts.ContractError(f"{radiance}: holds no spectra ({{condition}}.nc)")
-    keep = ["wavelength_slit", "gas_radiance_slit", "gas_radiance_component_slit", "component"]
+    keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
     spectra = {}
     for path in files:
         whole = io.read(path, "radiation")
-        spectra[path.stem] = whole[keep[1:3]].assign_attrs(whole.attrs)
-    folder = Path(variations) if variations else radiance.parent / VARIATIONS
+        spectra[path.stem] = whole[keep].assign_attrs(whole.attrs)
+    beside = files[0].parents[1] / VARIATIONS
     varied = {
         path.stem: io.read(path, "gas_variations")
-        for path in sorted(folder.glob("*.nc"))
+        for path in _files(beside if variations is None else variations)
         if path.stem in spectra
     }
     gas = Inputs(
         radiation=spectra,
-        powers=powers or {name: _power(name) for name in spectra},
         variations=varied,
         response=None,
         calibration=None,
@@ -89,6 +89,11 @@ def load_inputs(radiance, instrument, variations=None, powers=None):
         digests={f"radiation/{path.name}": io.digest(path) for path in files},
     )
     return with_instrument(gas, instrument)
+
+
+def _files(place):
+    """The files of a folder, or those of a list."""
+    return sorted(Path(place).glob("*.nc")) if isinstance(place, str | Path) else [Path(one) for one in place]
 
 
 def with_instrument(inputs, folder):
@@ -120,29 +125,34 @@ def with_instrument(inputs, folder):
     return replace(inputs, **read, origin=origin, digests=kept | own)
 
 
-def _power(condition):
-    """Power [W] that the name of a condition begins with, such as 80kW."""
-    digits = condition.lower().partition("kw")[0]
-    try:
-        return float(digits) * 1e3
-    except ValueError:
-        raise contracts.ContractError(
-            f"condition {condition!r}: its name does not begin with a power in kW, as 80kW does"
-        ) from None
-
-
-def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=1, digest=None, others=()):
+def diagnose_test(
+    test,
+    inputs,
+    *,
+    without=(),
+    effects=CATALOGUE,
+    draws=2000,
+    seed=1,
+    digest=None,
+    others=(),
+    saturation_counts=SATURATION_COUNTS,
+    limits=LIMITS,
+):
     """Diagnose a test, from a file or a dataset.
 
     Parameters
     ----------
     test : path of a netCDF file, or Dataset, contract 'test'
     inputs : Inputs
-    without : ids of effects that are taken out of the catalogue
-    catalogue : mapping id -> Effect, optional
-        Entries that replace those of the catalogue.
+    without : ids of effects that are not looked for
+    effects : mapping id -> Effect
+        Those that are known by name.
     draws, seed : int
         Simulated nulls behind the thresholds.
+    saturation_counts : float [count]
+        Raw counts of the spectrometer from here on are saturated.
+    limits : mapping
+        Of the paper's correction, see `stage.diagnose`.
     others : tests at other conditions, as `test`, with the same instruments
         What is named is tried on them.
 
@@ -166,21 +176,35 @@ def diagnose_test(test, inputs, *, without=(), catalogue=None, draws=2000, seed=
         "test": digest or "",
         "origin": weakest([inputs.origin, str(test.attrs.get("origin", "measured"))]),
     }
-    with _with_entries(catalogue or {}), np.errstate(all="ignore"):
-        return diagnose(
+    varied = inputs.variations.get(condition)
+    with np.errstate(all="ignore"):
+        result = diagnose(
             test,
             inputs.radiation,
-            inputs.powers,
-            inputs.variations.get(condition),
+            varied,
             inputs.response,
             inputs.calibration,
             inputs.spectrometer_calibration,
+            saturation_counts=saturation_counts,
+            limits=limits,
+            effects=effects,
             exclude=without,
             draws=draws,
             seed=seed,
             provenance=provenance,
             others=pairs,
         )
+    result.report["assumptions"].extend(remarks_on(test, inputs))
+    return result
+
+
+def remarks_on(test, inputs):
+    """What the simulations at hand leave out in the diagnosis of a test (list of sentences).
+
+    `test`: Dataset, contract 'test'; `inputs`: Inputs that hold its condition.
+    """
+    condition = str(test.attrs["condition"])
+    return remarks(condition, inputs.radiation, inputs.variations.get(condition))
 
 
 def _usable(test, inputs):
@@ -194,18 +218,6 @@ def _usable(test, inputs):
             f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"
         )
     return condition
-
-
-@contextmanager
-def _with_entries(entries):
-    """Other entries in the catalogue for as long as the block lasts."""
-    kept = dict(EFFECTS)
-    EFFECTS.update(entries)
-    try:
-        yield
-    finally:
-        EFFECTS.clear()
-        EFFECTS.update(kept)
 
 
 def page_writer():
@@ -236,21 +248,16 @@ def write_all(result, folder, *, sources=(), page=None):
     page : function (report, residual_map, temperature) -> str, optional
         Makes `index.html`.
     """
-    folder = Path(folder)
     report = check(result.report)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".diagnosis") as name:
-        made = Path(name)
+
+    def write(made):
         io.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", made / "diagnosis.json")
         io.write(result.residual_map, made / "residual_map.nc", "residual_map", sources=sources)
         io.write(result.temperature, made / "temperature.nc", "diagnosis_temperature", sources=sources)
         if page is not None:
             io.write_text(page(report, result.residual_map, result.temperature), made / "index.html")
-        folder.mkdir(exist_ok=True)
-        for path in sorted(made.iterdir()):
-            os.replace(path, folder / path.name)
-        shutil.rmtree(made, ignore_errors=True)
-        made.mkdir()
+
+    io.store_folder(folder, write)
 
 
 def exit_status(report, fail_on_finding):

@@ -11,17 +11,17 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-WIDE, NARROW, SPECTRUM = "#1f5fa8", "#c0392b", "#5b7f3a"
-PAPER, BASE, EXTENDED = "#8a8a8a", "#1f5fa8", "#c2571a"
-PHASES = ("#eef2f7", "#fff6e5", "#fdeeee", "#eef7ee", "#f2eefa", "#f0f0f0")
-SIZE = (5.4, 3.3)  # [inch], at 10 points: legible when a phone shrinks it to 3.6 inch
+from plasmapyro.plots.colours import BASE, EXTENDED, NARROW, PAPER, PHASES, SPECTRUM, WIDE
+
+SIZE = (4.6, 3.0)  # [inch], at 10 points: legible when a phone shrinks it to 3.4 inch
 RESIDUAL_LIMIT = 4.0
+LETTER = 0.015  # of the width of the axes: a phase that is too narrow for its name has none
 NANOMETRE = 1e-9
 WORST_STEP = 0.3  # standard deviation of a step at plasma-off that is still shown
 SETTINGS = {
     "font.size": 10,
     "font.family": "sans-serif",
-    "legend.fontsize": 8.5,
+    "legend.fontsize": 8,
     "legend.framealpha": 0.75,
     "legend.edgecolor": "none",
     "legend.markerscale": 1.8,
@@ -66,8 +66,9 @@ def _shade(axes, phases, *, labelled=True):
     for index, phase in enumerate(phases):
         axes.axvspan(phase["start"], phase["end"], color=PHASES[index % len(PHASES)], zorder=0, lw=0)
     if labelled:
+        whole = phases[-1]["end"] - phases[0]["start"] if phases else 0.0
         for phase in phases:
-            if phase["end"] - phase["start"] >= 15:
+            if phase["end"] - phase["start"] >= LETTER * len(phase["name"]) * whole:
                 axes.text(
                     (phase["start"] + phase["end"]) / 2,
                     1.01,
@@ -75,7 +76,7 @@ def _shade(axes, phases, *, labelled=True):
                     transform=axes.get_xaxis_transform(),
                     ha="center",
                     va="bottom",
-                    fontsize=7,
+                    fontsize=8,
                     color="#555555",
                 )
 
@@ -96,7 +97,7 @@ def signals(report):
         if np.nanmax(values, initial=0) > 0:
             axes.set_yscale("log")
             axes.set_ylim(bottom=max(np.nanmin(values[values > 0]) / 2, np.nanmax(values) * 1e-6))
-        axes.set(xlabel="time since injection [s]", ylabel="signal [A]", xlim=(time.min(), time.max()))
+        axes.set(xlabel="time [s]", ylabel="signal [A]", xlim=(time.min(), time.max()))
         axes.legend(ncols=2)
 
     return drawn(draw, "signals")
@@ -117,9 +118,7 @@ def temperature(report, dataset):
         axes.plot(
             time, dataset["paper_temperature"].values, ".", ms=2.5, color=PAPER, label="paper's correction"
         )
-        axes.set(
-            xlabel="time since injection [s]", ylabel="surface temperature [K]", xlim=(min(time), max(time))
-        )
+        axes.set(xlabel="time [s]", ylabel="surface temperature [K]", xlim=(min(time), max(time)))
         axes.legend(loc="lower center")
 
     return drawn(draw, "temperature")
@@ -145,9 +144,7 @@ def temperature_difference(report, dataset):
         if finite.size:
             limit = max(1.5 * np.quantile(finite, 0.9), 5.0)
             axes.set_ylim(-limit, limit)
-        axes.set(
-            xlabel="time since injection [s]", ylabel="T − T of base model [K]", xlim=(min(time), max(time))
-        )
+        axes.set(xlabel="time [s]", ylabel="T − T of base model [K]", xlim=(min(time), max(time)))
         axes.legend(loc="lower center", ncols=2)
 
     return drawn(draw, "temperature-difference")
@@ -181,11 +178,11 @@ def residual_maps(report, dataset):
             one.grid(visible=False)
             one.set(ylabel="wavelength [nm]")
             one.set_title(f"{model} model", fontsize=10, loc="left")
-        np.atleast_1d(axes)[-1].set_xlabel("time since injection [s]")
+        np.atleast_1d(axes)[-1].set_xlabel("time [s]")
         figure = image.figure
         figure.colorbar(image, ax=axes, label="(measured − model) / standard deviation", extend="both")
 
-    return drawn(draw, "residual-map", (5.4, 2.9 * len(models)), nrows=len(models), sharex=True)
+    return drawn(draw, "residual-map", (4.6, 2.9 * len(models)), nrows=len(models), sharex=True)
 
 
 def signal_residuals(report, dataset):
@@ -203,9 +200,9 @@ def signal_residuals(report, dataset):
             one.axhline(0, color="k", lw=0.7)
             one.set(ylabel=f"{band} [sd]", xlim=(min(time), max(time)))
         axes[0].legend(ncols=2, loc="upper left")
-        axes[1].set_xlabel("time since injection [s]")
+        axes[1].set_xlabel("time [s]")
 
-    return drawn(draw, "signal-residuals", (5.4, 3.6), nrows=2, sharex=True)
+    return drawn(draw, "signal-residuals", (4.6, 3.6), nrows=2, sharex=True)
 
 
 def step(report):
@@ -251,7 +248,7 @@ def step(report):
                 rotation=90,
                 va="top",
                 ha="right",
-                fontsize=7,
+                fontsize=8,
                 color="#555555",
             )
             axes.axvline(label["wavelength"] / NANOMETRE, color="#bbbbbb", lw=0.6, zorder=0)
@@ -269,7 +266,7 @@ def emittance_loop(report):
 
     def draw(axes):
         axes.axhline(loop["stated"], color="k", lw=0.8, label=f"stated: {loop['stated']:g}")
-        for mask, colour, label in ((heating, "#c0392b", "plasma on"), (~heating, "#1f5fa8", "cooling")):
+        for mask, colour, label in ((heating, NARROW, "plasma on"), (~heating, WIDE, "cooling")):
             axes.errorbar(
                 kelvin[mask],
                 value[mask],
@@ -317,11 +314,11 @@ def line_hump(report):
             axis.set_major_formatter("{x:g}")
             # Within a decade the powers of ten alone would leave the axis without numbers.
             axis.set_minor_formatter("{x:g}" if limits[1] < 10 * limits[0] else NullFormatter())
-        axes.tick_params(which="minor", labelsize=7)
+        axes.tick_params(which="minor", labelsize=8)
         axes.set(xlabel="smooth light, over simulation", ylabel="O I 777 nm line, over simulation")
-        axes.legend(fontsize=7, markerscale=0.8)
+        axes.legend(fontsize=8, markerscale=0.8)
 
-    return drawn(draw, "line-hump", (5.4, 3.8))
+    return drawn(draw, "line-hump", (4.6, 3.8))
 
 
 def impact(report, most=14):
@@ -341,14 +338,14 @@ def impact(report, most=14):
                 label=f"{which}{chr(39) + 's correction' if which == 'paper' else ' model'}",
             )
         axes.axvline(0, color="k", lw=0.8)
-        axes.set_yticks(place, [textwrap.fill(row["name"], 28) for row in rows], fontsize=7)
+        axes.set_yticks(place, [textwrap.fill(row["name"], 28) for row in rows], fontsize=8)
         for label, row in zip(axes.get_yticklabels(), rows, strict=True):
             label.set_fontweight("bold" if row["id"] in named else "normal")
         axes.set_xlabel("change of temperature [K]")
         axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2, fontsize=8)
         axes.grid(visible=False, axis="y")
 
-    return drawn(draw, "impact", (5.4, 1.3 + 0.32 * max(len(rows), 3)))
+    return drawn(draw, "impact", (4.6, 1.3 + 0.32 * max(len(rows), 3)))
 
 
 def evidence(report, most=8):
@@ -376,44 +373,16 @@ def evidence(report, most=8):
             )
         axes.grid(visible=False, axis="y")
 
-    return drawn(draw, "evidence", (5.4, 1.1 + 0.3 * max(len(rows), 3)))
+    return drawn(draw, "evidence", (4.6, 1.1 + 0.3 * max(len(rows), 3)))
 
 
-def profile(report):
-    """Chi-squared against the amplitude of each named term, in its standard errors about the best."""
-    curves = report["show"]["profile"]
-    names = {row["id"]: row for row in report["candidates"]}
-
-    def draw(axes):
-        for index, curve in enumerate(curves):
-            chi2, amplitude = _array(curve["chi2"]), _array(curve["amplitude"])
-            row = names.get(curve["id"], {"name": curve["id"]})
-            best, rise = amplitude[np.nanargmin(chi2)], chi2 - np.nanmin(chi2)
-            # Half the width where chi-squared has risen by one, were the curve a parabola.
-            error = np.ptp(amplitude) / (2 * np.sqrt(max(np.nanmax(rise), 1e-12)))
-            axes.plot(
-                (amplitude - best) / (error or 1.0),
-                rise,
-                "o-",
-                ms=3,
-                color=f"C{index}",
-                label=textwrap.shorten(row["name"], 45, placeholder=" ..."),
-            )
-        axes.axhline(3.84, color="k", ls=":", lw=0.8)
-        axes.text(0.01, 3.84, " 95 %", transform=axes.get_yaxis_transform(), va="bottom", fontsize=8)
-        axes.set_ylim(-0.5, 16)
-        axes.set(xlabel="(amplitude − best) / standard error", ylabel="chi-squared over its least")
-        axes.legend()
-
-    return drawn(draw, "profile")
-
-
-def component(entry, index):
-    """Leading pattern of the residuals: its history and its spectrum."""
+def component(report, index):
+    """Leading pattern of the residuals of an instrument: its history and its spectrum."""
+    entry = report["show"]["components"][index]
 
     def draw(axes):
         axes[0].plot(_array(entry["time"]), _array(entry["time_weight"]), color=SPECTRUM)
-        axes[0].set(xlabel="time since injection [s]", ylabel="weight")
+        axes[0].set(xlabel="time [s]", ylabel="weight")
         axis = _array(entry["axis"])
         spectral = axis.size > 2
         axes[1].plot(
@@ -426,7 +395,7 @@ def component(entry, index):
         for one in axes:
             one.axhline(0, color="k", lw=0.6)
 
-    return drawn(draw, f"component-{index}", (5.4, 3.8), nrows=2)
+    return drawn(draw, f"component-{index}", (4.6, 3.8), nrows=2)
 
 
 def whiteness(report):
@@ -441,7 +410,7 @@ def whiteness(report):
         if correlation:
             band = max(row["band"] for row in correlation)
             axes[0].axhspan(-band, band, color="#dddddd", zorder=0, lw=0)
-            axes[0].legend(fontsize=7)
+            axes[0].legend(fontsize=8)
         axes[0].set(xlabel="lag [samples]", ylabel="autocorrelation")
         for index, row in enumerate(quantiles):
             axes[1].plot(
@@ -456,7 +425,7 @@ def whiteness(report):
         axes[1].plot(reach, reach, "k-", lw=0.7)
         axes[1].set(xlabel="normal quantile", ylabel="residual quantile")
 
-    return drawn(draw, "whiteness", (5.4, 2.7), ncols=2)
+    return drawn(draw, "whiteness", (4.6, 2.7), ncols=2)
 
 
 def gas_monitor(report):
@@ -481,11 +450,11 @@ def gas_monitor(report):
             if values:
                 axes.plot(time, _array(values), color=f"C{index}", lw=0.9, label=name.replace("_", " "))
         axes.set(
-            xlabel="time since injection [s]",
+            xlabel="time [s]",
             ylabel="relative to the reference",
             xlim=(time.min(), time.max()),
         )
-        axes.legend(fontsize=7, ncols=2)
+        axes.legend(fontsize=8, ncols=2)
 
     return drawn(draw, "gas-monitor")
 
@@ -497,13 +466,51 @@ def angles(report):
 
     def draw(axes):
         image = axes.imshow(np.maximum(degrees, 1.0), cmap="magma", norm=LogNorm(1, 90))
-        axes.set_xticks(range(len(table["ids"])), table["ids"], rotation=90, fontsize=7)
-        axes.set_yticks(range(len(table["ids"])), table["ids"], fontsize=7)
+        axes.set_xticks(range(len(table["ids"])), table["ids"], rotation=90, fontsize=8)
+        axes.set_yticks(range(len(table["ids"])), table["ids"], fontsize=8)
         axes.grid(visible=False)
         bar = image.figure.colorbar(image, ax=axes, label="angle [degrees]", ticks=[1, 5, 15, 45, 90])
         bar.ax.set_yticklabels(["1", "5", "15", "45", "90"])
 
-    return drawn(draw, "angles", (5.4, 4.4))
+    return drawn(draw, "angles", (4.6, 4.4))
+
+
+def systems(report):
+    """Measured over simulated light of the gas by radiating system, with what the simulation states."""
+    rows = report["simulation"]["systems"][::-1]
+
+    def draw(axes):
+        place = np.arange(len(rows))
+        power = np.array([row["by_power"] for row in rows])
+        stated = np.array([row["stated"] for row in rows])
+        axes.barh(
+            place,
+            2 * stated * power,
+            0.7,
+            power * (1 - stated),
+            color="#d9e3ef",
+            label="simulated, as stated",
+        )
+        for beyond, colour in ((False, BASE), (True, EXTENDED)):
+            chosen = [at for at, row in enumerate(rows) if row["beyond"] is beyond]
+            axes.errorbar(
+                [rows[at]["ratio"] for at in chosen],
+                chosen,
+                xerr=[2 * rows[at]["error"] for at in chosen],
+                fmt="D" if beyond else "o",
+                ms=4,
+                color=colour,
+                label="measured, off by more than 3 sd" if beyond else "measured, 95 %",
+            )
+        axes.axvline(1, color="k", lw=0.8)
+        axes.set_yticks(place, [row["name"] for row in rows], fontsize=8)
+        largest = max(row["ratio"] + 2 * row["error"] for row in rows)
+        axes.set_xlim(0, min(max(2.0, 1.1 * largest), 10.0))
+        axes.set_xlabel("light over that of the simulation")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=1, fontsize=8)
+        axes.grid(visible=False, axis="y")
+
+    return drawn(draw, "systems", (4.6, 1.6 + 0.24 * max(len(rows), 3)))
 
 
 def finite(value):

@@ -1,15 +1,16 @@
-"""Tables of a diagnosis as HTML."""
+"""Tables and key numbers of a diagnosis as heads and rows; the template makes HTML of them."""
+
+from typing import NamedTuple
 
 from plasmapyro.page.words import (
     DASH,
-    file_name,
     kelvin,
     number,
     probability,
-    text,
     with_error,
     with_unit,
 )
+from plasmapyro.plots.colours import MISFIT
 
 CHANNELS = {
     "wide": "wide band",
@@ -18,33 +19,34 @@ CHANNELS = {
     "hump": "smooth",
     "red": "red end",
 }
+SHADES = tuple(zip((1e-4, 1e-3, 0.01, 0.05, 2.0), MISFIT, strict=True))  # of probabilities below
+FURTHER = 0.01  # probability as the first answer below which a named cause explains what others leave
+
+
+class Head(NamedTuple):
+    """Head of a column; `number`: its cells are numbers."""
+
+    label: str
+    number: bool
+
+
+class Table(NamedTuple):
+    """Heads, and rows of (head, cell); `stacked`: on phones one card per row."""
+
+    heads: list
+    rows: list
+    stacked: bool
 
 
 def table(heads, rows, *, stacked=True):
-    """A table from heads (a leading '#' marks numbers) and rows of HTML cells; on phones one card per row."""
-    numeric = [head.startswith("#") for head in heads]
-    labels = [head.lstrip("#") for head in heads]
-
-    def cell(value, label, is_number):
-        kind = " class=n" if is_number else ""
-        return f'<td{kind} data-label="{text(label)}">{value}</td>'
-
-    head = "".join(
-        f'<th scope="col"{" class=n" if one else ""}>{text(label)}</th>'
-        for label, one in zip(labels, numeric, strict=True)
-    )
-    body = "".join(
-        "<tr>" + "".join(cell(*one) for one in zip(row, labels, numeric, strict=True)) + "</tr>"
-        for row in rows
-    )
-    kind = ' class="stack"' if stacked else ""
-    return f'<div class="wide"><table{kind}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    """A table from words for the heads (a leading '#' marks numbers) and rows of cells."""
+    heads = [Head(words.lstrip("#"), words.startswith("#")) for words in heads]
+    return Table(heads, [list(zip(heads, row, strict=True)) for row in rows], stacked)
 
 
 def names(report):
     """Readable name of each id the report uses."""
-    known = {row["id"]: row["name"] for row in report["limits"]}
-    known |= {row["id"]: row["name"] for row in report["candidates"]}
+    known = {row["id"]: row["name"] for row in (*report["limits"], *report["candidates"])}
     return known | {
         "none": "nothing is wrong",
         "unknown": "something unknown",
@@ -53,60 +55,73 @@ def names(report):
     }
 
 
+def named(report, ids):
+    """Names of some ids in one line."""
+    known = names(report)
+    return ", ".join(known.get(identity, identity) for identity in ids)
+
+
+def key_numbers(report):
+    """Pairs of a value and what it is, for the boxes beside the verdict."""
+    verdict, base, extended = report["verdict"], report["base"], report["extended"]
+    boxes = []
+    if verdict["probability"]:
+        answer, share = max(verdict["probability"].items(), key=lambda pair: pair[1])
+        first = "probability of the first answer" if len(verdict["named"]) > 1 else "probability"
+        boxes.append((probability(share), f"{first}: {named(report, [answer])}"))
+    causes = "causes" if len(verdict["named"]) > 1 else "cause"
+    boxes += [
+        (kelvin(verdict["temperature_shift"]), f"change of temperature by the named {causes}, at worst"),
+        (ratio(base) + (f" → {ratio(extended)}" if extended else ""), "χ² per degree of freedom"),
+        (probability(verdict["p_base"]), "probability of such a misfit if nothing were wrong"),
+    ]
+    hidden = [row for row in report["limits"] if row["invisible"]]
+    if hidden:
+        worst = max(hidden, key=lambda row: abs(row["temperature_prior"]))
+        size = kelvin(worst["temperature_prior"], signed=False)
+        boxes.append((size, f"possible and invisible: {worst['name']}"))
+    return boxes
+
+
 def candidates(report, most=15):
     """Candidates in the order of the report (kelvin first)."""
-    known, rows = names(report), []
+    heads = ("cause", "#paper's T", "#base T", "amplitude", "#gain in χ²", "#as first answer", "most like it")
+    rows = []
     for row in report["candidates"][:most]:
-        angle = row["angle_to_next"]
-        alike = DASH
-        if angle is not None and row["next"]:
-            alike = f"{text(known.get(row['next'], row['next']))}, {number(angle, 2)}°"
         mark = " ★" if row["id"] in report["verdict"]["named"] else ""
+        alike, share = DASH, probability(row["probability"])
+        if row["angle_to_next"] is not None and row["next"]:
+            alike = f"{named(report, [row['next']])}, {number(row['angle_to_next'], 2)}°"
+        if mark and row["probability"] < FURTHER:
+            share = "beside it"
+        size = with_error(row["amplitude"], row["standard_error"], row["unit"])
+        seen = row["significance"] > 0
         rows.append(
             (
-                f"{text(row['name'])}{mark}",
+                row["name"] + mark,
                 kelvin(row["temperature_shift"]["paper"]),
                 kelvin(row["temperature_shift"]["base"]),
-                text(row["amplitude_name"])
-                + ": "
-                + with_error(row["amplitude"], row["standard_error"], row["unit"]),
-                number(row["gain_chi2"]),
-                probability(row["probability"]),
+                row["amplitude_name"] + ": " + size if seen else "the base model takes it up",
+                number(row["gain_chi2"]) if seen else DASH,
+                share,
                 alike,
             )
         )
-    heads = ("cause", "#paper's T", "#base T", "amplitude", "#gain in χ²", "#probability", "most like it")
     return table(heads, rows)
 
 
 def ambiguity(report):
-    """What the data cannot tell apart, and the measurement that would."""
-    known, rows = names(report), []
+    """Measurements that would tell apart what the data do not."""
+    rows = []
     for row in report["verdict"]["missing_evidence"]:
         expected = row["expected_significance"]
-        rows.append(
-            (
-                text(row["measurement"]),
-                text(", ".join(known.get(one, one) for one in row["decides"])),
-                f"{number(expected, 2)} sd" if expected is not None else DASH,
-            )
-        )
-    return table(("measurement", "decides between", "#expected"), rows) if rows else ""
+        size = DASH if expected is None else f"{number(expected, 2)} sd"
+        rows.append((row["measurement"], named(report, row["decides"]), size))
+    return table(("measurement", "decides between", "#expected"), rows)
 
 
 def limits(report, most=12):
     """What remains possible and invisible, by kelvin."""
-    rows = [
-        (
-            text(row["name"]),
-            kelvin(row["temperature_5sigma"], signed=False),
-            kelvin(row["temperature_prior"], signed=False),
-            with_unit(row["amplitude_5sigma"], row["unit"]),
-            "no" if row["invisible"] else "yes",
-            text(row["measurement"]),
-        )
-        for row in report["limits"][:most]
-    ]
     heads = (
         "cause",
         "#T error when just seen (5 sd)",
@@ -115,6 +130,17 @@ def limits(report, most=12):
         "would a usual size be seen?",
         "measurement that would show it",
     )
+    rows = [
+        (
+            row["name"],
+            kelvin(row["temperature_5sigma"], signed=False),
+            kelvin(row["temperature_prior"], signed=False),
+            with_unit(row["amplitude_5sigma"], row["unit"]),
+            "no" if row["invisible"] else "yes",
+            row["measurement"],
+        )
+        for row in report["limits"][:most]
+    ]
     return table(heads, rows)
 
 
@@ -123,11 +149,35 @@ def ratio(fit):
     return f"{fit['chi2'] / max(fit['dof'], 1):.2f}"
 
 
+def systems(report):
+    """Measured over simulated light of the gas, by radiating system and multiplet."""
+    heads = (
+        "radiating system",
+        "#from to [nm]",
+        "#measured over simulated",
+        "#by the best power",
+        "#remains",
+        "#stated by the simulation",
+        "beyond",
+    )
+    rows = [
+        (
+            row["name"],
+            " to ".join(f"{end * 1e9:.0f}" for end in row["wavelength"]),
+            f"{row['ratio']:.2f} ± {row['error']:.2f}",
+            f"{row['by_power']:.2f}",
+            f"{row['ratio'] / row['by_power'] - 1:+.0%}",
+            f"± {row['stated']:.0%}",
+            "yes" if row["beyond"] else "no",
+        )
+        for row in report["simulation"]["systems"]
+    ]
+    return table(heads, rows)
+
+
 def gain(report):
     """What the extension is worth on data not used for it."""
-    entry = report["gain"]
-    extended = report["extended"]
-    base = report["base"]
+    entry, extended = report["gain"], report["extended"]
     better = sum(block["difference"] > 0 for block in entry["blocks"])
     sigmas = (number(entry[f"temperature_sigma_{model}"], 2) for model in ("base", "extended"))
     score = with_error(entry["heldout_log_score"], entry["heldout_standard_error"])
@@ -142,112 +192,111 @@ def gain(report):
         ),
         ("worst change of temperature", kelvin(entry["temperature_shift"])),
         ("standard deviation of temperature, before and after", " and ".join(sigmas) + " K"),
-        ("χ² per degree of freedom, before", ratio(base)),
+        ("χ² per degree of freedom, before", ratio(report["base"])),
     ]
     if extended:
         rows.append(("χ² per degree of freedom, after", ratio(extended)))
-    return table(("measure", "#value"), [(text(name), value) for name, value in rows], stacked=False)
+    return table(("measure", "#value"), rows, stacked=False)
+
+
+class Cell(NamedTuple):
+    """A value on a shade, with words for who points at it."""
+
+    value: str
+    shade: str = ""
+    title: str = ""
 
 
 def phases(report):
-    """Chi-squared per datum by phase and channel, coloured by its calibrated p-value."""
-    cells = {(row["phase"], row["channel"]): row for row in report["base"]["by_phase"]}
-    channels = [one for one in CHANNELS if any(key[1] == one for key in cells)]
-    channels += sorted({key[1] for key in cells} - set(CHANNELS))
-    head = "".join(f'<th scope="col">{text(CHANNELS.get(one, one))}</th>' for one in channels)
-    body = ""
-    for phase in report["dataset"]["phases"]:
-        body += f'<tr><th scope="row">{text(phase["name"])}</th>'
-        for channel in channels:
-            row = cells.get((phase["id"], channel))
-            if row is None or not row["count"]:
-                body += f'<td class="heat">{DASH}</td>'
-                continue
-            shade = _shade(row["p"])
-            title = f"p = {row['p']:.2g}, {row['count']} data"
-            share = number(row["chi2"] / row["count"])
-            body += f'<td class="heat" style="background:{shade}" title="{title}">{share}</td>'
-        body += "</tr>"
-    return (
-        '<div class="wide"><table><thead><tr><th scope="col">χ² per datum</th>'
-        f"{head}</tr></thead><tbody>{body}</tbody></table></div>"
-    )
+    """Heads and rows of chi-squared per datum by phase and channel, shaded by its calibrated p-value."""
+    found = {(row["phase"], row["channel"]): row for row in report["base"]["by_phase"]}
+    present = {channel for _, channel in found}
+    channels = [one for one in CHANNELS if one in present] + sorted(present - set(CHANNELS))
 
+    def cell(row):
+        if row is None or not row["count"]:
+            return Cell(DASH)
+        shade = next(colour for limit, colour in SHADES if row["p"] < limit)
+        return Cell(number(row["chi2"] / row["count"]), shade, f"p = {row['p']:.2g}, {row['count']} data")
 
-def _shade(p):
-    for limit, colour in ((1e-4, "#e9967f"), (1e-3, "#f2bda8"), (0.01, "#f8ddcf"), (0.05, "#fcf0e4")):
-        if p < limit:
-            return colour
-    return "#eef6ee"
-
-
-def pulls(report):
-    """Parameters of the base model against what was known of them."""
     rows = [
+        (phase["name"], [cell(found.get((phase["id"], channel))) for channel in channels])
+        for phase in report["dataset"]["phases"]
+    ]
+    return {"heads": [CHANNELS.get(one, one) for one in channels], "rows": rows}
+
+
+def component_words(report, entry):
+    """How much a leading pattern of the residuals stands out, and what it resembles."""
+    known = names(report)
+    like = ", ".join(
+        f"{known.get(one['id'], one['id'])} ({one['cosine']:.2f})" for one in entry["resembles"][:3]
+    )
+    size = f"Singular value {entry['singular_value']:.3g}; noise alone would give {entry['expected']:.3g}."
+    return size + (f" Resembles (cosine): {like}." if like else "")
+
+
+def method(report):
+    """Pairs of a title and a table of how it was judged."""
+    tests = [
+        (row["name"], number(row["statistic"]), number(row["threshold"]), probability(row["p"]))
+        for row in report["tests"]
+    ]
+    pulls = [
         (
-            text(row["name"]),
+            row["name"],
             with_unit(row["value"], row["unit"], 3),
             f"± {number(row['sigma'], 2)}",
             f"{number(row['pull'], 2)} sd",
-            "<b>a finding</b>" if row["finding"] else "",
+            "a finding" if row["finding"] else "",
         )
         for row in report["base"]["pulls"]
     ]
-    return table(("parameter", "#fitted change", "#known to", "#pull", ""), rows)
-
-
-def noise(report):
-    """The noise as it was found in the data."""
-    rows = [
+    unknown = [
+        (row["name"], number(row["log_bayes"]))
+        for row in sorted(report["discrepancy"]["per_class"], key=lambda row: -row["log_bayes"])
+    ]
+    noise = [
         (
-            text(row["channel"]),
+            row["channel"],
             f"{number(100 * row['relative'], 2)} %",
             number(row["lag1"], 2),
             number(row["tail"], 2),
         )
         for row in report["noise"]
     ]
-    return table(
-        ("channel", "#standard deviation at the median", "#correlation of neighbours", "#tail, 1 is normal"),
-        rows,
+    of_noise = (
+        "channel",
+        "#standard deviation at the median",
+        "#correlation of neighbours",
+        "#tail, 1 is normal",
     )
-
-
-def tests(report):
-    """Calibrated tests of the base model."""
-    rows = [
-        (text(row["name"]), number(row["statistic"]), number(row["threshold"]), probability(row["p"]))
-        for row in report["tests"]
-    ]
-    return table(("test", "#statistic", "#threshold", "#p"), rows)
-
-
-def unknown(report):
-    """Structures without a name that were looked for."""
-    rows = [
-        (text(row["name"]), number(row["log_bayes"]))
-        for row in sorted(report["discrepancy"]["per_class"], key=lambda one: -one["log_bayes"])
-    ]
-    return table(("structure", "#log Bayes factor"), rows, stacked=False)
+    made = (
+        ("Tests", table(("test", "#statistic", "#threshold", "#p"), tests)),
+        (
+            "Parameters of the base model",
+            table(("parameter", "#fitted change", "#known to", "#pull", ""), pulls),
+        ),
+        ("Structures without a name", table(("structure", "#log Bayes factor"), unknown, stacked=False)),
+        ("Noise", table(of_noise, noise)),
+    )
+    return [(title, found) for title, found in made if found.rows]
 
 
 def provenance(report):
     """Where everything came from."""
     entry, thresholds = report["provenance"], report["thresholds"]
     rows = [
-        ("program", f"plasmapyro {text(entry['version'])}"),
-        ("commit", text(entry["commit"]) if entry["commit"] else DASH),
+        ("program", f"plasmapyro {entry['version']}"),
+        ("commit", entry["commit"] or DASH),
         ("seed", str(entry["seed"])),
         (
             "thresholds",
-            f"effect {number(thresholds['effect'])}, unknown {number(thresholds['unknown'])}, further term"
+            f"effect {number(thresholds['effect'])}, unknown {number(thresholds['unknown'])}, further effect"
             f" {number(thresholds['third'])}; from {thresholds['nulls']} simulated tests with nothing wrong,"
             f" level {number(thresholds['level'])}, seed {thresholds['seed']}",
         ),
-        ("blind tests of this version", text(entry["blind_score"]) if entry["blind_score"] else DASH),
-    ]
-    rows += [
-        (text(file_name(name)), f"<code>{text(digest)}</code>")
-        for name, digest in sorted(entry["files"].items())
+        ("blind tests of this version", entry["blind_score"] or DASH),
+        *sorted(entry["files"].items()),
     ]
     return table(("", ""), rows, stacked=False)

@@ -1,33 +1,33 @@
-"""Numbers and user text as HTML: escaped, rounded to what they are worth, without folders of a machine."""
+"""Numbers and user text for the page: rounded to what they are worth, without folders of a machine."""
 
-import html
 import math
 import re
 from pathlib import PurePosixPath, PureWindowsPath
 
 DASH = "–"
 MINUS = "−"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+LEAST = 1e-4  # probabilities below are not written out
 # A folder of a machine: a drive or a root, at least two levels deep.
 FOLDER = re.compile(r"(?<![\w/.:])(?:[A-Za-z]:\\|\\\\|/|~/)(?:[^\s/\\<>\"'|,;]+[/\\])+[^\s/\\<>\"'|,;]*")
 
 
-def text(value):
-    """User text for HTML: escaped, and folders cut down to the name of the file."""
-    return html.escape(without_folders(str(value)), quote=True)
-
-
-def without_folders(words):
-    """Words with each folder of a machine cut down to the name of its file."""
-    return FOLDER.sub(lambda found: file_name(found.group()), words)
+def without_folders(value):
+    """A report whose texts, keys too, hold no folder: each is cut down to the name of its file."""
+    if isinstance(value, dict):
+        return {without_folders(name): without_folders(entry) for name, entry in value.items()}
+    if isinstance(value, list):
+        return [without_folders(entry) for entry in value]
+    return FOLDER.sub(lambda found: file_name(found.group()), value) if isinstance(value, str) else value
 
 
 def for_figures(value):
-    """A report whose texts may go into figures: no folders, no dollar that would start a formula."""
+    """A report whose texts may go into figures: no dollar that would start a formula."""
     if isinstance(value, dict):
-        return {name: for_figures(one) for name, one in value.items()}
+        return {name: for_figures(entry) for name, entry in value.items()}
     if isinstance(value, list):
-        return [for_figures(one) for one in value]
-    return without_folders(value).replace("$", r"\$") if isinstance(value, str) else value
+        return [for_figures(entry) for entry in value]
+    return value.replace("$", r"\$") if isinstance(value, str) else value
 
 
 def file_name(path):
@@ -39,11 +39,9 @@ def number(value, digits=3):
     """A number with `digits` significant digits; a dash for None and NaN."""
     if value is None or not math.isfinite(value):
         return DASH
-    rounded = f"{value:.{digits}g}"
-    if "e" in rounded:
-        mantissa, exponent = rounded.split("e")
-        return f"{mantissa.replace('-', MINUS)}·10<sup>{str(int(exponent)).replace('-', MINUS)}</sup>"
-    return rounded.replace("-", MINUS)
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"·10{str(int(exponent)).translate(RAISED)}" if exponent else ""
+    return mantissa.replace("-", MINUS) + power
 
 
 def with_error(value, error, unit=""):
@@ -51,7 +49,7 @@ def with_error(value, error, unit=""):
     if value is None or not math.isfinite(value):
         return DASH
     if error is None or not math.isfinite(error) or error <= 0:
-        return f"{number(value)}{_unit(unit)}"
+        return with_unit(value, unit, 3)
     places = max(0, 1 - math.floor(math.log10(error)))
     if places > 4 or abs(value) >= 1e5:
         return f"{number(value)} ± {number(error, 2)}{_unit(unit)}"
@@ -77,8 +75,8 @@ def probability(value):
     """A probability as words would have it."""
     if value is None or not math.isfinite(value):
         return DASH
-    if 0 < value < 1e-4:
-        return "< 0.0001"
+    if 0 < value < LEAST:
+        return f"< {LEAST:g}"
     return f"{value:.2g}" if value < 0.01 else f"{value:.2f}"
 
 
@@ -86,4 +84,4 @@ def _unit(unit):
     if unit in ("", "1"):
         return ""
     # A unit such as 0.01 is a factor.
-    return f" × {unit}" if re.fullmatch(r"[\d.]+", unit) else f" {text(unit)}"
+    return f" × {unit}" if re.fullmatch(r"[\d.]+", unit) else f" {unit}"

@@ -1,0 +1,174 @@
+"""The base fit: first with round numbers for the noise, then with the noise that the data show."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plasmapyro import progress
+from plasmapyro.diagnosis.fit import first_gas
+from plasmapyro.diagnosis.fit import noise as noises
+from plasmapyro.diagnosis.fit.inference import Fitter, Solution
+from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
+from plasmapyro.record import binning
+
+START_TIME, START_LEVEL = 14.0, 1550.0  # of the first guess of the temperature [s], [K]
+LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
+SEEN = 0.5  # [1], of the gas: light of the surface from which a temperature can be guessed
+
+
+@dataclass(frozen=True)
+class Base:
+    """Model with cleaned data, noise, fitter and the fit."""
+
+    model: Model
+    noise_models: tuple
+    fitter: Fitter
+    solution: Solution
+
+
+def guess_temperature(model):
+    """First temperatures of the knots (K,) [K], from the light of the last instrument less that of the gas.
+
+    Before the surface outshines half the gas, a parabola that starts at the first temperature of the model.
+    """
+    history, which = model.history, len(model.instruments) - 1
+    one = model.instruments[which]
+    share = 1.0 if one.factor is None else 1 / one.factor
+    total = np.nansum(one.value * share, axis=1)
+    total[~np.isfinite(one.value).all(axis=1)] = np.nan
+    values = np.array([parameter.centre for parameter in model.parameters])
+    middle = one.time
+    burning = (middle > 0) & (middle < model.off)
+    gas = np.where(burning, _median(total[model.record.in_window(middle)]), 0.0)
+    ladder = np.linspace(LEAST_GUESS, MOST_GUESS, 60)
+    dark = int(np.argmax(middle >= model.off)) if (middle >= model.off).any() else middle.size - 1
+    flat = [
+        np.sum((model.evaluate(which, np.full(history.knots.size, kelvin), values) * share)[dark])
+        for kelvin in (INITIAL_TEMPERATURE, *ladder)
+    ]
+    table = np.log(np.maximum(np.array(flat[1:]) - (flat[0] if burning[dark] else 0.0), 1e-300))
+    light = total - gas
+    seen = np.flatnonzero((middle > 0) & (light > SEEN * gas) & (light > 0))
+    if seen.size < 4:
+        return INITIAL_TEMPERATURE + (START_LEVEL - INITIAL_TEMPERATURE) * -np.expm1(
+            -np.maximum(history.knots, 0) / START_TIME
+        )
+    found = 1 / np.interp(np.log(light[seen]), table, 1 / ladder)
+    result = np.interp(history.knots, middle[seen], found)
+    first, at = found[0], middle[seen][0]
+    early = history.knots < at
+    result[early] = INITIAL_TEMPERATURE + (first - INITIAL_TEMPERATURE) * (
+        1 - (1 - history.knots[early] / at) ** 1.5
+    )
+    return np.clip(result, 300.0, MOST_GUESS)
+
+
+def _median(values):
+    """Median of what is finite; 0 without any."""
+    values = values[np.isfinite(values)]
+    return float(np.median(values)) if values.size else 0.0
+
+
+def raw_model(model):
+    """The same model with every sample as its own bin."""
+    instruments = [
+        replace(
+            instrument,
+            moment=instrument.raw_moment,
+            value=instrument.raw,
+            number=np.ones_like(instrument.raw),
+        )
+        for instrument in model.instruments
+    ]
+    return model_with(model, instruments)
+
+
+def phase_of(time, off):
+    """0 before injection, 1 with plasma, 2 after it, for the times (t,)."""
+    return (time >= 0).astype(int) + (time >= off).astype(int)
+
+
+def renoised(model, solution, settings=()):
+    """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
+    raw = raw_model(model)
+    found, instruments, bins = [], [], []
+    flicker = None
+    for which, instrument in enumerate(model.instruments):
+        state = solution.state
+        value = raw.evaluate(
+            which, state.knots, state.values, solution.settings, gas_error=state.lines[which]
+        )
+        plain = value
+        more = state.values.copy()
+        more[model.index["gas"]] += 1e-3
+        gas = (
+            raw.evaluate(which, state.knots, more, solution.settings, gas_error=state.lines[which]) - plain
+        ) / 1e-3
+        gas = np.maximum(gas, 0.0)
+        value = plain * (1 + state.pattern[which]) + state.dark[which]
+        residual = np.where((instrument.raw_bin >= 0)[:, None], instrument.raw - value, np.nan)
+        phase = phase_of(instrument.raw_moment.mean(axis=1), model.off)
+        law, left = noises.estimate(instrument, residual, value, gas, phase, flicker)
+        flicker = (law.flicker, law.flicker_memory, float(np.median(np.diff(instrument.raw_moment[:, 0]))))
+        pixels = (
+            np.ones(instrument.channels)
+            if instrument.pixel_edges is None
+            else np.diff(instrument.pixel_edges)
+        )
+        factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
+        sigma = np.sqrt(
+            noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
+            + law.flicker * gas**2
+        )
+        # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
+        hit = noises.outliers(left / sigma, instrument.raw_bin >= 0, phase)
+        mean, _ = binning.mean_in_bins(
+            np.where(hit, np.nan, left), instrument.raw_bin, instrument.value.shape[0]
+        )
+        own = np.where(instrument.raw_bin[:, None] >= 0, np.nan_to_num(mean)[instrument.raw_bin], 0.0)
+        expected = value + np.nan_to_num(residual - left) + own
+        hit |= np.abs(np.nan_to_num(left - own)) > noises.CLIP * sigma
+        cleaned = noises.without_outliers(instrument, expected, hit)
+        found.append(law)
+        instruments.append(cleaned)
+        bins.append(noises.on_bins(law, cleaned, solution.prediction[which]))
+    return model_with(model, instruments), tuple(found), bins
+
+
+def model_with(model, instruments):
+    """The model on other data."""
+    return Model(
+        instruments,
+        model.library,
+        model.history,
+        model.parameters,
+        model.record,
+        model.slope,
+        model.response,
+        model.lamp,
+    )
+
+
+def fit_base(model, rounds=2):
+    """Base fit with the noise that its own residuals show.
+
+    Returns
+    -------
+    Base
+    """
+    values, errors = first_gas.guess(model)
+    cold = np.full(model.size, 300.0)
+    gas = [
+        model.evaluate(which, cold, values, gas_error=errors[which]) * (instrument.moment[:, :1] < model.off)
+        for which, instrument in enumerate(model.instruments)
+    ]
+    fitter = Fitter(model, noises.first_guess(model, gas))
+    start = replace(fitter.start(guess_temperature(model)), values=values, lines=errors)
+    solution = fitter.fit(start, tolerance=20.0)
+    laws = ()
+    for last in range(rounds):
+        progress.step("diagnosis: base model, round", last + 1, rounds)
+        model, laws, bins = renoised(model, solution)
+        fitter = Fitter(model, bins)
+        solution = fitter.fit(solution.state, tolerance=0.02 if last == rounds - 1 else 5.0)
+    return Base(model, laws, fitter, solution)

@@ -1,0 +1,245 @@
+"""From a test, its calibrations and the gas spectra to instruments on bins and the base model."""
+
+import logging
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit import observation
+from plasmapyro.diagnosis.fit.model import History, Model, Parameter, knots
+from plasmapyro.diagnosis.fit.observation import Instrument
+from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.radiation.bandsignal import responsivities
+from plasmapyro.radiation.planck import planck_and_slope
+from plasmapyro.record import binning, flags
+from plasmapyro.record.emittance import tilt
+
+LOG = logging.getLogger(__name__)
+LEAST_SAMPLES = 10  # of an instrument: differences of fewer tell no noise
+LEAST_PIXELS = 8
+MOST_SAMPLES, MOST_SPECTRA = 12000, 3000  # of a fit; a longer record is averaged over neighbours
+EXACT = 1e-6  # [1] stands for an uncertainty of zero
+UNIFORM = np.sqrt(3)  # half width of a uniform law over its standard deviation
+DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 counts of noise, some ten scans
+PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
+POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
+GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
+BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
+FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the data are to say what it is
+SMOOTH_CALIBRATION = (
+    0.004  # [1] of the calibration of a spectrometer besides its lamp: certificate, order overlap,
+)
+SMOOTH_LENGTH = 60e-9  # [m] over which it persists
+BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is held into
+GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
+
+
+def base_model(record, library, calibration, response, spectrometer_calibration=None):
+    """Instruments on bins and the base model of a test.
+
+    Parameters
+    ----------
+    record : Record of the test
+    library : GasLibrary of its condition
+    calibration : Dataset, contract 'calibration', or None without a pyrometer
+    response : Dataset, contract 'response'
+    spectrometer_calibration : Dataset, contract 'spectrometer_calibration', or None
+
+    Returns
+    -------
+    Model
+        Its times count from the injection, as those of the record.
+    """
+    edges = observation.time_bins(record)
+    response_arrays = (
+        response["wavelength"].values,
+        responsivities(response),
+    )
+    instruments, lamp = [], {}
+    bands, frames = (record.instrument(name) for name in ("pyrometer", "spectrometer"))
+    if bands is not None and calibration is not None:
+        instruments.append(_pyrometer(bands, record.off, calibration, response_arrays, library, edges))
+        lamp["pyrometer"] = _lamp_of_pyrometer(calibration, response_arrays)
+    if frames is not None:
+        fwhm = float(record.attributes["spectrometer_fwhm"])
+        instruments.append(_spectrometer(frames, record.off, library, edges, fwhm))
+        lamp["spectrometer"] = _lamp_of_spectrometer(instruments[-1], spectrometer_calibration)
+    instruments = _sufficient(instruments, record.off)
+    end = max(instrument.moment.max() for instrument in instruments)
+    history = History(knots(edges, 0.0, record.off, end), record.off)
+    parameters = base_parameters(record, calibration)
+    slope = tilt(record.emittance_slope, response)
+    return Model(instruments, library, history, parameters, record, slope, response_arrays, lamp)
+
+
+def _sufficient(instruments, off):
+    """The instruments with samples enough to know their noise by; refused if there are none, or no plasma."""
+    count = {one.kind: int((one.raw_bin >= 0).sum()) for one in instruments}
+    kept = [one for one in instruments if count[one.kind] >= LEAST_SAMPLES]
+    lit = any(((one.moment[:, 0] > 0) & (one.moment[:, -1] < off)).any() for one in kept)
+    for one in kept:
+        dark = ~(np.nanmedian(one.value, axis=0) > 0)
+        if dark.any() if one.weight is not None else dark.mean() > 0.5:
+            raise ValueError(f"most samples of the {one.kind} are not > 0: are sign and dark level right?")
+    if kept and lit:
+        for kind in set(count) - {one.kind for one in kept}:
+            LOG.warning("the %s is left out: %d samples, %d needed", kind, count[kind], LEAST_SAMPLES)
+        return kept
+    held = ", ".join(f"{number} of the {kind}" for kind, number in count.items())
+    raise ValueError(
+        f"a diagnosis needs {LEAST_SAMPLES} sound samples of an instrument, some between injection and the"
+        f" end of the plasma; the test holds {held}" + ("" if lit or not kept else ", none lit by it")
+    )
+
+
+def base_parameters(record, calibration):
+    """The parameters of the base model with their priors."""
+    ratio = 0.005
+    if calibration is not None:
+        ratio = float(calibration.sensitivity_ratio_uncertainty / calibration.sensitivity_ratio)
+    # Between the bands an error of the slope of the emittance and one of their ratio are the same.
+    ratio = max(float(np.hypot(ratio, record.emittance_slope_uncertainty / record.emittance_slope)), EXACT)
+    source = 3.0 / UNIFORM
+    return (
+        Parameter("emittance", "emittance", max(record.emittance_uncertainty / record.emittance, EXACT)),
+        Parameter("gain_pyrometer", "throughput of the pyrometer", GAIN_SIGMA),
+        Parameter("gain_spectrometer", "throughput of the spectrometer", GAIN_SIGMA),
+        Parameter("ratio", "sensitivity ratio", ratio),
+        Parameter("lamp", "temperature of the calibration source", source, "K"),
+        Parameter("gas", "brightness of the gas (logarithm)", GAS_SIGMA),
+        Parameter(
+            "before_injection", "gas before over after injection (logarithm)", BEFORE[1], "1", BEFORE[0]
+        ),
+        Parameter("before_power", "gas before injection, as if of another power", BEFORE_POWER_SIGMA),
+    )
+
+
+def _pyrometer(bands, off, calibration, response, library, edges):
+    bands = binning.thinned(bands, off, MOST_SAMPLES)
+    time, half = bands.time, bands.integration_time / 2
+    nodes = observation.nodes_of(bands.integration_time)
+    index = binning.membership(time - half, time + half, edges, 0.0, off)
+    raw = np.ascontiguousarray(bands.sound)
+    index = observation.without_lost(index, raw)
+    moment, count = observation.instants(time - half, time + half, index, edges.size - 1, nodes)
+    value, number = binning.mean_in_bins(raw, index, edges.size - 1)
+    kept = count > 0
+    renumber = np.where(kept, np.cumsum(kept) - 1, -1)
+    axis, curves = response
+    places, centres = observation.band_nodes(axis, curves)
+    weight = np.zeros((2, 2 * centres.size))
+    maps = []
+    for band, curve in enumerate(curves):
+        weight[band, band * centres.size : (band + 1) * centres.size] = observation.band_weights(
+            places, axis, curve
+        )
+        maps.append(observation.band_gas_map(places, library.wavelength, axis, curve))
+    return Instrument(
+        kind="pyrometer",
+        moment=moment[kept],
+        value=value[kept],
+        number=number[kept],
+        wavelength=np.tile(centres, 2),
+        weight=weight,
+        gain=calibration["absolute_sensitivity"].values.astype(float),
+        gas_map=observation.side_by_side(maps),
+        node_edges=places,
+        factor=None,
+        pixel_edges=None,
+        raw=raw,
+        raw_moment=time[:, None] + half / UNIFORM * nodes,
+        raw_bin=np.where(index >= 0, renumber[index], -1),
+        raw_clean=np.isfinite(raw),
+        gas_error=np.full(2, FREE_GAS),
+        pattern=np.zeros(2),
+        dark=np.zeros(2),
+    )
+
+
+def _spectrometer(frames, off, library, edges, fwhm):
+    frames = binning.thinned(frames, off, MOST_SPECTRA)
+    time, half = frames.time, frames.integration_time / 2
+    nodes = observation.nodes_of(frames.integration_time)
+    index = binning.membership(time - half, time + half, edges, 0.0, off)
+    wavelength, radiance = frames.wavelength, frames.sound
+    saturated = frames.flagged(flags.SATURATED)
+    factor = np.ones(wavelength.size) if frames.factor is None else frames.factor
+    relative = np.zeros(wavelength.size)
+    if frames.factor_uncertainty is not None:
+        relative = frames.factor_uncertainty
+    inside = (wavelength > library.wavelength[3]) & (wavelength < library.wavelength[-4])
+    usable = np.isfinite(radiance).mean(axis=0) > 0.5
+    chosen = np.flatnonzero(inside & usable)
+    if chosen.size < LEAST_PIXELS:
+        raise ValueError(
+            f"{chosen.size} usable pixels of the spectrometer lie within the simulated spectra,"
+            f" {library.wavelength[0] * 1e9:.0f} to {library.wavelength[-1] * 1e9:.0f} nm; a diagnosis needs"
+            f" {LEAST_PIXELS}: leave the spectra out, or compute the radiance over their range"
+        )
+    radiance, wavelength, factor, relative = (
+        radiance[:, chosen],
+        wavelength[chosen],
+        factor[chosen],
+        relative[chosen],
+    )
+    seen = np.interp(wavelength, library.wavelength, library.base)
+    pixels = binning.pixel_edges(wavelength, seen, fwhm)
+    raw, number_of_pixels = observation.in_pixel_bins(radiance, pixels)
+    in_bin = number_of_pixels.max(axis=0)
+    # The mean of some pixels of a bin is that of another wavelength.
+    raw = np.where(number_of_pixels == in_bin, raw, np.nan)
+    index = observation.without_lost(index, np.where(saturated[:, chosen], 0.0, radiance))
+    raw = np.where(observation.beside_saturation(saturated[:, chosen], index, pixels), np.nan, raw)
+    moment, count = observation.instants(time - half, time + half, index, edges.size - 1, nodes)
+    value, number = binning.mean_in_bins(raw, index, edges.size - 1)
+    kept = count > 0
+    renumber = np.where(kept, np.cumsum(kept) - 1, -1)
+    centres, _ = observation.in_pixel_bins(wavelength, pixels)
+    binned_factor, _ = observation.in_pixel_bins(factor, pixels)
+    pattern, _ = observation.in_pixel_bins(relative, pixels)
+    return Instrument(
+        kind="spectrometer",
+        moment=moment[kept],
+        value=value[kept],
+        number=number[kept],
+        wavelength=centres,
+        weight=None,
+        gain=np.ones(centres.size),
+        gas_map=observation.pixel_gas_map(library.wavelength, wavelength, pixels),
+        node_edges=None,
+        factor=binned_factor,
+        pixel_edges=pixels,
+        raw=raw,
+        raw_moment=time[:, None] + half / UNIFORM * nodes,
+        raw_bin=np.where(index >= 0, renumber[index], -1),
+        raw_clean=np.isfinite(raw),
+        gas_error=np.full(centres.size, FREE_GAS),
+        pattern=PATTERN_MARGIN * np.maximum(pattern, 1e-4) / np.sqrt(in_bin),
+        dark=np.full(centres.size, DARK_COUNTS) * binned_factor / np.sqrt(in_bin),
+    )
+
+
+def _lamp_of_pyrometer(calibration, response):
+    """Relative change (2,) of the sensitivities per kelvin of the source [K-1]."""
+    source = calibration["source_temperature"].values
+    step = 0.5
+    return np.array(
+        [
+            np.mean(
+                np.log(
+                    blackbody_signal(source + step, response[0], curve)
+                    / blackbody_signal(source - step, response[0], curve)
+                )
+            )
+            / (2 * step)
+            for curve in response[1]
+        ]
+    )
+
+
+def _lamp_of_spectrometer(instrument, calibration):
+    """Relative change (P,) of the calibration factor per kelvin of the source [K-1]."""
+    if calibration is None:
+        return np.zeros(instrument.wavelength.size)
+    source = np.array([float(calibration["source_temperature"])])
+    body, slope = planck_and_slope(instrument.wavelength, source)
+    return (slope / body)[0]

@@ -1,0 +1,573 @@
+"""Least squares with priors and structured noise: the fit of a model, and what is left beside it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE
+from plasmapyro.diagnosis.fit.setting import WIDE, free_numbers, numbers_of, with_numbers
+
+FAR_OFF = 0.5  # [1]; steps of the logarithm of the brightness of the gas beyond this are cut
+LARGEST = 0.08  # [1], relative step of a temperature
+MOST_STEPS = 25
+AT_BOUND = 1e-9  # of the range of a number, from its end
+STIFF = 1e8  # times the information of a number that a bound holds
+STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
+CONVERGED = 0.02  # of the objective, in units of chi-squared
+FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and that of the
+    brightness of the gas common to the channels of a bin, `flicker` (n,) [1]."""
+
+    variance: np.ndarray
+    flicker: np.ndarray
+
+
+class Weigher:
+    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + f u u^T` per bin.
+
+    Notes
+    -----
+    Source: Sherman-Morrison formula.
+    """
+
+    def __init__(self, noise, gas):
+        self.weight = 1 / noise.variance
+        self.gas = self.weight * gas
+        self.common = noise.flicker / (1 + noise.flicker * np.sum(self.gas * gas, axis=1))
+
+    def __call__(self, rows):
+        """Rows (n, C) or (n, C, k) weighted."""
+        if rows.ndim == 2:
+            inner = np.sum(self.gas * rows, axis=1)
+            return self.weight * rows - self.gas * (self.common * inner)[:, None]
+        inner = np.matmul(self.gas[:, None, :], rows)
+        return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
+
+    def of(self, chosen):
+        """The same for some of the bins (n,)."""
+        part = object.__new__(Weigher)
+        part.weight, part.gas, part.common = self.weight[chosen], self.gas[chosen], self.common[chosen]
+        return part
+
+    def root(self, rows):
+        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k)."""
+        scale = np.sqrt(self.weight)
+        result = rows * scale[..., None]
+        unit = self.gas / np.where(scale > 0, scale, 1.0)  # Sigma_d^-1/2 u
+        length = np.sum(unit * unit, axis=1)
+        # (I + f u u^T)^-1/2 = I - (1 - 1/sqrt(1 + f |u|^2)) u u^T / |u|^2
+        safe = np.where(length > 0, length, 1.0)
+        share = (1 - np.sqrt(np.maximum(1 - self.common * length, 0.0))) / safe
+        inner = np.matmul(unit[:, None, :], result)
+        inner *= share[:, None, None]
+        result -= unit[..., None] * inner
+        return flat(result)
+
+
+def flat(rows):
+    """Rows (n, C, k) as (n C, k), also for k = 0: bins that no column touches."""
+    return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
+
+
+def whitened(residual, noise, gas):
+    """Residuals (n, C) over their standard deviations, the common flicker of each bin taken out."""
+    root = np.sqrt(1 / noise.variance)
+    z, u = root * residual, root * gas
+    length = np.sum(u * u, axis=1)
+    share = np.where(length > 0, 1 - 1 / np.sqrt(1 + noise.flicker * length), 0.0)
+    along = np.sum(u * z, axis=1) / np.where(length > 0, length, 1.0)
+    return z - (share * along)[:, None] * u
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a fit stands: knots (K,), values (V,), and for each instrument the pattern and the dark (C,)."""
+
+    knots: np.ndarray
+    values: np.ndarray
+    pattern: tuple
+    dark: tuple
+    lines: tuple  # relative error (C,) of the gas in each channel
+    amplitudes: np.ndarray  # (E,) numbers of the effects that are switched on, see `free_numbers`
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A converged fit: its state, objective, and the pieces that tests of further effects need."""
+
+    state: State
+    settings: tuple
+    objective: float
+    chi2: float
+    count: int
+    converged: bool
+    covariance: np.ndarray  # of knots, values, amplitudes
+    prediction: tuple
+    plain: tuple  # prediction without the patterns of the channels
+    gas: tuple
+    gas_rows: tuple  # (n, C) per instrument: change by an error of its gas of 1 in every channel
+    residual: tuple
+    factor: tuple  # Cholesky factor of the normal matrix of everything fitted
+    score: np.ndarray  # of everything fitted, priors included: 0 but for what the last step left
+    jacobian: tuple  # (n, C, K + V + E) per instrument
+    weighers: tuple
+
+
+def gram(columns, patterns, weighers, residuals, products=None):
+    """Normal matrix and score of dense columns (n, C, k), of products, and of patterns, which come last.
+
+    A pattern (instrument, row (n, C)) stands for one column per channel of that instrument. `products` holds
+    per instrument (rows (n, C, r), shares (n, r, m)) for m more columns `rows @ shares`, cheap if r is small.
+    """
+    first = columns[0].shape[2]
+    k = first + (0 if products is None else products[0][1].shape[2])
+    sizes = [row.shape[1] for _, row in patterns]
+    starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
+    for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
+        rows_of_products, fold = None, _unfolded
+        if products is not None and column.shape[1] < FEW_CHANNELS:
+            column = np.concatenate([column, np.matmul(*products[place])], axis=2)
+        elif products is not None:
+            # Each row of each bin is a column of its own until all bins are added up.
+            rows_of_products, shares = products[place]
+            fold = _Fold(first, shares.reshape(-1, shares.shape[2]))
+        count = column.shape[2] + (0 if rows_of_products is None else len(fold.shares))
+        weighted = weigher(residual)
+        mine = [
+            (slice(a, a + n), row)
+            for a, n, (at, row) in zip(starts, sizes, patterns, strict=False)
+            if at == place
+        ]
+        rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
+        square, score = np.zeros((count, count)), np.zeros(count)
+        cross = np.zeros((residual.shape[1], len(mine), count))
+        along = np.zeros((len(residual), count))
+        for chosen, live, part in _parts(column, rows_of_products):
+            some = weigher.of(chosen)
+            root = some.root(part)
+            square[_square(live)] += root.T @ root
+            score[live] += flat(part).T @ weighted[chosen].ravel()
+            if mine:
+                along[chosen, live] = np.matmul(some.gas[:, None, :], part)[:, 0] * some.common[:, None]
+                scaled = rows[:, chosen] * some.weight
+                cross[..., live] += np.matmul(scaled.transpose(2, 0, 1), part.transpose(1, 0, 2))
+        matrix[:k, :k] += fold(fold(square).T)
+        vector[:k] += fold(score)
+        cross, along = fold(cross), fold(along)
+        for at, (block, row) in enumerate(mine):
+            gas = row * weigher.gas
+            part = cross[:, at] - gas.T @ along
+            matrix[block, :k], matrix[:k, block] = part, part.T
+            vector[block] = np.sum(row * weighted, axis=0)
+            for other, second in mine:
+                both = -gas.T @ (weigher.common[:, None] * second * weigher.gas)
+                both[np.diag_indices_from(both)] += np.sum(row * second * weigher.weight, axis=0)
+                matrix[block, other] = both
+    return matrix, vector
+
+
+@dataclass(frozen=True)
+class _Fold:
+    """Turns products (..., first + s) with rows of all bins into (..., first + m) by shares (s, m)."""
+
+    first: int
+    shares: np.ndarray
+
+    def __call__(self, values):
+        rows = values[..., self.first :]
+        shape = (*values.shape[:-1], self.shares.shape[1])
+        folded = (rows.reshape(-1, len(self.shares)) @ self.shares).reshape(shape)
+        return np.concatenate([values[..., : self.first], folded], axis=-1)
+
+
+def _unfolded(values):
+    return values
+
+
+def _parts(column, rows=None):
+    """Bins (slices), the columns that are not zero in them, and these: one by one where most columns touch
+    few bins or rows (n, C, r) follow that stand for themselves in each bin, else all at once."""
+    live = np.any(column, axis=1)
+    if rows is None and (column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size):
+        yield slice(None), slice(None), column
+        return
+    for at, mask in enumerate(live):
+        chosen, own = slice(at, at + 1), np.flatnonzero(mask)
+        part = column[chosen][..., own]
+        if rows is not None:
+            count = rows.shape[2]
+            part = np.concatenate([part, rows[chosen]], axis=2)
+            own = np.concatenate([own, column.shape[2] + at * count + np.arange(count)])
+        yield chosen, own, part
+
+
+def _square(live):
+    return np.ix_(live, live) if isinstance(live, np.ndarray) else (live, live)
+
+
+def own_patterns(instruments, values, gases):
+    """Patterns of the base model: a relative error of each channel, its dark, and an error of its gas.
+
+    Returns
+    -------
+    list of (instrument, row (n, C)), as `gram` takes them
+    """
+    return [
+        (place, row)
+        for place, (instrument, value, gas) in enumerate(zip(instruments, values, gases, strict=True))
+        for sigma, row in zip(pattern_sigmas(instrument), (value, np.ones_like(value), gas), strict=True)
+        if sigma.any()
+    ]
+
+
+def pattern_sigmas(one):
+    """Prior standard deviations (C,) of the patterns of an instrument: relative error, dark, error of gas."""
+    return one.pattern, one.dark, one.gas_error
+
+
+def prior_of_patterns(instruments):
+    """Inverse variances of the patterns in the order of `own_patterns`."""
+    parts = [sigma**-2.0 for instrument in instruments for sigma in pattern_sigmas(instrument) if sigma.any()]
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def _at_bounds(state, settings):
+    """Whether each free number of the settings (E,) lies at one of its bounds."""
+    free = zip(state.amplitudes, free_numbers(settings), strict=True)
+    return np.array([one.at_end(number, AT_BOUND) for number, one in free], dtype=bool)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Predictions, slopes and light of the gas at a state, and what they make of the data."""
+
+    predicted: list
+    columns: list
+    gas: list
+    rows: list  # of the errors of the gas
+    chi2: float
+    objective: float
+
+
+class Fitter:
+    """Fits a model, with any effects, to the data under one noise."""
+
+    def __init__(self, model, noise, measured=None):
+        self.model, self.noise = model, noise
+        self.measured = measured or [instrument.value for instrument in model.instruments]
+        self.rough = model.history.roughness()
+        self.smooth = self.rough.T @ self.rough
+        self.rest = np.full(model.size, INITIAL_TEMPERATURE)
+        self.sigma = np.array([parameter.sigma for parameter in model.parameters])
+        self.centre = np.array([parameter.centre for parameter in model.parameters])
+        self.pattern_prior = prior_of_patterns(model.instruments)
+
+    def start(self, knots, settings=()):
+        """A state to begin with."""
+        one = tuple(np.zeros(i.channels) for i in self.model.instruments)
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, one, numbers_of(settings))
+
+    def predict(self, state, settings, *, slopes=False):
+        """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
+        now = with_numbers(settings, state.amplitudes)
+        result = []
+        for which, (pattern, dark, lines) in enumerate(
+            zip(state.pattern, state.dark, state.lines, strict=True)
+        ):
+            found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes, gas_error=lines)
+            value, slope = found if slopes else (found, None)
+            result.append((value * (1 + pattern) + dark, slope, value))
+        return result
+
+    def jacobian(self, state, settings, predicted):
+        """Columns (n, C, K + V + E) per instrument."""
+        columns = []
+        now = with_numbers(settings, state.amplitudes)
+        for which, (_, slope, value) in enumerate(predicted):
+            free = free_numbers(settings)
+            others = np.empty((*value.shape, self.sigma.size + len(free)))
+            for j, sigma in enumerate(self.sigma):
+                values = state.values.copy()
+                step = 1e-3 * sigma
+                values[j] += step
+                changed = self.model.evaluate(which, state.knots, values, now, gas_error=state.lines[which])
+                others[..., j] = (changed - value) / step
+            for j, number in enumerate(free):
+                numbers = state.amplitudes.copy()
+                numbers[j] += number.step
+                changed = with_numbers(settings, numbers)
+                other = self.model.evaluate(
+                    which, state.knots, state.values, changed, gas_error=state.lines[which]
+                )
+                others[..., self.sigma.size + j] = (other - value) / number.step
+            columns.append(np.concatenate([slope, others], axis=2))
+        return columns
+
+    def gas_rows(self, state, settings, predicted):
+        """Change (n, C) per instrument for an error of its gas of 1 in every channel."""
+        now = with_numbers(settings, state.amplitudes)
+        return [
+            self.model.evaluate(which, state.knots, state.values, now, gas_error=state.lines[which] + 1.0)
+            - value
+            for which, (_, _, value) in enumerate(predicted)
+        ]
+
+    def gas_of(self, columns):
+        """Signal of the gas (n, C) per instrument."""
+        place = self.model.size + self.model.index["gas"]
+        return [column[..., place] for column in columns]
+
+    def prior(self, settings):
+        """Normal matrix (k, k) of the priors of knots, values and amplitudes."""
+        size, free = self.model.size, free_numbers(settings)
+        k = size + self.sigma.size + len(free)
+        matrix = np.zeros((k, k))
+        matrix[:size, :size] = self.smooth
+        own = np.arange(size, k)
+        matrix[own, own] = 1 / np.concatenate([self.sigma, [number.sigma for number in free]]) ** 2
+        return matrix
+
+    def objective(self, state, settings, predicted, gas):
+        """Chi-squared of the data and the whole objective."""
+        chi2 = 0.0
+        for (value, _, _), measured, noise, own in zip(
+            predicted, self.measured, self.noise, gas, strict=True
+        ):
+            residual = np.where(np.isfinite(measured), measured - value, 0.0)
+            weigher = Weigher(noise, own)
+            chi2 += float(np.sum(residual * weigher(residual)))
+        penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
+        penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
+        for one, number in zip(free_numbers(settings), state.amplitudes, strict=True):
+            penalty += ((number - one.centre) / one.sigma) ** 2
+        patterns = self._patterns(state)
+        penalty += np.sum(self.pattern_prior * patterns**2)
+        return chi2, chi2 + float(penalty)
+
+    def _patterns(self, state):
+        parts = [
+            row
+            for *three, one in zip(
+                state.pattern, state.dark, state.lines, self.model.instruments, strict=True
+            )
+            for sigma, row in zip(pattern_sigmas(one), three, strict=True)
+            if sigma.any()
+        ]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _with_patterns(self, flat):
+        three, place = ([], [], []), 0
+        for instrument in self.model.instruments:
+            for rows, sigma in zip(three, pattern_sigmas(instrument), strict=True):
+                if sigma.any():
+                    rows.append(flat[place : place + instrument.channels])
+                    place += instrument.channels
+                else:
+                    rows.append(np.zeros(instrument.channels))
+        return tuple(tuple(rows) for rows in three)
+
+    def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
+        """Damped Gauss-Newton steps from a state until the objective stands still.
+
+        Signals grow exponentially with temperature: a full step along what temperature and emittance leave
+        free ends beside the curved valley of the objective, and the next one leads back into it, further
+        down. So an undamped step may climb, if the next one makes up for it.
+
+        Returns
+        -------
+        Solution
+
+        Notes
+        -----
+        Source: the watchdog technique of Chamberlain et al., Math. Program. Study 16 (1982) 1, with one step.
+        """
+        state, damping, converged = start, 0.0, False
+        here = self._at(state, settings)
+        left, bold = None, True  # where a climb began; whether climbs are tried
+        for _ in range(steps):
+            trial, objective, damping, whole = self._tried(state, settings, here, damping, bold and not left)
+            limit = left[1].objective if left else here.objective
+            better = objective <= limit + 1e-9 * abs(limit)
+            if left and not better:  # back, and shorter steps from there on
+                (state, here), left, bold, damping = left, None, False, 1e-3
+                continue
+            if trial is None:
+                converged = not left  # no step of any length improves: as close as rounding allows
+                break
+            left = None if better else (state, here)
+            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
+            converged = better and limit - objective < tolerance and whole
+            here = self._at(state, settings)
+            if converged:
+                break
+        if left:
+            state, here = left
+        return self._solution(state, settings, here, converged)
+
+    def _at(self, state, settings):
+        """The model and its slopes at a state."""
+        predicted = self.predict(state, settings, slopes=True)
+        columns = self.jacobian(state, settings, predicted)
+        gas = self.gas_of(columns)
+        predicted = self.predict(state, settings)
+        rows = self.gas_rows(state, settings, predicted)
+        return _Place(predicted, columns, gas, rows, *self.objective(state, settings, predicted, gas))
+
+    def _tried(self, state, settings, here, damping, climb):
+        """Next state, its objective, the damping used and whether the step was not cut; a step that climbs
+        only if `climb`, and None for the state if no step improves."""
+        weighers = [Weigher(noise, own) for noise, own in zip(self.noise, here.gas, strict=True)]
+        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows)
+        matrix, vector = gram(here.columns, rows, weighers, self.residuals(here.predicted))
+        prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
+        k = prior.shape[0]
+        self._pull(matrix, vector, state, settings, prior)
+        for _ in range(8):
+            damped = matrix.copy()
+            damped[np.diag_indices_from(damped)] *= 1 + damping
+            try:
+                step = self._within(damped, vector, state, k, free)
+            except np.linalg.LinAlgError:  # by rounding, as far off as a climb may end
+                damping, objective = max(4 * damping, 1e-3), np.inf
+                continue
+            step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
+            scale = self._limit(step)
+            trial = self._moved(state, scale * step, k, self._patterns(state), free)
+            _, objective = self.objective(trial, settings, self.predict(trial, settings), here.gas)
+            better = objective <= here.objective + 1e-9 * abs(here.objective)
+            if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
+                return trial, objective, damping, scale == 1.0
+            damping = max(4 * damping, 1e-3)
+        return None, objective, damping, False
+
+    def residuals(self, predicted):
+        """Measured less predicted (n, C) per instrument, 0 where nothing was measured."""
+        return [
+            np.where(np.isfinite(measured), measured - value, 0.0)
+            for (value, _, _), measured in zip(predicted, self.measured, strict=True)
+        ]
+
+    def _pull(self, matrix, vector, state, settings, prior):
+        """Add the priors to a normal matrix and a score."""
+        k = prior.shape[0]
+        centre = np.concatenate(
+            [self.rest, self.centre, [number.centre for number in free_numbers(settings)]]
+        )
+        here = np.concatenate([state.knots, state.values, state.amplitudes])
+        matrix[:k, :k] += prior
+        vector[:k] -= prior @ (here - centre)
+        own = np.arange(k, matrix.shape[0])
+        matrix[own, own] += self.pattern_prior
+        vector[k:] -= self.pattern_prior * self._patterns(state)
+
+    @staticmethod
+    def _within(matrix, vector, state, k, free):
+        """Step of all numbers; those of effects that would leave their bounds stay where they are."""
+        step = cho_solve(cho_factor(matrix), vector)
+        first = k - len(free)
+        leaving = []
+        for j, (number, one) in enumerate(zip(state.amplitudes, free, strict=True)):
+            there, low, high = number + step[first + j], one.low, one.high
+            if there < low and number <= low * (1 + 1e-9) or there > high and number >= high * (1 - 1e-9):
+                leaving.append(first + j)
+        if leaving:
+            kept = np.setdiff1d(np.arange(vector.size), leaving)
+            step = np.zeros_like(step)
+            step[kept] = cho_solve(cho_factor(matrix[np.ix_(kept, kept)]), vector[kept])
+        return step
+
+    def _limit(self, step):
+        far = np.abs(step[self.model.size + self.model.index["gas"]])
+        return min(1.0, FAR_OFF / max(far, 1e-12))
+
+    def _moved(self, state, step, k, patterns, free):
+        size, count = self.model.size, self.sigma.size
+        pattern, dark, lines = self._with_patterns(patterns + step[k:])
+        return State(
+            np.clip(state.knots + step[:size], 250.0, 4500.0),
+            state.values + step[size : size + count],
+            pattern,
+            dark,
+            lines,
+            np.clip(
+                state.amplitudes + step[size + count : k],
+                [number.low for number in free],
+                [number.high for number in free],
+            ),
+        )
+
+    def _solution(self, state, settings, here, converged):
+        prior, columns, predicted, gas = self.prior(settings), here.columns, here.predicted, here.gas
+        weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
+        residuals = self.residuals(predicted)
+        matrix, score = gram(
+            columns,
+            own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows),
+            weighers,
+            residuals,
+        )
+        k = prior.shape[0]
+        self._pull(matrix, score, state, settings, prior)
+        factor = cho_factor(matrix)
+        covariance = cho_solve(factor, np.eye(matrix.shape[0])[:, :k])[:k]
+        # What a bound holds is no free direction: tests beside the fit must not move it.
+        held = k - len(state.amplitudes) + np.flatnonzero(_at_bounds(state, settings))
+        if held.size:
+            matrix[held, held] *= STIFF
+            factor = cho_factor(matrix)
+            score[held] = 0.0
+        return Solution(
+            state=state,
+            settings=with_numbers(settings, state.amplitudes),
+            objective=here.objective,
+            chi2=here.chi2,
+            count=int(sum(np.isfinite(measured).sum() for measured in self.measured)),
+            converged=converged,
+            covariance=covariance,
+            prediction=tuple(p[0] for p in predicted),
+            plain=tuple(p[2] for p in predicted),
+            gas=tuple(gas),
+            gas_rows=tuple(here.rows),
+            residual=tuple(residuals),
+            factor=factor,
+            score=score,
+            jacobian=tuple(columns),
+            weighers=weighers,
+        )
+
+
+def log_evidence(solution, size):
+    r"""Log of the evidence of a fit with effects, up to what all fits of a data set share.
+
+    .. math:: \ln Z = -\tfrac12 \chi^2_{MAP} + \tfrac12 \ln\det C_{effects} - \sum_j \ln \sigma_j
+
+    with the posterior covariance of the free numbers of the effects and their prior standard deviations.
+
+    Parameters
+    ----------
+    solution : Solution
+    size : int
+        Knots and values, which come before the numbers of the effects in the covariance.
+
+    Notes
+    -----
+    Source: Laplace's approximation; D. J. C. MacKay, Information Theory (2003), chapter 28.
+    """
+    free = free_numbers(solution.settings)
+    if not free:
+        return -0.5 * solution.objective
+    block = solution.covariance[size:, size:]
+    sigma = np.array([number.sigma / (WIDE if number.name is None else 1.0) for number in free])
+    _, log_determinant = np.linalg.slogdet(block)
+    excess = sum(
+        (number / s) ** 2 - (number / (WIDE * s)) ** 2
+        for number, s, one in zip(solution.state.amplitudes, sigma, free, strict=True)
+        if one.name is None
+    )
+    return float(-0.5 * (solution.objective + excess) + 0.5 * log_determinant - np.sum(np.log(sigma)))

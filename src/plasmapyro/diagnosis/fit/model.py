@@ -1,0 +1,306 @@
+"""The base model of a test on bins, with any effects of the catalogue added."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from plasmapyro.diagnosis.effects.scene import Output, Scene
+from plasmapyro.diagnosis.fit.observation import band_weights
+from plasmapyro.radiation.planck import planck_and_slope
+from plasmapyro.record.emittance import relative_emittance
+
+FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
+STEP = 1e-4  # of finite differences, in units of the prior
+INITIAL_TEMPERATURE = 350.0  # [K]
+INITIAL_UNCERTAINTY = 40.0  # [K]
+CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after the injection,
+CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
+CURVATURE_TIME = 15.0  # [s] which falls off with this time
+CURVATURE_FLOOR = 0.002  # [K s-2] to this
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of the base model, 0 in the middle of its prior."""
+
+    id: str
+    name: str
+    sigma: float
+    unit: str = "1"
+    centre: float = 0.0
+
+
+class History:
+    """Temperature of the surface as a spline through knots, with a break in slope when the plasma ends."""
+
+    def __init__(self, knots, off):
+        self.knots, self.off = knots, off
+        self.before = knots <= off + 1e-9
+        self.after = knots >= off - 1e-9
+
+    def basis(self, time):
+        """Weights (..., K) of the knots at the times (...); before injection those of the first knot."""
+        time = np.asarray(time, dtype=float)
+        weights = np.zeros((*time.shape, self.knots.size))
+        early = time <= self.off
+        for (chosen, spline), inside in zip(self._splines, (early, ~early), strict=True):
+            if spline is not None and inside.any():
+                own = self.knots[chosen]
+                block = np.zeros((inside.sum(), self.knots.size))
+                block[:, chosen] = spline(np.clip(time[inside], own[0], own[-1]))
+                weights[inside] = block
+        return weights
+
+    @cached_property
+    def _splines(self):
+        """Cardinal splines of the knots before and after the end of the plasma."""
+        return [
+            (chosen, None)
+            if chosen.sum() < 2
+            else (chosen, CubicSpline(self.knots[chosen], np.eye(chosen.sum()), bc_type="natural"))
+            for chosen in (self.before, self.after)
+        ]
+
+    def roughness(self):
+        """Rows (R, K) of second differences over their prior [1]: heating and cooling are smooth."""
+        rows = []
+        for chosen, start, bend in (
+            (self.before, self.knots[0], CURVATURE),
+            (self.after, self.off, CURVATURE_OFF),
+        ):
+            place = np.flatnonzero(chosen)
+            for left, middle, right in zip(place[:-2], place[1:-1], place[2:], strict=True):
+                a, b = np.diff(self.knots[[left, middle, right]])
+                row = np.zeros(self.knots.size)
+                row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
+                since = self.knots[middle] - start
+                rows.append(row / (bend * np.exp(-since / CURVATURE_TIME) + CURVATURE_FLOOR))
+        first = np.zeros(self.knots.size)
+        first[0] = 1 / INITIAL_UNCERTAINTY
+        return np.array([*rows, first])
+
+
+def knots(edges, injection, off, end):
+    """Knots [s]: the injection, the middles of the bins after it, the end of the plasma, the last edge."""
+    middle = (edges[1:] + edges[:-1]) / 2
+    last = edges[-1] if off < end else min(edges[-1], off)  # nothing tells of a cooling without samples
+    own = middle[(middle > injection) & (np.abs(middle - off) > 0.2) & (middle < last)]
+    ends = [injection, last] + ([off] if off < end else [])
+    return np.unique(np.concatenate([own, ends]))
+
+
+class Model:
+    """Signals of all instruments by the knots of the temperature, parameters and effects."""
+
+    def __init__(self, instruments, library, history, parameters, record, slope, response, lamp):
+        self.instruments, self.library, self.history = instruments, library, history
+        self.parameters, self.record = parameters, record
+        self.off, self.emittance = record.off, record.emittance
+        self.slope, self.response, self.lamp = slope, response, lamp
+        # (M,) of each instrument, over the stated emittance; a number for a grey surface.
+        self.relative = [
+            relative_emittance(instrument.wavelength, slope) if slope else 1.0 for instrument in instruments
+        ]
+        self.bases = [history.basis(instrument.moment) for instrument in instruments]
+        self.index = {parameter.id: place for place, parameter in enumerate(parameters)}
+        self._weights = {}
+        self._glows = {}
+        self._power = {}
+
+    @property
+    def size(self):
+        """Number of knots."""
+        return self.history.knots.size
+
+    def value(self, values, name):
+        """One of the parameters, 0 for one that this model does not have."""
+        return values[self.index[name]] if name in self.index else 0.0
+
+    def spectrum(self, values):
+        """Spectrum (K,) of the gas after injection, as simulated."""
+        power = float(self.value(values, "power"))
+        if power not in self._power:
+            self._power = {power: self.library.power_factor(power)} | dict(list(self._power.items())[-3:])
+        return self.library.base * self._power[power] * np.exp(values[self.index["gas"]])
+
+    def scene(self, which, temperatures, values, settings):
+        """Scene of an instrument and, on the same shape, the slope of its black body."""
+        instrument = self.instruments[which]
+        time, basis = instrument.moment, self.bases[which]
+        for setting in settings:
+            if setting.effect.clock is not None:
+                time = time + setting.effect.clock(setting.amplitude, **setting.shape)
+        if time is not instrument.moment:
+            basis = self.history.basis(time)
+        temperature, body, slope = self._glow(which, basis, time, temperatures)
+        injected = (instrument.moment >= 0)[..., None]
+        before = np.exp(values[self.index["before_injection"]])
+        gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
+        scene = Scene(
+            kind=instrument.kind,
+            time=instrument.moment,
+            temperature=temperature,
+            wavelength=instrument.wavelength,
+            off_time=self.off,
+            glow=body * injected,
+            emittance=self.emittance * np.exp(values[self.index["emittance"]]) * self.relative[which],
+            gas_gain=gain,
+            spectral_axis=self.library.wavelength,
+            spectrum=self.spectrum(values),
+            library=self.library,
+            power=float(self.value(values, "power")),
+            more_gas=self._before(instrument, values, before),
+            history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
+        )
+        return scene, slope * injected, basis
+
+    def _before(self, instrument, values, brightness):
+        """What the gas before the injection shines more or less than the same gas, as if at another power."""
+        change = float(self.value(values, "before_power"))
+        if change == 0.0:
+            return ()
+        light = self.spectrum(values)
+        factor = self.library.power_factor(change)
+        share = np.where(instrument.moment < 0, brightness, 0.0)
+        return ((share, light * (factor * (light.sum() / (light @ factor)) - 1)),)
+
+    def _glow(self, which, basis, time, temperatures):
+        """Temperature (n, 2), black body and its slope (n, 2, M); the last one of each instrument is kept."""
+        kept = self._glows.get(which)
+        if kept is not None and kept[0] is time and np.array_equal(kept[1], temperatures):
+            return kept[2]
+        temperature = np.maximum(basis @ temperatures, 250.0)
+        found = (temperature, *planck_and_slope(self.instruments[which].wavelength, temperature))
+        if time is self.instruments[which].moment:
+            self._glows[which] = (time, temperatures.copy(), found)
+        return found
+
+    def evaluate(self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0):
+        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
+        instrument = self.instruments[which]
+        mine = [setting for setting in settings if instrument.kind in setting.effect.instruments]
+        ordered = sorted(mine, key=lambda setting: setting.effect.order)
+        scene, slope, basis = self.scene(which, temperatures, values, ordered)
+        for setting in ordered:
+            if setting.effect.light is not None:
+                scene = setting.effect.light(scene, setting.amplitude, **setting.shape)
+        gas = self._gas(instrument, scene, gas_error)
+        light = scene.path * (scene.emittance * scene.glow + gas + scene.added)
+        weight = self._channel_weight(instrument, scene)
+        gain = self._gain(which, values)
+        value = gain * self._channels(light.mean(axis=1), weight)
+        detecting = [setting for setting in ordered if setting.effect.output is not None]
+        if detecting:
+            output = Output(
+                instrument.kind,
+                instrument.time,
+                self.off,
+                value,
+                instrument.factor,
+                self._gas_level(instrument, scene, weight, gain),
+                np.nanmax(instrument.value, axis=0),
+            )
+            for setting in detecting:
+                output = output.but(setting.effect.output(output, setting.amplitude, **setting.shape))
+            value = output.value
+        if not slopes:
+            return value
+        by_knot = scene.path * scene.emittance * slope
+        by_knot = np.broadcast_to(by_knot, scene.glow.shape) / scene.glow.shape[1]
+        by_knot = gain * self._channels(by_knot, weight)
+        return value, np.matmul(by_knot.transpose(0, 2, 1), basis)
+
+    def _gas(self, instrument, scene, error=0.0):
+        """Light of the gas (n, 2, M), with an error (C,) of each channel over its simulated light."""
+        spectra = [scene.spectrum, *(row for _, row in scene.more_gas)]
+        nodes = self._on_nodes(instrument, np.array(spectra), scene)
+        if np.any(error):
+            error = np.broadcast_to(error, instrument.channels)
+            if instrument.weight is not None:
+                error = np.repeat(error, instrument.wavelength.size // instrument.channels)
+                level = nodes[0]
+            else:
+                level = np.maximum(nodes[0], FAINTEST * nodes[0].mean())
+            nodes = np.concatenate([(nodes[0] + error * level)[None], nodes[1:]])
+        gas = scene.gas_gain[..., None] * nodes[0]
+        for (share, _), row in zip(scene.more_gas, nodes[1:], strict=True):
+            gas = gas + share[..., None] * row
+        return gas
+
+    def _on_nodes(self, instrument, spectra, scene):
+        if instrument.kind == "spectrometer" and (scene.wavelength_shift or scene.slit_sigma2):
+            spectra = moved(self.library.wavelength, spectra, scene.wavelength_shift, scene.slit_sigma2)
+        return (instrument.gas_map @ spectra.T).T
+
+    def _channel_weight(self, instrument, scene):
+        if instrument.weight is None:
+            return None
+        key = (*scene.response_shift, scene.response_tail)
+        if key == (0.0, 0.0, 0.0):
+            return instrument.weight
+        if key not in self._weights:
+            self._weights = {key: self._other_response(instrument, scene)}
+        return self._weights[key]
+
+    def _other_response(self, instrument, scene):
+        """Weights (2, M) of responses moved along the wavelength or with another tail."""
+        wavelength, responses = self.response
+        half = instrument.wavelength.size // 2
+        edges = instrument.node_edges
+        weight = np.zeros_like(instrument.weight)
+        for band, (shift, row) in enumerate(zip(scene.response_shift, responses, strict=True)):
+            part = slice(band * half, (band + 1) * half)
+            tail = 1 + scene.response_tail * np.clip((wavelength - 1.05e-6) / 0.08e-6, 0, 1)
+            plain = band_weights(edges, wavelength, row)
+            other = band_weights(edges, wavelength + shift, row * tail)
+            # The nodes of the gas hold means over the unchanged response: change by what the change does.
+            weight[band, part] = instrument.weight[band, part] + (other - plain)
+        return weight
+
+    @staticmethod
+    def _channels(light, weight):
+        return light if weight is None else light @ weight.T
+
+    def _gain(self, which, values):
+        """From the light of the nodes to the unit of the values (C,)."""
+        instrument = self.instruments[which]
+        logarithm = self.value(values, f"gain_{instrument.kind}")
+        if instrument.kind == "pyrometer":
+            logarithm = logarithm + np.array([self.value(values, "ratio"), 0.0])
+        return (
+            instrument.gain
+            * np.exp(logarithm)
+            * (1 - self.value(values, "lamp") * self.lamp[instrument.kind])
+        )
+
+    def signal_of(self, which, spectra, values):
+        """Signals (..., C) of an instrument for spectra (..., K) on the axis of the library."""
+        instrument = self.instruments[which]
+        nodes = (instrument.gas_map @ np.atleast_2d(spectra).T).T.reshape(*np.shape(spectra)[:-1], -1)
+        return self._gain(which, values) * self._channels(nodes, instrument.weight)
+
+    def gas_level(self, which):
+        """Level (C,) that the errors of the gas of an instrument count from, and its simulated light (C,)."""
+        light = self.signal_of(which, self.library.base, np.array([one.centre for one in self.parameters]))
+        if self.instruments[which].weight is not None:
+            return light, light
+        return np.maximum(light, FAINTEST * light.mean()), light
+
+    def _gas_level(self, instrument, scene, weight, gain):
+        return (
+            gain.mean(axis=0)
+            * self._channels(self._on_nodes(instrument, scene.spectrum[None], scene), weight)[0]
+        )
+
+
+def moved(axis, spectra, shift, sigma2):
+    """Spectra (..., K) on equal steps, seen at a shifted wavelength and through a slit of more variance.
+
+    A negative `sigma2` sharpens; used for small ones only.
+    """
+    frequency = np.fft.rfftfreq(axis.size, (axis[-1] - axis[0]) / (axis.size - 1))
+    turn = 2j * np.pi * frequency
+    change = np.exp(turn * shift - 2 * (np.pi * frequency) ** 2 * sigma2)
+    return np.fft.irfft(np.fft.rfft(spectra, axis=-1) * change, axis.size, axis=-1)

@@ -1,0 +1,384 @@
+"""How noisy each instrument is: what neighbours in time do not share beside the base model."""
+
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import nnls
+
+from plasmapyro.diagnosis.fit.inference import Noise
+from plasmapyro.record import binning
+
+CLIP = 4.5  # standard deviations beyond which a sample is left out
+NEIGHBOURS = 7  # samples in time that an outlier is held against
+MEDIAN_ERROR = 1.15  # [1] of a sample less the median of seven, itself among them, over that of a sample
+MOST_HIT = 0.1  # [1] of the channels of one sample: where more stand out it is no hit
+ROUNDS = 3
+LEVELS = 6  # groups of samples by signal, per channel
+LEAST_IN_CHANNEL, LEAST_IN_GROUP = 8, 6  # samples that make a variance
+LARGEST_MEMORY = 0.9  # autocorrelation of neighbours that is believed
+LEAST_MEMORY = 0.04  # smaller ones count as none
+FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
+FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
+LEAST_NOISE = 1e-6  # [1] of a value: no sample is exact
+START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
+START_CONSTANT = 0.05  # [1] and of the gas
+START_FLICKER = 0.01
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
+    from sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `tail`:
+    samples beyond 4 standard deviations over what a normal law has."""
+
+    constant: float
+    linear: float
+    quadratic: float
+    memory: float
+    flicker: float
+    flicker_memory: float
+    tail: float
+
+
+def first_guess(model, gas):
+    """Noise for the first fit, from round numbers."""
+    result = []
+    for instrument, own in zip(model.instruments, gas, strict=True):
+        level = np.median(own[own.max(axis=1) > 0], axis=0)  # some bin is lit: see `build`
+        variance = (START_RELATIVE * np.nan_to_num(instrument.value)) ** 2 + (START_CONSTANT * level) ** 2
+        variance = np.where(np.isfinite(instrument.value), variance, np.inf)
+        result.append(Noise(variance, np.full(instrument.value.shape[0], START_FLICKER**2)))
+    return result
+
+
+def differences(values, chosen):
+    """Differences over one and two steps of consecutive chosen samples (t, ...), and where they begin."""
+    one = np.flatnonzero(chosen[1:] & chosen[:-1])
+    two = np.flatnonzero(chosen[2:] & chosen[1:-1] & chosen[:-2])
+    return values[one + 1] - values[one], values[two + 2] - values[two], one
+
+
+def clipped_variance(values, axis=None):
+    """Variance about zero of what lies within `CLIP` robust standard deviations; NaN-aware."""
+    centre = np.nanmedian(np.abs(values), axis=axis, keepdims=True) * 1.4826
+    kept = np.where(np.abs(values) <= CLIP * np.maximum(centre, 1e-300), values, np.nan)
+    return np.nanmean(kept**2, axis=axis)
+
+
+def _clipped_by_sorting(values, count):
+    """`clipped_variance` along axis 1 of values (L, m, C), the first `count` (L, C) of which are finite."""
+    size = np.sort(np.abs(values), axis=1)
+    middle = [np.maximum(rank, 0)[:, None] for rank in ((count - 1) // 2, count // 2)]
+    low, high = (np.take_along_axis(size, rank, axis=1) for rank in middle)
+    kept = size <= CLIP * np.maximum(1.4826 * (low + high) / 2, 1e-300)
+    return np.sum(np.where(kept, size**2, 0.0), axis=1) / np.maximum(kept.sum(axis=1), 1)
+
+
+def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
+    """Noise model of one instrument from residuals of its samples.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    residual, prediction, gas : (t, C) of the raw samples; NaN where not used
+    phase : (t,) int
+        Differences are not taken across phases.
+    other_flicker : (variance, memory, period [s]) of the gas as a faster instrument saw it, optional
+
+    Returns
+    -------
+    NoiseModel, and residuals with the flicker of the gas taken out (t, C).
+    """
+    used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
+    same = np.zeros(used.size, dtype=bool)
+    same[1:] = phase[1:] == phase[:-1]
+    pixels = (
+        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    )
+    factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
+    if instrument.kind == "pyrometer":
+        law, memory, flicker, flicker_memory, left = _two_bands(residual, prediction, gas, used, same)
+    else:
+        law, memory, flicker, flicker_memory, left = _many(
+            instrument, residual, prediction, gas, used, same, factor, pixels, other_flicker
+        )
+    one, _, place = differences(left, used)
+    level = prediction[place]
+    sigma = np.sqrt(np.maximum(sample_variance(*law, level, factor, pixels), 1e-300))
+    scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
+    tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
+    return NoiseModel(*law, memory, flicker, flicker_memory, float(tail)), left
+
+
+def _two_bands(residual, prediction, gas, used, same):
+    """Law of the noise of a pyrometer: where the gas is bright, from what its two bands do not share."""
+    share = gas / np.maximum(prediction, 1e-30)
+    relative = residual / np.maximum(prediction, 1e-30)
+    bright = used & (share.min(axis=1) > 0.6)
+    clear = used & (share.max(axis=1) < 0.02)
+    rows, variances, memories = [], [], []
+    one, two, place = differences(relative, clear)
+    own = same[place + 1]
+    for group in _level_groups(prediction[place, 0], own):
+        for band in range(2):
+            inverse = np.zeros(2)
+            inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
+            rows.append((*inverse, 1.0))
+            variances.append(clipped_variance(one[group, band]) / 2)
+    if own.sum() > 20:
+        memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
+    flicker, flicker_memory = 0.0, 0.0
+    apart = relative[:, 0] / np.maximum(share[:, 0], 1e-9) - relative[:, 1] / np.maximum(share[:, 1], 1e-9)
+    total = (
+        relative[:, 0] / np.maximum(share[:, 0], 1e-9) + relative[:, 1] / np.maximum(share[:, 1], 1e-9)
+    ) / 2
+    one, two, place = differences(apart, bright)
+    own = same[place + 1]
+    if own.sum() >= 8:
+        inverse = np.mean(prediction[place[own]] ** -2.0, axis=0)
+        rows.append((*inverse, 2.0))
+        variances.append(clipped_variance(one[own]) / 2)
+        whole, _, _ = differences(total, bright)
+        first = max(clipped_variance(whole[own]) - clipped_variance(one[own]) / 4, 1e-12)
+        spread = max(_spread(total, bright, same) - clipped_variance(one[own]) / 8, first / 2)
+        flicker_memory = float(np.clip(1 - first / (2 * spread), 0.0, LARGEST_MEMORY))
+        flicker = float(spread)
+    if not rows:  # too few samples of either kind, or none
+        return (0.0, 0.0, START_RELATIVE**2), 0.0, flicker, flicker_memory, residual
+    rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
+    # One constant for both bands: the two columns are one.
+    rows = np.stack([rows[:, 0] + rows[:, 1], rows[:, 2]], axis=1)
+    scale = np.maximum(rows.max(axis=0), 1e-300)
+    weight = 1 / np.maximum(variances, 1e-300)
+    for _ in range(ROUNDS):
+        solution, _ = nnls(rows / scale * weight[:, None], variances * weight)
+        weight = 1 / np.maximum(rows / scale @ solution, 1e-3 * variances)
+    constant, quadratic = solution / scale
+    memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
+    memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
+    swell = 1 / (1 - memory)
+    return (constant * swell, 0.0, quadratic * swell), memory, flicker, flicker_memory, residual
+
+
+def _spread(level, chosen, same):
+    """Variance about a straight line within each phase of the chosen samples."""
+    squares, count = 0.0, 0
+    label = np.cumsum(~same)
+    for phase in np.unique(label[chosen]):
+        place = np.flatnonzero(chosen & (label == phase))
+        if place.size >= 6:
+            trend = np.polynomial.Polynomial.fit(place, level[place], 1)
+            left = level[place] - trend(place)
+            kept = np.abs(left) <= CLIP * 1.4826 * np.median(np.abs(left))
+            squares, count = squares + np.sum(left[kept] ** 2), count + kept.sum() - 2
+    return squares / max(count, 1)
+
+
+def _least_memory(count):
+    """Autocorrelation below which `count` neighbours cannot tell it from none."""
+    return max(LEAST_MEMORY, 2.5 / np.sqrt(max(count, 1)))
+
+
+def _level_groups(level, chosen):
+    """Index arrays of chosen samples in groups of alike level."""
+    place = np.flatnonzero(chosen)
+    if place.size < 12:
+        return
+    edges = np.quantile(level[place], np.linspace(0, 1, LEVELS + 1))
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        group = place[(level[place] >= low) & (level[place] <= high)]
+        if group.size >= 6:
+            yield group
+
+
+def _many(instrument, residual, prediction, gas, used, same, factor, pixels, other_flicker):
+    """Law of the noise of a spectrometer, the brightness of the gas of each frame taken out."""
+    law = np.array([1.0, 0.0, 0.0])
+    left, flicker, memory = residual, 0.0, 0.0
+    flicker_memory = 0.0
+    exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
+    period = float(np.median(np.diff(instrument.raw_moment[:, 0])))
+    for last in range(ROUNDS):
+        one, _, place = differences(left, used)
+        whole = same[place + 1]
+        level = (prediction[place + 1] + prediction[place])[whole] / 2
+        law = _fit_variance(one[whole], level, factor, pixels, "spectrometer")
+        memory = _memory(left, prediction, used, law, factor, pixels)
+        variance = sample_variance(*law, prediction, factor, pixels) / (1 - memory)
+        if last < ROUNDS - 1:
+            weight = np.where(np.isfinite(residual), 1 / np.maximum(variance, 1e-300), 0.0)
+            information = np.sum(weight * gas**2, axis=1)
+            level = np.sum(weight * gas * np.nan_to_num(residual), axis=1) / np.maximum(information, 1e-300)
+            error = 1 / np.maximum(information, 1e-300)
+            flicker = _frame_flicker(level, error, used & (error < 0.03**2), same)
+            if other_flicker is not None:
+                flicker, flicker_memory = _pooled(flicker, other_flicker, exposure, period)
+            shrunk = flicker[0] / (flicker[0] + error)
+            left = residual - (shrunk * level)[:, None] * gas
+    swell = 1 / (1 - memory)
+    return tuple(law * swell), memory, flicker[0], flicker_memory, left
+
+
+def _frame_flicker(level, error, chosen, same):
+    """Variance of the brightness from frame to frame, and the number of pairs of frames behind it."""
+    one, _, place = differences(level, chosen)
+    own = same[place + 1]
+    one, noise = one[own], (error[place] + error[place + 1])[own]
+    if one.size < 4:
+        return 0.0, 0
+    weight = 1.0 / (noise + 2e-4) ** 2
+    kept = np.abs(one) < CLIP * 1.4826 * np.median(np.abs(one))
+    value = np.sum((weight * (one**2 - noise))[kept]) / np.sum(weight[kept]) / 2
+    return max(float(value), 0.0), int(own.sum())
+
+
+def _pooled(own, other, exposure, period):
+    """Flicker of the exposures: what the frames show, pooled with what a faster instrument makes expect.
+
+    A process with correlation time T_c averaged over an exposure T keeps the share
+    2 (T_c/T) [1 - (T_c/T)(1 - e^(-T/T_c))] of its variance.
+    """
+    variance, memory, step = other
+    time = step / -np.log(np.clip(memory, 1e-3, 0.99))
+    ratio = time / exposure
+    share = min(2 * ratio * (1 - ratio * -np.expm1(-1 / ratio)), 1.0)
+    expected = variance * share
+    count = own[1]
+    pooled = (count * own[0] + FLICKER_FRAMES * expected) / (count + FLICKER_FRAMES)
+    return (pooled, count), float(np.exp(-period / time) if time > 0 else 0.0)
+
+
+def sample_variance(constant, linear, quadratic, level, factor, pixels):
+    """Variance (t, C) of single samples of some level."""
+    level = np.maximum(level, 0.0)
+    return (constant * factor**2 + linear * factor * level) / pixels + quadratic * level**2
+
+
+def _fit_variance(difference, level, factor, pixels, kind):
+    """Non-negative a, b, c of `NoiseModel` from differences of neighbours (d, C): in each channel in groups
+    of alike level or, where these are too few, in each pair of neighbours in groups of channels."""
+    constant = np.broadcast_to(factor**2 / pixels, level.shape)
+    linear = factor * level / pixels if kind == "spectrometer" else np.zeros_like(level)
+    if np.isfinite(difference).sum(axis=0).max(initial=0) < LEVELS * LEAST_IN_GROUP:
+        difference, level, constant, linear = difference.T, level.T, constant.T, linear.T
+    order = np.argsort(np.where(np.isfinite(difference), level, np.inf), axis=0)
+    number = np.isfinite(difference).sum(axis=0)
+    # Ranks (L, m, C) of the samples of each group, alike in number; beyond the end of a group: none.
+    edges = number * np.arange(LEVELS + 1)[:, None] // LEVELS
+    place = edges[:-1, None] + np.arange(np.diff(edges, axis=0).max(initial=0))[:, None]
+    inside = place < edges[1:, None]
+    index = np.take_along_axis(order[None], np.where(inside, place, 0), axis=1)
+
+    def grouped(values, empty):
+        return np.where(inside, np.take_along_axis(values[None], index, axis=1), empty)
+
+    count = inside.sum(axis=1)
+    enough = (count >= LEAST_IN_GROUP) & (number >= LEAST_IN_CHANNEL)
+    if not enough.any():
+        return np.array([0.0, 0.0, START_RELATIVE**2])
+    means = [grouped(part, 0.0).sum(axis=1) / np.maximum(count, 1) for part in (constant, linear, level)]
+    rows = np.stack([means[0], means[1], means[2] ** 2], axis=-1)[enough]
+    variances = _clipped_by_sorting(grouped(difference, np.nan), count)[enough] / 2
+    variances = np.maximum(variances, LEAST_NOISE**2 * rows[:, 2])
+    scale = np.maximum(rows.max(axis=0), 1e-300)
+    solution = np.zeros(3)
+    weight = 1 / np.maximum(variances, 1e-300)
+    for _ in range(ROUNDS):
+        solution, _ = nnls(rows / scale * weight[:, None], variances * weight)
+        fitted = rows / scale @ solution
+        weight = 1 / np.maximum(fitted, 1e-3 * variances)
+    return solution / scale
+
+
+def _memory(residual, prediction, used, law, factor, pixels):
+    """Autocorrelation of neighbours, from steps of one and two samples."""
+    sigma = np.sqrt(sample_variance(*law, prediction, factor, pixels))
+    one, two, _ = differences(residual / sigma, used)
+    if not np.isfinite(two).any():
+        return 0.0
+    first, second = clipped_variance(one), clipped_variance(two)
+    memory = float(np.clip(second / first - 1, -0.5, LARGEST_MEMORY))
+    return memory if memory > LEAST_MEMORY else 0.0
+
+
+def on_bins(model_noise, instrument, prediction):
+    """`Noise` of the bins of an instrument, from that of its samples."""
+    factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
+    pixels = (
+        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
+    )
+    one = sample_variance(
+        model_noise.constant, model_noise.linear, model_noise.quadratic, prediction, factor, pixels
+    )
+    samples = np.maximum(instrument.number, 1)
+    variance = one / samples * (1 + model_noise.memory) / (1 - model_noise.memory)
+    mean_samples = np.maximum(instrument.number.max(axis=1), 1)
+    memory = model_noise.flicker_memory
+    # Variance of the mean of n samples with geometric memory (exact).
+    n = mean_samples
+    shared = (1 + memory) / (1 - memory) - 2 * memory * (1 - memory**n) / (n * (1 - memory) ** 2)
+    flicker = FLICKER_MARGIN * model_noise.flicker / n * shared
+    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker)
+
+
+def slow_part(scaled, chosen, phase):
+    """Running medians (t, C) over `NEIGHBOURS` chosen samples of the same phase: what is no outlier.
+
+    Parameters
+    ----------
+    scaled : (t, C), NaN where nothing was measured
+    chosen : (t,) bool
+    phase : (t,) int
+    """
+    result = np.zeros(scaled.shape)
+    for one in np.unique(phase[chosen]):
+        place = np.flatnonzero(chosen & (phase == one))
+        width = min(NEIGHBOURS, 2 * ((place.size - 1) // 2) + 1)
+        half = width // 2
+        first = np.clip(np.arange(place.size) - half, 0, place.size - width)
+        windows = scaled[place][first[:, None] + np.arange(width)]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # a channel without a sample
+            result[place] = np.nan_to_num(np.nanmedian(windows, axis=1))
+    return result
+
+
+def outliers(scaled, chosen, phase):
+    """Samples (t, C) that stand out from their neighbours in time, alone among the channels.
+
+    What stands out in many channels at once is light, not a hit: it stays.
+
+    Parameters
+    ----------
+    scaled : (t, C)
+        Residuals over their standard deviations; NaN where nothing was measured.
+    chosen : (t,) bool
+    phase : (t,) int
+        Neighbours are of the same phase.
+    """
+    apart = np.abs(np.nan_to_num(scaled - slow_part(scaled, chosen, phase))) > CLIP * MEDIAN_ERROR
+    apart &= chosen[:, None]
+    alone = apart.sum(axis=1) <= max(1, MOST_HIT * scaled.shape[1])
+    return apart & alone[:, None]
+
+
+def without_outliers(instrument, expected, hit):
+    """The instrument with samples that were hit, or are missing, replaced by what is expected of them.
+
+    They do not count as samples; left out altogether they would move the mean time of their bin.
+
+    Parameters
+    ----------
+    instrument : Instrument
+    expected : (t, C)
+        Samples as the model and the others of their bin make expect.
+    hit : (t, C) bool
+    """
+    clean = np.isfinite(instrument.raw) & ~hit
+    filled = np.where(clean, instrument.raw, expected)
+    value, _ = binning.mean_in_bins(filled, instrument.raw_bin, instrument.value.shape[0])
+    _, number = binning.mean_in_bins(
+        np.where(clean, instrument.raw, np.nan), instrument.raw_bin, instrument.value.shape[0]
+    )
+    return replace(instrument, value=np.where(number > 0, value, np.nan), number=number, raw_clean=clean)

@@ -1,0 +1,180 @@
+"""The data of one test as the diagnosis sees them: each instrument on its bins."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from plasmapyro.radiation.bandsignal import respond
+from plasmapyro.record import binning
+
+NODE = 6e-9  # [m] of the quadrature over a band
+NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """One instrument on bins: C channels (two bands, or P wavelength bins) seen through M wavelength nodes.
+
+    `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, 2) [s] the
+    two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from
+    the radiance at the nodes to the channels, or None where each channel is its node; `gain` (C,) from there
+    to the unit of the values; `gas_map` (M, K) from a spectrum of the library to the nodes.
+    """
+
+    kind: str
+    moment: np.ndarray
+    value: np.ndarray
+    number: np.ndarray
+    wavelength: np.ndarray
+    weight: np.ndarray | None
+    gain: np.ndarray
+    gas_map: object
+    node_edges: np.ndarray | None
+    factor: np.ndarray | None  # spectrometer: radiance per count rate in each channel
+    pixel_edges: np.ndarray | None  # first pixel of each bin
+    raw: np.ndarray  # (t, C) samples in the unit of `value`
+    raw_moment: np.ndarray  # (t, 2)
+    raw_bin: np.ndarray  # (t,)
+    raw_clean: np.ndarray  # (t, C) bool: samples that are used
+    gas_error: np.ndarray  # (C,) prior standard deviation of the gas of a channel over its simulated light
+    pattern: np.ndarray  # (C,) relative error of each channel, constant in time
+    dark: np.ndarray  # (C,) error of the background of each channel, in the unit of the values
+
+    @property
+    def channels(self):
+        """Number of channels."""
+        return self.value.shape[1]
+
+    @property
+    def time(self):
+        """Middle of each bin (n,) [s]."""
+        return self.moment.mean(axis=1)
+
+
+TWO = np.array([-1.0, 1.0])  # in standard deviations: instants of equal weight for a time that is spread
+FOUR = np.sqrt(3) * np.array([-0.794654472291766, -0.187592474085080, 0.187592474085080, 0.794654472291766])
+LONG_EXPOSURE = 1.5  # [s]: a sample that heats by 100 K/s changes its light several times in a longer one
+
+
+def nodes_of(integration_time):
+    """Places (q,) of the instants of a bin about its mean time, in standard deviations.
+
+    Notes
+    -----
+    Source: Chebyshev's quadrature with equal weights (Abramowitz & Stegun, 25.4.28): two instants are exact
+    for light that is cubic in time, four for one of fifth order.
+    """
+    return FOUR if integration_time > LONG_EXPOSURE else TWO
+
+
+def instants(begin, finish, index, count, nodes=TWO):
+    """Instants (count, q) with the mean and the variance of the times of the samples of each bin."""
+    middle, half = (begin + finish) / 2, (finish - begin) / 2
+    keep = index >= 0
+    number = np.bincount(index[keep], minlength=count)
+    safe = np.maximum(number, 1)
+    mean = np.bincount(index[keep], middle[keep], count) / safe
+    square = np.bincount(index[keep], middle[keep] ** 2 + half[keep] ** 2 / 3, count) / safe
+    spread = np.sqrt(np.maximum(square - mean**2, 0))
+    return mean[:, None] + spread[:, None] * nodes, number
+
+
+def band_nodes(response_wavelength, responsivities):
+    """Edges (M+1,) and centres (M,) [m] of the nodes of the bands."""
+    first, last = response_wavelength[0] - NODE_MARGIN, response_wavelength[-1] + NODE_MARGIN
+    edges = np.linspace(first, last, int(np.ceil((last - first) / NODE)) + 1)
+    return edges, (edges[1:] + edges[:-1]) / 2
+
+
+def band_weights(edges, response_wavelength, responsivity, oversampling=12):
+    """Integral of a responsivity over each node (M,) [m]."""
+    size = (edges[1] - edges[0]) / oversampling
+    fine = edges[0] + size * (np.arange((edges.size - 1) * oversampling) + 0.5)
+    return respond(fine, response_wavelength, responsivity).reshape(-1, oversampling).sum(axis=1) * size
+
+
+def band_gas_map(edges, wavelength, response_wavelength, responsivity):
+    """Matrix (M, K) from a spectrum on equal steps to its weighted means over the nodes of a band.
+
+    Weight times mean is the signal of the spectrum. Nodes that the band hardly sees hold the plain mean.
+    """
+    step, count = wavelength[1] - wavelength[0], edges.size - 1
+    place = np.searchsorted(edges, wavelength, side="right") - 1
+    inside = np.flatnonzero((place >= 0) & (place < count))
+    place = place[inside]
+    exact = band_weights(edges, response_wavelength, responsivity)
+    seen = exact > 1e-3 * exact.max()
+    weighted = respond(wavelength[inside], response_wavelength, responsivity) * step
+    share = np.where(
+        seen[place],
+        weighted / np.where(seen, exact, 1.0)[place],
+        1 / np.maximum(np.bincount(place, minlength=count), 1)[place],
+    )
+    return sparse.csr_array((share, (place, inside)), shape=(count, wavelength.size))
+
+
+def pixel_gas_map(wavelength, pixels, edges):
+    """Matrix (P, K) from a slit-convolved spectrum on equal steps to the means over bins of pixels.
+
+    Interpolates with polynomials of degree five through six neighbours.
+    """
+    step = wavelength[1] - wavelength[0]
+    place = (pixels - wavelength[0]) / step
+    first = np.clip(place.astype(int) - 2, 0, wavelength.size - 6)
+    x = place - first
+    nodes = np.arange(6)
+    weight = np.ones((pixels.size, 6))
+    for i in nodes:
+        for j in nodes[nodes != i]:
+            weight[:, i] *= (x - j) / (i - j)
+    owner = np.repeat(np.arange(edges.size - 1), np.diff(edges))
+    weight /= np.diff(edges)[owner][:, None]
+    rows = (first[:, None] + nodes).ravel()
+    columns = np.repeat(owner, 6)
+    return sparse.csr_array((weight.ravel(), (columns, rows)), shape=(edges.size - 1, wavelength.size))
+
+
+def in_pixel_bins(values, edges):
+    """Means (..., P) over the pixels of each bin, of what is finite."""
+    finite = np.isfinite(values)
+    total = np.add.reduceat(np.where(finite, values, 0.0), edges[:-1], axis=-1)
+    number = np.add.reduceat(finite.astype(float), edges[:-1], axis=-1)
+    return np.where(number > 0, total / np.maximum(number, 1), np.nan), number
+
+
+def beside_saturation(saturated, index, edges):
+    """Samples (t, C) of bins in which some pixel was saturated, and of those beside them in time.
+
+    Of a pixel near its limit only the samples with low noise are left: their mean would be too low.
+
+    Parameters
+    ----------
+    saturated : (t, P) bool
+    index : (t,) bin in time of each sample, -1 for none
+    edges : (C+1,) first pixel of each bin of pixels
+    """
+    hit = np.logical_or.reduceat(saturated, edges[:-1], axis=1)
+    bins = np.zeros((index.max(initial=-1) + 1, hit.shape[1]), dtype=bool)
+    np.logical_or.at(bins, index[index >= 0], hit[index >= 0])
+    wide = bins.copy()
+    wide[1:] |= bins[:-1]
+    wide[:-1] |= bins[1:]
+    return np.where((index >= 0)[:, None], wide[index], hit)
+
+
+def without_lost(index, values):
+    """Bins (t,) of the samples, -1 for those that are missing: in all channels, or in most."""
+    return np.where(np.isfinite(values).mean(axis=1) > 0.5, index, -1)
+
+
+def time_bins(record):
+    """Edges (n+1,) [s] of the time bins of a test."""
+    axes = [instrument.time for instrument in record.instruments]
+    start, end = min(axis[0] for axis in axes) - 0.5, max(axis[-1] for axis in axes) + 0.5
+    return binning.time_edges(start, end, 0.0, record.off)
+
+
+def side_by_side(maps):
+    """One matrix (M, K) out of those of the bands."""
+    return sparse.csr_array(sparse.vstack(maps))

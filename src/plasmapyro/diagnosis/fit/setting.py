@@ -1,0 +1,74 @@
+"""Effects that are switched on in a model, and the numbers of them that a fit moves."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.effects.effect import Effect
+
+WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
+
+
+@dataclass(frozen=True)
+class Setting:
+    """An effect that is switched on: its amplitude and its other numbers."""
+
+    effect: Effect
+    amplitude: float
+    shape: dict = field(default_factory=dict)
+
+    @property
+    def id(self):
+        """That of the effect."""
+        return self.effect.id
+
+
+@dataclass(frozen=True)
+class FreeNumber:
+    """One number of a setting that a fit moves, normal about `centre` before the data."""
+
+    place: int  # of the setting
+    name: str | None  # None: the amplitude
+    centre: float
+    sigma: float
+    low: float
+    high: float
+    step: float  # for derivatives
+
+    def at_end(self, value, share):
+        """Whether a value lies within a share of the range [1] from one of its ends."""
+        return min(value - self.low, self.high - value) <= share * (self.high - self.low)
+
+
+def free_numbers(settings):
+    """The numbers of settings that a fit moves, as a list of `FreeNumber`."""
+    free = []
+    for place, setting in enumerate(settings):
+        effect = setting.effect
+        free.append(FreeNumber(place, None, 0.0, WIDE * effect.sigma, *effect.bounds, 0.02 * effect.step))
+        for name, (low, high) in effect.shape_bounds.items():
+            if name in setting.shape:  # a simpler version of the effect may lack it
+                half = (high - low) / 2
+                free.append(FreeNumber(place, name, low + half, half, low, high, 1e-3 * half))
+    return free
+
+
+def with_numbers(settings, numbers):
+    """Settings with the amplitudes and shapes that a state holds."""
+    result = [replace(setting, shape=dict(setting.shape)) for setting in settings]
+    for free, number in zip(free_numbers(settings), numbers, strict=True):
+        if free.name is None:
+            result[free.place] = replace(result[free.place], amplitude=float(number))
+        else:
+            result[free.place].shape[free.name] = float(number)
+    return tuple(result)
+
+
+def numbers_of(settings):
+    """The free numbers of settings as they stand."""
+    return np.array(
+        [
+            settings[free.place].amplitude if free.name is None else settings[free.place].shape[free.name]
+            for free in free_numbers(settings)
+        ]
+    )

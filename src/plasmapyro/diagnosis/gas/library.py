@@ -1,0 +1,153 @@
+"""Stage files of the gas, put together as one library of templates."""
+
+import numpy as np
+
+from plasmapyro import conditions
+from plasmapyro.diagnosis.gas.templates import (
+    WARMTH_OF_POWER,
+    GasLibrary,
+    extra_sigma,
+    line_groups,
+    widened,
+)
+from plasmapyro.diagnosis.gas.uncertainty import error_modes
+
+# Effects whose formulas take spectra of `variations`.
+NEED_VARIATIONS = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "refl", "bl", "CN")
+
+
+def gas_library(condition, radiation, variations, *, fwhm):
+    """Templates of the gas for one test.
+
+    Parameters
+    ----------
+    condition : str
+        Simulation to compare with.
+    radiation : mapping condition -> Dataset, contract 'radiation'
+        Those that share all but the power with the condition, and its slit, say what another power does.
+    variations : Dataset, contract 'gas_variations', of the condition, or None
+    fwhm : float [m]
+        Slit of the spectrometer. A narrower one than that of the library is taken as that of the library.
+
+    Returns
+    -------
+    GasLibrary
+
+    Raises
+    ------
+    ValueError
+        Unknown condition, or varied spectra that are not on its axis.
+    """
+    if condition not in radiation:
+        raise ValueError(f"condition must be among {', '.join(radiation)}; got {condition!r}")
+    own = radiation[condition]
+    axis, slit = own["wavelength_slit"].values, float(own.attrs["slit_fwhm"])
+    if variations is not None and not np.array_equal(variations["wavelength_slit"].values, axis):
+        raise ValueError(f"the varied spectra of {condition} are not on the wavelengths of its spectrum")
+    sigma = extra_sigma(fwhm, slit)
+
+    def seen(values):
+        return np.maximum(widened(axis, values, sigma), 1e-9 * values.max())
+
+    components = own["component"].values.astype(str), own["gas_radiance_component_slit"].values
+    groups, light = line_groups(axis, *components)
+    strength, shape, systems = error_modes(axis, *components, own["component_uncertainty"].values)
+    names = rungs(condition, radiation)
+    return GasLibrary(
+        condition=condition,
+        power=conditions.number(own, conditions.POWER),
+        wavelength=axis,
+        slit_fwhm=max(fwhm, slit),
+        log_power=np.log([conditions.number(radiation[name], conditions.POWER) for name in names]),
+        radiance=np.array([seen(radiation[name]["gas_radiance_slit"].values) for name in names]),
+        group_name=groups,
+        group=widened(axis, light, sigma),
+        variation=_variations(variations, seen),
+        addition=_additions(variations, axis, sigma),
+        systems=systems,
+        strength_modes=widened(axis, strength, sigma),
+        shape_modes=widened(axis, shape, sigma),
+        weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
+        core=None
+        if variations is None
+        else (
+            variations["core_change"].values,
+            np.array([seen(row) for row in variations["core_radiance"].values]),
+        ),
+    )
+
+
+def rungs(condition, radiation):
+    """Conditions that share all but the power with one of them, seen through the same slit; by rising power.
+
+    Parameters
+    ----------
+    condition, radiation : as in `gas_library`
+
+    Returns
+    -------
+    list of str, the condition among them
+    """
+    own = radiation[condition]
+    same = {
+        name: one
+        for name, one in radiation.items()
+        if np.array_equal(one["wavelength_slit"].values, own["wavelength_slit"].values)
+        and one.attrs["slit_fwhm"] == own.attrs["slit_fwhm"]
+    }
+    return conditions.ladder(condition, same)
+
+
+def remarks(condition, radiation, variations):
+    """What the simulations at hand leave out, in sentences for the report.
+
+    Parameters
+    ----------
+    condition, radiation, variations : as in `gas_library`
+
+    Returns
+    -------
+    list of str
+    """
+    alone = len(rungs(condition, radiation)) == 1
+    reason = (
+        f"{condition} does not state its power"
+        if np.isnan(conditions.number(radiation[condition], conditions.POWER))
+        else f"no other simulation shares all but the power with {condition}"
+    )
+    said = []
+    if alone and variations is not None:
+        said.append(
+            f"{reason}: another power is taken as gas that is hotter or colder by {WARMTH_OF_POWER:g} of its"
+            " relative change"
+        )
+    elif alone:
+        said.append(f"{reason}: another power changes the brightness of the gas, not its spectrum")
+    if variations is None:
+        said.append(
+            f"no varied spectra of {condition} are at hand: effects that need them are left out"
+            " (power, ripple, temperatures of excitation and vibration, self-absorption, reflection, boundary"
+            " layer, CN)"
+        )
+    return said
+
+
+def _variations(variations, seen):
+    if variations is None:
+        return {}
+    return {
+        str(name): (
+            variations["variation_amplitude"].sel(variation=name).values,
+            seen(variations["varied_radiance"].sel(variation=name).values),
+        )
+        for name in variations["variation"].values
+    }
+
+
+def _additions(variations, axis, sigma):
+    if variations is None:
+        return {}
+    return {
+        str(name): widened(axis, variations["added_radiance"].sel(addition=name).values, sigma)
+        for name in variations["addition"].values
+    }

@@ -1,0 +1,178 @@
+"""What was found in a test: all that a report is made of."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit.base import Base
+from plasmapyro.diagnosis.report import show
+from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
+from plasmapyro.diagnosis.select.held_out import Gain
+from plasmapyro.diagnosis.select.probability import honest
+from plasmapyro.diagnosis.select.screen import best_by_id, linear_evidence
+from plasmapyro.diagnosis.select.search import PULL
+from plasmapyro.diagnosis.select.selection import Selection
+from plasmapyro.diagnosis.simulation.compare import Comparison
+from plasmapyro.experiment.correction import Reading
+
+PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
+LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it
+VISIBLE = 1e-5  # [1], of the information of a direction: what the base model must leave of it
+BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
+EVEN = 0.5  # probability of nothing beyond which no extension is applied
+NULL_AHEAD = 1.0  # log weight of nothing above all others where nothing is found
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Fits and selection of a test, and its gas against the simulated one.
+
+    `effects` {id: Effect} of the whole catalogue share the prior; `gained` by the extension on held-out data,
+    None without one; `crossed` its log score on tests at other conditions; `reading` of the paper's method,
+    None without a pyrometer; `provenance` goes into the report.
+    """
+
+    base: Base
+    selection: Selection
+    comparison: Comparison
+    effects: dict
+    gained: Gain | None
+    crossed: float | None
+    reading: Reading | None
+    provenance: dict
+
+    @property
+    def model(self):
+        """Of the test."""
+        return self.base.model
+
+    @property
+    def record(self):
+        """Of the test."""
+        return self.base.model.record
+
+    @property
+    def final(self):
+        """The fit with the effects that the data ask for."""
+        return self.selection.final
+
+    @property
+    def first(self):
+        """The round beside the base fit."""
+        return self.selection.steps[0]
+
+    @property
+    def size(self):
+        """Knots and parameters, which come before the numbers of effects in a covariance."""
+        return self.model.size + len(self.model.parameters)
+
+    @property
+    def fitted(self):
+        """Numbers that a fit without effects takes from the data: knots, parameters, light of the gas."""
+        free = sum(int(np.count_nonzero(one.gas_error)) for one in self.model.instruments)
+        return self.size + free
+
+    @property
+    def applied(self):
+        """Whether held-out data speak for the extension, and nothing being wrong is not likelier."""
+        none = self.probability[0].get("none", 0.0)
+        return self.gained is not None and bool(self.gained.improves) and none < EVEN
+
+    @cached_property
+    def times(self):
+        """Middles of all bins (t,) [s], of whichever instrument."""
+        return np.unique(np.concatenate([instrument.time for instrument in self.model.instruments]))
+
+    @cached_property
+    def residuals(self):
+        """Whitened residuals (n, C) per instrument of the base and of the extended fit."""
+        return tuple(
+            show.residuals(self.model, self.base.fitter, fit) for fit in (self.base.solution, self.final)
+        )
+
+    @cached_property
+    def paper_shift(self):
+        """Change of the paper's temperature by an effect."""
+        return PaperShift(self.model, self.base.solution, self.reading)
+
+    @cached_property
+    def span(self):
+        """First and last time [s] between which shifts of the temperature are judged."""
+        return judged_span(self.model, self.base.solution)
+
+    @cached_property
+    def phases(self):
+        """(id, name, first, last) [s] of the parts of the test."""
+        return show.phases(self.model, self.base.solution)
+
+    @property
+    def misfit(self):
+        """Why the base model is not adequate, or ''."""
+        last = self.final
+        misfit = last.objective / max(last.count - self.fitted, 1)
+        if not last.converged:
+            return "The fit did not converge."
+        if self.selection.status == "null" and misfit > LARGEST_MISFIT:
+            return f"Chi-squared per number stays at {misfit:.2f} although nothing explains it."
+        return ""
+
+    @property
+    def status(self):
+        """Of the verdict: what the data of the test ask for, and what its gas asks of the simulation."""
+        if self.misfit:
+            return "not-adequate"
+        status, rivals = self.selection.status, self.comparison.rivals
+        if not rivals:
+            return status
+        if status in ("unknown", "named+unknown"):
+            return "named+unknown"
+        return "one-of" if status == "one-of" or any(rivals.values()) else "named"
+
+    @cached_property
+    def pulls(self):
+        """Entries of the parameters of the base model against what was known of them."""
+        return pulls(self.model, self.final)
+
+    @cached_property
+    def probability(self):
+        """Probability {answer: p}, and that of the first answer before it was made honest."""
+        return honest(self._log_weights(), self.status)
+
+    def _log_weights(self):
+        """Logarithms of the weights of ids, none and unknown."""
+        screen, trials = self.first.screen, self.selection.trials
+        evidence = linear_evidence(screen)
+        log = {"none": np.log(PRIOR_NONE)}
+        share = np.log((1 - PRIOR_NONE - PRIOR_UNKNOWN) / len(self.effects))
+        for index in best_by_id(screen.candidates, evidence):
+            if screen.left[index] > VISIBLE:
+                log[screen.candidates[index].id] = share + float(evidence[index])
+        for identity, value in trials.items():
+            log[identity] = share + value + 0.5 * self.base.solution.objective
+        log["unknown"] = np.log(PRIOR_UNKNOWN) + float(self.first.unknown.max())
+        if self.final.settings and self.selection.status != "named+unknown":
+            log["unknown"] = min(log["unknown"], max(log.values()) + BESIDE_NAMES)
+        if self.selection.status == "null":
+            log["none"] = max(log["none"], max(log.values()) + NULL_AHEAD)
+        return log
+
+
+def pulls(model, solution):
+    """Entries of the parameters of the base model against what was known of them, after a fit."""
+    rows = []
+    for parameter, value in zip(model.parameters, solution.state.values, strict=True):
+        change = float(value - parameter.centre)
+        pull = change / parameter.sigma
+        rows.append(
+            {
+                "id": parameter.id,
+                "name": parameter.name,
+                "value": change,
+                "sigma": float(parameter.sigma),
+                "pull": float(pull),
+                "unit": parameter.unit,
+                "finding": bool(abs(pull) > PULL),
+            }
+        )
+    return rows

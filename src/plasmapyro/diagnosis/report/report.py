@@ -1,0 +1,255 @@
+"""The report of a diagnosis, by its schema."""
+
+import numpy as np
+
+from plasmapyro.diagnosis.report import show
+from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
+from plasmapyro.diagnosis.report.extended import extension, worth
+from plasmapyro.diagnosis.report.line_hump import line_against_hump
+from plasmapyro.diagnosis.report.sentences import verdict_sentences
+from plasmapyro.diagnosis.report.simulation import entries_of, simulation
+from plasmapyro.diagnosis.report.temperature import largest_shift
+from plasmapyro.diagnosis.select.reserve import SENTENCES as RESERVES
+from plasmapyro.diagnosis.select.screen import columns_of_candidates
+
+SCHEMA = "plasmapyro-diagnosis-1"
+LEVEL = 0.05  # false alarms of both tests together
+ASSUMPTIONS = (
+    "the gas shines as it did before injection, but for its brightness and a change as of another power",
+    "the simulated gas errs by what its data state, in local thermal equilibrium unless an effect says else",
+    "a grey emittance in the base model, known as stated in the test",
+    "the source temperature of the calibration lies within its uncertainty, uniformly",
+    "the catalogue of effects is finite: what it lacks can only be called unknown",
+)
+
+
+def report_of(findings, temperature):
+    """Everything that is said of a test.
+
+    Parameters
+    ----------
+    findings : Findings
+    temperature : Dataset, contract 'diagnosis_temperature'
+
+    Returns
+    -------
+    dict, by the schema of `diagnosis.json`
+    """
+    shift = largest_shift(findings, temperature)
+    entries, hidden = [*candidates(findings), *entries_of(findings)], limits(findings)
+    return {
+        "schema": SCHEMA,
+        "dataset": _dataset(findings),
+        "noise": _noise(findings.base),
+        "base": _base(findings),
+        "tests": _tests(findings),
+        "thresholds": _thresholds(findings.selection.thresholds),
+        "candidates": entries,
+        "verdict": _verdict(findings, entries, hidden, shift),
+        "discrepancy": _discrepancy(findings),
+        "simulation": simulation(findings),
+        "extended": extension(findings),
+        "gain": worth(findings, shift),
+        "limits": hidden,
+        "show": _show(findings),
+        "assumptions": list(ASSUMPTIONS),
+        "provenance": _provenance(findings),
+    }
+
+
+def _dataset(findings):
+    model, attributes, provenance = findings.model, findings.record.attributes, findings.provenance
+    rows = []
+    for identity, name, first, last in findings.phases:
+        inside = [(instrument.time >= first) & (instrument.time < last) for instrument in model.instruments]
+        rows.append(
+            {
+                "id": identity,
+                "name": name,
+                "start": float(first),
+                "end": float(last),
+                "samples": int(sum(part.sum() for part in inside)),
+            }
+        )
+    spectral = [instrument.channels for instrument in model.instruments if instrument.kind == "spectrometer"]
+    return {
+        "title": str(attributes.get("title", "")),
+        "condition": str(attributes["condition"]),
+        "origin": provenance.get("origin", str(attributes.get("origin", "measured"))),
+        "sha256": provenance.get("test", ""),
+        "instruments": [instrument.kind for instrument in model.instruments],
+        "phases": rows,
+        "plasma_off_time": float(model.off),
+        "time_bins": max(instrument.time.size for instrument in model.instruments),
+        "wavelength_bins": max(spectral, default=0),
+    }
+
+
+def _noise(base):
+    rows = []
+    for instrument, law in zip(base.model.instruments, base.noise_models, strict=True):
+        kinds = ("wide", "narrow") if instrument.kind == "pyrometer" else ("spectrometer",)
+        for place, name in enumerate(kinds):
+            level = np.nanmedian(
+                instrument.value[:, place] if instrument.kind == "pyrometer" else instrument.value
+            )
+            factor = 1.0 if instrument.factor is None else float(np.median(instrument.factor))
+            constant = float(np.ravel(law.constant)[min(place, np.size(law.constant) - 1)])
+            variance = constant * factor**2 + law.linear * factor * level + law.quadratic * level**2
+            rows.append(
+                {
+                    "channel": name,
+                    "relative": float(np.sqrt(max(variance, 0)) / level) if level > 0 else 0.0,
+                    "constant": constant,
+                    "linear": float(law.linear),
+                    "quadratic": float(law.quadratic),
+                    "lag1": float(law.memory),
+                    "tail": float(law.tail),
+                    "unit": "A" if instrument.kind == "pyrometer" else "count",
+                }
+            )
+        rows.append(
+            {
+                "channel": f"gas flicker ({instrument.kind})",
+                "relative": float(np.sqrt(law.flicker)),
+                "constant": 0.0,
+                "linear": 0.0,
+                "quadratic": float(law.flicker),
+                "lag1": float(law.flicker_memory),
+                "tail": 1.0,
+                "unit": "1",
+            }
+        )
+    return rows
+
+
+def _base(findings):
+    solution = findings.base.solution
+    return {
+        "chi2": float(solution.chi2),
+        "dof": float(solution.count - findings.fitted),
+        "converged": bool(solution.converged),
+        "adequate": not findings.misfit,
+        "why": findings.misfit,
+        "by_phase": show.phase_table(findings.model, findings.base.solution, findings.residuals[0]),
+        "pulls": findings.pulls,
+    }
+
+
+def _tests(findings):
+    first, thresholds = findings.first, findings.selection.thresholds
+    gain, unknown = first.gains.max(), float(first.unknown.max())
+    return [
+        {
+            "id": "any",
+            "name": "largest chi-squared gain of one effect",
+            "statistic": float(gain),
+            "p": float(thresholds.p_effect(gain)),
+            "threshold": float(thresholds.effect),
+        },
+        {
+            "id": "unknown",
+            "name": "largest log Bayes factor of an unknown structure",
+            "statistic": unknown,
+            "p": float(thresholds.p_unknown(unknown)),
+            "threshold": show.number(thresholds.unknown),
+        },
+    ]
+
+
+def _thresholds(thresholds):
+    return {
+        "effect": float(thresholds.effect),
+        "unknown": show.number(thresholds.unknown),
+        "third": float(thresholds.third),
+        "nulls": int(thresholds.draws),
+        "seed": int(thresholds.seed),
+        "level": LEVEL,
+    }
+
+
+def _verdict(findings, entries, hidden, shift):
+    selection, settings = findings.selection, findings.final.settings
+    settings = (*settings, *findings.comparison.final.settings)
+    named = [setting.id for setting in settings]
+    p_base = float(min(1.0, 2 * min(test["p"] for test in _tests(findings))))
+    unsure = [findings.misfit] if findings.misfit else []
+    unsure += [RESERVES[selection.reserve]] if selection.reserve else []
+    unsure += [
+        f"The fit moves the {row['name']} by {row['pull']:+.1f} prior standard deviations."
+        for row in findings.pulls
+        if row["finding"]
+    ]
+    probability, uncalibrated = findings.probability
+    return {
+        "status": findings.status,
+        "named": named,
+        "set": [*map(list, selection.sets), *([i, *ids] for i, ids in findings.comparison.rivals.items())],
+        "class": [setting.effect.klass for setting in settings],
+        "probability": probability,
+        "uncalibrated": uncalibrated,
+        "p_base": p_base,
+        "temperature_shift": shift,
+        "sentences": verdict_sentences(
+            findings.status,
+            {entry["id"]: entry for entry in entries},
+            named,
+            p_base,
+            _name_of_unknown(findings),
+            findings.gained,
+            hidden,
+            unsure,
+        ),
+        "missing_evidence": missing_evidence(findings),
+    }
+
+
+def _name_of_unknown(findings):
+    names = {structure.id: structure.name for structure in findings.first.screen.structures}
+    return names.get(findings.selection.unknown_class)
+
+
+def _discrepancy(findings):
+    last, unknown = findings.selection.steps[-1], findings.selection.unknown_class
+    classes = zip(last.screen.structures, last.unknown, strict=True)
+    return {
+        "class": unknown,
+        "name": _name_of_unknown(findings),
+        "log_bayes": float(last.unknown.max()),
+        "per_class": [
+            {"id": structure.id, "name": structure.name, "log_bayes": float(value)}
+            for structure, value in classes
+        ],
+        "rank1": show.leading_pattern(findings.model, findings.residuals[1]) if unknown else None,
+    }
+
+
+def _show(findings):
+    model, fitter, base = findings.model, findings.base.fitter, findings.base.solution
+    residuals, screen = findings.residuals[0], findings.first.screen
+    _, columns = columns_of_candidates(model, base, findings.selection.effects)
+    correlation, quantile = show.series(model, residuals)
+    return {
+        "phases": [row[0] for row in findings.phases],
+        "signals": show.signals(model, base, findings.final),
+        "kappa": show.kappa(model, fitter, base),
+        "emittance_loop": show.emittance_loop(model, fitter, base),
+        "line_hump": line_against_hump(findings),
+        "gas_monitor": show.gas_monitor(model, fitter, base),
+        "components": show.components(model, residuals, screen, columns),
+        "autocorrelation": correlation,
+        "quantiles": quantile,
+        "profile": show.profile(findings.final, findings.size),
+        "angles": likeness(findings),
+    }
+
+
+def _provenance(findings):
+    provenance = findings.provenance
+    return {
+        "version": provenance.get("version", "unknown"),
+        "commit": provenance.get("commit"),
+        "seed": int(findings.selection.thresholds.seed),
+        "files": dict(provenance.get("files", {})),
+        "blind_score": provenance.get("blind_score"),
+    }

@@ -1,0 +1,85 @@
+"""The verdict in words."""
+
+from plasmapyro.diagnosis.select.held_out import ENOUGH
+
+LEAST = 0.5  # [K] below which a cost is not worth a sentence
+NOTHING = "0 K"
+
+
+def verdict_sentences(status, candidates, named, p_value, unknown_name, gained, limits, unsure):
+    """Sentences of a verdict; the first stands alone.
+
+    Parameters
+    ----------
+    status : str
+    candidates : mapping id -> entry of the report
+    named : list of ids
+    p_value : float
+    unknown_name : str or None
+        Of the structure that remains.
+    gained : Gain or None
+    limits : list of entries of the report, worst first
+    unsure : list of str
+        Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
+    """
+    p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
+    lines = []
+    if status == "null":
+        lines.append("The data agree with the base model: nothing that the program knows of is needed.")
+    elif status == "not-adequate":
+        lines.append("The base model does not fit well enough to judge single causes.")
+    elif status == "unknown":
+        lines.append(
+            f"Something is wrong ({p}) that no single cause of the catalogue explains: {unknown_name}."
+        )
+    else:
+        names = " and ".join(candidates[identity]["name"] for identity in named)
+        lines.append(f"The data reject the base model ({p}); the best explanation: {names}.")
+        for identity in named:
+            lines.append(candidates[identity]["sentence"])
+        if status == "named+unknown" and unknown_name:
+            lines.append(f"Something else remains that the catalogue does not explain: {unknown_name}.")
+    lines += unsure
+    if gained is not None:
+        word = "better" if gained.improves else "not significantly better"
+        lines.append(
+            f"Held-out data are predicted {word} with it: the logarithm of their probability changes by"
+            f" {gained.total:+.0f} ± {gained.standard_error:.0f} ({ENOUGH:+.0f} are odds of 20)."
+        )
+    hidden = [row for row in limits if row["invisible"] and row["temperature_prior"] >= LEAST][:3]
+    if hidden:
+        rows = ", ".join(f"{row['name']} ({row['temperature_prior']:.0f} K)" for row in hidden)
+        lines.append(f"What could still be wrong and would not be seen in these data: {rows}.")
+    return lines
+
+
+def candidate_sentence(entry):
+    """One sentence about a candidate: how large, and what it costs."""
+    unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+    size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g}{unit}"
+    shift = entry["temperature_shift"]
+    paper, fitted = (_kelvin(shift[name]) for name in ("paper", "base"))
+    cost = "it changes no temperature by a tenth of a kelvin"
+    if (paper, fitted) != (NOTHING, NOTHING):
+        cost = (
+            f"it shifts the corrected temperature of the paper by {paper} and the fitted one by {fitted} at"
+            f" worst, {shift['at_time']:.0f} s after the injection"
+        )
+    name = entry["name"]
+    return f"{name[0].upper()}{name[1:]}: {entry['amplitude_name']} {size}; left out, {cost}."
+
+
+def _kelvin(value):
+    """A shift [K] to a tenth, without a sign where nothing is left."""
+    return f"{value:+.1f} K" if abs(value) >= 0.05 else NOTHING
+
+
+def system_sentence(system):
+    """One sentence about a radiating system whose light differs from the simulated one."""
+    first, last = (round(1e9 * end) for end in system.wavelength)
+    place = f" ({first} to {last} nm)" if last > first and "nm" not in system.name else ""
+    return (
+        f"{system.name}{place}: {system.ratio:.2f} ± {system.error:.1g} of the simulated light is measured,"
+        f" the best power would make it {system.by_power:.2f}; {system.ratio / system.by_power - 1:+.0%}"
+        f" remain, the simulation states {system.stated:.0%}."
+    )

@@ -1,0 +1,94 @@
+"""What the measured gas says about the simulation: systems, lines, effects, and sentences."""
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit.setting import free_numbers
+from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
+
+NANOMETRE = 1e-9
+
+
+def simulation(findings):
+    """Entry of the report: measured over simulated gas, what a wrong power would do, what remains."""
+    found = findings.comparison
+    systems = sorted(found.systems, key=lambda one: -abs(np.log(max(one.ratio, 1e-3) / one.by_power)))
+    rows = [
+        {
+            "name": one.name,
+            "wavelength": list(one.wavelength),
+            "ratio": one.ratio,
+            "error": one.error,
+            "stated": one.stated,
+            "by_power": one.by_power,
+            "beyond": one.beyond,
+        }
+        for one in systems
+    ]
+    lines = [
+        {"wavelength": one.wavelength, "strength": one.strength, "error": one.error} for one in found.lines
+    ]
+    return {
+        "p": found.p_value,
+        "threshold": found.threshold,
+        "power": float(np.exp(found.base.power)),
+        "brightness": float(np.exp(found.base.brightness)),
+        "power_error": float(np.sqrt(found.base.covariance[0, 0])),
+        "systems": rows,
+        "lines": lines,
+        "gains": [
+            {"id": identity, "gain_chi2": float(value)}
+            for identity, value in sorted(found.gains.items(), key=lambda one: -one[1])
+        ],
+        "sentences": _sentences(found, systems),
+    }
+
+
+def _sentences(found, systems):
+    """What differs, in words: at most one sentence for each system that is off and each line."""
+    lines = [system_sentence(one) for one in systems if one.beyond]
+    lines += [
+        f"{'A line' if one.strength > 0 else 'Less light'} at {one.wavelength / NANOMETRE:.1f} nm that the"
+        f" simulation lacks: {abs(one.strength):.2g} ± {one.error:.1g} of its mean light."
+        for one in found.lines
+    ]
+    if not lines and not found.final.settings:
+        lines.append(
+            "The measured gas agrees with the simulated one, within the errors that this one states."
+        )
+    return lines
+
+
+def entries_of(findings):
+    """Entries, as those of `candidates`, of the effects that the gas asks of the simulation."""
+    found, rank = findings.comparison, len(findings.final.settings)
+    numbers = free_numbers(found.final.settings)
+    for place, setting in enumerate(found.final.settings):
+        effect = setting.effect
+        (row,) = (j for j, one in enumerate(numbers) if one.place == place and one.name is None)
+        error = float(np.sqrt(found.final.covariance[2 + row, 2 + row]))
+        shape = {name: float(value) for name, value in setting.shape.items()}
+        paper, when = findings.paper_shift(effect, setting.amplitude, shape)
+        entry = {
+            "id": effect.id,
+            "name": effect.name,
+            "class": effect.klass,
+            "stage": effect.stage,
+            "rank": rank + place + 1,
+            "amplitude": float(setting.amplitude),
+            "standard_error": error,
+            "interval95": [setting.amplitude - 1.96 * error, setting.amplitude + 1.96 * error],
+            "unit": effect.unit,
+            "amplitude_name": effect.amplitude,
+            "shape": shape,
+            "gain_chi2": float(found.gains[effect.id]),
+            "log_evidence": 0.5 * float(found.gains[effect.id]),
+            "probability": 1 / (1 + len(found.rivals[effect.id])),
+            "significance": float(abs(setting.amplitude) / error),
+            "angle_to_next": None,
+            "next": next(iter(found.rivals[effect.id]), None),
+            "temperature_shift": {"paper": paper, "base": 0.0, "at_time": when},
+            "phases": list(effect.phases),
+            "instruments": list(effect.instruments),
+            "sentence": "",
+        }
+        yield entry | {"sentence": candidate_sentence(entry)}

@@ -1,0 +1,58 @@
+"""What an effect must bring to be named: first, further, beside something unknown."""
+
+import numpy as np
+
+ENOUGH = 0.9  # of the log Bayes factor of an unknown structure: an effect that explains so much, and leaves
+# no more than the rest, stands for it; forty free steps find more than one cause leaves
+MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
+SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
+KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's formula
+FORMULA = 0.1  # [1], of the chi-squared that an effect gains: what its kin must bring besides,
+SPILL = 0.03  # [1], and what any other effect must: formulas are inexact by a sixth
+FREE = 5.0  # log evidence that the numbers of an effect cost, about
+
+
+def needed(search, steps):
+    """Chi-squared (candidates,) that a further effect must bring."""
+    step, limits = steps[-1], search.thresholds
+    if step.settings:
+        return limits.third + _of_formulas(steps)
+    return np.full(step.screen.count, limits.effect)
+
+
+def _of_formulas(steps):
+    """Chi-squared (candidates,) that inexact formulas of the effects fitted so far may leave to each."""
+    gained = steps[0].gained(steps[-1].solution)
+    screen, candidates = steps[0].screen, steps[-1].screen.candidates
+    place = {
+        (candidate.id, tuple(candidate.shape.items())): i for i, candidate in enumerate(screen.candidates)
+    }
+    here = [place[candidate.id, tuple(candidate.shape.items())] for candidate in candidates]
+    information = screen.information[: screen.count, : screen.count]
+    length = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    left = np.full(len(candidates), SPILL * gained)
+    for setting in steps[-1].settings:
+        shapes = [i for i, candidate in enumerate(screen.candidates) if candidate.id == setting.id]
+        if not shapes:
+            continue
+        mine = max(shapes, key=lambda i: steps[0].gains[i])
+        cosine = np.abs(information[mine, here]) / (length[mine] * length[here])
+        left += np.where(cosine > KIN, FORMULA * steps[0].gains[mine], 0.0)
+    return left
+
+
+def holds(step, fit, price):
+    """Whether a refit, non-linear and within its bounds, gains enough, as the tangent promised."""
+    (new,) = {setting.id for setting in fit.settings} - {setting.id for setting in step.settings}
+    least = min(p for p, candidate in zip(price, step.screen.candidates, strict=True) if candidate.id == new)
+    return step.gained(fit) > least
+
+
+def explains(step, fit, log_bayes):
+    """Whether a refit, non-linear, gains as much as an unknown structure."""
+    return 0.5 * step.gained(fit) - FREE > log_bayes - MARGIN
+
+
+def beside(search, log_bayes):
+    """Chi-squared that an effect must bring to be named beside an unknown structure."""
+    return max(search.thresholds.third, 2 * SHARE * log_bayes)

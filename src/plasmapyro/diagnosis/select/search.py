@@ -1,0 +1,126 @@
+"""A model to be fitted with effects that are looked for: fits, and what the data say beside one."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.effects.catalogue import without
+from plasmapyro.diagnosis.fit.inference import Fitter, Solution, log_evidence
+from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
+from plasmapyro.diagnosis.select.screen import Screen, best_by_id, linear_evidence, screen
+from plasmapyro.diagnosis.select.thresholds import Thresholds
+from plasmapyro.diagnosis.select.unknowns import Unknowns
+
+PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
+REFITTED = 3  # effects that are fitted anew, of those that explain about as much as the best
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round: what the screen beside the current fit says."""
+
+    solution: Solution
+    screen: Screen
+    gains: np.ndarray
+    unknown: np.ndarray  # log Bayes factor per class of structures
+    beside: np.ndarray  # as `gains`, with the most likely unknown structure in the data too
+    refits: dict = field(default_factory=dict)  # id -> fit with one more effect
+
+    @property
+    def settings(self):
+        """The effects of the fit."""
+        return self.solution.settings
+
+    @property
+    def structure(self):
+        """Id of the most likely unknown structure."""
+        return self.screen.structures[int(self.unknown.argmax())].id
+
+    def gained(self, solution):
+        """Chi-squared that another fit gains."""
+        return self.solution.objective - solution.objective
+
+
+def setting_of(candidate, number):
+    """The candidate as a setting to begin a fit with, from its number along its column."""
+    effect = candidate.effect
+    limit = 6 * effect.sigma
+    amplitude = np.clip(np.clip(effect.amplitude_of(number), *effect.bounds), -limit, limit)
+    return Setting(effect, float(amplitude), {name: float(value) for name, value in candidate.shape.items()})
+
+
+@dataclass
+class Search:
+    """The model, what fits it, the effects {id: Effect} that are looked for, and what they must bring."""
+
+    model: Model
+    fitter: Fitter
+    effects: dict
+    thresholds: Thresholds | None = None
+
+    def look(self, solution):
+        """Screen beside a fit."""
+        used = {setting.id for setting in solution.settings}
+        others = without(self.effects, used & set(self.effects))
+        seen = screen(self.model, solution, others)
+        gains = seen.signed_gains()
+        if not seen.structures:
+            return Step(solution, seen, gains, np.full(1, -np.inf), gains)
+        unknowns = Unknowns(seen)
+        unknown = unknowns(seen.score)
+        beside = unknowns.gains_beside(seen, int(unknown.argmax()))
+        return Step(solution, seen, gains, unknown, np.where(gains > 0, beside, 0.0))
+
+    def fit(self, solution, settings):
+        """Fit with settings, started from another fit."""
+        start = replace(solution.state, amplitudes=numbers_of(settings))
+        return self.fitter.fit(start, settings)
+
+    def extended(self, step, index):
+        """Fit with one more candidate, from its linear estimate."""
+        setting = setting_of(step.screen.candidates[index], step.screen.linear()[index])
+        return self.fit(step.solution, (*step.settings, setting))
+
+    def best_refit(self, step, gains, trials=None):
+        """The best of the refits of the candidates that explain about as much."""
+        order = best_by_id(step.screen.candidates, gains)
+        near = [index for index in order if gains[index] > 0.5 * gains[order[0]]][:REFITTED]
+        fits = []
+        for index in near:
+            fits.append(self._refit(step, index))
+            if trials is not None:
+                trials[step.screen.candidates[index].id] = self.evidence(fits[-1])
+        return max(fits, key=self.evidence)
+
+    def _refit(self, step, index):
+        """Fit with one more candidate: the one there is, unless the tangent promises more."""
+        there = step.refits.get(step.screen.candidates[index].id)
+        if there is not None and step.gained(there) >= step.gains[index]:
+            return there
+        return self.extended(step, index)
+
+    def pruned(self, solution):
+        """The fit without effects that no longer bring the threshold."""
+        while len(solution.settings) > 1:
+            fits = [
+                self.fit(solution, tuple(kept for kept in solution.settings if kept is not dropped))
+                for dropped in solution.settings
+            ]
+            least = min(fits, key=lambda fit: fit.objective)
+            if least.objective - solution.objective > self.thresholds.effect:
+                break
+            solution = least
+        return solution
+
+    def evidence(self, solution):
+        """Log evidence of a fit."""
+        return log_evidence(solution, self.model.size + len(self.model.parameters))
+
+    def evidence_of(self, step):
+        """Log Bayes factor (candidates,), from the fits that exist, else by the linear estimate."""
+        evidence, plain = linear_evidence(step.screen), self.evidence(step.solution)
+        for place, candidate in enumerate(step.screen.candidates):
+            if candidate.id in step.refits:
+                evidence[place] = max(evidence[place], self.evidence(step.refits[candidate.id]) - plain)
+        return evidence

@@ -1,0 +1,83 @@
+"""Which effects the data ask for, which others they do not tell from them, and how certain that is."""
+
+from dataclasses import dataclass
+
+from plasmapyro import progress
+from plasmapyro.diagnosis.fit.inference import Solution
+from plasmapyro.diagnosis.select.alternatives import by_pair
+from plasmapyro.diagnosis.select.reserve import reserve
+from plasmapyro.diagnosis.select.rounds import walk
+from plasmapyro.diagnosis.select.screen import angles, best_by_id
+from plasmapyro.diagnosis.select.search import Search
+from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
+
+ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
+SAME_ANGLE, ALIKE_ANGLE = 15.0, 45.0  # [degree] below which two are one class, or may explain the same
+VISIBLE = 1e-6  # [1], of the information of a direction: what the base model must leave of it
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The outcome: rounds, the effects and their fit, who could stand in for each, and what remains."""
+
+    steps: tuple
+    final: Solution
+    sets: tuple  # per effect, ids of the candidates that explain the same, itself first
+    trials: dict  # id -> log evidence of its refit as the first effect
+    status: str
+    unknown_class: str | None
+    thresholds: Thresholds
+    effects: dict  # that were looked for
+    reserve: str = ""  # why the names are not certain, see `reserve`
+
+
+def select(base, effects, *, thresholds=None, draws=2000, seed=1):
+    """Select effects beside a base fit.
+
+    Parameters
+    ----------
+    base : Base
+    effects : mapping id -> Effect, those that are looked for
+    thresholds : Thresholds, optional
+        Of an alike data set, instead of new ones.
+    draws, seed : int
+        Simulated nulls behind the thresholds.
+
+    Returns
+    -------
+    Selection
+    """
+    progress.step("diagnosis: effects one by one against simulated nulls", draws)
+    search, trials = Search(base.model, base.fitter, effects, thresholds), {}
+    first = search.look(base.solution)
+    if thresholds is None:
+        search.thresholds = calibrated(first.screen, draws, seed)
+    steps, unknown = walk(search, [first], trials)
+    if steps[-1].settings or unknown:
+        steps, unknown = by_pair(search, steps, unknown)
+    final = steps[-1].solution
+    sets = tuple(_alike(first, setting.id) for setting in final.settings)
+    doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
+    status = _status(final, unknown or doubt, sets)
+    return Selection(tuple(steps), final, sets, trials, status, unknown, search.thresholds, effects, doubt)
+
+
+def _alike(step, identity):
+    """Ids that the data do not tell from an effect: nearly the same gain, or nearly the same direction."""
+    screen, gains = step.screen, step.gains
+    order = best_by_id(screen.candidates, gains)
+    mine = next((i for i in order if screen.candidates[i].id == identity), None)
+    if mine is None:
+        return (identity,)
+    angle = angles(screen.information[: screen.count, : screen.count])[mine]
+    alike = (angle < SAME_ANGLE) | (gains[mine] - gains < ALIKE) & (angle < ALIKE_ANGLE)
+    alike &= screen.left[: screen.count] > VISIBLE
+    return (identity, *(screen.candidates[i].id for i in order if i != mine and alike[i]))
+
+
+def _status(final, unknown, sets):
+    if not final.settings:
+        return "unknown" if unknown else "null"
+    if unknown:
+        return "named+unknown"
+    return "one-of" if any(len(ids) > 1 for ids in sets) else "named"

@@ -1,0 +1,243 @@
+"""Structures that no effect describes: walks, waves, patterns, smooth maps, single lines and channels."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
+from plasmapyro.record.phases import during
+
+MAP_WAVES = 8
+WALK_STEPS = 40
+SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
+GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A class of unknown structures: its columns, all at once or one of them, to be scaled by `SCALES`.
+
+    With `basis` (columns, b) one of b combinations of them stands for a single column.
+    """
+
+    id: str
+    name: str
+    columns: slice
+    single: bool = False
+    basis: np.ndarray | None = None
+
+
+class _Products:
+    """Columns of one instrument as rows (n, C) times shares (n,): few rows, many columns."""
+
+    def __init__(self, shape):
+        self.shape, self.rows, self.shares, self.size = shape, [], [], 0
+
+    def row(self, values):
+        """A row (n, C) to be shared; its number."""
+        self.rows.append(np.broadcast_to(values, self.shape))
+        return len(self.rows) - 1
+
+    def add(self, size, *parts):
+        """`size` columns: the sum of rows times shares over (number of a row, shares (n, size))."""
+        self.shares.append((slice(self.size, self.size + size), parts))
+        self.size += size
+
+    def whole(self):
+        """Rows (n, C, r) and shares (n, r, m)."""
+        shares = np.zeros((self.shape[0], len(self.rows), self.size))
+        for place, parts in self.shares:
+            for number, own in parts:
+                shares[:, number, place] += own
+        return np.stack(self.rows, axis=2), shares
+
+
+class _Classes:
+    """Classes of structures as they are found, their columns one after the other."""
+
+    def __init__(self, instruments):
+        self.products = [_Products(instrument.value.shape) for instrument in instruments]
+        self.found, self.total = [], 0
+
+    def add(self, identity, name, size):
+        """A class of so many columns."""
+        self.found.append(Structure(identity, name, slice(self.total, self.total + size)))
+        self.total += size
+        return self.found[-1]
+
+    def add_products(self, identity, name, parts):
+        """A class from {place of an instrument: [(number of a row, shares (n, m)), ...]}."""
+        size = next(iter(parts.values()))[0][1].shape[1]
+        for place, products in enumerate(self.products):
+            products.add(size, *parts.get(place, ()))
+        self.add(identity, name, size)
+
+
+def structures_of(model, solution):
+    """Unknown structures: columns per instrument as products, patterns over the channels, and their classes.
+
+    Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
+    adds to the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of
+    the ratio of the bands and of each band.
+
+    Returns
+    -------
+    classes : tuple of Structure, whose columns count from the first product; patterns follow
+    products : list of (rows (n, C, r), shares (n, r, m)): the columns `rows @ shares`
+    patterns : list of (instrument, row (n, C)): one column per channel, the row at that channel
+    """
+    classes, patterns, gas_rows, smooth = _Classes(model.instruments), [], [], {}
+    fitted = zip(model.instruments, classes.products, solution.prediction, solution.gas, strict=True)
+    for place, (instrument, products, value, gas) in enumerate(fitted):
+        time = instrument.time
+        walk, wave = _walk(time), _waves(time, model.off)
+        gas_rows.append(products.row(gas))
+        if instrument.kind == "spectrometer":
+            gain, name = products.row(value), "gain of the spectrometer"
+            classes.add_products("walk_spectrometer", f"wandering {name}", {place: [(gain, walk)]})
+            classes.add_products("wave_spectrometer", f"periodic {name}", {place: [(gain, wave)]})
+            patterns += [(place, *row) for row in _spectral_patterns(model, solution, time, value, gas)]
+        else:
+            bands = [products.row(value * np.eye(2)[band]) for band in (0, 1)]
+            _add_bands(classes, place, bands, walk, wave)
+        if instrument.weight is None:
+            waves = zip(*_smooth(model, instrument), strict=True)
+            smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
+    walks = _common_walk(model.instruments, model.off)
+    brightness = {place: [pair] for place, pair in enumerate(zip(gas_rows, walks, strict=True))}
+    classes.add_products("walk_gas", "wandering brightness of the gas", brightness)
+    if smooth:
+        classes.add_products("smooth", "smooth map over time and wavelength", smooth)
+    spectral = [(place, classes.add(identity, name, row.shape[1])) for place, identity, name, row in patterns]
+    structures = [one for one in classes.found if not one.id.startswith("wave")]
+    structures += _singles(model, classes.found, spectral)
+    products = [products.whole() for products in classes.products]
+    return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
+
+
+def _add_bands(classes, place, bands, walk, wave):
+    """Wandering and periodic gains of the bands, together, apart and against each other."""
+    for identity, name, signs in _BANDS:
+        for kind, word, steps in (("walk", "wandering", walk), ("wave", "periodic", wave)):
+            if kind == "walk" or identity in WAVING:
+                parts = [(band, sign * steps) for band, sign in zip(bands, signs, strict=True)]
+                classes.add_products(f"{kind}_{identity}", f"{word} {name}", {place: parts})
+
+
+def _singles(model, found, spectral):
+    """Structures of one column: a step, a wave, a channel, a line, fringes."""
+    singles = [
+        Structure(f"one_{one.id}", SINGLE_NAMES[kind].format(name=one.name), one.columns, True)
+        for one in found
+        if (kind := one.id.split("_")[0]) in SINGLE_NAMES and one.id != "walk_gas"
+    ]
+    for place, one in spectral:
+        if one.id != "pattern":
+            lines = _shapes(model, place)
+            singles.append(Structure(f"line_{one.id}", f"one line: {one.name}", one.columns, True, lines))
+    for place, one in spectral:
+        if one.id == "pattern":
+            name, fringes = "fringes over wavelength, always", _fringes(model, place)
+            singles.append(Structure("fringe_pattern", name, one.columns, True, fringes))
+    return singles
+
+
+SINGLE_NAMES = {
+    "walk": "one step: {name}",
+    "wave": "{name}",
+    "pattern": "one channel: {name}",
+    "gas": "one channel: {name}",
+    "released": "one channel: {name}",
+}
+MAP_PLACES = (0.01, 1 / 30, 1 / 12, 0.2, 0.5, 299 / 300, 305 / 300, 1.1)  # shares of the exposure
+GROWN = 1 / 15  # of the exposure: how fast the light of the surface comes up
+FRINGE_PHASES = np.arange(3) * np.pi / 3
+_BANDS = (
+    ("pyrometer", "gain of the pyrometer", (1.0, 1.0)),
+    ("ratio", "ratio of the pyrometer", (1.0, -1.0)),
+    ("wide", "wide band of the pyrometer", (1.0, 0.0)),
+    ("narrow", "narrow band of the pyrometer", (0.0, 1.0)),
+)
+WAVING = ("pyrometer", "ratio")
+
+
+def _walk(time):
+    """Steps (n, m) of a random walk of unit variance over the whole record, at most `WALK_STEPS` of them."""
+    places = np.unique(np.linspace(1, time.size - 1, min(WALK_STEPS, time.size - 1)).astype(int))
+    span = np.diff(np.append(time[places], time[-1] + 1.0))
+    return (np.arange(time.size)[:, None] >= places[None]) * np.sqrt(span / span.sum())
+
+
+def _waves(time, off):
+    """Oscillations (n, m) with periods from `SHORTEST_PERIOD` to the length of the test, at three phases."""
+    span = max(min(off, time[-1]), 4 * SHORTEST_PERIOD)
+    periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
+    phases = np.arange(3) * np.pi / 3
+    angle = 2 * np.pi * time[:, None, None] / periods[:, None] + phases
+    return np.sin(angle).reshape(time.size, -1)
+
+
+def _fringes(model, place):
+    r"""Fringes (C, b) :math:`\sin(2\pi n x + \varphi)` over the wavenumber x, 0 to 1 over the spectrum.
+
+    From 4 fringes (slower ones are no fringes but a slope) to what the median channel can follow.
+    """
+    wavenumber = 1 / model.instruments[place].wavelength
+    x = (wavenumber - wavenumber.min()) / np.ptp(wavenumber)
+    fastest = 0.5 / np.median(np.abs(np.diff(x)))
+    count = np.arange(4.0, max(fastest, 4.5), 0.5)
+    angle = 2 * np.pi * x[:, None, None] * count[:, None] + FRINGE_PHASES
+    return np.sin(angle).reshape(x.size, -1)
+
+
+def _shapes(model, place):
+    return line_shapes(model.instruments[place].wavelength, model.library.slit_fwhm)[0]
+
+
+def line_shapes(centre, fwhm):
+    """Shapes (C, b) of single lines behind a slit, at channels (C,) and between, and where they are (b,)."""
+    edges = np.concatenate([centre[:1], (centre[1:] + centre[:-1]) / 2, centre[-1:]])
+    where = np.sort(np.concatenate([centre, edges[1:-1]]))
+    sigma = fwhm / FWHM_PER_SIGMA
+    mean = np.diff(ndtr((edges[:, None] - where) / sigma), axis=0) / np.diff(edges)[:, None]
+    return mean / mean.max(axis=0), where
+
+
+def _common_walk(instruments, off):
+    """Steps (n, m) per instrument of a random walk of the brightness of the gas that all see."""
+    ends = np.linspace(0.0, off, WALK_STEPS + 1)[:-1]
+    return [(instrument.time[:, None] >= ends) / np.sqrt(WALK_STEPS) for instrument in instruments]
+
+
+def _spectral_patterns(model, solution, time, value, gas):
+    """Rows (n, C) of the classes of patterns over wavelength."""
+    temperature = np.maximum(model.history.basis(time) @ solution.state.knots, 250.0)
+    burning = time < model.off
+    level = np.median(gas[burning], axis=0).mean()
+    grown = -np.expm1(-np.maximum(time, 0) / (GROWN * model.off))
+    released = np.exp(np.clip(GROWTH * (1 - 1600.0 / temperature), -60, 2)) * ((time > 0) & burning)
+    one = np.ones(value.shape[1])
+    yield "pattern", "fixed pattern over wavelength", value
+    yield (
+        "surface_pattern",
+        "pattern in the light of the surface",
+        np.maximum(value - gas, 0.0) * grown[:, None],
+    )
+    yield "gas_pattern", "unknown light over wavelength, with the plasma", gas.mean(axis=1)[:, None] * one
+    yield (
+        "released_pattern",
+        "unknown light over wavelength, with a hot surface",
+        released[:, None] * level * one,
+    )
+
+
+def _smooth(model, one):
+    """Waves (w, C) over the channels and, for each, hats in time as shares (n, m): a smooth map."""
+    time = one.time
+    x = np.clip((one.wavelength - one.wavelength[0]) / (one.wavelength[-1] - one.wavelength[0]), 0, 1)
+    waves = np.cos(np.pi * np.arange(1, MAP_WAVES + 1)[:, None] * x)
+    before = 0.5 * min(time[0], -GROWN * model.off)
+    places = np.array([before, *during(MAP_PLACES, model.off)])
+    hats = np.stack([np.interp(time, places, row) for row in np.eye(places.size)], axis=1)
+    return waves, [np.kron(own, hats) for own in np.eye(MAP_WAVES)]

@@ -1,0 +1,63 @@
+"""What chance may reach: thresholds from scores drawn as if nothing were wrong."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cholesky
+
+from plasmapyro.diagnosis.select.screen import LEAST_LEFT, gain
+from plasmapyro.diagnosis.select.unknowns import Unknowns
+
+LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
+LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
+ROUNDING = 1e-5  # [1], relative, added to a singular covariance
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Calibrated by scores drawn as if nothing were wrong."""
+
+    effect: float
+    unknown: float
+    third: float
+    draws: int
+    seed: int
+    largest: np.ndarray  # sorted largest gains of the draws
+    largest_unknown: np.ndarray
+
+    def p_effect(self, value):
+        """Share of the draws beyond a gain; never 0."""
+        return (1 + np.sum(self.largest >= value)) / (1 + self.largest.size)
+
+    def p_unknown(self, value):
+        """Share of the draws beyond a log Bayes factor; never 0."""
+        return (1 + np.sum(self.largest_unknown >= value)) / (1 + self.largest_unknown.size)
+
+
+def calibrated(screen, draws, seed):
+    """Thresholds of a screen from simulated scores: the price of looking at many effects is in them."""
+    scores = simulated(screen, draws, np.random.default_rng(seed))
+    information = np.diag(screen.information)[: screen.count]
+    gains = gain(scores[:, : screen.count], information, screen.left[: screen.count])
+    best = np.sort(gains.max(axis=1))
+    unknown = np.sort(Unknowns(screen)(scores).max(axis=1)) if screen.structures else np.full(draws, -np.inf)
+    return Thresholds(
+        effect=float(np.quantile(best, 1 - LEVEL)),
+        unknown=max(float(np.quantile(unknown, 1 - LEVEL)), LEAST_UNKNOWN) if screen.structures else np.inf,
+        third=float(np.quantile(best, 1 - LEVEL / 10)),
+        draws=draws,
+        seed=seed,
+        largest=best,
+        largest_unknown=unknown,
+    )
+
+
+def simulated(screen, draws, generator):
+    """Scores (draws, m) if nothing were wrong: normal with the information as covariance."""
+    alive = (screen.left > LEAST_LEFT) & (np.diag(screen.information) > 0)
+    length = np.sqrt(np.where(alive, np.diag(screen.information), 1.0))
+    relative = np.where(alive[:, None] & alive[None], screen.information / np.outer(length, length), 0.0)
+    relative[np.diag_indices_from(relative)] = 1 + ROUNDING
+    length = np.where(alive, length, 0.0)
+    root = cholesky(relative, lower=True, check_finite=False)
+    return (generator.standard_normal((draws, length.size)) @ root.T) * length

@@ -1,0 +1,244 @@
+"""Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import least_squares
+from scipy.stats import chi2
+
+from plasmapyro.diagnosis.fit.build import GAS_SIGMA, POWER_SIGMA
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of, with_numbers
+from plasmapyro.diagnosis.simulation.simulated import Simulated
+from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
+
+LEAST, MOST = (-1.5, -3.0), (1.5, 3.0)  # of the logarithms of power and brightness
+MOST_EFFECTS = 2
+LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it states
+KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
+ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
+ANY = 20.0  # times the stated error of a strength: any strength
+MOST_WRONG = 3  # systems
+WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
+ROUNDS = 2  # of the fit without effects and the errors about it
+ROUNDING = 1e-9  # [1], relative, added to a singular covariance
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit of the simulated to the measured light: logarithms of `power` and `brightness`, and `settings`.
+
+    `covariance` of power, brightness and the numbers of the settings; `objective`: chi-squared with priors,
+    and the logarithm of the determinant of the covariance of the data.
+    """
+
+    power: float
+    brightness: float
+    settings: tuple
+    objective: float
+    covariance: np.ndarray
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the measured gas says about the simulation.
+
+    `base` and `final` fits without and with `final.settings`; `systems` and `lines` that differ; `rivals`
+    {id of a named effect: ids that explain as much}; `gains` {id: chi-squared gained alone}; `threshold` of
+    it; `p_value` of the base fit, all errors of simulation and measurement considered.
+    """
+
+    base: Fit
+    final: Fit
+    systems: tuple
+    lines: tuple
+    gains: dict
+    threshold: float
+    p_value: float
+    ratio: np.ndarray  # (K,) measured over simulated light on the axis of the library
+    rivals: dict = field(default_factory=dict)
+
+
+def compare(model, measured, effects, *, draws=1000, seed=1):
+    """Hold the measured gas against the simulated one.
+
+    .. math:: y \\sim N\\left(L(P, b, a),\\; S + E\\right)
+
+    with the measured light y and its covariance S, the simulated light L at the power P, brightness b and
+    amplitudes a of effects, and the covariance E of the error that the simulation states of itself.
+
+    Parameters
+    ----------
+    model : Model
+    measured : MeasuredGas
+    effects : mapping id -> Effect
+        That change the light of the gas, alike at all times.
+    draws, seed : int
+        Simulated spectra behind the threshold.
+
+    Returns
+    -------
+    Comparison
+    """
+    simulated = Simulated(model, measured, effects)
+    fitter, base = settled(simulated)
+    threshold = fitter.threshold(base, draws, seed)
+    alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
+    final, tried, rivals = base, alone, {}
+    _, free = least_likely(simulated, (), ())
+    while tried and len(final.settings) < MOST_EFFECTS:
+        best = min(tried, key=lambda identity: tried[identity].objective)
+        price = threshold + KIN * (base.objective - final.objective)
+        if not final.objective - tried[best].objective > price or tried[best].objective > free.objective:
+            break
+        least = tried[best].objective
+        rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective - least < ALIKE)
+        final = tried[best]
+        used = {setting.id for setting in final.settings}
+        tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
+    lines = tuple(lines_of(fitter, final, threshold))
+    # Systems beyond what is stated must not bend the power that the others are held against.
+    held, freed = without_wrong(simulated, fitter, final)
+    return Comparison(
+        base=base,
+        final=final,
+        systems=tuple(systems_of(held, freed)),
+        lines=lines,
+        gains={identity: base.objective - fit.objective for identity, fit in alone.items()},
+        threshold=threshold,
+        p_value=fitter.p_value(base),
+        ratio=measured.ratio_on(model.library.wavelength),
+        rivals=rivals,
+    )
+
+
+def settled(simulated, settings=(), wrong=()):
+    """Fitter whose errors of the simulation are relative to the light that it fits, and the fit.
+
+    Relative to the measured light, errors would be small where this one is, and fits would err downwards.
+
+    Parameters
+    ----------
+    simulated : Simulated
+    settings : effects that are switched on
+    wrong : names of radiating systems that may have any strength
+
+    Returns
+    -------
+    Fitter, Fit
+
+    Notes
+    -----
+    Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
+    """
+    fitter = Fitter(simulated, simulated.measured.simulated, wrong)
+    for _ in range(ROUNDS):
+        fit = fitter.fit(settings)
+        fitter = Fitter(simulated, fitter.light(fit), wrong)
+    return fitter, fitter.fit(settings, fit)
+
+
+def least_likely(simulated, settings, wrong):
+    """The best of the fits in which one more radiating system may have any strength, with its fitter."""
+    names = [name for name in dict.fromkeys(simulated.systems) if name not in wrong]
+    return min(
+        (settled(simulated, settings, (*wrong, name)) for name in names), key=lambda one: one[1].objective
+    )
+
+
+def without_wrong(simulated, fitter, fit):
+    """The fitter and fit in which systems whose strength is beyond what is stated may have any."""
+    while len(fitter.wrong) < MOST_WRONG:
+        tried = least_likely(simulated, fit.settings, fitter.wrong)
+        if not fit.objective - tried[1].objective > WRONG:
+            break
+        fitter, fit = tried
+    return fitter, fit
+
+
+class Fitter:
+    """Fits of power, brightness and effects to the measured gas.
+
+    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength.
+    """
+
+    def __init__(self, simulated, light, wrong=()):
+        self.simulated, self.measured, self.wrong = simulated, simulated.measured, tuple(wrong)
+        self.scale, self.sigma = light, np.array([POWER_SIGMA, GAS_SIGMA])
+        wide = np.ones((len(simulated.systems), 1))
+        for name in wrong:
+            wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
+        self.root = self.root_of(simulated.strength * wide, simulated.shape)
+
+    def root_of(self, *modes):
+        """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state."""
+        total = self.measured.covariance + self.simulated.covariance(np.concatenate(modes), self.scale)
+        total[np.diag_indices_from(total)] *= 1 + ROUNDING
+        return cholesky(total, lower=True)
+
+    def p_value(self, fit):
+        """Probability [1] of a chi-squared as large, all errors of simulation and measurement considered."""
+        rest = self.white(self.measured.value - self.light(fit))[0]
+        return float(chi2.sf(rest @ rest, rest.size))
+
+    def light(self, fit):
+        """Light (C,) of a fit, over the level."""
+        return self.simulated.light(fit.power, fit.brightness, fit.settings)
+
+    def white(self, rows, root=None):
+        """Rows (m, C) whitened."""
+        return solve_triangular(self.root if root is None else root, np.atleast_2d(rows).T, lower=True).T
+
+    def fit(self, settings, start=None):
+        """Fit with effects, from their numbers."""
+        free = free_numbers(settings)
+        first = (0.0, 0.0) if start is None else (start.power, start.brightness)
+        low = np.array([*LEAST, *(number.low for number in free)])
+        high = np.array([*MOST, *(number.high for number in free)])
+        scale = np.array([*self.sigma, *(number.sigma for number in free)])
+        centre = np.array([0.0, 0.0, *(number.centre for number in free)])
+
+        def residual(x):
+            light = self.simulated.light(x[0], x[1], with_numbers(settings, x[2:]))
+            return np.concatenate([self.white(self.measured.value - light)[0], (x - centre) / scale])
+
+        begin = np.clip(np.append(first, numbers_of(settings)), low, high)
+        found = least_squares(residual, begin, bounds=(low, high), x_scale=0.1 * scale, diff_step=1e-4)
+        covariance = np.linalg.pinv(found.jac.T @ found.jac)
+        power, brightness = (float(x) for x in found.x[:2])
+        objective = float(2 * found.cost + 2 * np.sum(np.log(np.diag(self.root))))
+        return Fit(power, brightness, with_numbers(settings, found.x[2:]), objective, covariance)
+
+    def best(self, beside, effect):
+        """The best fit with one more effect, from an amplitude of either sign and from all its shapes."""
+        size = min(effect.sigma, max(effect.bounds))
+        signs = (1.0,) if effect.bounds[0] >= 0 else (1.0, -1.0)
+        starts = [Setting(effect, sign * size, dict(shape)) for shape in effect.shapes for sign in signs]
+        fits = [self.fit((*beside.settings, start), beside) for start in starts]
+        return min(fits, key=lambda fit: fit.objective)
+
+    def threshold(self, fit, draws, seed):
+        """Chi-squared that the best effect gains in a share `LEVEL` of spectra in which nothing is wrong."""
+        light, step = self.light(fit), 1e-3
+        moved = (fit.power + step, fit.brightness), (fit.power, fit.brightness + step)
+        base = self.white([(self.simulated.light(*place, fit.settings) - light) / step for place in moved])
+        more = self.white(
+            [
+                self.simulated.light(
+                    fit.power, fit.brightness, (*fit.settings, Setting(effect, effect.step, dict(shape)))
+                )
+                - light
+                for effect in self.simulated.effects.values()
+                for shape in effect.shapes
+            ]
+        )
+        more /= np.maximum(np.linalg.norm(more, axis=1, keepdims=True), 1e-300)
+        inverse = np.linalg.inv(base @ base.T + np.diag(self.sigma**-2.0))
+        cross = more @ base.T
+        left = 1 - np.einsum("ij,jk,ik->i", cross, inverse, cross)
+        generator = np.random.default_rng(seed)
+        drawn = generator.standard_normal((draws, base.shape[1]))
+        drawn += (generator.standard_normal((draws, 2)) * self.sigma) @ base  # what the priors allow
+        score = drawn @ more.T - (drawn @ base.T) @ inverse @ cross.T
+        gains = np.where(left > 1e-6, score**2 / np.maximum(left, 1e-6), 0.0)
+        return float(np.quantile(gains.max(axis=1), 1 - LEVEL))

@@ -1,0 +1,82 @@
+"""The light of the gas alone, as the instruments measured it, beside that of the simulation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_solve
+
+from plasmapyro.diagnosis.fit.inference import pattern_sigmas
+
+DARK = 1e-3  # [1] of the level: less light is none
+
+
+@dataclass(frozen=True)
+class MeasuredGas:
+    """Light of the gas after injection, channel by channel of all instruments.
+
+    `value` (C,) over `level` (C,), the simulated light (or a share of its mean where it is dark);
+    `covariance` (C, C) of `value`: noise, calibration, what the surface adds; `wavelength` (C,) [m];
+    `instrument` (C,) the place of the instrument.
+    """
+
+    value: np.ndarray
+    covariance: np.ndarray
+    level: np.ndarray
+    simulated: np.ndarray
+    wavelength: np.ndarray
+    instrument: np.ndarray
+
+    def ratio_on(self, axis):
+        """Measured over simulated light (K,) along an axis [m], by what the last instrument sees."""
+        mine = self.instrument == self.instrument[-1]
+        light = np.maximum(self.simulated[mine], DARK)
+        order = np.argsort(self.wavelength[mine])
+        return np.interp(axis, self.wavelength[mine][order], (self.value[mine] / light)[order])
+
+
+def measured_gas(model, solution):
+    """Measured light of the gas from a fit with a free gas.
+
+    Parameters
+    ----------
+    model : Model
+    solution : Solution
+
+    Returns
+    -------
+    MeasuredGas
+    """
+    brightness = np.exp(solution.state.values[model.index["gas"]])
+    levels = [model.gas_level(which) for which in range(len(model.instruments))]
+    level, simulated = (np.concatenate(rows) for rows in zip(*levels, strict=True))
+    lines = np.concatenate(solution.state.lines)
+    value = brightness * (simulated / level + lines)
+    places, at = [], len(solution.covariance)
+    for one in model.instruments:
+        for which, sigma in enumerate(pattern_sigmas(one)):
+            if not sigma.any():
+                continue
+            if which == 2:
+                places.append(np.arange(at, at + one.channels))
+            at += one.channels
+    places = np.concatenate([[model.size + model.index["gas"]], *places])
+    chosen = np.zeros((solution.factor[0].shape[0], places.size))
+    chosen[places, np.arange(places.size)] = 1.0
+    covariance = cho_solve(solution.factor, chosen)[places]
+    slope = np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
+    return MeasuredGas(
+        value=value,
+        covariance=slope @ covariance @ slope.T,
+        level=level,
+        simulated=simulated / level,
+        wavelength=np.concatenate([_wavelength(one) for one in model.instruments]),
+        instrument=np.concatenate(
+            [np.full(one.channels, place) for place, one in enumerate(model.instruments)]
+        ),
+    )
+
+
+def _wavelength(one):
+    if one.weight is None:
+        return one.wavelength
+    return one.weight @ one.wavelength / one.weight.sum(axis=1)

@@ -1,0 +1,76 @@
+"""The simulated gas in the channels of a test: its light at another power or with effects, and its error."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit.build import POWER_SIGMA
+from plasmapyro.diagnosis.fit.model import Model, Parameter
+
+JUST_AFTER = 1e-3  # [s] after injection: the gas as it then is, in front of a cold surface
+FAINTER, BRIGHTER = 0.1, 10.0  # [1], over the simulated light: beyond, its relative error says nothing
+COLD = 250.0  # [K]: a surface that does not shine
+
+
+class Simulated:
+    """Light of the simulated gas in the channels of a test, over its level, and the errors of it.
+
+    `strength`, `shape` (M, C): the modes of `gas.uncertainty` in the channels, `systems` (M,) whose strength
+    they are; `group` (G, C): the light in
+    groups of lines; `effects` {id: Effect} that may act on it.
+    """
+
+    def __init__(self, model, measured, effects):
+        instruments = [
+            replace(
+                one,
+                moment=np.full_like(one.moment[:1], JUST_AFTER),
+                value=one.value[:1],
+                number=one.number[:1],
+            )
+            for one in model.instruments
+        ]
+        power = Parameter("power", "simulated power (logarithm)", POWER_SIGMA)
+        self.model = Model(
+            instruments,
+            model.library,
+            model.history,
+            (*model.parameters, power),
+            model.record,
+            model.slope,
+            model.response,
+            model.lamp,
+        )
+        self.measured, self.effects = measured, effects
+        self.centre = np.array([parameter.centre for parameter in self.model.parameters])
+        self.cold = np.full(model.size, COLD)
+        self.unit = measured.simulated / self._signals(self.centre, ())
+        library = model.library
+        self.systems = library.systems
+        self.strength, self.shape, self.group = (
+            self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
+        )
+
+    def _signals(self, values, settings):
+        """Signals (C,) of all instruments, in their units."""
+        count = len(self.model.instruments)
+        found = [self.model.evaluate(which, self.cold, values, settings)[0] for which in range(count)]
+        return np.concatenate(found)
+
+    def _channels(self, spectra):
+        """Spectra (M, K) in the channels (M, C), over the level."""
+        count = len(self.model.instruments)
+        found = [self.model.signal_of(which, spectra, self.centre) for which in range(count)]
+        return self.unit * np.concatenate(found, axis=1)
+
+    def light(self, power, brightness, settings=()):
+        """Light (C,) over the level, for logarithms of power and brightness and with effects."""
+        values = self.centre.copy()
+        values[self.model.index["power"]], values[self.model.index["gas"]] = power, brightness
+        return self._signals(values, settings) * self.unit
+
+    def covariance(self, modes, light):
+        """Covariance (C, C) of the error that modes (M, C) state, relative to some light (C,)."""
+        simulated = np.where(self.measured.simulated > 0, self.measured.simulated, 1.0)
+        scaled = modes * np.clip(light / simulated, FAINTER, BRIGHTER)
+        return scaled.T @ scaled

@@ -1,0 +1,109 @@
+"""Measured over simulated light: by radiating system and multiplet, and lines that nobody simulated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.diagnosis.select.structures import line_shapes
+
+FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
+BEYOND = 3.0  # standard deviations from which a system is off
+UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
+MIDDLE = (0.05, 0.95)  # shares of the light of a group between which it is said to lie
+
+
+@dataclass(frozen=True)
+class System:
+    """One radiating system or multiplet.
+
+    `ratio` measured over simulated light at the simulated power, `error` its standard deviation as the data
+    know it, `stated` the relative one of the simulation; `by_power`: the ratio that the best power and
+    brightness would make; `wavelength` (first, last) [m] between which most of its light lies; `beyond`
+    whether what remains is more than three standard deviations of both.
+    """
+
+    name: str
+    wavelength: tuple
+    ratio: float
+    error: float
+    stated: float
+    by_power: float
+    beyond: bool
+
+
+@dataclass(frozen=True)
+class Line:
+    """Light at one wavelength [m] that the simulation lacks, or has too much of: over its mean light [1]."""
+
+    wavelength: float
+    strength: float
+    error: float
+
+
+def systems_of(fitter, fit):
+    """The `System`s of the light of a condition, those that are too faint to be measured left out.
+
+    Parameters
+    ----------
+    fitter : compare.Fitter
+        With those systems free whose strength is beyond what is stated.
+    fit : compare.Fit
+        Whose power and brightness they are held against.
+    """
+    simulated, library = fitter.simulated, fitter.simulated.model.library
+    plain, power = simulated.light(0.0, 0.0), fitter.light(fit)
+    root = fitter.root_of(simulated.shape)
+    white = fitter.white(simulated.group, root)
+    rest = fitter.white(fitter.measured.value - plain, root)[0]
+    covariance = np.linalg.inv(white @ white.T + FREE**-2.0 * np.eye(len(white)))
+    ratio, error = 1 + covariance @ (white @ rest), np.sqrt(np.diag(covariance))
+    share = simulated.group / np.maximum(simulated.group.sum(axis=1, keepdims=True), 1e-300)
+    by_power = share @ (power / np.maximum(plain, 1e-300))
+    for place, name in enumerate(library.group_name):
+        if not error[place] < UNSEEN:
+            continue
+        light = library.group[place]
+        first, last = library.wavelength[np.searchsorted(np.cumsum(light) / light.sum(), MIDDLE)]
+        stated = _stated(simulated, place)
+        off = abs(ratio[place] / by_power[place] - 1)
+        yield System(
+            name,
+            (float(first), float(last)),
+            float(ratio[place]),
+            float(error[place]),
+            stated,
+            float(by_power[place]),
+            bool(
+                off > BEYOND * np.hypot(error[place] / by_power[place], stated)
+                or any(name.startswith(one) for one in fitter.wrong)
+            ),
+        )
+
+
+def _stated(simulated, place):
+    """Relative error that the simulation states of the light of a group."""
+    weight = simulated.group[place] / max(float(np.sum(simulated.group[place] ** 2)), 1e-300)
+    return float(np.linalg.norm(simulated.strength @ weight))
+
+
+def lines_of(fitter, fit, threshold):
+    """The `Line`s that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
+    model, measured = fitter.simulated.model, fitter.measured
+    rest = fitter.white(measured.value - fitter.light(fit))[0]
+    for which, one in enumerate(model.instruments):
+        if one.weight is not None:
+            continue
+        inside = measured.instrument == which
+        level = measured.level[inside]
+        mean = float(np.mean(measured.simulated[inside] * level))
+        shapes, centres = line_shapes(one.wavelength, model.library.slit_fwhm)
+        rows = np.zeros((centres.size, measured.value.size))
+        rows[:, inside] = shapes.T * mean / level
+        white = fitter.white(rows)
+        information = np.sum(white**2, axis=1)
+        strength = white @ rest / information
+        gain = strength**2 * information
+        limit = threshold + 2 * np.log(centres.size)
+        for place in np.flatnonzero(gain > limit):
+            if gain[place] == gain[max(place - 3, 0) : place + 4].max():
+                yield Line(float(centres[place]), float(strength[place]), float(information[place] ** -0.5))

@@ -1,0 +1,110 @@
+"""The paper's temperature as the diagnosis reads it: the gas is taken off while the plasma shines only."""
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro import contracts
+from plasmapyro.diagnosis.report.kelvin import PaperShift, fitted_shift, paper_temperature
+from plasmapyro.experiment.correction import Reading
+from plasmapyro.instrument.stage import pyrometer_calibration
+from plasmapyro.record import status
+from plasmapyro.record.record import record_of
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "commands"))
+CURVE = 3.0  # [K] the quadratic curve is off by that
+KELVIN = 1500.0
+
+
+@pytest.fixture(scope="module")
+def laboratory_record():
+    import laboratory
+
+    from plasmapyro.commands.calibrate import RESPONSE
+    from plasmapyro.instrument.stage import band_response
+
+    source = np.arange(973.0, 1774.0, 100.0)
+    wide, narrow = laboratory.signals(source)
+    points = laboratory.xr.Dataset(
+        {
+            "source_temperature": ("calibration_point", source),
+            "signal_wide": ("calibration_point", wide),
+            "signal_narrow": ("calibration_point", narrow),
+        }
+    )
+    calibration = pyrometer_calibration(
+        band_response(**RESPONSE),
+        points,
+        source_temperature_uncertainty=3.0,
+        signal_uncertainty=0.01,
+        instrument_range=(973.0, 2073.0),
+        calibration_temperature=np.arange(900.0, 2101.0, 50.0),
+        draws=20,
+        seed=1,
+    )
+    test = contracts.label(laboratory.made(spectrometer=False), "test")
+    record = record_of(test, {"pyrometer": calibration}, needed=["pyrometer"])
+    reading = Reading.of(
+        calibration,
+        1.0,
+        signal_uncertainty=0.01,
+        gas_variation=0.03,
+        detection_level=2.0,
+        least_surface_share=0.5,
+    )
+    surface = laboratory.EMITTANCE * laboratory.signals(np.full(3, KELVIN))
+    gas = laboratory.signals(laboratory.GAS) * np.array([1.0, 0.2])
+    return record, reading, surface, gas[:, None]
+
+
+def test_the_gas_is_taken_off_until_the_plasma_is_off(laboratory_record):
+    record, reading, surface, gas = laboratory_record
+    moment = np.array([30.0, 50.0, 52.0])  # the plasma goes off at 50 s
+    temperature, state = paper_temperature(
+        (surface + 3 * gas * [1, 1, 0]).T, moment, record, reading, (3 * gas[:, 0], np.zeros(2))
+    )
+    np.testing.assert_allclose(temperature, KELVIN, atol=CURVE)
+    assert (state == status.VALID).all()
+
+
+def test_the_reference_is_the_mean_of_the_test_in_its_window(laboratory_record):
+    record, reading, surface, gas = laboratory_record
+    moment = np.array([30.0, 50.0, 52.0])
+    temperature, _ = paper_temperature((surface + gas * [1, 1, 0]).T, moment, record, reading)
+    np.testing.assert_allclose(temperature, KELVIN, atol=CURVE)
+
+
+def test_a_shift_is_looked_for_where_the_surface_is_warm_and_in_the_span():
+    knots = np.arange(6.0)
+    solution = SimpleNamespace(
+        state=SimpleNamespace(knots=np.array([800.0, 899.0, 901.0, 1500.0, 1500.0, 1500.0]))
+    )
+    model = SimpleNamespace(history=SimpleNamespace(knots=knots))
+    found = SimpleNamespace(shift=np.array([[90.0], [80.0], [-7.0], [5.0], [6.0], [70.0]]))
+    assert fitted_shift(model, solution, found, 0, 2.0, (0.0, 4.0)) == (-14.0, 2.0)
+    assert fitted_shift(model, solution, found, 0, 2.0, (3.0, 5.0)) == (140.0, 5.0)
+
+
+def test_a_term_that_brightens_the_wide_band_costs_kelvin_upwards(laboratory_record):
+    record, reading, surface, gas = laboratory_record
+    moment = np.array([2.0, 30.0, 40.0])  # one in the reference window, two of a hot surface
+
+    def evaluate(which, knots, values, settings, gas_error):
+        seen = surface * [0, 1, 1] + gas
+        return (seen * (1 + np.array([[0.02], [0.0]]) * bool(settings) * (moment == 30))).T
+
+    model = SimpleNamespace(
+        instruments=[SimpleNamespace(kind="pyrometer", time=moment, number=np.ones((3, 2)))],
+        record=record,
+        evaluate=evaluate,
+    )
+    solution = SimpleNamespace(state=SimpleNamespace(knots=None, values=None, lines=[0.0]))
+    shift = PaperShift(model, solution, reading)
+    effect = SimpleNamespace(instruments=("pyrometer",), bounds=(-1.0, 1.0))
+    change, worst = shift(effect, 0.02, None)
+    # The ratio rises by 0.08 per unit of ln S, ln S by 9.4 per unit of ln T: 2 % are 2.7 % of 1500 K, 40 K.
+    assert worst == 30.0 and 25.0 < change < 45.0
+    assert shift(SimpleNamespace(instruments=("spectrometer",)), 0.02, None) == (0.0, 0.0)

@@ -1,0 +1,115 @@
+"""A gas that is measured: the names of all else do not depend on what the simulation says of it, and the
+simulation is told where it differs."""
+
+import numpy as np
+import pytest
+from small_laboratory import OFF, temperature_of
+
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit import first_gas
+from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.gas.uncertainty import LEAST_STRENGTH, OF_BANDS, error_modes
+from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.diagnosis.simulation.compare import compare
+from plasmapyro.diagnosis.simulation.measured import measured_gas
+from plasmapyro.record.record import record_of
+
+OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if effect.steady_gas}
+NOT_OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if not effect.steady_gas}
+CLOSE = 0.08  # [1] of ln of the power: its prior, the errors that the simulation states allow no better
+STRAY = 2.0  # [K] rms: what noise of 1 % in a thousand samples leaves
+
+
+@pytest.fixture(scope="module")
+def fitted(radiation, variations, response, calibration):
+    """Base fit of a test, by what `radiation` simulates or by another gas."""
+
+    def make(test, simulated=None):
+        library = gas_library("80kW", simulated or radiation, variations, fwhm=0.75e-9)
+        record = record_of(test, {"pyrometer": calibration, "spectrometer": None})
+        with np.errstate(all="ignore"):
+            return fit_base(base_model(record, library, calibration, response))
+
+    return make
+
+
+def foreign(radiation, factor):
+    """Another simulation: the light of each component times a factor (3, K)."""
+    found = {}
+    for name, own in radiation.items():
+        parts = own["gas_radiance_component_slit"] * factor
+        found[name] = own.assign(
+            gas_radiance_component_slit=parts, gas_radiance_slit=("wavelength_slit", parts.values.sum(axis=0))
+        )
+    return found
+
+
+def compared(base, final=None):
+    with np.errstate(all="ignore"):
+        return compare(base.model, measured_gas(base.model, final or base.solution), OF_GAS, draws=300)
+
+
+def temperature_error(base, solution):
+    time = np.linspace(20.0, OFF - 1, 50)
+    return base.model.history.basis(time) @ solution.state.knots - temperature_of(time)
+
+
+@pytest.mark.parametrize("power", [60e3, 105e3])
+def test_a_gas_several_times_as_strong_is_measured_and_tells_its_power(fitted, record, power):
+    """Lines change by factors of 0.1 to 7; a fit that starts from the simulated gas ends far away."""
+    base = fitted(record(power=power))
+    assert base.solution.converged and base.solution.chi2 / base.solution.count < 1.1
+    assert np.sqrt(np.mean(temperature_error(base, base.solution) ** 2)) < STRAY
+    assert compared(base).base.power == pytest.approx(np.log(power / 80e3), abs=CLOSE)
+
+
+def test_brightness_before_and_after_the_injection_is_guessed(fitted, record):
+    base = fitted(record())
+    values, _ = first_gas.guess(base.model)
+    assert values[base.model.index["before_injection"]] == pytest.approx(np.log(1.6), abs=0.02)
+    assert values[base.model.index["gas"]] == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize("hidden", [{}, {"window_loss": 0.05}], ids=["nothing", "window"])
+def test_a_gas_that_the_simulation_does_not_know_changes_no_name(fitted, record, radiation, axis, hidden):
+    """Bands 12 % off with a shape of 6 % over 15 nm, lines 7 % off: of two engines both may be right."""
+    waves = np.exp(0.12 + 0.06 * np.sin(axis / 2.4e-9))
+    other = foreign(radiation, np.array([1.07 + 0 * axis, 0.93 + 0 * axis, waves]))
+    base = fitted(record(**hidden), other)
+    with np.errstate(all="ignore"):
+        found = select(base, NOT_OF_GAS, draws=500)
+    names = [setting.id for setting in found.final.settings]
+    assert names == (["winE"] if hidden else []) and found.unknown_class is None
+    assert np.sqrt(np.mean(temperature_error(base, found.final) ** 2)) < STRAY
+    assert compared(base, found.final).rivals == {}
+
+
+def test_bands_that_are_too_strong_are_listed_with_sign_and_size(fitted, record, radiation, axis):
+    """The simulation has 0.4 of the bands: far beyond the tenth that it states, and lines as they are."""
+    other = foreign(radiation, np.array([1.0 + 0 * axis, 1.0 + 0 * axis, 0.4 + 0 * axis]))
+    found = compared(fitted(record(), other))
+    bands = [one for one in found.systems if one.name.startswith("N2 1P") and one.beyond]
+    assert bands
+    assert [one.ratio for one in bands] == pytest.approx([1 / 0.4] * len(bands), rel=0.05)
+    assert not any(one.beyond for one in found.systems if "N2 1P" not in one.name)
+
+
+def test_a_line_that_nobody_simulated_is_found_at_its_wavelength(fitted, record, radiation, axis):
+    """The simulation lacks the line at 926.6 nm, one of four."""
+    gone = np.where(np.abs(axis - 926.6e-9) < 2e-9, 0.0, 1.0)
+    other = foreign(radiation, np.array([gone, 1.0 + 0 * axis, 1.0 + 0 * axis]))
+    lines = [line for line in compared(fitted(record(), other)).lines if line.strength > 0]
+    assert min(abs(line.wavelength - 926.6e-9) for line in lines) < 0.8e-9  # a pixel
+
+
+def test_the_errors_that_a_simulation_states_add_up(axis):
+    """A grey band: its strength as stated, but for a floor, and at each wavelength shapes of two lengths."""
+    light = np.ones((1, axis.size))
+    strength, shape, systems = error_modes(axis, ["N2+ Meinel"], light, [0.3])
+    assert systems == ("N2+ Meinel",)
+    np.testing.assert_allclose(np.sum(strength**2, axis=0), 0.3**2, rtol=1e-12)
+    np.testing.assert_allclose(np.sum(shape**2, axis=0), 2 * OF_BANDS**2, rtol=1e-3)
+    strength, *_ = error_modes(axis, ["N2+ Meinel"], light, [0.01])
+    np.testing.assert_allclose(np.sum(strength**2, axis=0), LEAST_STRENGTH**2, rtol=1e-12)
