@@ -1,0 +1,163 @@
+"""`plasmapyro correct-reading`: surface temperatures where only the displayed temperature was logged."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.analysis.reading import STATUS, correct_reading
+from plasmapyro.commands.options import count, not_negative, option, positive, seed, share
+from plasmapyro.commands.outputs import require_writable
+from plasmapyro.readers import text, units
+
+LARGEST = 96_000_000  # [byte]
+DESCRIPTION = """\
+Turn the temperatures that a two-colour pyrometer displayed through the plasma into those of the surface, with
+the light that the gas of a computed condition adds, and a 95 % interval.
+
+READING is a text table with a time and a temperature column, such as 'time [s], Ts [K]'. Behind the gas two
+surface temperatures give one reading; the hot one is given, and the other beside it. An ablating surface
+adds light of its own, which no simulation of air holds: what comes out is then no more than the share of the
+air in the error."""
+EXAMPLE = """\
+example:
+  plasmapyro correct-reading stag_point_temp.dat --condition 60kW --out surface.nc --floor-k 1264
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+HEADER = {"time": ("time", "t"), "temperature": ("ts", "temperature", "t_app", "reading")}
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "correct-reading",
+        help="surface temperatures from logged readings, through the gas of a computed condition",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("reading", metavar="READING", help="text table of time and displayed temperature")
+    command.add_argument("--condition", required=True, metavar="NAME", help="power condition, such as 60kW")
+    command.add_argument("--out", required=True, metavar="FILE.nc", help="what comes out")
+    command.add_argument("--results", default="results", metavar="FOLDER", help="of the workflow")
+    instrument = command.add_argument_group("instrument")
+    option(instrument, "--slope", positive, 1.0, "slope setting, told emittance ratio wide over narrow")
+    option(instrument, "--floor-k", not_negative, 0.0, "least temperature that is displayed [K]")
+    option(instrument, "--quantum-k", not_negative, 1.0, "step of the display [K]")
+    option(instrument, "--noise-k", not_negative, 0.0, "standard deviation of one reading [K]")
+    surface = command.add_argument_group("surface")
+    surface.add_argument("--emittance", type=positive, metavar="X", help="default: that of the condition")
+    option(surface, "--emittance-uncertainty", share, 0.05, "relative")
+    option(surface, "--at-least-k", not_negative, 0.0, "the surface is known to be no colder [K]")
+    simulation = command.add_argument_group("gas")
+    option(simulation, "--power-uncertainty", share, 0.05, "of the power in the gas, relative")
+    option(simulation, "--engine-uncertainty", share, 0.1, "of the gas's light in each band, relative")
+    option(simulation, "--draws", count, 400, "draws of the interval")
+    option(simulation, "--seed", seed, 1, "of the draws")
+
+
+def run(options):
+    """Run `plasmapyro correct-reading`: a table and the results of a workflow in, one netCDF out."""
+    folder = Path(options.results)
+    paths = {
+        "gas_signal": folder / "analysis/gas_signal.nc",
+        "response": folder / "instrument/response.nc",
+        "ratio_curve": folder / "instrument/ratio_curve.nc",
+    }
+    require_writable([options.out], [options.reading, folder])
+    time, reading = read_readings(options.reading)
+    result = correct_reading(
+        *(io.read(path, contract) for contract, path in paths.items()),
+        condition=options.condition,
+        time=time,
+        reading=reading,
+        slope=options.slope,
+        quantum=options.quantum_k,
+        floor=options.floor_k,
+        at_least=options.at_least_k,
+        noise=options.noise_k,
+        emittance=options.emittance,
+        emittance_uncertainty=options.emittance_uncertainty,
+        power_uncertainty=options.power_uncertainty,
+        engine_uncertainty=options.engine_uncertainty,
+        draws=options.draws,
+        seed=options.seed,
+    )
+    skipped = {"run", "reading", "results", "out"}
+    settings = {name: value for name, value in vars(options).items() if name not in skipped}
+    io.write(
+        result,
+        options.out,
+        "corrected_reading",
+        sources=[options.reading, *paths.values()],
+        config={"correct-reading": settings},
+    )
+    sys.stdout.write("\n".join(summary(result)) + "\n")
+
+
+def read_readings(path):
+    """Time [s] and displayed temperature [K] of a text table with a header that states the units.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    tuple of (t,) ndarray
+
+    Raises
+    ------
+    ValueError
+        No header with both columns and their units, a cell that is no number, a time that does not rise.
+    """
+    lines, _ = text.read_lines(path, LARGEST)
+    head = lines[0].lower().replace("[", " [").split("]")
+    cells = [cell.strip(" ,;\t").split(" [") for cell in head if " [" in cell]
+    found = {}
+    for place, (name, unit) in enumerate((cell[0].strip(), cell[-1].strip()) for cell in cells):
+        for kind, words in HEADER.items():
+            if name in words:
+                found[kind] = place, unit.upper() if unit in ("k", "c") else unit
+    if set(found) != set(HEADER):
+        text.refuse(
+            path, f"the first line {text.quote(lines[0])} names no time and temperature",
+            "write a header such as 'time [s], Ts [K]'", 1,
+        )  # fmt: skip
+    factor, shift = units.factor(found["time"][1], "time"), units.offset(found["temperature"][1])
+    if factor is None or units.factor(found["temperature"][1], "temperature") is None:
+        text.refuse(path, f"unknown unit in {text.quote(lines[0])}", "write [s] and [K] or [C]", 1)
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        words = line.replace(",", " ").replace(";", " ").split()
+        if not words:
+            continue
+        values = [text.number(word) for word in words]
+        if len(values) != len(cells) or None in values:
+            text.refuse(path, f"{text.quote(line)} is no row of numbers", "correct or remove it", number)
+        rows.append(values)
+    if not rows:
+        text.refuse(path, "holds no reading", "export it with its samples")
+    table = np.array(rows)
+    time = table[:, found["time"][0]] * factor
+    if np.any(np.isnan(time)) or np.any(np.diff(time) <= 0):
+        text.refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
+    return time, table[:, found["temperature"][0]] + shift
+
+
+def summary(result):
+    """Lines that say what came out."""
+    status = result.corrected_reading_status.values
+    lines = [f"{int((status == code).sum())} {words.replace('_', ' ')}" for code, words in STATUS.items()]
+    lines = [line for line in lines if not line.startswith("0 ")]
+    error = (result.apparent_temperature - result.surface_temperature).values
+    if np.isfinite(error).any():
+        lines.append(
+            f"the gas moves these readings by {np.nanmin(error):+.1f} to {np.nanmax(error):+.1f} K; "
+            f"least reading behind it {result.attrs['least_reading']:.0f} K"
+            f" (surface of {result.attrs['turning_temperature']:.0f} K)"
+        )
+    return lines

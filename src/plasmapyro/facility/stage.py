@@ -1,0 +1,138 @@
+"""Stages of the facility group: what probes read in each computed flow, and what measured pairs say of it."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro import tables
+from plasmapyro.checks import positive
+from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pressure, potential_edge
+from plasmapyro.facility.probes import EFFECTIVE_RADIUS, enthalpy, pitot_pressure
+from plasmapyro.facility.stagnation_line import solve
+from plasmapyro.facility.verdict import judge
+
+TORCH_WALLS = ("back_wall", "tube_wall")
+
+
+def probe_readings(
+    flow, gas, *, rates, recombination, probe_radius, wall_temperature, pitot_radius, measured=None
+):
+    """What a calorimeter and Pitot probes read in one computed flow, beside what was measured there.
+
+    Parameters
+    ----------
+    flow, gas : Datasets, contracts 'flow' and 'gas'
+    rates : sequence of str
+        Sets of reaction rates, see `kinetics`.
+    recombination : sequence of float [1]
+        Of the calorimeter, each computed from the solution of the one before.
+    probe_radius : float [m]
+        Of the hemisphere.
+    wall_temperature : float [K]
+    pitot_radius : sequence of float [m]
+    measured : mapping, optional
+        The key `measured` of a condition in SI: quantity -> mapping of value, uncertainty and probe.
+
+    Returns
+    -------
+    Dataset, contract 'probe_readings'
+    """
+    radius = float(positive("probe_radius", probe_radius, "m"))
+    edge, jet = edge_ahead(flow, radius), jet_ahead(flow, radius)
+    whole = solve(edge, radius, wall_temperature=wall_temperature, recombination=1.0, chemistry="equilibrium")
+    flux = np.empty((len(rates), len(recombination)))
+    for row, name in zip(flux, rates, strict=True):
+        line = None
+        for column, gamma in enumerate(recombination):
+            line = solve(
+                edge,
+                radius,
+                wall_temperature=wall_temperature,
+                recombination=gamma,
+                chemistry=name,
+                start=line,
+            )
+            row[column] = line.heat_flux
+    pitot = [pitot_pressure(jet, one, wall_temperature=wall_temperature) for one in pitot_radius]
+    scalars = {
+        "numerical_power": float(flow.numerical_power),
+        "own_heat_flux": own_heat_flux(flow, gas),
+        "own_pressure": own_pressure(flow),
+        "equilibrium_heat_flux": whole.heat_flux,
+        "edge_temperature": edge.temperature,
+        "edge_enthalpy": enthalpy(edge),
+        "jet_speed": jet.speed,
+    }
+    found = xr.Dataset(
+        {
+            "stagnation_heat_flux": (("rates", "recombination"), flux),
+            "pitot_pressure": ("pitot_radius", pitot),
+            **{name: ((), value) for name, value in scalars.items()},
+        },
+        {"rates": list(rates), "recombination": list(recombination), "pitot_radius": list(pitot_radius)},
+        {"probe_radius": radius, "wall_temperature": float(wall_temperature)},
+    )
+    if not measured:
+        return found
+    rows = [_beside(name, one, flow, edge, jet, rates[0]) for name, one in measured.items()]
+    names = ("measured_value", "measured_uncertainty", "simulated_low", "simulated_high")
+    values = np.array([row[1:] for row in rows], dtype=float).T
+    return found.assign(
+        {name: ("measurement", column) for name, column in zip(names, values, strict=True)}
+        | {"measured_unit": ("measurement", [row[0] for row in rows])}
+    ).assign_coords(measurement=list(measured))
+
+
+def _beside(name, measured, flow, edge, jet, rates):
+    """Unit, measured value and uncertainty, and the least and largest value that the flow gives."""
+    known = measured["value"], measured["uncertainty"]
+    if name == "heat_flux":
+        radius = measured["radius"] * EFFECTIVE_RADIUS[measured["shape"]]
+        there = potential_edge(_at_edge(jet, edge), radius)
+        wall = measured["wall_temperature"]
+        ends = [
+            solve(there, radius, wall_temperature=wall, recombination=one, chemistry=rates).heat_flux
+            for one in measured["recombination"]
+        ]
+        return "W m-2", *known, min(ends), max(ends)
+    if name == "pitot_pressure":
+        reading = pitot_pressure(jet, measured["radius"], wall_temperature=measured["wall_temperature"])
+        return "Pa", *known, reading, reading
+    if name == "coil_current":
+        return "A", *known, *2 * [float(flow.coil_current)]
+    if name == "water_heat":
+        heat = float(flow.boundary_heat_flow.sel(boundary=list(TORCH_WALLS)).sum())
+        return "W", *known, heat, heat
+    return "W", *known, *2 * [float(flow.numerical_power)]
+
+
+def _at_edge(jet, edge):
+    return type(jet)(edge.temperature, jet.pressure, jet.speed, jet.gauge_pressure)
+
+
+def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_uncertainty):
+    """What measured pairs of heat flux and Pitot pressure say of a family of computed flows.
+
+    Parameters
+    ----------
+    readings : mapping of condition -> Dataset, contract 'probe_readings'
+    admissible_recombination : pair of float [1]
+        Least and largest coefficient that the literature gives for the calorimeter.
+    flux_uncertainty, pressure_uncertainty : float [1]
+        Relative standard uncertainties of a pair.
+
+    Returns
+    -------
+    Dataset, contract 'facility'
+    """
+    common = [one.drop_dims("measurement", errors="ignore") for one in readings.values()]
+    found = xr.concat(common, xr.Variable("condition", list(readings)), combine_attrs="override")
+    found = found.sortby(["own_pressure", "condition"])
+    pairs = tables.load("facility/plasmatron_pairs")
+    found = found.assign_coords(pair=list(pairs["pair"])).assign(
+        pair_heat_flux=("pair", pairs["heat_flux"]),
+        pair_pressure=("pair", pairs["dynamic_pressure"]),
+        pair_flux_uncertainty=("pair", flux_uncertainty * pairs["heat_flux"]),
+        pair_pressure_uncertainty=("pair", pressure_uncertainty * pairs["dynamic_pressure"]),
+    )
+    found.attrs["admissible_recombination"] = list(admissible_recombination)
+    return judge(found, admissible_recombination)

@@ -1,0 +1,145 @@
+"""Which known causes can bring a family of flows onto a measured pair, and how much of each it takes."""
+
+import numpy as np
+
+SUFFICES = 2.0  # standard uncertainties within which a cause explains
+WORDS = {
+    1: "explains: some admissible recombination meets the pair",
+    0: "does not explain: too much heat at the measured pressure, whatever admissible recombination",
+    -1: "does not explain: too little heat at the measured pressure, whatever admissible recombination",
+    2: "not known: the measured pressure lies outside that of the flows",
+}
+
+
+def judge(found, admissible):
+    r"""Add to readings and pairs what each pair asks of recombination, probe and momentum.
+
+    At the measured pressure (read by each Pitot probe) the flows give q(gamma): `needed_recombination` is the
+    gamma that meets the measured flux, NaN where none does; `heat_left` is q over the measured flux at both
+    ends of the admissible recombination. The other way round, `momentum_left` is the measured pressure over
+    that of the flow which gives the measured flux: what momentum, or a mixing that makes the jet colder at
+    the same momentum, would have to supply.
+
+    Parameters
+    ----------
+    found : Dataset
+        With the variables of contract 'facility' but those of the verdict, sorted by pressure.
+    admissible : pair of float [1]
+
+    Returns
+    -------
+    Dataset, contract 'facility'
+    """
+    gamma = found.recombination.values
+    shape = tuple(found.sizes[name] for name in ("pair", "rates", "pitot_radius"))
+    needed, verdict = np.full(shape, np.nan), np.empty(shape, dtype="int8")
+    heat, momentum = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
+    power = np.full((shape[0], shape[2]), np.nan)
+    for pair, rates, radius in np.ndindex(shape):
+        pressure = found.pitot_pressure.values[:, radius]
+        flux = found.stagnation_heat_flux.values[:, rates]
+        target, goal = found.pair_heat_flux.values[pair], found.pair_pressure.values[pair]
+        at_ends = np.stack([_along(one, gamma, flux) for one in admissible])  # (2, condition)
+        momentum[pair, rates, radius] = [goal / _inside(target, ends, pressure) for ends in at_ends]
+        if not pressure[0] <= goal <= pressure[-1]:
+            verdict[pair, rates, radius] = 2
+            continue
+        there = np.array([_inside(goal, pressure, column) for column in flux.T])
+        power[pair, radius] = _inside(goal, pressure, found.numerical_power.values)
+        needed[pair, rates, radius] = _recombination(target, there, gamma)
+        ends = np.array([_inside(goal, pressure, one) for one in at_ends])
+        heat[pair, rates, radius] = ends / target
+        margin = SUFFICES * found.pair_flux_uncertainty.values[pair]
+        verdict[pair, rates, radius] = (
+            0 if ends.min() > target + margin else -1 if ends.max() < target - margin else 1
+        )
+    dims = ("pair", "rates", "pitot_radius")
+    return found.assign(
+        needed_recombination=(dims, needed),
+        heat_left=((*dims, "bound"), heat),
+        momentum_left=((*dims, "bound"), momentum),
+        matching_power=(("pair", "pitot_radius"), power),
+        pair_verdict=(
+            dims,
+            verdict,
+            {"flag_values": np.array(list(WORDS), "int8"), "flag_meanings": _flags()},
+        ),
+    )
+
+
+def _flags():
+    return "explains too_much_heat too_little_heat pressure_outside"
+
+
+def _along(gamma, known, flux):
+    """Heat flux (condition,) at one recombination, linear in gamma / (gamma + middle) of the known ones."""
+    order = np.argsort(known)
+    return np.array([np.interp(_scale(gamma), _scale(known[order]), row[order]) for row in flux])
+
+
+def _recombination(target, flux, known):
+    """Recombination at which the heat flux is `target`; NaN outside the known ones."""
+    order = np.argsort(known)
+    rising = flux[order]
+    if not rising[0] <= target <= rising[-1]:
+        return np.nan
+    part = np.interp(target, rising, _scale(known[order]))
+    return MIDDLE * part / (1 - part)
+
+
+MIDDLE = 0.01  # recombination that lets pass half of what meets a copper wall at 50 mbar, in Goulard's form
+
+
+def _scale(gamma):
+    return np.asarray(gamma) / (np.asarray(gamma) + MIDDLE)
+
+
+def _inside(x, known, values):
+    """Linear in the logarithms; NaN outside."""
+    if not known[0] <= x <= known[-1]:
+        return np.nan
+    return float(np.exp(np.interp(np.log(x), np.log(known), np.log(values))))
+
+
+def as_markdown(found):
+    """The verdict as a page.
+
+    Parameters
+    ----------
+    found : Dataset, contract 'facility'
+
+    Returns
+    -------
+    str
+    """
+    low, high = found.attrs["admissible_recombination"]
+    lines = [
+        "# What measured pairs of heat flux and Pitot pressure say of these flows",
+        "",
+        f"Admissible recombination {low:g} to {high:g}. Heat left: computed over measured heat flux at the"
+        " measured pressure, at both ends. Momentum left: measured over computed pressure where the heat"
+        " flux is the measured one.",
+        "",
+        "| pair | rates | Pitot radius | power there | recombination needed | heat left | momentum left | |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for pair, name in enumerate(found.pair.values):
+        for rates, kind in enumerate(found.rates.values):
+            for radius, size in enumerate(found.pitot_radius.values):
+                at = pair, rates, radius
+                lines.append(
+                    f"| {name} | {kind} | {size * 1e3:g} mm | "
+                    f"{_word(found.matching_power.values[pair, radius] / 1e3, '.0f', ' kW')} | "
+                    f"{_word(found.needed_recombination.values[at], '.4f')} | "
+                    f"{_words(found.heat_left.values[at])} | {_words(found.momentum_left.values[at])} | "
+                    f"{WORDS[int(found.pair_verdict.values[at])]} |"
+                )
+    return "\n".join(lines) + "\n"
+
+
+def _word(value, form, unit=""):
+    return f"{value:{form}}{unit}" if np.isfinite(value) else "-"
+
+
+def _words(pair):
+    return " to ".join(_word(one, ".2f") for one in pair)

@@ -1,0 +1,122 @@
+"""Displayed temperatures go back through the gas: a synthetic record with known truth comes back."""
+
+import numpy as np
+import pytest
+from gas_signals import POWERS, gas
+from test_analysis_stage import calibration, response
+
+from plasmapyro import contracts
+from plasmapyro.analysis import reading as module
+from plasmapyro.analysis.reading import correct_reading
+from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio
+
+PRIORS = {"emittance_uncertainty": 0.05, "power_uncertainty": 0.02, "engine_uncertainty": 0.05}
+SEED = {"draws": 300, "seed": 3}
+INVERSION = 0.02  # [K]: straight lines between surfaces 2 K apart
+COVERAGE = (0.92, 0.98)
+
+
+def display(truth, light, emittance=0.85, slope=1.0, colour=1.0):
+    """What the instrument shows of a surface [K] behind light (wide, narrow), by its definition."""
+    bands = [
+        emittance * tint * blackbody_signal(truth, response().wavelength.values, response()[name].values)
+        for name, tint in (("responsivity_wide", colour), ("responsivity_narrow", 1.0))
+    ]
+    curve = calibration()
+    ratio = 0.315 * (bands[0] + light[0]) / (bands[1] + light[1]) / slope
+    return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)[0]
+
+
+def correct(readings, condition="110kW", powers=POWERS, **options):
+    options = {**PRIORS, **SEED, **options}
+    times = np.arange(len(readings), dtype=float)
+    return correct_reading(
+        gas(powers), response(), calibration(), condition=condition, time=times, reading=readings, **options
+    )
+
+
+def test_a_reading_gives_its_hot_and_its_cold_surface():
+    truth = np.array([1450.0, 1700.0, 2200.0])
+    shown = display(truth, POWERS["110kW"])
+    assert shown[0] > truth[0] + 10
+    found = correct(shown)
+    assert found.surface_temperature.values == pytest.approx(truth, abs=INVERSION)
+    cold = found.other_temperature.values
+    assert np.all(cold < found.attrs["turning_temperature"])
+    assert display(cold, POWERS["110kW"]) == pytest.approx(
+        shown, abs=1.0
+    )  # as steep as 40 K per kelvin there
+    assert list(found.corrected_reading_status.values) == [1, 1, 1]
+    contracts.check(contracts.label(found, "corrected_reading"), "corrected_reading")
+
+
+def test_a_thermocouple_below_the_surface_leaves_one_of_them():
+    shown = display(np.array([1700.0]), POWERS["110kW"])
+    found = correct(shown, at_least=1300.0)
+    assert found.corrected_reading_status.values[0] == 0
+    assert np.isnan(found.other_temperature.values[0])
+
+
+def test_without_gas_the_reading_is_the_truth():
+    powers = {"60kW": (1e-9, 1e-9), "90kW": (2e-9, 2e-9)}
+    found = correct(np.array([1200.0, 1800.0]), "60kW", powers)
+    assert found.surface_temperature.values == pytest.approx([1200.0, 1800.0], abs=INVERSION)
+
+
+def test_the_slope_setting_is_undone():
+    truth = np.array([1600.0])
+    shown = display(truth, POWERS["90kW"], slope=1.03)
+    assert correct(shown, "90kW", slope=1.03).surface_temperature.values == pytest.approx(
+        truth, abs=INVERSION
+    )
+    assert abs(correct(shown, "90kW").surface_temperature.values - truth) > 20.0
+
+
+def test_what_cannot_be_corrected_is_said():
+    least = correct(np.array([1500.0])).attrs["least_reading"]
+    found = correct(np.array([np.nan, 1100.0, least - 5.0, least + 0.5, 1700.0]), floor=1200.0)
+    assert list(found.corrected_reading_status.values) == [3, 3, 2, 4, 1]
+    assert np.isnan(found.surface_temperature.values[:4]).all()
+    assert correct(np.array([4500.0])).corrected_reading_status.values[0] == 5
+
+
+def test_the_interval_holds_the_truth_and_the_error_falls_threefold():
+    """A hundred gases, surfaces and noises drawn from the uncertainties, none the nominal one."""
+    random = np.random.default_rng(11)
+    held, before, after = [], [], []
+    elasticity = module._elasticity(gas(), "110kW", 1.0)
+    for number in range(100):
+        power, bands = 0.02 * random.standard_normal(), 0.05 * random.standard_normal(2)
+        light = np.array(POWERS["110kW"]) * np.exp(elasticity * power + bands)
+        truth = random.uniform(1400.0, 1900.0, 6)
+        shown = display(truth, light, 0.85 * np.exp(0.05 * random.standard_normal()))
+        shown = np.round(shown + 2.0 * random.standard_normal(6))
+        found = correct(shown, quantum=1.0, noise=2.0, seed=number)
+        good = np.isin(found.corrected_reading_status.values, (0, 1))
+        low, high, middle = (found[f"surface_temperature{end}"].values[good] for end in ("_low", "_high", ""))
+        held.extend((truth[good] >= low) & (truth[good] <= high))
+        wrong = np.abs(shown[good] - truth[good]) >= 30.0
+        before.extend(np.abs(shown[good] - truth[good])[wrong])
+        after.extend(np.abs(middle - truth[good])[wrong])
+    assert COVERAGE[0] <= np.mean(held) <= COVERAGE[1]
+    assert len(before) > 20
+    assert np.mean(after) < np.mean(before) / 3
+
+
+def test_same_seed_same_interval_and_another_seed_another():
+    one, same, other = (correct(np.array([1600.0]), seed=seed) for seed in (1, 1, 2))
+    assert one.identical(same)
+    assert not one.surface_temperature_low.equals(other.surface_temperature_low)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"condition": "95kW"}, "no condition '95kW'; known: 60kW, 90kW, 110kW, 130kW"),
+        ({"slope": 0.0}, "slope must be > 0"),
+        ({"powers": {"110kW": (20.0, 4.0)}}, "needs a second condition"),
+    ],
+)
+def test_what_means_nothing_is_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        correct(np.array([1500.0]), **options)

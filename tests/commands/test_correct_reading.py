@@ -1,0 +1,74 @@
+"""The command that corrects logged readings: one table in, one file out, faults in one sentence."""
+
+import numpy as np
+import pytest
+from gas_signals import gas
+
+from plasmapyro import cli, io
+from plasmapyro.commands.calibrate import RESPONSE
+from plasmapyro.commands.correct_reading import read_readings
+from plasmapyro.instrument.stage import band_response, ratio_curve
+
+
+@pytest.fixture
+def results(tmp_path):
+    folder = tmp_path / "results"
+    response = band_response(**RESPONSE)
+    curve = ratio_curve(
+        response,
+        sensitivity_ratio=0.315,
+        calibration_temperature=np.arange(300.0, 10000.0, 10.0),
+        instrument_range=[973.0, 2073.0],
+    )
+    io.write(gas(), folder / "analysis/gas_signal.nc", "gas_signal")
+    io.write(response, folder / "instrument/response.nc", "response")
+    io.write(curve, folder / "instrument/ratio_curve.nc", "ratio_curve")
+    return folder
+
+
+def run(results, table, *more):
+    path, out = results.parent / "log.dat", results.parent / "out.nc"
+    path.write_text(table)
+    status = cli.main(["correct-reading", str(path), "--results", str(results), "--out", str(out), *more])
+    return status, out
+
+
+def test_a_log_becomes_a_file_and_a_summary(results, capsys):
+    table = "time [s] \t Ts [K] \n 1.0\t1400.5\n 2.0\t1559\n\n"
+    status, out = run(results, table, "--condition", "60kW", "--floor-k", "1264")
+    assert status == 0
+    found = io.read(out, "corrected_reading")
+    assert found.surface_temperature.values == pytest.approx([1398, 1558], abs=3)
+    assert "2 two surface temperatures" in capsys.readouterr().out
+
+
+def test_commas_and_celsius_are_taken(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time [min], temperature [C]\n0.5, 1000\n1, 1100\n")
+    time, reading = read_readings(path)
+    assert np.array_equal(time, [30.0, 60.0])
+    assert np.array_equal(reading, [1273.15, 1373.15])
+
+
+@pytest.mark.parametrize(
+    "table, message",
+    [
+        ("1 2\n3 4\n", "line 1: the first line '1 2' names no time and temperature"),
+        ("time [s] Ts [F]\n1 2\n", "line 1: unknown unit"),
+        ("time [s] Ts [K]\n1 1500\n2 x\n", "line 3: '2 x' is no row of numbers"),
+        ("time [s] Ts [K]\n2 1500\n1 1500\n", "the time does not rise"),
+        ("time [s] Ts [K]\n", "holds no reading"),
+    ],
+)
+def test_bad_tables_are_refused_in_one_sentence(results, capsys, table, message):
+    status, out = run(results, table, "--condition", "60kW")
+    assert status == 2
+    assert message in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_an_unknown_condition_is_refused(results, capsys):
+    status, out = run(results, "time [s] Ts [K]\n1 1500\n", "--condition", "61kW")
+    assert status == 2
+    assert "no condition '61kW'; known: 60kW" in capsys.readouterr().err
+    assert not out.exists()

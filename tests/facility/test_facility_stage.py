@@ -1,0 +1,160 @@
+"""Readings of probes in a flow, and what measured pairs say of a family of flows."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from half_disc import POINT, flow
+
+from plasmapyro import configuration, contracts
+from plasmapyro.facility.jet import Jet, edge_ahead, jet_ahead, own_heat_flux, own_pressure
+from plasmapyro.facility.probes import Calorimeter, heat_flux
+from plasmapyro.facility.stage import facility, probe_readings
+from plasmapyro.facility.verdict import as_markdown
+from plasmapyro.gas.stage import air_table
+from plasmapyro.quantities import in_si
+
+RADIUS, SLOPE, GRADIENT = 0.025, 4e4, 1200.0  # [m], [K m-1], [s-1]
+SCHEMA = Path(__file__).resolve().parents[2] / "config/schema_condition.yaml"
+
+
+@pytest.fixture(scope="module")
+def gas():
+    return air_table(temperature=np.arange(300.0, 7001.0, 50.0), pressure=[5000.0])
+
+
+@pytest.fixture(scope="module")
+def invented():
+    """Temperature straight from a wall at 350 K; speeds and pressure as simple functions of the distance."""
+    distance = np.concatenate([np.linspace(1e-5, 4.1e-4, 5), np.geomspace(1e-3, 0.08, 40)])
+    found = flow(lambda d: np.minimum(350 + SLOPE * d, 5400.0), distance, rays=61)
+    ahead = POINT - found.node_z.values
+    scalars = {"chamber_pressure": 5000.0, "numerical_power": 6e4, "coil_current": 550.0}
+    return (
+        found.assign(
+            axial_velocity=("node", 4000.0 * ahead),
+            radial_velocity=("node", GRADIENT * found.node_r.values),
+            pressure=("node", 5003.0 - 20.0 * ahead),
+            boundary_heat_flow=("boundary", [9e3, 1e3, 5e3]),
+            **{name: ((), value) for name, value in scalars.items()},
+        )
+        .assign_coords(boundary=["back_wall", "tube_wall", "probe"])
+        .assign_attrs(wall_temperature=350.0)
+    )
+
+
+def test_edge_and_jet_are_read_where_they_lie(invented):
+    edge, jet = edge_ahead(invented, RADIUS), jet_ahead(invented, RADIUS)
+    assert (edge.distance, edge.pressure) == (pytest.approx(0.015), 5000.0)
+    assert edge.temperature == pytest.approx(950.0, rel=1e-3)
+    assert edge.normal_speed == pytest.approx(60.0, rel=1e-6)
+    assert edge.gradient == pytest.approx(GRADIENT, rel=1e-6)
+    assert jet.speed == pytest.approx(200.0, rel=1e-6)
+    assert jet.gauge_pressure == pytest.approx(2.0, abs=1e-6)
+    assert own_pressure(invented) == pytest.approx(3.0, abs=1e-3)
+
+
+def test_the_flows_own_heat_flux_is_conductivity_times_slope(invented, gas):
+    cold = float(np.interp(350.0, gas.temperature, gas.thermal_conductivity[0]))
+    assert own_heat_flux(invented, gas) == pytest.approx(cold * SLOPE, rel=0.02)
+
+
+def test_readings_stand_beside_what_was_measured(invented, gas):
+    written = {
+        "heat_flux_kw_m2": {"value": 40, "uncertainty": 4, "shape": "blunt", "radius_mm": 25}
+        | {"wall_temperature_k": 350, "recombination": [0.01, 0.1]},
+        "pitot_pressure_pa": {"value": 90, "uncertainty": 5, "radius_mm": 25, "wall_temperature_k": 350},
+        "coil_current_a": {"value": 500, "uncertainty": 20},
+        "water_heat_kw": {"value": 12, "uncertainty": 1},
+        "electric_power_kw": {"value": 120, "uncertainty": 2},
+    }
+    condition = {"numerical_power_kw": 60, "chamber_pressure_mbar": 50, "mass_flow_rate_g_s": 16}
+    configuration.check(condition | {"emittance": 0.8, "measured": written}, SCHEMA, "test")
+    found = probe_readings(
+        invented, gas, rates=["kossyi"], recombination=[1.0, 0.0],
+        probe_radius=RADIUS, wall_temperature=350.0,
+        pitot_radius=[RADIUS], measured=in_si(written),
+    )  # fmt: skip
+    contracts.check(contracts.label(found, "probe_readings"), "probe_readings")
+    rows = {str(name): found.sel(measurement=name) for name in found.measurement.values}
+    assert float(rows["coil_current"].simulated_low) == 550.0
+    assert float(rows["water_heat"].simulated_high) == 1e4
+    assert float(rows["water_heat"].measured_value) == 12e3
+    assert float(rows["electric_power"].simulated_low) == 6e4
+    assert float(rows["pitot_pressure"].simulated_low) == pytest.approx(float(found.pitot_pressure[0]))
+    # At 950 K there is nothing to recombine: catalysis cannot matter, and the flat probe takes less.
+    low, high = (float(rows["heat_flux"][f"simulated_{end}"]) for end in ("low", "high"))
+    assert low == pytest.approx(high, rel=1e-3)
+    sphere, _ = heat_flux(Jet(950.0, 5000.0, 200.0, 2.0), Calorimeter(RADIUS), "equilibrium")
+    assert 0.55 < low / sphere < 0.7
+
+
+def test_an_unknown_measurement_is_refused():
+    condition = {"numerical_power_kw": 60, "chamber_pressure_mbar": 50, "mass_flow_rate_g_s": 16}
+    with pytest.raises(configuration.ConfigurationError, match="heat_flux_kw"):
+        configuration.check(condition | {"emittance": 0.8, "measured": {"heat_flux_kw": {}}}, SCHEMA, "test")
+
+
+def family(scale=1.0, fraction=0.3):
+    """Flows of five powers: flux proportional to pressure, half of what gamma brings at gamma = 0.01."""
+    gamma = np.array([1.0, 0.1, 0.01, 0.0])
+    share = fraction + (1 - fraction) * gamma / (gamma + 0.01) * 1.01
+
+    def one(pressure):
+        whole = scale * 50e3 * pressure
+        values = {"numerical_power": 4e3 * pressure, "own_heat_flux": whole, "own_pressure": pressure}
+        values |= {"equilibrium_heat_flux": whole, "edge_temperature": 5e3, "edge_enthalpy": 1e7}
+        return xr.Dataset(
+            {
+                "stagnation_heat_flux": (("rates", "recombination"), whole * share[None]),
+                "pitot_pressure": ("pitot_radius", [pressure, 1.5 * pressure]),
+                **{name: ((), value) for name, value in (values | {"jet_speed": 80.0}).items()},
+            },
+            {"rates": ["kossyi"], "recombination": gamma, "pitot_radius": [0.025, 0.005]},
+        )
+
+    return {f"{p:g}": one(p) for p in (30.0, 5.0, 10.0, 14.0, 20.0)}
+
+
+def judged(**options):
+    settings = {
+        "admissible_recombination": [0.01, 0.1],
+        "flux_uncertainty": 0.1,
+        "pressure_uncertainty": 0.05,
+    }
+    return facility(family(**options), **settings)
+
+
+def test_a_pair_on_the_family_gives_back_its_recombination():
+    # Num-2: 500 kW/m2 at 14.98 Pa; the family gives 749 fully catalytic there, and 0.6675 of it is needed.
+    found = judged()
+    contracts.check(contracts.label(found, "facility"), "facility")
+    row = found.sel(pair="Num-2", rates="kossyi").isel(pitot_radius=0)
+    share = (500e3 / (50e3 * 14.98) - 0.3) / 0.7 / 1.01
+    assert float(row.needed_recombination) == pytest.approx(0.01 * share / (1 - share), rel=1e-3)
+    assert int(row.pair_verdict) == 1
+    assert float(row.matching_power) == pytest.approx(4e3 * 14.98, rel=1e-3)
+    assert list(found.condition.values) == ["5", "10", "14", "20", "30"]
+
+
+def test_what_is_left_over_is_said_in_heat_and_in_momentum():
+    found = judged(scale=2.0)
+    row = found.sel(pair="Num-2", rates="kossyi").isel(pitot_radius=0)
+    assert int(row.pair_verdict) == 0
+    at_low = 0.3 + 0.7 * 0.5 * 1.01  # share of the heat at gamma = 0.01
+    assert float(row.heat_left[0]) == pytest.approx(2 * 50e3 * 14.98 * at_low / 500e3, rel=1e-3)
+    # Flux is proportional to pressure here, so what is left of one is left of the other.
+    assert row.momentum_left.values == pytest.approx(row.heat_left.values, rel=1e-3)
+    assert int(judged(scale=0.3).sel(pair="Num-2").pair_verdict[0, 0]) == -1
+
+
+def test_a_smaller_pitot_probe_asks_for_less():
+    found = judged(scale=2.0).sel(pair="Num-2", rates="kossyi")
+    assert found.heat_left.values[1] == pytest.approx(found.heat_left.values[0] / 1.5, rel=1e-3)
+
+
+def test_the_page_has_a_row_for_each_pair_and_probe():
+    page = as_markdown(judged())
+    assert page.count("| Num-2 |") == page.count("| ZU1 |") == 2
+    assert "explains: some admissible recombination" in page
