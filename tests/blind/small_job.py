@@ -6,6 +6,7 @@ from half_disc import flow
 from two_bands import RESPONSE
 
 from plasmapyro import io
+from plasmapyro.conditions import stated
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -27,7 +28,7 @@ def sight_line(power):
             "number_density": (("species", "path_distance"), density.T),
         },
         {"path_distance": DISTANCE, "species": list(SPECIES)},
-        {"origin": "modelled"},
+        {"origin": "modelled", **stated(gas="air", settings={}, numerical_power=power)},
     )
 
 
@@ -54,7 +55,7 @@ def surface_view(line):
 
 def make_results(folder):
     """The files of a small main job: three powers, their variations, the response, the composition."""
-    from plasmapyro.diagnosis.gas_stage import gas_variations
+    from plasmapyro.diagnosis.gas.stage import gas_variations
 
     for power in (50e3, 80e3, 130e3):
         name, line = f"{power / 1e3:.0f}kW.nc", sight_line(power)

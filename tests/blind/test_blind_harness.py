@@ -4,6 +4,7 @@ import ast
 import dataclasses
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -48,6 +49,17 @@ def test_cases_follow_from_the_seed_alone():
     assert len({case.seed for case in first + other}) == 2 * 39
     longer = draw.draw("a", counts | {"null": 5})
     assert [case for case in longer if case.kind == "null"][:3] == first[:3]
+
+
+def test_the_second_laboratory_adds_cases_and_changes_none_of_the_first():
+    counts = {"null": 2, "single": 3, "outside": 2}
+    first, second = (draw.draw("a", counts, world=world) for world in ("first", "second"))
+    assert first[0] == draw.Case("null-0000", "null", draw.number("a", "null", 0))
+    assert {case.world for case in second} == {"second"}
+    assert {case.name for case in first}.isdisjoint(case.name for case in second)
+    assert all(case.effects[0][0] in draw.WORLDS["second"].OUTSIDE for case in second[-2:])
+    with pytest.raises(ValueError, match="kinds are null, single"):
+        draw.draw("a", {"liar": 1}, world="second")
 
 
 def test_singles_go_through_catalogue_and_ladder_before_they_repeat():
@@ -290,6 +302,18 @@ def test_temperatures_are_judged_against_the_true_ones():
     assert judged["extended"]["sigma"] == pytest.approx(5.0 / 1.96)
 
 
+def test_temperatures_are_judged_where_a_surface_shines_and_away_from_its_own_end_of_the_plasma():
+    time = np.arange(0.0, 240.0, 2.0)
+    truth = np.where(time < 60, 400.0, 1500.0)
+    wrong = np.where((time < 60) | (np.abs(time - 200.5) < 1.5), 90.0, 3.0)
+    rows = {f"{which}_temperature": truth + wrong for which in ("paper", "base", "extended")}
+    rows |= {f"{which}_temperature_{end}": truth + sign * 5 for which in ("base", "extended")
+             for end, sign in (("low", -1), ("high", 1))}  # fmt: skip
+    table = xr.Dataset({name: ("time_bin", row) for name, row in rows.items()}, {"time_bin": time})
+    one = SimpleNamespace(temperature=lambda at: np.interp(at, time, truth), coldest=850.0, plasma_off=200.0)
+    assert judge_temperature(one, table)["base"]["worst"] == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize(
     ("hits", "trials", "low", "high"),
     [(0, 10, 0.0, 0.3085), (5, 10, 0.1871, 0.8129), (10, 10, 0.6915, 1.0), (20, 400, 0.0308, 0.0762)],
@@ -375,7 +399,7 @@ def test_calibration_files_of_a_laboratory_are_those_a_user_would_make(tmp_path)
 
     io.write(RESPONSE, tmp_path / "instrument/response.nc", "response")
     try:
-        folders = run.laboratories(tmp_path, tmp_path, RESPONSE, "seed", analyser)
+        folders = run.laboratories(tmp_path, tmp_path, SimpleNamespace(response=RESPONSE), "seed", analyser)
     finally:
         analyser.close()
     ratios = []

@@ -71,18 +71,17 @@ def test_score_is_that_of_a_gaussian_integral():
     """Against brute force: one number, a quadratic objective, integrated on a grid."""
     from types import SimpleNamespace
 
-    from plasmapyro.diagnosis.catalogue import EFFECTS
-    from plasmapyro.diagnosis.gain import cross_condition
-    from plasmapyro.diagnosis.inference import WIDE
-    from plasmapyro.diagnosis.model import Setting
+    from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+    from plasmapyro.diagnosis.fit.setting import WIDE, Setting
+    from plasmapyro.diagnosis.select.held_out import cross_condition
 
-    prior = (WIDE * EFFECTS["winE"].sigma) ** -2.0
+    prior = (WIDE * CATALOGUE["winE"].sigma) ** -2.0
     data, best, floor, plain = 9e4, 0.021, 100.0, 140.0  # curvature, optimum, chi-squared with and without
     mean, spread = 0.024, 0.004
     curvature = data + prior
     fitted = data * best / curvature
     objective = floor + data * (fitted - best) ** 2 + prior * fitted**2
-    settings = (Setting("winE", fitted, {}),)
+    settings = (Setting(CATALOGUE["winE"], fitted, {}),)
     other = SimpleNamespace(
         covariance=np.diag([1.0, 1 / curvature]),
         settings=settings,

@@ -8,6 +8,7 @@ from scipy.stats import beta
 from blind import reasons
 
 LEVEL = 0.95
+GAS = {"P_eff", "T_exc", "T_vib", "ripple", "selfabs", "contin", "bl", "gas_drift", "refl"}
 BIASED = 10.0  # [K] from which a temperature counts as wrong
 RESAMPLED = 1000  # draws behind the intervals of medians and means
 
@@ -110,7 +111,42 @@ def summary(records):
         "confusion": _confusion(single),
     }
     board["bars"] = _bars(board, kinds, done)
+    worlds = _grouped(records, lambda one: one.get("world", "first"))
+    if len(worlds) > 1:
+        board["worlds"] = {name: summary(group) for name, group in sorted(worlds.items())}
+    if set(worlds) == {"second"}:
+        board["names"] = _false_names(kinds)
     return board
+
+
+def _false_names(kinds):
+    """What is said of tests of another gas in which nothing is hidden, or nothing that a name fits."""
+
+    def beyond_gas(one):
+        return bool(set(one["score"]["named"]) - GAS)
+
+    def right(one, part):
+        """Unknown, and with the right instruments (part 0) or axis (part 1)."""
+        true, said = one["effects"][0]["truth"][part], SAID[part](one["score"]["discrepancy"] or "")
+        return one["score"]["unknown"] and (said == true or true == "ps")
+
+    return {
+        "null_name_beyond_gas": rate(beyond_gas(one) for one in kinds["null"]),
+        "null_confident_wrong": rate(one["score"]["confident_wrong"] for one in kinds["null"]),
+        "outside_unknown_right_instrument": rate(right(one, 0) for one in kinds["outside"]),
+        "outside_unknown_right_axis": rate(right(one, 1) for one in kinds["outside"]),
+    }
+
+
+def _has(word, *parts):
+    return any(part in word for part in parts)
+
+
+# What the class of a discrepancy says: instrument ('p', 's', or '' for both), and axis.
+SAID = (
+    lambda word: "p" if _has(word, "pyrometer", "ratio", "wide", "narrow") else "s" * ("gas" not in word),
+    lambda word: "time" if _has(word, "walk", "wave") else "wavelength" * _has(word, "pattern", "fringe"),
+)
 
 
 def _grouped(records, key):

@@ -3,6 +3,23 @@
 import numpy as np
 
 
+def _by_world(worlds):
+    """Rates of each world beside the bars."""
+    if not worlds:
+        return []
+    lines = ["", "## By world", "", f"| | bar | {' | '.join(worlds)} |", "|---|---|" + "---|" * len(worlds)]
+    for rows in zip(*(board["bars"] for board in worlds.values()), strict=True):
+        if any(row["value"] is not None for row in rows):
+            cells = [f"{_measured(row)} of {row['cases']}" for row in rows]
+            lines.append(f"| {rows[0]['bar']} | {rows[0]['rule']} | {' | '.join(cells)} |")
+    for board in worlds.values():
+        for name, row in board.get("names", {}).items():
+            lines.append(
+                f"| second laboratory: {name.replace('_', ' ')} | | {_interval(row)} of {row['trials']} |"
+            )
+    return lines
+
+
 def text(board, heading, notes=()):
     """The scoreboard as a page of text."""
     lines = [
@@ -24,6 +41,7 @@ def text(board, heading, notes=()):
     for row in board["bars"]:
         verdict = {None: "not measured", True: "held", False: "**missed**"}[row["held"]]
         lines.append(f"| {row['bar']} | {_measured(row)} | {row['cases']} | {row['rule']} | {verdict} |")
+    lines += _by_world(board.get("worlds", {}))
     told = [row for row in board["bars"] if row["why"]]
     if told:
         lines += ["", "Behind the bars that are missed:", ""]

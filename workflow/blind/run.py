@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import xarray as xr
 from twin import campaign
 
-from blind import bench, board, page
-from blind.draw import KINDS, LABORATORIES, SNR_LADDER, draw, number
+from blind import bench, board, page, second
+from blind.draw import KINDS, LABORATORIES, SECOND_KINDS, SNR_LADDER, WORLDS, draw, number
 from blind.make import BeyondRange, make
 from blind.metric import Metric
 from blind.score import score
@@ -74,18 +74,23 @@ class Analyser:
             self.process = None
 
 
-def laboratories(out, results, response, seed, analyser):
-    """Folders with the calibration files of each laboratory."""
+def laboratories(out, results, workbench, seed, analyser, world="first"):
+    """Folders with the calibration files of each laboratory of a world."""
     folders = []
     for index in range(LABORATORIES):
-        folder = out / "laboratories" / str(index)
+        name = str(index) if world == "first" else f"{world}-{index}"
+        folder = out / "laboratories" / name
         if not folder.is_dir():
-            own = number(seed, "laboratory", index) % 2**32
-            part = folder.with_name(f"{index}-{os.getpid()}")  # other shares may be at it
-            campaign.write(campaign.calibration_points(response, own), part / "calibration_points.nc")
-            counts = campaign.spectrometer_counts(own, spectrometer=bench.spectrometer())
-            campaign.write(counts, part / "spectrometer_counts.nc")
-            shutil.copy(Path(results) / "instrument/response.nc", part / "response.nc")
+            part = folder.with_name(f"{name}-{os.getpid()}")  # other shares may be at it
+            if world == "first":
+                own = number(seed, "laboratory", index) % 2**32
+                points = campaign.calibration_points(workbench.response, own)
+                campaign.write(points, part / "calibration_points.nc")
+                counts = campaign.spectrometer_counts(own, spectrometer=bench.spectrometer())
+                campaign.write(counts, part / "spectrometer_counts.nc")
+                shutil.copy(Path(results) / "instrument/response.nc", part / "response.nc")
+            else:
+                second.calibration_files(workbench.laboratories[index], results, part)
             answer = analyser.ask({"do": "prepare", "laboratory": str(part.resolve())})
             if not answer["ok"]:
                 raise RuntimeError(f"no calibration: {answer['fault']}\n{answer.get('trace', '')}")
@@ -99,14 +104,15 @@ def laboratories(out, results, response, seed, analyser):
 def run_case(case, workbench, folders, out, results, analyser):
     """Make, diagnose and score one case; the truth stays here until the diagnosis is written."""
     record = {"case": case.name, "kind": case.kind, "noise": case.noise, "drawn": case.as_dict()}
+    record["world"] = case.world
     try:
-        made = make(case, workbench)
+        made = (make if case.world == "first" else second.make)(case, workbench)
     except BeyondRange as reason:
         return record | {"outcome": "beyond range", "reason": str(reason)}
     record["effects"] = list(made.effects)
     folder = out / "cases" / case.name
     shutil.rmtree(folder, ignore_errors=True)
-    campaign.write(made.test, folder / "data" / "test.nc")
+    (campaign.write if case.world == "first" else second.write)(made.test, folder / "data" / "test.nc")
     order = {
         "do": "diagnose",
         "data": str((folder / "data").resolve()),
@@ -130,6 +136,7 @@ def run_case(case, workbench, folders, out, results, analyser):
         return metric().angle(one, other, {e["effect"]: e for e in made.effects})
 
     with xr.open_dataset(folder / "out/temperature.nc") as temperature:
+        angle = angle if case.world == "first" else made.angle
         scored = score(made, report, temperature.load(), angle)
     (folder / "data/test.nc").unlink(missing_ok=True)  # 0.6 MB; made again from the seed
     cost = {name: answer[name] for name in ("wall", "processor")}
@@ -140,7 +147,7 @@ def mixed(cases):
     """The cases in an order in which every beginning holds all kinds in proportion."""
     groups = defaultdict(list)
     for case in cases:
-        groups[case.kind].append(case)
+        groups[case.world, case.kind].append(case)
     placed = [
         ((index + 0.5) / len(group), case.name, case)
         for group in groups.values()
@@ -178,6 +185,9 @@ def parser():
         top.add_argument(
             f"--{kind}", type=int, default=0, metavar="N", help=f"number of cases of kind '{kind}'"
         )
+    top.add_argument(
+        "--world", choices=[*WORLDS, "both"], default="first", help="whose laboratory (default: %(default)s)"
+    )
     top.add_argument("--ladder", type=float, nargs="+", default=SNR_LADDER, metavar="SNR", help="rungs")
     top.add_argument("--share", default="1/1", metavar="I/N", help="run only every N-th case, from the I-th")
     top.add_argument("--minutes", type=float, default=1e9, help="start no case after so many minutes")
@@ -199,27 +209,46 @@ def main(arguments=None):
     begin = time.monotonic()
     if not options.board_only:
         first, step = (int(word) for word in options.share.split("/"))
-        cases = mixed(
-            draw(options.seed, {kind: getattr(options, kind) for kind in KINDS}, tuple(options.ladder))
-        )
+        cases = mixed(_drawn(options))
         waiting = [
             case for case in cases[first - 1 :: step] if not (out / "records" / f"{case.name}.json").is_file()
         ]
         analyser = Analyser(_log(out))
         try:
-            if waiting:
-                workbench = bench.load(options.results, out / "spectra.npz")
-                folders = laboratories(out, options.results, workbench.response, options.seed, analyser)
+            ready = {}
             for case in waiting:
                 if time.monotonic() - begin > 60 * options.minutes:
                     break
-                record = run_case(case, workbench, folders, out, options.results, analyser)
+                if case.world not in ready:
+                    ready[case.world] = _ready(options, out, analyser, case.world)
+                record = run_case(case, *ready[case.world], out, options.results, analyser)
                 _store(out, record)
         finally:
             analyser.close()
     summary = publish(out, options.heading or f"Seed `{options.seed}`.", options.note, options.publish)
     for row in summary["bars"]:
         sys.stdout.write(f"{row['bar']}: {row['value']} ({row['rule']}) {row['held']}\n")
+
+
+def _drawn(options):
+    """Cases of one world or of both, each kind that a world has."""
+    counts = {kind: getattr(options, kind) for kind in KINDS}
+    cases = []
+    if options.world != "second":
+        cases += draw(options.seed, counts, tuple(options.ladder))
+    if options.world != "first":
+        own = {kind: counts[kind] for kind in SECOND_KINDS}
+        cases += draw(options.seed, own, tuple(options.ladder), "second")
+    return cases
+
+
+def _ready(options, out, analyser, world):
+    """Bench and folders of the laboratories of a world."""
+    if world == "first":
+        workbench = bench.load(options.results, out / "spectra.npz")
+    else:
+        workbench = second.bench(options.results, options.seed)
+    return workbench, laboratories(out, options.results, workbench, options.seed, analyser, world)
 
 
 def _log(out):

@@ -6,17 +6,17 @@ import numpy as np
 
 
 def sabotaged(effect):
-    """The entry of an effect with a wrong formula, as {id: entry}: what it changes is mirrored in time.
+    """The catalogue with a wrong formula for one effect: what it changes is mirrored in time.
 
     A sign or a factor would only change the amplitude that is found; the history is what names an effect.
     """
-    from plasmapyro.diagnosis.catalogue import EFFECTS
+    from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 
-    entry = EFFECTS[effect]
+    entry = CATALOGUE[effect]
     changes = {"light": _mirrored_light(entry.light), "output": _mirrored_output(entry.output)}
     if entry.clock is not None:
-        changes["clock"] = lambda kind, amplitude, shape: 0.0
-    return {effect: replace(entry, **changes)}
+        changes["clock"] = lambda amplitude: 0.0
+    return {**CATALOGUE, effect: replace(entry, **changes)}
 
 
 def _mirrored_output(apply):
@@ -25,7 +25,7 @@ def _mirrored_output(apply):
 
     def wrong(output, amplitude, **shape):
         right = apply(output, amplitude, **shape)
-        return output.but(output.value + (right.value - output.value)[::-1])
+        return output.value + (right - output.value)[::-1]
 
     return wrong
 

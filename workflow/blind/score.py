@@ -55,6 +55,7 @@ def score(made, report, temperature, angle):
         "adequate": bool(report["base"]["adequate"]),
         "chi2_per_dof": report["base"]["chi2"] / max(report["base"]["dof"], 1),
         "temperature": judge_temperature(made, temperature),
+        "discrepancy": report.get("discrepancy", {}).get("class"),
     }
 
 
@@ -86,8 +87,10 @@ def _closest(report):
 def judge_temperature(made, temperature):
     """Errors [K] of the paper's, the base and the extended temperature, and how often intervals hold."""
     time = np.asarray(temperature["time_bin"].values, dtype=float)
-    judged = (time >= WARM) & ((time < 299) | (time > 302))
+    off = getattr(made, "plasma_off", 300.0)
+    judged = (time >= WARM) & ((time < off - 1) | (time > off + 2))
     truth = made.temperature(np.sort(time))[np.argsort(np.argsort(time))]
+    judged &= truth >= getattr(made, "coldest", 0.0)
     record = {}
     for which in ("paper", "base", "extended"):
         error = (temperature[f"{which}_temperature"].values - truth)[judged]

@@ -63,7 +63,7 @@ def diagnose(order, kept={}):  # noqa: B006  (spectra are read once, calibration
     if order["sabotage"]:
         from blind.sabotage import sabotaged
 
-        more["catalogue"] = sabotaged(order["sabotage"])
+        more["effects"] = sabotaged(order["sabotage"])
     result = command.diagnose_test(Path("test.nc"), kept[laboratory], **more)
     cost = {"wall": time.monotonic() - start, "processor": time.process_time() - processor}
     out = Path(order["out"])

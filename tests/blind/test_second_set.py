@@ -1,0 +1,93 @@
+"""Cases of the second laboratory from their drawing to the scoreboard, with an analyser that says nothing."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from blind import board, draw, page, run, second
+from small_job import sight_line
+from two_bands import RESPONSE
+
+REPORT = {
+    "verdict": {
+        "status": "unknown",
+        "named": [],
+        "set": [],
+        "probability": {"unknown": 0.9},
+        "uncalibrated": 0.9,
+    },
+    "discrepancy": {"class": "walk_pyrometer"},
+    "base": {"adequate": True, "chi2": 1.0, "dof": 1},
+    "show": {"line_hump": None},
+}
+
+
+class Silent:
+    """An analyser that finds something unknown in everything, at 1000 K."""
+
+    def ask(self, order):
+        if order["do"] == "diagnose":
+            out, data = Path(order["out"]), Path(order["data"])
+            assert sorted(path.name for path in data.iterdir()) == ["test.nc"]
+            out.mkdir(parents=True)
+            (out / "diagnosis.json").write_text(json.dumps(REPORT), encoding="utf-8")
+            time = np.arange(0.0, 120.0, 2.0)
+            kinds = [
+                f"{which}_temperature{end}"
+                for which in ("paper", "base", "extended")
+                for end in ("", "_low", "_high")
+            ]
+            rows = {name: ("time_bin", np.full(time.size, 1000.0)) for name in kinds}
+            xr.Dataset(rows, {"time_bin": time}).to_netcdf(out / "temperature.nc")
+        return {"ok": True, "wall": 1.0, "processor": 1.0}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    out, results = tmp_path_factory.mktemp("second"), tmp_path_factory.mktemp("results")
+    (results / "sightline").mkdir()
+    (results / "instrument").mkdir()
+    for power in (50e3, 80e3, 130e3):
+        sight_line(power).to_netcdf(results / f"sightline/{power / 1e3:.0f}kW.nc")
+    RESPONSE.to_netcdf(results / "instrument/response.nc")
+    workbench = second.bench(results, "a word")
+    workbench.worlds = workbench.worlds[:1] * len(
+        workbench.worlds
+    )  # one gas is enough, and its table costs seconds
+    workbench.pressures = workbench.pressures[:1] * len(workbench.worlds)
+    folders = run.laboratories(out, results, workbench, "a word", Silent(), "second")
+    cases = draw.draw("a word", {"null": 1, "outside": 3}, (20.0,), "second")
+    return [run.run_case(case, workbench, folders, out, results, Silent()) for case in cases], out
+
+
+def test_cases_are_scored_with_their_world(finished):
+    records, _ = finished
+    assert {one["outcome"] for one in records} <= {"scored", "beyond range"}
+    assert {one["world"] for one in records} == {"second"}
+    faults = [one for one in records if one["kind"] == "outside" and one["outcome"] == "scored"]
+    assert faults and all(one["effects"][0]["snr"] == 20.0 for one in faults)
+
+
+def test_the_truth_is_kept_apart_from_the_data(finished):
+    records, out = finished
+    name = next(one["case"] for one in records if one["kind"] == "outside" and one["outcome"] == "scored")
+    truth = json.loads((out / "cases" / name / "truth.json").read_text(encoding="utf-8"))
+    assert len(truth["effects"][0]["truth"]) == 2 and truth["strengths"]["N2 1P"]
+    assert not list((out / "cases" / name / "data").iterdir())
+
+
+def test_the_board_gives_rates_by_world_and_of_names(finished):
+    records, _ = finished
+    other = [one | {"world": "first", "case": f"first-{index}"} for index, one in enumerate(records)]
+    both = board.summary(records + other)
+    assert set(both["worlds"]) == {"first", "second"}
+    names = both["worlds"]["second"]["names"]
+    assert names["null_name_beyond_gas"]["hits"] == 0 and names["null_name_beyond_gas"]["trials"] == 1
+    scored = [one for one in records if one["kind"] == "outside" and one["outcome"] == "scored"]
+    right = [one["effects"][0]["truth"][0] in ("p", "ps") for one in scored]
+    assert names["outside_unknown_right_instrument"]["hits"] == sum(right)
+    in_time = [one["effects"][0]["truth"][1] == "time" for one in scored]
+    assert names["outside_unknown_right_axis"]["hits"] == sum(in_time)
+    assert "## By world" in page.text(both, "Both.") and "worlds" not in board.summary(other)

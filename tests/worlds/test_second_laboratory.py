@@ -1,0 +1,214 @@
+"""Samples, instruments, faults and sizes of the second laboratory, with an invented gas."""
+
+import numpy as np
+import pytest
+from two_bands import RESPONSE
+from worlds import case, engine, faults, laboratory, sample
+from worlds.faults import EFFECTS
+from worlds.measure import Measure
+
+
+@pytest.fixture(scope="module")
+def stage():
+    bench = case.Bench(RESPONSE, {80e3: None}, [80e3], 35.0, [None], [5000.0], [laboratory.draw(5)])
+    body = dict(kind="lumped", emittance=0.85, flux=4e5, rise=1.0, recovery=5000.0, depth=3e-3,
+                conductivity=50.0, capacity=2.5e6, contact=40.0, recession=0.0)  # fmt: skip
+    base = case.Base(1, 0, 0, "80kW", 8e4, 5e3, 35.0, body, 0.85, 1.3, 0.01, 0.001, 150.0, 180.0)
+    made = case.Stage(bench, base)
+    lab = laboratory.draw(5).__dict__ | {"has_pyrometer": True, "has_spectrometer": True, "exposure": 0.8}
+    lab |= {"pixels": 500, "period": 1.0, "pyrometer_rate": 10.0, "fwhm": 1e-9}
+    made.__dict__["lab"] = laboratory.Laboratory(**lab)
+    lines = faults.peaks([777.5, 844.9, 868.3, 926.8, 1011.0], [3, 2, 3, 2, 2], 0.05e-9)
+    smooth = np.exp(-(((engine.CENTRES - 1.0e-6) / 0.15e-6) ** 2))
+    made.__dict__["components"] = np.array(
+        [5e-3 * lines, 5e-3 * lines[::-1], 2e7 * smooth, 5e6 * smooth, 1e6 * smooth, 1e6 + 0 * smooth]
+    )
+    tilt = (engine.CENTRES / 0.85e-6) ** 3
+    made.__dict__["variant"] = lambda kind, a: made.components.sum(axis=0) * (1 + a * tilt * (1 + len(kind)))
+    return made
+
+
+@pytest.fixture(scope="module")
+def measure(stage):
+    return Measure(stage)
+
+
+def test_a_lumped_body_ends_where_heat_and_radiation_balance():
+    body = sample.Sample("lumped", 0.8, 3e5, 0.5, 5000.0, 2e-3, 50.0, 2.5e6, 0.0, 0.0)
+    last = body.history(np.array([249.0]), 250.0)[0]
+    gain = 3e5 * (1 - last / 5000.0)
+    assert gain == pytest.approx(0.8 * 5.670374e-8 * (last**4 - 300.0**4), rel=1e-4)
+
+
+def test_a_thick_body_warms_as_the_root_of_time():
+    body = sample.Sample("ablating", 0.01, 1e5, 1e-3, 1e9, 0.1, 1.0, 1e6, 0.0, 0.0, start=300.0)
+    rise = body.history(np.array([4.0, 9.0, 16.0]), 100.0) - 300.0
+    expected = 2e5 * np.sqrt(np.array([4.0, 9.0, 16.0]) / (np.pi * 1.0 * 1e6))  # Carslaw and Jaeger, 2.9
+    np.testing.assert_allclose(rise, expected, rtol=0.025)  # cells of tenths of a millimetre
+
+
+def test_a_thick_body_cools_fast_at_first():
+    random = np.random.default_rng(3)
+    ablator, lump = (sample.draw(random, kind) for kind in ("ablating", "lumped"))
+    drops = [body.history(np.array([149.9, 150.5]), 150.0) for body in (ablator, lump)]
+    assert drops[0][0] - drops[0][1] > 4 * (drops[1][0] - drops[1][1]) > 0
+
+
+@pytest.mark.parametrize("kind", sample.KINDS)
+def test_samples_reach_temperatures_that_pyrometers_read(kind):
+    last = [
+        sample.draw(np.random.default_rng(s), kind).history(np.array([290.0]), 295.0)[0] for s in range(8)
+    ]
+    assert 800 < min(last) and max(last) < 2050
+
+
+def test_an_exposure_is_the_mean_of_its_light(stage):
+    time = stage.scene.time
+    ramp = np.column_stack([time, 3 - 0.5 * time])
+    inside = stage.record.middles + stage.lab.exposure / 2 <= time[-1]
+    np.testing.assert_allclose(
+        stage.record.mean(time, ramp)[inside, 0], stage.record.middles[inside], atol=1e-9
+    )
+
+
+def test_a_slit_keeps_the_light_of_a_line():
+    line = faults.peaks([850.0], [1.0])
+    wavelength = np.arange(840, 860, 0.01) * 1e-9
+    seen = laboratory.through_slit(line, wavelength, 1e-9)
+    assert np.trapezoid(seen, wavelength) == pytest.approx(1.0, rel=1e-3)
+    above = wavelength[seen > seen.max() / 2]
+    assert np.ptp(above) == pytest.approx(1.0e-9, rel=0.03)
+
+
+def test_calibration_repeats_the_black_body(stage):
+    points, counts = laboratory.calibrate(stage.lab, RESPONSE)
+    bands = laboratory.true_bands(stage.lab, RESPONSE)
+    light = 0.995 * laboratory.planck(laboratory.SMOOTH, 1773.0 + stage.lab.source_bias)
+    expected = (bands @ light * 1e-9 * laboratory.gains(stage.lab))[:, None]
+    found = np.array([[points.signal_wide.values[-1]], [points.signal_narrow.values[-1]]])
+    np.testing.assert_allclose(found, expected, rtol=0.02)  # 0.2 % noise, and the set point is 1773 K
+    assert 0.5 < counts.calibration_counts.values.max() / laboratory.FULL < 0.95
+
+
+ONE = dict.fromkeys("off1 off2 nonlin_p phi edge1 edge2 resp_long winD winD_sl edge_p clock".split(), "p")
+ONE |= dict.fromkeys("off_s nonlin_s wshift lsf stray second winE winE_sl edge_s".split(), "s")
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_effects_vanish_at_nothing_and_touch_only_what_they_say(stage, measure, name):
+    entry = EFFECTS[name]
+    shape = {key: sum(limits) / 2 for key, limits in entry.shape.items()}
+
+    def change(amplitude):
+        scene = stage.hidden([{"effect": name, "amplitude": amplitude, "shape": shape}])
+        return [new - old for new, old in zip(measure.output(scene), measure.reference, strict=True)]
+
+    still, moved = change(0.0), change(entry.unit)
+    scale = [np.abs(part).max() for part in measure.reference]
+    assert (
+        all(np.abs(part).max() < 1e-9 * s for part, s in zip(still, scale, strict=True))
+        or name == "arc_restart"
+    )
+    changed = {who for who, part, s in zip("ps", moved, scale, strict=True) if np.abs(part).max() > 1e-12 * s}
+    assert changed
+    assert changed <= set(entry.truth[0] if entry.truth else ONE.get(name, "ps"))
+
+
+def test_there_are_at_least_twenty_faults_of_every_axis_and_each_has_its_reason():
+    assert len(faults.OUTSIDE) >= 20 and len(faults.CATALOGUE) == 43
+    assert {EFFECTS[name].truth[1] for name in faults.OUTSIDE} == {
+        "time",
+        "wavelength",
+        "temperature",
+        "signal",
+    }
+    rows = {row["effect"]: row for row in faults.table("effects")}
+    assert all(len(rows[name]["reason"]) > 20 for name in faults.OUTSIDE)
+
+
+def test_what_an_analysis_must_leave_free_is_no_signal(stage, measure):
+    warmer = 5.0 * np.exp(-(((stage.scene.time - 80) / 30) ** 2))
+    more = stage.scene.emittance * (
+        laboratory.planck(laboratory.SMOOTH, (stage.scene.kelvin + warmer)[:, None])
+        - laboratory.planck(laboratory.SMOOTH, stage.scene.kelvin[:, None])
+    )
+    scene = stage.scene.copy(surface={one: light + more for one, light in stage.scene.surface.items()})
+    change = measure._difference(scene)
+    rows, root = measure.nuisance(False)
+    vector = measure.flat(change, False)
+    share = np.linalg.solve(root.T, np.linalg.solve(root, rows @ vector))
+    left = np.concatenate([vector - share @ rows, share])
+    assert np.linalg.norm(left) < 0.1 * np.linalg.norm(vector)
+
+
+def test_a_gas_of_another_shape_is_no_signal(stage, measure):
+    (whom, amplitude, light), *_ = stage.scene.gas
+    bent = light * (1 + 0.1 * np.sin(engine.CENTRES / 9e-9))
+    change = measure._difference(stage.scene.copy(gas=[(whom, amplitude, bent)]))
+    free, simulated = (np.linalg.norm(measure.flat(change, gas)) for gas in (False, True))
+    assert free < 0.5 * simulated  # 13 standard deviations in all, of which the prior of 30 % takes most
+
+
+def test_photons_scatter_as_their_number(stage):
+    random = np.random.default_rng(1)
+    rate = np.full((400, stage.lab.pixels), 2e4)
+    counts = laboratory.expose(stage.lab, rate, 1.0, random)
+    dark, bias = laboratory.detector_pattern(stage.lab)
+    expected = (2e4 + dark) / stage.lab.electrons + stage.lab.read_noise**2
+    assert np.mean(counts.var(axis=0) / expected) == pytest.approx(1.0, rel=0.02)
+    np.testing.assert_allclose(counts.mean(axis=0) - bias - dark, 2e4, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"), [("eps_ox", {"tau_s": 40.0}), ("winE", {}), ("off_s", {}), ("grad", {})]
+)
+def test_a_hidden_effect_has_the_size_it_was_asked_for(measure, name, shape):
+    made = measure.sized(name, 15.0, 1, shape)
+    assert measure.signature([made])[1] == pytest.approx(15.0, rel=0.05)
+
+
+def test_alike_effects_are_close_and_others_far(measure):
+    assert measure.angle("winE", "winE", {}) < 1e-3
+    assert measure.angle("winE", "clock", {}) > 45
+
+
+def test_recorded_tests_keep_the_contract_and_repeat(stage):
+    from plasmapyro import contracts
+
+    first, again = stage.test([]), stage.test([])
+    assert contracts.check(contracts.label(first, "test"), "test") is not None
+    np.testing.assert_array_equal(first.counts.values, again.counts.values)
+    assert (
+        1.2
+        < float(
+            first.signal_wide[first.time < -1].mean()
+            / first.signal_wide[(first.time > 0.2) & (first.time < 0.8)].mean()
+        )
+        < 1.4
+    )
+
+
+def test_everything_drawn_follows_from_the_seed():
+    assert laboratory.draw(3) == laboratory.draw(3) != laboratory.draw(4)
+    labs = [laboratory.draw(seed) for seed in range(60)]
+    assert min(lab.pyrometer_rate for lab in labs) < 4 and max(lab.pyrometer_rate for lab in labs) > 250
+    assert any(not lab.has_spectrometer for lab in labs) and any(not lab.has_pyrometer for lab in labs)
+    assert all(lab.fwhm >= 1.4 * (lab.last - lab.first) / lab.pixels for lab in labs)
+
+
+def test_amplitudes_have_the_signs_of_the_catalogue(stage, measure):
+    # The pyrometer's record shows later light with a positive clock; lines stand where the scale is too high.
+    def change(name, amplitude):
+        scene = stage.hidden([{"effect": name, "amplitude": amplitude}])
+        return [new - old for new, old in zip(measure.output(scene), measure.reference, strict=True)]
+
+    warming, cooling = (np.abs(measure.times[0] - at).argmin() for at in (10.0, 160.0))
+    late = change("clock", 0.5)[0]
+    assert np.all(late[:, warming] > 0) and np.all(late[:, cooling] < 0)
+    assert np.all(change("winD", 0.1)[0][:, cooling] < 0) and np.all(change("phi", 0.1)[0][0] > 0)
+    pixels = stage.lab.wavelength
+    moved = stage.record.rates(stage.hidden([{"effect": "wshift", "amplitude": 0.3}]))[2]
+    plain = stage.record.rates(stage.scene)[2]
+    near = np.abs(pixels - 844.9e-9) < 3e-9
+    centre = [np.average(pixels[near], weights=rate[near]) for rate in (plain, moved)]
+    assert centre[1] < centre[0]
