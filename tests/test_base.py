@@ -1,5 +1,6 @@
 """Guards, tables, contracts and files refuse what is wrong, and say all of it."""
 
+import csv
 import hashlib
 import json
 
@@ -96,6 +97,14 @@ def test_a_truncated_file_is_named(tmp_path):
 def test_every_variable_is_in_some_dataset_and_back():
     used = {name.rstrip("?") for names in contracts.DATASETS.values() for name in names}
     assert used == set(contracts.VARIABLES)
+
+
+def test_a_name_stands_once_in_the_register_and_its_range_is_one():
+    with (tables.files("plasmapyro") / "contracts/variables.csv").open(encoding="utf-8", newline="") as table:
+        rows = list(csv.DictReader(table))
+    assert len(rows) == len(contracts.VARIABLES)
+    assert all(row["unit"] and row["meaning"] and row["may be missing"] in ("", "yes") for row in rows)
+    assert all(rule.low < rule.high for rule in contracts.VARIABLES.values())
 
 
 @pytest.mark.parametrize("bad", [0.0, -5.0, np.nan, np.inf])

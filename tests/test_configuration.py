@@ -99,6 +99,66 @@ def test_values_that_do_not_fit_together_are_refused(place, value, message):
     assert message in str(caught.value)
 
 
+def test_the_conditions_of_the_claims_differ_in_their_power_only():
+    config, conditions, tests = shipped()
+    case = conditions["90kW"]
+    conditions |= {
+        "wet": {**case, "chamber_pressure_mbar": 20},
+        "twin": dict(case),
+        "own": {**case, "cfd": {}},
+    }
+    del conditions["own"]["numerical_power_kw"]
+    configuration.check_together(config, conditions, tests)  # as the user's own conditions they may be there
+    config["claims"]["conditions"] += ["wet", "twin", "own"]
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.check_together(config, conditions, tests)
+    message = str(caught.value)
+    assert "chamber_pressure_mbar is 20 in 'wet' and 50 in '50kW'" in message
+    assert "'90kW' and 'twin' have the same numerical_power_kw" in message
+    assert "'own' lacks numerical_power_kw" in message
+
+
+@pytest.mark.parametrize("key", ["figures.field_condition", "analysis.transient.conditions"])
+def test_what_the_paper_shows_must_be_in_its_set(key):
+    config, conditions, tests = shipped()
+    config["claims"]["conditions"] = ["50kW", "70kW"]
+    with pytest.raises(configuration.ConfigurationError, match=f"{key}: '.0kW' is not in claims.conditions"):
+        configuration.check_together(config, conditions, tests)
+
+
+def test_only_another_programs_flow_may_lack_a_power():
+    assert "'numerical_power_kw' is a required property" in refusal(
+        {key: GOOD[key] for key in GOOD if key != "numerical_power_kw"}
+    )
+    own = {key: GOOD[key] for key in GOOD if key != "numerical_power_kw"} | {"cfd": {"file": "flow.vtu"}}
+    configuration.check(own, CONDITION, "mine.yaml")
+
+
+def test_a_ladder_of_files_shares_all_but_power_and_emittance():
+    conditions = {
+        "low": GOOD | {"numerical_power_kw": 60, "emittance": 0.5},
+        "own": GOOD,
+        "another emittance": GOOD | {"emittance": 0.5},
+        "wet": GOOD | {"chamber_pressure_mbar": 20},
+        "foreign": GOOD | {"cfd": {"file": "a.vtu", "geometry": "axisymmetric"}},
+        "foreign 2": GOOD | {"numerical_power_kw": 80, "cfd": {"file": "b.vtu", "geometry": "axisymmetric"}},
+    }
+    assert configuration.ladder(conditions, "own") == ["low", "own"]
+    assert configuration.ladder(conditions, "low") == ["low", "another emittance"]  # the first by name
+    assert configuration.ladder(conditions, "foreign") == ["foreign", "foreign 2"]
+    del conditions["foreign"]["numerical_power_kw"]
+    assert configuration.ladder(conditions, "foreign") == ["foreign"]
+    assert configuration.ladder(conditions, "foreign 2") == ["foreign 2"]
+
+
+def test_a_test_of_an_unknown_condition_is_refused_with_the_nearest():
+    configuration.check_compared({"a": "90kW"}, {"90kW": GOOD})
+    with pytest.raises(
+        configuration.ConfigurationError, match="condition of test a: no file for '91kW'; did you mean '90kW'"
+    ):
+        configuration.check_compared({"a": "91kW", "b": "90kW"}, {"90kW": GOOD})
+
+
 def test_a_twin_of_an_unknown_condition_is_refused():
     config, conditions, tests = shipped()
     tests["csic_160kW"]["twin"]["condition"] = "95kW"

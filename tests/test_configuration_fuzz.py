@@ -10,6 +10,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from judge import judge, require_refused
 
 from plasmapyro import configuration
 
@@ -113,13 +114,13 @@ def test_a_bomb_of_aliases_is_refused_at_its_first_alias(tmp_path):
     ("text", "words"),
     [
         ("[" * 100_000, "nested too deeply"),
-        ("a: " + "x" * 1_000_001, "a configuration at most"),
+        ("a: " + "x" * 250_001, "the limit is 0.25 MB"),
         ("a: !!python/object/apply:os.getcwd []", "could not determine a constructor"),
         ("emittance:\t0.5\n\tx: 1", "not readable as YAML"),
         (b"\xff\xfe\x00", "not readable as YAML"),
         ("numerical_power_kw: " + "9" * 5000, "not readable as YAML"),
         ("- a\n- b", "is not of type 'object'"),
-        ("", "is not of type 'object'"),
+        ("", "is empty"),
     ],
 )
 def test_hostile_texts_are_refused_by_name(tmp_path, text, words):
@@ -131,3 +132,19 @@ def test_a_file_name_that_would_break_others_is_refused(tmp_path, name):
     (tmp_path / f"{name}.yaml").write_text("x: 1")
     with pytest.raises(configuration.ConfigurationError, match="the name of the file becomes part"):
         configuration.load_folder({"folder": tmp_path, "only": []}, ROOT / "config/schema_condition.yaml")
+
+
+@pytest.mark.parametrize(
+    "tag", ["!!int ''", "!!timestamp x", "!!float ''", "!!bool ''", "!!binary é", "!!null"]
+)
+def test_a_tag_that_does_not_fit_its_word_is_refused_or_a_wrong_value(tmp_path, tag):
+    assert "x.yaml" in refusal(tmp_path, f"emittance: {tag}")
+
+
+@pytest.mark.parametrize(
+    "flood", ["1:", "1_", "[", "{", "- ", "? ", "'", "&a ", "!", "#\n", " ", "1.e", "\n\n\t"]
+)
+def test_a_flood_of_one_piece_is_refused_within_seconds(tmp_path, flood):
+    (tmp_path / "x.yaml").write_text("emittance: " + flood * (200_000 // len(flood)))
+    ending = judge(["sightline", tmp_path / "f.vtu", "--map", tmp_path / "x.yaml", "--out", "o.nc"], tmp_path)
+    require_refused(ending, "x.yaml")

@@ -2,6 +2,7 @@
 
 import io as streams
 import logging
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,11 +17,11 @@ ROOT = Path(__file__).resolve().parents[1]
 LONG_STAGES = {  # module -> how it speaks: a step, or a record of its log, which the terminal shows as well
     "flow/continuation.py": "log.info(",
     "radiation/table.py": "step(",
-    "radiation/path.py": "progress(done, len(crossed))",
+    "radiation/path.py": "step(",
     "experiment/correction.py": "step(",
     "estimate/smoother.py": "step(",
-    "diagnosis/base.py": "step(",
-    "diagnosis/select.py": "step(",
+    "diagnosis/fit/base.py": "step(",
+    "diagnosis/select/selection.py": "step(",
     "design/search.py": "step(",
 }
 
@@ -82,6 +83,18 @@ def test_files_and_pipes_see_nothing_and_the_search_finds_the_same():
     progress.show(Terminal())
     assert pipe.getvalue() == ""
     assert [np.asarray(part).tolist() for part in search()] == [np.asarray(part).tolist() for part in quiet]
+
+
+def test_what_a_command_says_stays_and_a_warning_is_said_anywhere():
+    terminal, pipe = Terminal(), streams.StringIO()
+    for stream in (terminal, pipe):
+        progress.show(stream)
+        progress.step("table", 1, 2)
+        progress.say("reading a.nc")
+        progress.warn("a surface in the window")
+    assert re.search(r"\r\033\[K\[ +\d\.\d s\] reading a.nc\n", terminal.getvalue())
+    assert "plasmapyro: warning: a surface in the window\n" in terminal.getvalue()
+    assert pipe.getvalue() == "plasmapyro: warning: a surface in the window\n"
 
 
 def test_the_log_of_a_job_stays_quiet(tmp_path):

@@ -1,7 +1,7 @@
-"""How far a long stage has come: one line on a terminal, nothing in logs, files and pipes.
+"""How far a run has come, on a terminal; nothing in logs, files and pipes but what the user must know.
 
-A stage says `step(...)`; whoever owns the terminal (the command line, a script of the workflow) calls `show`.
-Built on `logging`, so that nothing happens where nobody shows it.
+A stage says `step(...)`, a command `say(...)` and `warn(...)`; whoever owns the terminal (the command line, a
+script of the workflow) calls `show`. Built on `logging`, so that nothing happens where nobody shows it.
 """
 
 import logging
@@ -14,7 +14,7 @@ ALL = logging.getLogger("plasmapyro")
 
 
 def step(stage, done, total=None, note=""):
-    """Tell how far a stage has come.
+    """Tell how far a stage has come; the next step is written over it.
 
     Parameters
     ----------
@@ -30,13 +30,18 @@ def step(stage, done, total=None, note=""):
         LOG.debug("%s: %s%s", stage, count, f", {note}" if note else "")
 
 
-def counter(stage):
-    """A function (done, total) that says `step` of a stage."""
-    return lambda done, total: step(stage, done, total)
+def say(message):
+    """Tell what a command does now; the line stays, with the time since the command began."""
+    LOG.info(message)
+
+
+def warn(message):
+    """Say something the user must know, on a terminal or not."""
+    LOG.warning(message)
 
 
 def show(stream):
-    """Draw the steps, and what the stages log, as one line that is written over; on a terminal only.
+    """Draw steps and what the stages log as one line that is written over, on a terminal only; and warnings.
 
     Parameters
     ----------
@@ -46,10 +51,10 @@ def show(stream):
     for handler in [handler for handler in LOG.handlers if isinstance(handler, _Line)]:
         LOG.removeHandler(handler)
         ALL.removeHandler(handler)
-    LOG.setLevel(logging.NOTSET if not stream.isatty() else logging.DEBUG)
+    LOG.setLevel(logging.DEBUG if stream.isatty() else logging.WARNING)
+    line = _Line(stream)
+    LOG.addHandler(line)
     if stream.isatty():
-        line = _Line(stream)
-        LOG.addHandler(line)
         ALL.addHandler(line)  # the solver of the flow logs every step
         ALL.setLevel(logging.INFO)
 
@@ -57,15 +62,19 @@ def show(stream):
 class _Line(logging.Handler):
     def __init__(self, stream):
         super().__init__()
-        self.stream, self.drawn = stream, -PERIOD
+        self.stream, self.start, self.drawn = stream, time.monotonic(), -PERIOD
 
     def emit(self, record):
         now = time.monotonic()
-        if now - self.drawn < PERIOD:
-            return
-        self.drawn = now
-        width = shutil.get_terminal_size().columns - 1
-        self.stream.write(f"\r\033[K{record.getMessage()[:width]}")
+        clear = "\r\033[K" if self.stream.isatty() else ""
+        if record.name == LOG.name and record.levelno >= logging.INFO:
+            warning = record.levelno >= logging.WARNING
+            head = "plasmapyro: warning:" if warning else f"[{now - self.start:5.1f} s]"
+            self.stream.write(f"{clear}{head} {record.getMessage()}\n")
+        elif now - self.drawn >= PERIOD:
+            self.drawn = now
+            width = shutil.get_terminal_size().columns - 1
+            self.stream.write(f"{clear}{record.getMessage()[:width]}")
         self.stream.flush()
 
     def close(self):

@@ -17,6 +17,11 @@ def versions():
     return tuple((name, _version(name)) for name in ("plasmapyro", *PACKAGES))
 
 
+def told():
+    """The versions in one line, as they stand in every netCDF file."""
+    return ", ".join(f"{name} {number}" for name, number in versions())
+
+
 def _version(name):
     try:
         return version(name)

@@ -8,10 +8,12 @@ import fcntl
 import hashlib
 import json
 import os
+import shutil
 import time
 from pathlib import Path
 
-SEALS = "PLASMAPYRO_SEALS"  # folder of the digests of all results; unset outside of a workflow
+FOLDER = ".seals"  # of the digests, in the folder of results
+SEALS = "PLASMAPYRO_SEALS"  # that folder, for the jobs of a workflow; unset outside of one
 SETTINGS = "PLASMAPYRO_SETTINGS"  # digest of the configuration that the run began with
 _held = []  # locks live as long as the process
 
@@ -21,30 +23,59 @@ class WorkspaceError(RuntimeError):
 
 
 def seal(path):
-    """Note the SHA-256 of a finished result, so that the next run sees whether it still has those bytes.
+    """Note the SHA-256 of a finished result, so that who reads it sees whether it still has those bytes.
 
     Does nothing outside of a workflow. The note of an older file goes first: a run cut off between the two
-    leaves a result without note, never a note of other bytes.
+    leaves a result without note, never a note of other bytes. What lies in a hidden folder is no result yet.
     """
-    folder = os.environ.get(SEALS)
-    if not folder:
-        return
-    root, path = Path(folder).parent.resolve(), Path(path).resolve()
-    if path.is_relative_to(root):
-        note = Path(folder) / path.relative_to(root).with_name(path.name + ".sha256")
+    if note := _note_to_write(path):
         note.parent.mkdir(parents=True, exist_ok=True)
         part = note.with_name(f"{note.name}.{os.getpid()}.part")
-        part.write_text(_digest(path), encoding="ascii")
+        part.write_text(digest(path), encoding="ascii")
         os.replace(part, note)
 
 
 def unseal(path):
     """Forget the note of a result that is about to be replaced."""
+    if note := _note_to_write(path):
+        note.unlink(missing_ok=True)
+
+
+def noted(path):
+    """SHA-256 that a workflow noted of a file when it wrote it.
+
+    Parameters
+    ----------
+    path : path
+        Anywhere; the folder of results is recognised by its notes, in a workflow or out of it.
+
+    Returns
+    -------
+    str, or None if nothing is noted
+    """
+    path = Path(os.path.realpath(path))
+    for folder in path.parents:
+        note = _note_in(folder / FOLDER, path.relative_to(folder))
+        if note.is_file():
+            return note.read_text(encoding="ascii", errors="replace")
+    return None
+
+
+def _note_in(folder, path):
+    """Where the note of a result stands, by its path inside of the folder of results."""
+    return folder / path.with_name(path.name + ".sha256")
+
+
+def _note_to_write(path):
+    """Path of the note that this process keeps of a result, or None."""
     folder = os.environ.get(SEALS)
-    if folder:
-        root, path = Path(folder).parent.resolve(), Path(path).resolve()
-        if path.is_relative_to(root):
-            (Path(folder) / path.relative_to(root).with_name(path.name + ".sha256")).unlink(missing_ok=True)
+    if not folder:
+        return None
+    root, path = Path(os.path.realpath(folder)).parent, Path(os.path.realpath(path))
+    inside = path.relative_to(root) if path.is_relative_to(root) else None
+    if inside is None or any(part.startswith(".") for part in inside.parent.parts):
+        return None
+    return _note_in(Path(folder), inside)
 
 
 def begin(results, settings):
@@ -71,7 +102,7 @@ def begin(results, settings):
     WorkspaceError
         If the folder or one of those in it cannot be made or written to.
     """
-    folder = Path(results) / ".seals"
+    folder = Path(results) / FOLDER
     os.environ[SEALS] = str(folder.resolve())
     os.environ[SETTINGS] = _settings_digest(settings)
     try:
@@ -89,8 +120,8 @@ def begin(results, settings):
         lock.close()
         return [], True
     _held.append(lock)
-    for part in Path(results).rglob(".*.part*"):
-        part.unlink()
+    for part in list(Path(results).rglob(".*.part*")):
+        shutil.rmtree(part) if part.is_dir() else part.unlink(missing_ok=True)
     _date_back(Path(results))
     return _remove_damaged(Path(results), folder), False
 
@@ -141,7 +172,7 @@ def require_unchanged(paths, digests):
     ------
     WorkspaceError
     """
-    changed = [str(path) for path, digest in zip(paths, digests, strict=True) if _digest(path) != digest]
+    changed = [str(path) for path, begun in zip(paths, digests, strict=True) if digest(path) != begun]
     if changed:
         raise WorkspaceError(
             f"{', '.join(changed)}: changed while the run was at work; the results are those of the files it"
@@ -163,14 +194,15 @@ def _remove_damaged(results, folder):
         path = results / note.relative_to(folder).with_name(note.name.removesuffix(".sha256"))
         if not path.exists():
             note.unlink()
-        elif _digest(path) != note.read_text(encoding="ascii", errors="replace"):
+        elif digest(path) != note.read_text(encoding="ascii", errors="replace"):
             path.unlink()
             note.unlink()
             damaged.append(path)
     return damaged
 
 
-def _digest(path):
+def digest(path):
+    """SHA-256 of a file, in hexadecimal."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

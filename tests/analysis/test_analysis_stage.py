@@ -39,13 +39,14 @@ def calibration(curve=CURVE):
 
 
 def gas(signals, emittance=0.85):
-    names = [f"case{number}" for number in range(len(signals))]
-    cases = {
-        name: xr.Dataset({"band_signal": ("band", list(pair))}, {"band": ["wide", "narrow"]})
-        for name, pair in zip(names, signals, strict=True)
-    }
-    power = 1e3 * np.arange(1, 1 + len(signals))
-    return stage.gather(cases, numerical_power=power, emittance=np.broadcast_to(emittance, len(signals)))
+    cases = {f"case{number}": radiation(pair, 1e3 * (1 + number)) for number, pair in enumerate(signals)}
+    return stage.gather(cases, emittance=np.broadcast_to(emittance, len(signals)))
+
+
+def radiation(signals, power=None):
+    """What `gather` reads of a file of contract 'radiation'."""
+    stated = {} if power is None else {"numerical_power": power, "chamber_pressure": 5000.0}
+    return xr.Dataset({"band_signal": ("band", list(signals))}, {"band": ["wide", "narrow"]}, stated)
 
 
 def blue_light(strength):
@@ -62,18 +63,26 @@ def reading(signals, emittance=0.85, truth=TRUTH):
 
 def test_conditions_are_sorted_by_power_whatever_their_names():
     cases = {
-        name: xr.Dataset({"band_signal": ("band", [value, 1.0])}, {"band": ["wide", "narrow"]})
-        for name, value in (("130kW", 3.0), ("60kW", 1.0), ("90kW", 2.0))
+        "a 130": radiation([3.0, 1.0], 130e3),
+        "mine": radiation([4.0, 1.0]),
+        "z 60": radiation([1.0, 1.0], 60e3),
+        "y 90": radiation([2.0, 1.0], 90e3),
     }
-    gathered = stage.gather(cases, numerical_power=[130e3, 60e3, 90e3], emittance=[0.8, 0.9, 1.0])
-    assert gathered.condition.values.tolist() == ["60kW", "90kW", "130kW"]
-    assert gathered.gas_signal.sel(band="wide").values.tolist() == [1.0, 2.0, 3.0]
-    assert gathered.sample_emittance.values.tolist() == [0.9, 1.0, 0.8]
+    gathered = stage.gather(cases, emittance=[0.8, 0.7, 0.9, 1.0])
+    assert gathered.condition.values.tolist() == [
+        "z 60",
+        "y 90",
+        "a 130",
+        "mine",
+    ]  # that without a power last
+    assert gathered.gas_signal.sel(band="wide").values.tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert gathered.sample_emittance.values.tolist() == [0.9, 1.0, 0.8, 0.7]
+    np.testing.assert_array_equal(gathered.numerical_power, [60e3, 90e3, 130e3, np.nan])
 
 
 def test_no_condition_is_refused():
     with pytest.raises(ValueError, match="no power condition"):
-        stage.gather({}, numerical_power=[], emittance=[])
+        stage.gather({}, emittance=[])
 
 
 def test_without_gas_the_reading_is_the_truth():

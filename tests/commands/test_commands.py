@@ -10,7 +10,8 @@ import yaml
 
 from plasmapyro import cli, io
 from plasmapyro.commands import calibrate, joint
-from plasmapyro.experiment import status
+from plasmapyro.diagnosis.command import LIMITS
+from plasmapyro.record import status
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -185,7 +186,7 @@ def test_spectra_alone_judge_the_window_as_well(tmp_path, shelf, capsys):
         ("both.nc", ["--out", "both.nc"], "is an input or another output"),
         ("absent", [], "absent: no such folder"),
         ("both.nc", ["--reference-window", "-3", "2"], "must lie between injection"),
-        ("both.nc", ["--normalisation-nm", "1200"], "no pixel within 2 nm of the normalisation wavelength"),
+        ("both.nc", ["--normalisation-nm", "1200"], "no usable pixel within 2 nm of the wavelength at which"),
         ("both.nc", ["--reference-time", "40"], "is not inside the reference window"),
     ],
 )
@@ -239,7 +240,7 @@ def test_check_says_what_is_there(shelf, capsys):
     [
         (
             lambda test: test.isel(time=slice(0, 100)),
-            "time ends at 20.75 s, the plasma at 50 s: is a file cut off",
+            "time ends at 20.75 s, the plasma at 50 s; is a file cut off",
         ),
         (lambda test: test.isel(time=slice(28, None)), "time begins at 3 s, the injection is at 0 s"),
         (
@@ -315,6 +316,9 @@ def test_defaults_are_those_of_the_main_job():
         assert options[name] == spectrometer[name]
     assert options["temperature_range_k"] == spectrometer["temperature_range_k"]
     assert options["normalisation_nm"] == spectrometer["normalisation_wavelength_nm"]
+    words = ["diagnose", "t", "--radiance", "r", "--instrument", "i", "--out", "o"]
+    assert vars(cli.parser().parse_args(words))["saturation_counts"] == spectrometer["saturation_counts"]
+    assert {name: pyrometer[name] for name in LIMITS} == LIMITS
     scale = {"um": 1e-6, "nm": 1e-9, "s": 1.0, "k": 1.0}
     for key, value in config["experiment"]["joint_estimate"].items():
         name, _, unit = key.rpartition("_")
@@ -331,27 +335,3 @@ def test_defaults_are_those_of_the_main_job():
         assert options[name] == config["instrument"]["calibration"][name]
     for name in ("saturation_counts", "least_net_counts"):
         assert options[name] == config["instrument"]["spectrometer"][name]
-
-
-class Stream:
-    def __init__(self, terminal):
-        self.terminal, self.text = terminal, ""
-
-    def isatty(self):
-        return self.terminal
-
-    def write(self, text):
-        self.text += text
-
-    def flush(self):
-        pass
-
-
-def test_the_bar_fills_on_a_terminal_only():
-    terminal, pipe = Stream(True), Stream(False)
-    for stream in (terminal, pipe):
-        report = cli.Progress(stream).bar("fitting")
-        for done in range(1, 4):
-            report(done, 3)
-    assert pipe.text == ""
-    assert terminal.text.endswith(f"fitting [{'#' * 30}] 3 of 3\n") and "\r" in terminal.text

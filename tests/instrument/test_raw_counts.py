@@ -6,10 +6,11 @@ import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.instrument import raw_counts, spectrometer
-from plasmapyro.instrument.line_lamp import FWHM, find_lines, lamp_lines
+from plasmapyro.instrument.line_lamp import find_lines, lamp_lines
 from plasmapyro.instrument.shape import compare, planck_shape
 from plasmapyro.instrument.stage import exposure_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 PIXELS = 1200
 WAVELENGTH = np.linspace(200e-9, 1100e-9, PIXELS)
@@ -199,7 +200,7 @@ def test_a_spectrum_without_such_a_shape_is_refused():
 
 def lamp(shift, fwhm, generator):
     grid = np.linspace(200e-9, 1100e-9, 2000)
-    sigma = fwhm / FWHM
+    sigma = fwhm / FWHM_PER_SIGMA
     light = sum(4000 * np.exp(-(((grid - line - shift) / sigma) ** 2) / 2) for line in lamp_lines()[1])
     return grid, light + 5 * generator.standard_normal(grid.size)
 

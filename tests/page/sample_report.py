@@ -126,6 +126,28 @@ def report(**changes):
             "per_class": [{"id": "smooth", "name": "smooth map", "log_bayes": 1.2}],
             "rank1": None,
         },
+        "simulation": {
+            "p": 0.3,
+            "threshold": 10.0,
+            "power": 0.98,
+            "brightness": 1.02,
+            "power_error": 0.03,
+            "systems": [
+                {
+                    "name": name,
+                    "wavelength": [8e-7, 9.45e-7],
+                    "ratio": ratio,
+                    "error": 0.05,
+                    "stated": 0.1,
+                    "by_power": 1.0,
+                    "beyond": ratio > 1.3,
+                }
+                for name, ratio in (("N2 1P 800-945 nm", 1.42), ("O I 777 nm", 0.98))
+            ],
+            "lines": [{"wavelength": 7.8e-7, "strength": 0.2, "error": 0.03}],
+            "gains": [{"id": "T_exc", "gain_chi2": 3.0}],
+            "sentences": ["N2 1P 800-945 nm: 1.42 of the simulated light is measured."],
+        },
         "extended": {
             "configuration": "effects:\n  - id: winE\n",
             "terms": [{"id": "winE", "parameters": {"loss": 0.041}, "standard_errors": {"loss": 0.003}}],

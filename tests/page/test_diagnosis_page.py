@@ -11,7 +11,7 @@ import pytest
 from sample_report import candidate, report, residual_map, temperature
 
 from plasmapyro.page.stage import write_page
-from plasmapyro.page.words import kelvin, number, probability, text, with_error
+from plasmapyro.page.words import kelvin, number, probability, with_error, without_folders
 
 VOID = {"meta", "br", "img", "link", "input", "hr"}
 
@@ -99,7 +99,7 @@ def test_synthetic_is_said_and_users_text_is_no_markup_and_tells_no_folder():
     assert "SYNTHETIC DATA" in page and "data: synthetic" in page
     assert "<script" not in page and "<b>80" not in page and "<i>x" not in page
     assert "anna" not in page and "secret" not in page and "/srv/a" not in page
-    assert "&lt;script&gt;alert(&quot;1&quot;)&lt;/script&gt; &amp; run7.nc" in page
+    assert "&lt;script&gt;alert(&#34;1&#34;)&lt;/script&gt; &amp; run7.nc" in page
     assert "x.csv" in page and "ratio T/T and 1/s stay" in page
 
 
@@ -109,6 +109,31 @@ def test_candidates_keep_their_order_and_show_kelvin(page):
     assert ranking.index("cause winE ★") < ranking.index("cause other")
     assert "+12 K" in words and "+3.2 K" in words and "−6.2 K" in words
     assert "0.0412 ± 0.0031" in words
+
+
+def test_of_several_named_causes_only_the_first_answer_has_a_probability():
+    """The others explain what the first leaves: a nought beside a star would contradict it."""
+    both = [
+        candidate("winE", kelvin=12.0, probability=0.95, rank=1),
+        candidate("drift", kelvin=3.0, probability=0.0, rank=2),
+    ]
+    verdict = report()["verdict"] | {
+        "status": "named",
+        "named": ["winE", "drift"],
+        "probability": {"winE": 0.95},
+    }
+    words = Reader(write_page(report(candidates=both, verdict=verdict), residual_map(), temperature())).words
+    assert "2 causes are named" in words and "probability of the first answer: cause winE" in words
+    ranking = words[words.index("★ marks what is named") :]
+    first, second = ranking.index("cause winE ★"), ranking.index("cause drift ★")
+    assert "0.95" in ranking[first:second] and "beside it" in ranking[second : second + 200]
+
+
+def test_a_cause_that_the_base_model_takes_up_shows_no_amplitude():
+    row = candidate("eps_T", kelvin=0.0, probability=0.0, rank=1)
+    row |= {"amplitude": 0.0, "standard_error": 0.5, "significance": 0.0, "gain_chi2": 3224.0}
+    words = Reader(write_page(report(candidates=[row]), residual_map(), temperature())).words
+    assert "the base model takes it up" in words and "3.22" not in words
 
 
 def test_what_remains_invisible_is_said_in_kelvin(page):
@@ -128,10 +153,10 @@ def test_misfit_of_a_phase_is_shown_by_number_and_shade(page):
     assert re.search(r'background:#eef6ee" title="p = 0.2, 100 data">0.97<', page)
 
 
-def test_gain_and_fragment_are_shown(page):
+def test_gain_is_shown_and_nothing_asked_that_the_program_refuses(page):
     words = Reader(page).words
     assert "log score of held-out blocks 214 ± 31" in words and "1 of 2" in words
-    assert "effects:\n  - id: winE" in page
+    assert "configuration" not in words
     assert "The extended temperature is used" in words
 
 
@@ -191,11 +216,11 @@ def test_another_format_is_refused():
 def test_numbers_are_written_as_they_are_worth():
     assert kelvin(-0.04) == "0 K" and kelvin(12.4) == "+12 K" and kelvin(-4.14) == "−4.1 K"
     assert kelvin(float("nan")) == kelvin(None) == "–"
-    assert number(1.23456e-21) == "1.23·10<sup>−21</sup>" and number(0.0412) == "0.0412"
+    assert number(1.23456e-21) == "1.23·10⁻²¹" and number(0.0412) == "0.0412"
     assert with_error(0.0412, 0.0031) == "0.0412 ± 0.0031" and with_error(214.0, 31.0) == "214 ± 31"
     assert with_error(5.0, 0.0, "nm") == "5 nm" and with_error(3.2, 0.4, "0.01") == "3.20 ± 0.40 × 0.01"
     assert probability(3e-6) == "< 0.0001" and probability(0.91) == "0.91" and probability(0.0) == "0"
-    assert text("see /data/a/b.nc, m/s, a/b") == "see b.nc, m/s, a/b"
+    assert without_folders("see /data/a/b.nc, m/s, a/b") == "see b.nc, m/s, a/b"
 
 
 def test_the_report_of_these_tests_honours_the_published_format():

@@ -19,4 +19,5 @@ def test_each_contract_has_its_place_and_each_place_a_rule():
     assert DATASETS.keys() <= formats.FILES.keys()
     rules = "".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk"))
     known = [path for contract, path in formats.FILES.items() if path and contract in DATASETS]
+    rules = rules.replace("{own}", "")  # of the paper's conditions, or of one's own
     assert not [path for path in known if f'"{path}"' not in rules]

@@ -87,8 +87,8 @@ def test_every_figure_is_drawn_and_the_same_twice(tmp_path):
         folder.mkdir()
         paths = [[folder / f"{name}.svg"] for name in flows]
         figures.fields(flows.values(), [SIGHTLINE] * 2, paths)
-        figures.convergence(flows, [80e3, 90e3], [folder / "convergence.svg"])
-        figures.balances(flows, [80e3, 90e3], [folder / "balances.svg"])
+        figures.convergence(flows, [folder / "convergence.svg"])
+        figures.balances(flows, [folder / "balances.svg"])
     names = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert names == ["80kW.svg", "90kW.svg", "balances.svg", "convergence.svg"]
     for name in names:

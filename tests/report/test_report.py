@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro.report.captions import FIGURES, describe
-from plasmapyro.report.stage import compose
+from plasmapyro.report.stage import _contradictions, compose
 
 PIXEL = (  # a PNG of one pixel
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -29,12 +29,12 @@ def claims():
     }
     return xr.Dataset(
         {
-            **{name: ("claim", [word, word]) for name, word in text.items()},
-            "verdict": ("claim", ["reproduced", "differs by +3 K"]),
-            "basis": ("claim", ["simulation", "synthetic"]),
-            "value": ("claim", [10.0, 13.0]),
+            **{name: ("claim", [word] * 3) for name, word in text.items()},
+            "verdict": ("claim", ["reproduced", "differs by +3 K", "not testable here"]),
+            "basis": ("claim", ["simulation", "synthetic", "untestable"]),
+            "value": ("claim", [10.0, 13.0, np.nan]),
         },
-        {"claim": ["one", "two"]},
+        {"claim": ["one", "two", "three"]},
         attrs={"sources": "abc  results/a.nc", "plasmapyro_version": "0"},
     )
 
@@ -46,6 +46,7 @@ def corrected():
         {
             "corrected_temperature": ("time", temperature),
             "corrected_temperature_uncertainty": ("time", 0 * time + 23.0),
+            "corrected_status": ("time", np.where(time < 30, 2, 0)),
         },
         {"time": time},
         {"injection_time": 0.0, "plasma_off_time": 90.0, "condition": "80kW", "origin": "synthetic"},
@@ -56,7 +57,7 @@ def corrected():
 def page():
     timing = {"s": 2.0, "cpu_time": 1.5, "max_rss": 300.0}
     return compose(
-        [("fig10a_reference_spectrum_x", PIXEL), ("fig9a_signals_x", PIXEL), ("fig7c_error_map", PIXEL)],
+        [("fig10a_signals_x", PIXEL), ("fig9b_sample_emittance_x", PIXEL), ("fig8c_error_map", PIXEL)],
         claims(),
         [("mine", corrected())],
         diagnoses=[("mine", "<p>verdict: <b>nothing wrong</b></p><script>document.title = 'x'</script>")],
@@ -67,7 +68,12 @@ def page():
 
 def test_the_steady_temperature_and_the_first_value_are_those_of_the_data(page):
     row = re.search(r"<td[^>]*>mine</td>.*", page).group()
-    assert all(words in row for words in ("20.0 s", "1600 K", "23 K", "synthetic"))
+    # From 20 s on there are values, beyond the calibrated range; from 30 s on valid ones.
+    assert all(words in row for words in ("30.0 s", "1600 K", "23 K", "synthetic"))
+
+
+def test_verdicts_are_counted_whole(page):
+    assert ">not testable here</span>: 1 from the simulation, 0 on" in page
 
 
 def test_the_joint_estimate_counts_where_it_is_valid():
@@ -96,7 +102,7 @@ def test_jobs_of_one_rule_share_a_row(page):
 
 
 def test_figures_stand_in_the_order_of_their_numbers(page):
-    assert page.index('id="fig9a') < page.index('id="fig10a')
+    assert page.index('id="fig9b') < page.index('id="fig10a')
 
 
 def test_a_figure_without_words_is_refused():
@@ -107,7 +113,7 @@ def test_a_figure_without_words_is_refused():
 def test_every_figure_of_the_workflow_has_words():
     rules = (ROOT / "workflow/rules/figures.smk").read_text(encoding="utf-8").partition("\nrule ")[0]
     names = set(re.findall(r'"(\w+)"', rules)) - {"svg", "png", "pyrometer", "spectrometer", "instruments"}
-    assert {"fig2a_responses", "joint_estimate", "trust"} <= names and len(names) > 25
+    assert {"fig3a_responses", "joint_estimate", "trust"} <= names and len(names) > 25
     for name in names:
         describe(name)
 
@@ -191,3 +197,27 @@ def test_the_pages_of_the_main_job_read_well(browser, name, width):
         pytest.skip("needs the results of the main job (make compare)")
     open_page(browser, ROOT / os.environ["PLASMAPYRO_RESULTS"] / name, width)
     nothing_from_outside(browser)
+
+
+def test_a_contradiction_stands_before_the_temperatures():
+    time = np.arange(5.0)
+    both = [
+        xr.Dataset(
+            {
+                name: (axis, np.full(5, value)),
+                f"{name}_uncertainty": (axis, np.full(5, 20.0)),
+                state: (axis, np.zeros(5, dtype="int8")),
+            },
+            {axis: time},
+        )
+        for name, axis, state, value in (
+            ("corrected_temperature", "time", "corrected_status", 1500.0),
+            ("scaled_temperature", "spectrum_time", "spectrum_status", 1600.0),
+        )
+    ]
+    joint = xr.Dataset(attrs={"contradictions": "the data pull a gain"})
+    found = list(_contradictions([("mine", both[0]), ("mine", both[1]), ("mine", joint), ("other", both[0])]))
+    assert found[0] == "mine: the data pull a gain"
+    # 100 K are 3.5 combined uncertainties of 28.3 K.
+    assert found[1].startswith("mine: pyrometer and spectrometer contradict each other: in 5 of 5 spectra")
+    assert len(found) == 2

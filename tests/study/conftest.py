@@ -1,7 +1,7 @@
 """A clean copy of the workflow for the tests of studies."""
 
 import pytest
-from small_study import copy_of_the_project
+from clone import copy_of_the_project
 
 
 @pytest.fixture

@@ -1,11 +1,8 @@
 """A study of two invented flows, one of which is said not to exist: no flow has to be computed for it."""
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
+import clone
 import numpy as np
 import xarray as xr
 import yaml
@@ -17,20 +14,9 @@ ROOT = Path(__file__).resolve().parents[2]
 NOSE, RADIUS = 0.871, 0.16  # [m], of the shipped torch
 
 
-def copy_of_the_project(folder):
-    """What a clone holds of the workflow."""
-    shutil.copy(ROOT / "Snakefile", folder)
-    for name in ("config", "workflow", "profiles"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder
-
-
 def snakemake(folder, *arguments):
     """Call Snakemake on the study; return its exit code and all that it says."""
-    command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", "study.yaml"]
-    command += [] if "--profile" in arguments else ["--cores", "1"]
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+    run = clone.snakemake(folder, *arguments, "--configfile", "study.yaml")
     return run.returncode, run.stdout + run.stderr
 
 

@@ -5,7 +5,8 @@ import shutil
 import subprocess
 
 import pytest
-from small_study import ROOT, copy_of_the_project, prepare, snakemake
+from clone import copy_of_the_project
+from small_study import ROOT, prepare, snakemake
 
 SCRIPT = ROOT / "workflow/slurm/one_machine.sh"
 PLAIN = "/usr/bin:/bin"  # where Debian does not put the daemons

@@ -96,7 +96,6 @@ def test_each_condition_is_what_the_single_stages_say(response, curve, monkeypat
         signal = gas_of((*place[:3], place[4]), response)
         gas = analysis.gather(
             {"here": xr.Dataset({"band_signal": ("band", signal)}, {"band": list(stage.BANDS)})},
-            numerical_power=[place[0]],
             emittance=[place[3]],
         )
         read = analysis.apparent_temperature(gas, response, curve, object_temperature=TEMPERATURE)

@@ -12,7 +12,7 @@ from two_bands import RESPONSE
 
 from plasmapyro import contracts
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.radiation.bandsignal import gridded_signal
+from plasmapyro.radiation.bandsignal import band_signal, respond
 from plasmapyro.radiation.planck import blackbody_radiance
 
 AGREEMENT = 1e-3  # what the two independent codes owe each other
@@ -58,7 +58,7 @@ def test_blackbody_band_signals_of_both_codes_agree():
 def test_gas_band_signals_of_both_codes_agree(band):
     nodes, response = RESPONSE.wavelength.values, RESPONSE[f"responsivity_{band}"].values
     grid = GAS.wavelength.values
-    theirs = gridded_signal(grid, GAS.gas_radiance.values, nodes, response)
+    theirs = band_signal(grid, respond(grid, nodes, response), GAS.gas_radiance.values)
     edges, _, weight = light.band(nodes, response)
     mine = light.bin_mean(grid, GAS.gas_radiance.values, edges) @ weight
     assert mine == pytest.approx(theirs, rel=AGREEMENT)

@@ -6,9 +6,9 @@ from test_twin import GAS
 from twin import campaign
 from two_bands import RESPONSE
 
-from plasmapyro.experiment import status
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.instrument.stage import pyrometer_calibration, spectrometer_calibration
+from plasmapyro.record import status
 
 SEED = 11
 

@@ -5,35 +5,23 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+import xarray as xr
+from clone import ROOT, copy_of_the_project, planned, snakemake
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def snakemake(folder, *arguments):
-    command = [sys.executable, "-m", "snakemake", "--cores", "1", *arguments]
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+PAPER = (
+    "5b_line_of_sight",
+    "6_spectral_radiance",
+    "7a_visibility_factors",
+    "8c_error_map",
+)
 
 
 @pytest.fixture
 def project(tmp_path):
     """A clean copy of the workflow, as after a clone."""
-    folder = tmp_path / "clone"
-    folder.mkdir()
-    shutil.copy(ROOT / "Snakefile", folder)
-    for name in ("config", "workflow", "profiles"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder
-
-
-def planned(run):
-    """Rule -> number of jobs that a dry run announces."""
-    assert run.returncode == 0, run.stdout + run.stderr
-    table = run.stdout.split("Job stats:")[1].split("total")[0]
-    return {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", table, re.MULTILINE)}
+    return copy_of_the_project(tmp_path / "clone")
 
 
 def test_the_main_job_plans_nine_conditions(project):
@@ -48,11 +36,49 @@ def test_the_light_on_the_surface_is_a_target_of_its_own(project):
     assert jobs["surface_view"] == jobs["reflected_radiance"] == 1
 
 
-def test_a_tenth_condition_is_one_more_file(project):
+def test_conditions_of_ones_own_are_files_more_and_touch_nothing_of_the_paper(project):
+    """Another power; another pressure, with a power that is there already; another emittance."""
     first = (project / "config/conditions/90kW.yaml").read_text()
-    (project / "config/conditions/95kW.yaml").write_text(first.replace("90", "95"))
-    jobs = planned(snakemake(project, "--dry-run"))
-    assert jobs["flow"] == jobs["radiance"] == 10
+    folder = project / "config/conditions"
+    (folder / "95kW.yaml").write_text(first.replace("90", "95"))
+    (folder / "wet.yaml").write_text(first.replace("chamber_pressure_mbar: 50", "chamber_pressure_mbar: 20"))
+    (folder / "0.yaml").write_text(first.replace("emittance: 0.85", "emittance: 0.5"))
+    run = snakemake(project, "--dry-run")
+    jobs = planned(run)
+    assert jobs["flow"] == jobs["radiance"] == 12
+    for rule in ("gas_signal", "error_map", "figures_analysis", "figures_flow", "gas_spectra", "trust"):
+        assert jobs[rule] == 2, rule
+    assert jobs["claims"] == jobs["band_design"] == jobs["figures_design"] == 1
+    assert "results/figures/fig8c_error_map_own.svg" in run.stdout
+    paper = ["results/claims.md", *[f"results/figures/fig{name}.svg" for name in PAPER]]
+    shown = snakemake(project, "--dry-run", "--forceall", *paper)
+    assert planned(shown)["radiance"] == 9
+    assert not re.findall(r"results/\S*(?:95kW|wet|_own|/0)\.\w+", shown.stdout)
+
+
+def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):
+    """The file of a measured test names the condition; its powers are those of the same pressure."""
+    first = (project / "config/conditions/90kW.yaml").read_text()
+    for power in (90, 95):
+        wet = first.replace("chamber_pressure_mbar: 50", "chamber_pressure_mbar: 20").replace(
+            "_kw: 90", f"_kw: {power}"
+        )
+        (project / f"config/conditions/wet{power}.yaml").write_text(wet)
+    (project / "config/tests/csic_160kW.yaml").rename(project / "aside.yaml")
+    (project / "config/tests/mine.yaml").write_text(
+        "data_folder: mydata\ninstruments: [pyrometer]\ncalibrated_spectra: true\n"
+    )
+    config = project / "config/config.yaml"
+    config.write_text(config.read_text().replace("test: csic_160kW", "test: mine"))
+    (project / "mydata").mkdir()
+    xr.Dataset(attrs={"condition": "wet90"}).to_netcdf(project / "mydata/test.nc")
+    run = snakemake(project, "--dry-run", "results/diagnosis/mine/diagnosis.json")
+    assert planned(run)["radiance"] == 3  # those of 20 mbar, and diagnosis.condition for its varied spectra
+    inputs = re.search(r"rule diagnosis:\n    input: (.*)", run.stdout)[1]
+    assert "results/radiation_variations/wet90.nc" in inputs
+    assert set(re.findall(r"results/radiation/(\w+).nc", inputs)) == {"wet90", "wet95"}
+    xr.Dataset(attrs={"condition": "wet91"}).to_netcdf(project / "mydata/test.nc")
+    assert "condition of test mine: no file for 'wet91'; did you mean" in snakemake(project).stderr
 
 
 def test_a_test_may_hold_one_instrument_and_ready_radiances(project):
@@ -117,15 +143,61 @@ def test_minimal_takes_two_conditions(project):
         ("config/config.yaml", "angle_deg: 35", "angle_deg: 135", "sightline.angle_deg: 135"),
         ("config/tests/csic_160kW.yaml", "data_folder:", "datafolder:", "did you mean 'data_folder'?"),
         ("config/config.yaml", "field_condition: 90kW", "field_condition: 91kW", "did you mean '90kW'?"),
+        ("config/config.yaml", "sightline:", "sightline: [", "config/config.yaml: not readable as YAML"),
+        ("config/conditions/90kW.yaml", "emittance:", "emittance: !!int ''\nx:", "90kW.yaml: not readable"),
+        ("config/tests/csic_160kW.yaml", "data_folder: ", "data_folder: a{b}/", "holds braces"),
     ],
 )
 def test_a_wrong_configuration_stops_before_the_first_job(project, file, old, new, message):
     path = project / file
+    assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
     run = snakemake(project)
     assert run.returncode != 0
-    assert message in run.stdout + run.stderr
+    words = run.stdout + run.stderr
+    assert message in words
+    assert 'File "' not in words and "Traceback" not in words and "Snakefile" not in words
     assert not (project / "results").exists()
+
+
+def test_what_is_wrong_in_several_files_is_said_at_once_file_by_file(project):
+    for name in ("80kW", "90kW"):
+        path = project / f"config/conditions/{name}.yaml"
+        path.write_text(path.read_text().replace("emittance:", "emitance:"))
+    said = snakemake(project).stderr
+    for name in ("80kW", "90kW"):
+        assert (
+            f"config/conditions/{name}.yaml does not fit config/schema_condition.yaml:\n  unknown key" in said
+        )
+
+
+def one_instrument(project):
+    """A second test, of a spectrometer alone; and one condition that nothing but the diagnosis needs."""
+    (project / "config/tests/mine.yaml").write_text(
+        "data_folder: mydata\ninstruments: [spectrometer]\ncalibrated_spectra: true\n"
+    )
+    (project / "mydata").mkdir()
+    (project / "mydata/test.nc").write_bytes(b"")
+
+
+@pytest.mark.parametrize("change", [None, one_instrument, "config/minimal.yaml"])
+def test_the_crate_lists_every_result_that_the_run_makes(project, change):
+    if callable(change):
+        change(project)
+    words = ["--configfile", change] if isinstance(change, str) else []
+    plan = snakemake(project, "--dry-run", *words).stdout
+    jobs = re.findall(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", plan, re.MULTILINE)
+    files = {"input": {}, "output": {}}
+    for rule, text in jobs:
+        for kind, found in files.items():
+            for listed in re.findall(rf"^    {kind}: (.*)$", text, re.MULTILINE):
+                found.setdefault(rule, set()).update(listed.split(", "))
+    made = set().union(*(listed for rule, listed in files["output"].items() if rule != "crate"))
+    described = {path for path in files["input"]["crate"] if path.startswith("results/")}
+    assert described == made and len(made) > 100
+    groups = {path.split("/")[1] for path in described}
+    assert {"radiation_variations", "surface_view", "experiment", "twin"} <= groups
+    assert any(path.endswith("joint_estimate.nc") for path in described)
 
 
 @pytest.fixture
@@ -142,6 +214,56 @@ def test_a_second_call_has_nothing_to_do(half_way):
         in snakemake(half_way, "results/instrument/response.nc").stderr
         + snakemake(half_way, "results/instrument/response.nc").stdout
     )
+
+
+NOTHING = "Nothing to be done"
+TARGETS = ("results/instrument/ratio_curve.nc", "results/twin/calibration_points.nc")
+
+
+@pytest.fixture
+def finished(half_way):
+    """The project after a small run that has an end."""
+    run = snakemake(half_way, *TARGETS)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return half_way
+
+
+def test_a_finished_folder_may_be_moved_copied_or_cloned_again(finished):
+    def said(folder):
+        run = snakemake(folder, "--dry-run", *TARGETS)
+        return run.stdout + run.stderr
+
+    moved = finished.rename(finished.with_name("another name"))
+    assert NOTHING in said(moved)
+    copied = shutil.copytree(moved, moved.with_name("copied"), copy_function=shutil.copyfile)
+    for path in sorted(copied.rglob("*"), reverse=True):  # dates as a copy leaves them, later ones first
+        path.is_file() and os.utime(path)
+    assert NOTHING in said(copied)
+    for path in (moved / "workflow").rglob("*.py"):  # as after git clone or checkout
+        os.utime(path)
+    assert NOTHING in said(moved)
+
+
+@pytest.mark.parametrize(
+    ("edited", "expected"),
+    [
+        ("workflow/scripts/ratio_curve.py", {"ratio_curve"}),
+        ("workflow/scripts/response.py", {"response", "ratio_curve", "twin_calibration"}),
+        ("workflow/scripts/claims.py", set()),
+    ],
+)
+def test_an_edited_script_runs_again(finished, edited, expected):
+    path = finished / edited
+    path.write_text(path.read_text() + "# edited\n")
+    run = snakemake(finished, "--dry-run", *TARGETS)
+    found = set() if NOTHING in run.stdout + run.stderr else planned(run).keys()
+    assert found == expected, run.stdout
+
+
+def test_every_script_is_an_input_of_its_rule(project):
+    plan = snakemake(project, "--dry-run").stdout
+    for rule, text in re.findall(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", plan, re.MULTILINE):
+        assert rule == "all" or f"workflow/scripts/{rule}.py" in text, rule
 
 
 def test_a_changed_value_reruns_what_depends_on_it_and_nothing_else(half_way):

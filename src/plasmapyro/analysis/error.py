@@ -22,6 +22,11 @@ def relative_error(apparent_temperature, object_temperature):
     Notes
     -----
     Source: Fagnani et al., eq. 7. Deviation: a fraction, not percent.
+
+    Examples
+    --------
+    >>> float(relative_error(1320.0, 1200.0))
+    0.1
     """
     object_temperature = positive("object_temperature", object_temperature, "K")
     return (np.asarray(apparent_temperature, dtype=float) - object_temperature) / object_temperature
@@ -53,7 +58,7 @@ def error_limit(object_temperature, error, level):
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.4 (the curves e = 1 % of their error map). The interpolation error
+    Source: Fagnani et al., sec. 4.4 (the curves e = 1 % of their fig. 8c). The interpolation error
     falls with the square of the temperature step.
     """
     temperature = np.asarray(object_temperature, dtype=float)

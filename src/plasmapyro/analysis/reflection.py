@@ -28,9 +28,16 @@ def reflected(emittance, specular, diffuse, roughness):
 
     Notes
     -----
-    Source: Fagnani et al., equation of the radiance at the instrument, term :math:`(1-\varepsilon) L^{g,s}`;
+    Source: Fagnani et al., eq. 2, third term, :math:`(1-\varepsilon) L^{g,s}`;
     Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 5 (diffuse plus specular reflectance).
     ASSUME: the gas in front absorbs nothing on the way back, as the paper does.
+
+    Examples
+    --------
+    A sample of emittance 0.85, half rough, in light of 2 from the mirrored ray and 10 from all around:
+
+    >>> f"{reflected(0.85, 2.0, 10.0, 0.5):.2f}"
+    '0.90'
     """
     emittance = within("emittance", emittance, 0, 1, "1")
     roughness = within("roughness", roughness, 0, 1, "1")

@@ -11,19 +11,19 @@ from plasmapyro.analysis.reflection import reflected
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
-from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio
+from plasmapyro.conditions import number
+from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio, measured_ratio
+from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
 
-BANDS = ("wide", "narrow")
 
-
-def gather(radiation, *, numerical_power, emittance):
+def gather(radiation, *, emittance):
     """Band signals of the gas of all conditions, side by side.
 
     Parameters
     ----------
     radiation : mapping of condition name -> Dataset, contract 'radiation'
-    numerical_power : sequence of float [W], one per condition
+        Their attributes say power and pressure (`conditions.stated`); NaN of those that do not.
     emittance : sequence of float [1], of the surface in each condition
 
     Returns
@@ -36,12 +36,20 @@ def gather(radiation, *, numerical_power, emittance):
     gathered = xr.Dataset(
         {
             "gas_signal": (("condition", "band"), signal),
-            "numerical_power": ("condition", np.asarray(numerical_power, dtype=float)),
+            **{
+                name: ("condition", [number(case, name) for case in radiation.values()])
+                for name in ("numerical_power", "chamber_pressure")
+            },
             "sample_emittance": ("condition", [fraction("emittance", value) for value in emittance]),
         },
         {"condition": list(radiation), "band": list(BANDS)},
     )
-    return gathered.sortby(["numerical_power", "condition"])
+    return gathered.sortby(["numerical_power", "chamber_pressure", "condition"])
+
+
+def _of_conditions(gas):
+    """What each condition is, for the results made from its gas."""
+    return {name: gas[name] for name in ("numerical_power", "chamber_pressure") if name in gas}
 
 
 def visibility(gas, response, *, object_temperature, visibility_level):
@@ -60,7 +68,7 @@ def visibility(gas, response, *, object_temperature, visibility_level):
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.3.
+    Source: Fagnani et al., eq. 10, sec. 4.3.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     surface = gas.sample_emittance.values[:, None, None] * _blackbody_signal(response, temperature)[None]
@@ -80,7 +88,7 @@ def visibility(gas, response, *, object_temperature, visibility_level):
         {
             "visibility_factor": (("condition", "band", "object_temperature"), factor),
             "visibility_limit": (("visibility_level", "condition", "band"), limits),
-            "numerical_power": gas.numerical_power,
+            **_of_conditions(gas),
             "sample_emittance": gas.sample_emittance,
         },
         {"object_temperature": temperature, "visibility_level": list(visibility_level), "band": gas.band},
@@ -114,7 +122,7 @@ def apparent_temperature(gas, response, curve, *, object_temperature):
             "apparent_temperature": (dims, reading),
             "relative_error": (dims, relative_error(reading, temperature)),
             "reading_status": (dims, status),
-            "numerical_power": gas.numerical_power,
+            **_of_conditions(gas),
             "sample_emittance": gas.sample_emittance,
             "instrument_range": curve.instrument_range,
         },
@@ -140,7 +148,7 @@ def error_map(gas, response, curve, *, object_temperature, emittance, error_leve
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.4.
+    Source: Fagnani et al., eq. 7, sec. 4.4.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
@@ -154,7 +162,7 @@ def error_map(gas, response, curve, *, object_temperature, emittance, error_leve
             "relative_error": ((*dims, "object_temperature"), error),
             "error_limit": (dims, limit),
             "limit_status": (dims, status),
-            "numerical_power": gas.numerical_power,
+            **_of_conditions(gas),
         },
         {"object_temperature": temperature, "emittance": emittance},
         {"error_level": float(error_level)},
@@ -180,7 +188,7 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.5.
+    Source: Fagnani et al., eq. 11, sec. 4.5.
     """
     missing = sorted(set(conditions) - set(gas.condition.values))
     if missing:
@@ -197,7 +205,7 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
             "object_temperature_history": ("time", truth),
             "apparent_temperature": (dims, reading),
             "reading_status": (dims, status),
-            "numerical_power": chosen.numerical_power,
+            **_of_conditions(chosen),
             "sample_emittance": chosen.sample_emittance,
             "instrument_range": curve.instrument_range,
         },
@@ -235,17 +243,15 @@ def surface_radiance(*, object_temperature, emittance, wavelength):
 def _blackbody_signal(response, temperature):
     """Band signals (band, ...) [W m-2 sr-1] of a black body."""
     wavelength = response.wavelength.values
-    return np.stack(
-        [blackbody_signal(temperature, wavelength, response[f"responsivity_{band}"].values) for band in BANDS]
-    )
+    return np.stack([blackbody_signal(temperature, wavelength, curve) for curve in responsivities(response)])
 
 
 def _read(gas, response, curve, emittance, temperature):
     """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
-    wide, narrow = _blackbody_signal(response, temperature)
+    black = _blackbody_signal(response, temperature)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
-    gas_wide, gas_narrow = (gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS)
-    ratio = float(curve.sensitivity_ratio) * (emittance * wide + gas_wide) / (emittance * narrow + gas_narrow)
+    light = [gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS]
+    ratio = measured_ratio(float(curve.sensitivity_ratio), emittance, black, light)
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
 
 
@@ -283,7 +289,7 @@ def reflection_map(
 
     Notes
     -----
-    Source: Fagnani et al., secs. 2, 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
+    Source: Fagnani et al., eq. 2, secs. 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
     line of
     sight, so that the specular part is the gas signal itself; flat spectral reflectance.
     """
@@ -342,7 +348,7 @@ def reflection_map(
             "neglect_limit": (dims, beyond),
             "incident_signal": (("condition", "reflection", "band"), np.stack([own, diffuse], axis=1)),
             "gas_signal": (("condition", "band"), own),
-            "numerical_power": gas.numerical_power,
+            **_of_conditions(gas),
         },
         {
             "surface": list(SURFACES),

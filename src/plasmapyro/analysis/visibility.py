@@ -30,8 +30,15 @@ def visibility_factor(object_signal, gas_signal):
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.3 (after Sakuta & Boulos 1988). Deviation: the paper prints the
+    Source: Fagnani et al., eq. 10 (after Sakuta & Boulos 1988). Deviation: the paper prints the
     integrals without the wavelength differential.
+
+    Examples
+    --------
+    A surface nine times as bright as the gas in front of it:
+
+    >>> float(visibility_factor(9.0, 1.0))
+    0.9
     """
     object_signal = positive("object_signal", object_signal, "W m-2 sr-1")
     gas_signal = non_negative("gas_signal", gas_signal, "W m-2 sr-1")
@@ -64,7 +71,7 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance, br
 
     Notes
     -----
-    Source: Fagnani et al., sec. 4.3 (the temperatures of their second visibility figure).
+    Source: Fagnani et al., eq. 10 solved for the temperature, as in their fig. 7b.
     """
     level = float(level)
     if not 0 < level < 1:

@@ -3,15 +3,15 @@
 import numpy as np
 
 from plasmapyro.claims.claim import Claim
+from plasmapyro.conditions import POWER, number
 
 
-def flow_claims(sightlines, numerical_power):
+def flow_claims(sightlines):
     """Claims on the sight lines.
 
     Parameters
     ----------
     sightlines : list of Dataset, contract 'sightline', rising power
-    numerical_power : list of float [W]
 
     Returns
     -------
@@ -42,7 +42,7 @@ def flow_claims(sightlines, numerical_power):
             "K",
             5000,
             10000,
-            f"At {numerical_power[0] / 1e3:g} kW; LTE flow, probe wall at 350 K.",
+            f"At {number(lines[0], POWER) / 1e3:g} kW; LTE flow, probe wall at 350 K.",
         ),
         Claim(
             "core_temperature_highest_power",
@@ -52,7 +52,7 @@ def flow_claims(sightlines, numerical_power):
             "K",
             5000,
             10000,
-            f"At {numerical_power[-1] / 1e3:g} kW.",
+            f"At {number(lines[-1], POWER) / 1e3:g} kW.",
         ),
         Claim(
             "boundary_layer",

@@ -11,12 +11,12 @@ from plasmapyro.claims.experiment import (
     untestable_claims,
 )
 from plasmapyro.claims.flow import flow_claims
+from plasmapyro.claims.premises import design_claims, gas_claims, reflection_claims
 
 
 def claims_table(
     *,
     sightlines,
-    numerical_power,
     radiances,
     surface,
     response,
@@ -27,23 +27,30 @@ def claims_table(
     calibration,
     pyrometer,
     spectra,
+    gas,
+    variations=None,
+    reflection=None,
+    designs=None,
 ):
     """All claims as one table.
 
     Parameters
     ----------
     sightlines, radiances : lists of Dataset, contracts 'sightline' and 'radiation', rising power
-    numerical_power : list of float [W]
-    surface, response, visibility, reading, errors, history, calibration, pyrometer, spectra : Datasets of
-        the contracts 'surface_radiance', 'response', 'visibility', 'apparent_temperature', 'error_map',
-        'transient', 'calibration', 'pyrometer_correction', 'spectrometer_correction'
+    surface, response, visibility, reading, errors, history, calibration, pyrometer, spectra, gas : Datasets
+        of the contracts 'surface_radiance', 'response', 'visibility', 'apparent_temperature', 'error_map',
+        'transient', 'calibration', 'pyrometer_correction', 'spectrometer_correction', 'gas'
+    variations, reflection, designs : Datasets of the contracts 'gas_variations', 'reflection',
+        'band_design', or None: their claims have no value then
 
     Returns
     -------
     Dataset, contract 'claims'
     """
     claims = [
-        *flow_claims(sightlines, numerical_power),
+        *reflection_claims(reflection),
+        *flow_claims(sightlines),
+        *gas_claims(sightlines, radiances, variations, response, gas),
         *radiance_claims(radiances, surface, response),
         *visibility_claims(visibility),
         *error_claims(reading, errors, history),
@@ -51,6 +58,7 @@ def claims_table(
         *correction_claims(pyrometer),
         *spectrometer_claims(pyrometer, spectra),
         *threshold_claims(reading),
+        *design_claims(designs),
         *untestable_claims(),
     ]
     words = {

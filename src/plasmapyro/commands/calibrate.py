@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import io, progress
+from plasmapyro.commands.options import not_negative, option, positive, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.line_lamp import find_lines
 from plasmapyro.instrument.spectrometer import STATUS_WORDS
 from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
+from plasmapyro.quality.catalogue import OF_CALIBRATION
+from plasmapyro.quality.rule import Case, look
 from plasmapyro.readers.calibration import (
     check_calibration,
     instruments,
@@ -66,34 +69,56 @@ def add(commands):
         metavar="FILE.nc",
         help="responses of both bands, as results/instrument/response.nc (default: modelled, of the MR1SB)",
     )
-    for flag, default, words in (
-        ("--source-temperature-uncertainty-k", 3.0, "of the black body before the pyrometer, standard [K]"),
-        ("--signal-uncertainty", 0.01, "of one pyrometer signal, relative, standard"),
-        ("--least-net-counts", 50.0, "net counts up to here are no signal"),
-        (
-            "--saturation-counts",
-            65000.0,
-            "raw counts from here on are saturated, if calibration.yaml says nothing",
-        ),
-    ):
-        command.add_argument(
-            flag, type=float, default=default, metavar="X", help=f"{words} (default: {default:g})"
-        )
+    option(
+        command,
+        "--source-temperature-uncertainty-k",
+        not_negative,
+        3.0,
+        "of the black body before the pyrometer, standard [K]",
+    )
+    option(command, "--signal-uncertainty", share, 0.01, "of one pyrometer signal, relative, standard")
+    option(command, "--least-net-counts", not_negative, 50.0, "net counts up to here are no signal")
+    option(
+        command,
+        "--saturation-counts",
+        positive,
+        65000.0,
+        "raw counts from here on are saturated, if calibration.yaml says nothing",
+    )
+    command.add_argument(
+        "--fit-range-nm",
+        nargs=2,
+        type=positive,
+        metavar=("SHORT", "LONG"),
+        help="pixels of the spectrometer to which Planck's law is fitted, in vacuum (default: all usable)",
+    )
+    command.add_argument(
+        "--accept",
+        nargs="+",
+        default=[],
+        choices=[rule.name for rule in OF_CALIBRATION],
+        metavar="RULE",
+        help="go on although these rules find a contradiction",
+    )
     command.add_argument(
         "--instrument-range-k",
         nargs=2,
-        type=float,
+        type=positive,
         default=[973.0, 2073.0],
         metavar=("LOW", "HIGH"),
         help="lowest and highest temperature the pyrometer reads (default: 973 2073)",
     )
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro calibrate`: folder in, files out, and a summary."""
     out = Path(options.out)
+    for name in ("fit_range_nm", "instrument_range_k"):
+        low, high = getattr(options, name) or (0, 1)
+        if not low < high:
+            raise ValueError(f"--{name.replace('_', '-')} must rise; got {low:g} {high:g}")
     names = {"pyrometer": ["response.nc", "calibration.nc"], "spectrometer": ["spectrometer_calibration.nc"]}
-    progress.step(f"reading {options.folder}")
+    progress.say(f"reading {options.folder}")
     found = check_calibration(options.folder)
     if found:
         raise ValueError("\n".join(found))
@@ -104,15 +129,12 @@ def run(options, progress):
     if "pyrometer" in present:
         response = io.read(options.response, "response") if options.response else band_response(**RESPONSE)
         points = read_points(options.folder)
-        result = pyrometer_calibration(
+        result = _calibrated(
             response,
             points,
-            source_temperature_uncertainty=options.source_temperature_uncertainty_k,
-            signal_uncertainty=options.signal_uncertainty,
-            instrument_range=options.instrument_range_k,
-            calibration_temperature=CURVE,
-            draws=2000,
-            seed=1,
+            options.source_temperature_uncertainty_k,
+            options.signal_uncertainty,
+            options.instrument_range_k,
         )
         result.attrs["origin"] = weakest([result.attrs["origin"], points.attrs["origin"]])
         results |= {"response": response, "calibration": result}
@@ -124,9 +146,19 @@ def run(options, progress):
             saturation_counts=options.saturation_counts,
             least_net_counts=options.least_net_counts,
             noise_block=50,
+            fit_range=[edge * 1e-9 for edge in options.fit_range_nm] if options.fit_range_nm else None,
         ).assign_attrs(origin=exposures.attrs["origin"])
         results["spectrometer_calibration"] = result
         lines += _of_spectrometer(result) + _of_lines(read_line_lamp(options.folder))
+    said = [
+        words
+        for words in calibration_findings(options.folder, results.get("response"), results.get("calibration"))
+        if not any(words.endswith(f"[{name}]") for name in options.accept)
+    ]
+    if said:
+        raise ValueError(
+            "\n".join([*said, "if that is as it should be, go on with --accept and the rule's name"])
+        )
     settings = {k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response")}
     read = [*sources(options.folder), *([options.response] if options.response else [])]
     io.write_together(
@@ -135,7 +167,46 @@ def run(options, progress):
         config={"calibrate": settings},
     )
     sys.stdout.write("\n".join(lines) + "\n")
-    progress.step("done")
+    progress.say("done")
+
+
+def calibration_findings(folder, response=None, result=None):
+    """What contradicts itself in a calibration folder, in the words of the rules.
+
+    Parameters
+    ----------
+    folder : path
+    response : Dataset, contract 'response', optional
+        Of the modelled MR1SB if left out.
+    result : Dataset, contract 'calibration', optional
+        Made with the usual settings if left out.
+
+    Returns
+    -------
+    list of str
+    """
+    present, held = instruments(folder), {}
+    if "pyrometer" in present:
+        points = read_points(folder)
+        response = band_response(**RESPONSE) if response is None else response
+        held |= {"points": points, "response": response}
+        held["calibration"] = result if result is not None else _calibrated(response, points)
+    if "spectrometer" in present:
+        held["exposures"] = read_exposures(folder)
+    return [finding.words for finding in look(Case(place=Path(folder), **held), OF_CALIBRATION)]
+
+
+def _calibrated(response, points, temperature_error=3.0, signal_error=0.01, span=(973.0, 2073.0)):
+    return pyrometer_calibration(
+        response,
+        points,
+        source_temperature_uncertainty=temperature_error,
+        signal_uncertainty=signal_error,
+        instrument_range=span,
+        calibration_temperature=CURVE,
+        draws=2000,
+        seed=1,
+    )
 
 
 def _of_pyrometer(result):

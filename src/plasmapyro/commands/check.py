@@ -5,25 +5,29 @@ import sys
 
 import numpy as np
 
-from plasmapyro.commands.correct import window_findings
-from plasmapyro.experiment.inputs import instruments
+from plasmapyro import progress
+from plasmapyro.commands.calibrate import calibration_findings
+from plasmapyro.commands.correct import findings, trial, window_findings
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
-from plasmapyro.readers.stage import read_test
+from plasmapyro.readers.stage import read_with_files
 from plasmapyro.readers.text import Refusal
-
-LARGEST_SIGNAL = 1.0  # [A]
-LONG_GAP = 10  # times the usual step, or the second it may be
+from plasmapyro.record.inputs import has_plasma, instruments
 
 DESCRIPTION = """\
 Say everything that is wrong with the data of a test or of a calibration, at once: for each fault the file,
 the line or column, the rule it breaks and what to do. Nothing is written.
 
 TEST is a folder (test.yaml and the raw files it describes, or test.nc) or a netCDF file; what may stand
-in it is told in docs/your-own-data.md. A folder with calibration.yaml is checked as a calibration."""
+in it is told in docs/your-own-data.md. A folder with calibration.yaml is checked as a calibration.
+
+What can be processed may still contradict itself: bands exchanged, a logger that stuck, clocks that differ,
+a dark that holds light. Rules look for it; docs/your-own-data.md lists them. With --instrument a trial
+correction is made, so that pyrometer and spectrometer are compared."""
 EXAMPLE = """\
-example:
+examples:
   plasmapyro check my_test
+  plasmapyro check my_test --instrument lab
 
 exit status: 0 the data can be processed, 2 they cannot (the faults are listed), 1 a fault of ours"""
 
@@ -39,9 +43,12 @@ def add(commands):
     )
     command.set_defaults(run=run)
     command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
+    command.add_argument(
+        "--instrument", metavar="FOLDER", help="calibration to try the correction with, as for `correct`"
+    )
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro check`.
 
     Raises
@@ -49,17 +56,19 @@ def run(options, progress):
     ValueError
         With one line per fault.
     """
-    progress.step(f"reading {options.test}")
+    progress.say(f"reading {options.test}")
     if describes(options.test):
-        _refuse(options.test, check_calibration(options.test))
+        _refuse(options.test, check_calibration(options.test) or calibration_findings(options.test))
         present = " and ".join(instruments_calibrated(options.test))
         sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
         return
     try:
-        test = read_test(options.test)
+        reading = read_with_files(options.test)
     except Refusal as refusal:
         _refuse(options.test, refusal.messages)
-    for words in [*window_findings(test).values(), *doubts(test)]:
+    test = reading.test
+    tried = trial(test, options.instrument) if options.instrument else {}
+    for words in [*findings(options.test, reading, **tried), *window_findings(test).values()]:
         progress.warn(words)
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
 
@@ -69,44 +78,6 @@ def _refuse(place, messages):
     if messages:
         count = f"{len(messages)} fault{'s' * (len(messages) > 1)} in {place}"
         raise ValueError("\n".join([count, *messages])) from None
-
-
-def doubts(test):
-    """Sentences about what may be right and rarely is, for a person to look at.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-
-    Returns
-    -------
-    list of str
-    """
-    found = []
-    begin, off = test.attrs["injection_time"], test.attrs["plasma_off_time"]
-    for axis, gap in (("time", 1.0), ("spectrum_time", test.attrs.get("spectrometer_integration_time", 1.0))):
-        if axis not in test.variables or not test[axis].size:
-            continue
-        time = test[axis].values
-        step = max(gap, 2 * float(np.median(np.diff(time))) if time.size > 1 else gap)
-        if time[-1] < off - step:
-            found.append(f"{axis} ends at {time[-1]:g} s, the plasma at {off:g} s: is a file cut off?")
-        if time[0] > begin + step:
-            found.append(
-                f"{axis} begins at {time[0]:g} s, the injection is at {begin:g} s: is the zero right?"
-            )
-        holes = np.flatnonzero(np.diff(time) > LONG_GAP * step)
-        if holes.size:
-            found.append(
-                f"{axis} has {holes.size} gaps, the first from {time[holes[0]]:g} to {time[holes[0] + 1]:g} s"
-            )
-    for name in ("signal_wide", "signal_narrow"):
-        if name in test.variables and np.nanmax(np.abs(test[name].values)) > LARGEST_SIGNAL:
-            found.append(
-                f"{name} reaches {np.nanmax(np.abs(test[name].values)):.3g} A, more than a photodiode gives:"
-                " is its unit right? (The ratio, and so the temperature, does not depend on it.)"
-            )
-    return found
 
 
 def contents(test):
@@ -138,6 +109,8 @@ def contents(test):
             f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {test[name].attrs['units']},"
             f" {int(np.isnan(values).sum())} samples missing or saturated",
         ]
+    if not has_plasma(test):
+        return [*lines, "  no plasma: nothing is subtracted"]
     begin, end = test.attrs["reference_window"]
     lines.append(
         f"  injection at {test.attrs['injection_time']:g} s, plasma off at"

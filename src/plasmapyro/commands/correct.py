@@ -7,19 +7,20 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from plasmapyro import io
+from plasmapyro import io, progress
 from plasmapyro.commands.joint import by_joint_inference
+from plasmapyro.commands.options import count, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
-from plasmapyro.experiment import onset, status
-from plasmapyro.experiment.inputs import faults, instruments
-from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, halves, on_same_wavelengths
-from plasmapyro.readers.stage import read_test, sources
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
+from plasmapyro.quality.catalogue import OF_TEST
+from plasmapyro.quality.rule import Case, look
+from plasmapyro.readers.stage import read_with_files, sources
+from plasmapyro.record import onset, status
+from plasmapyro.record.calibrated import halves, on_same_wavelengths
+from plasmapyro.record.inputs import faults, has_plasma, instruments
 
 NANOMETRE = 1e-9
-PYROMETER, SPECTROMETER = (
-    "calibration",
-    "spectrometer_calibration",
-)  # files of the instrument folder, contracts
+PYROMETER, SPECTROMETER = "calibration", "spectrometer_calibration"  # files and contracts
 
 DESCRIPTION = """\
 Take the light of the plasma out of the signals of a test and give the temperature of the surface with its
@@ -88,16 +89,16 @@ def add(commands):
         " as if it were gas)",
     )
     number = command.add_argument_group("what is uncertain (standard, relative)")
-    _option(number, "--signal-uncertainty", _share, 0.01, "of one pyrometer signal")
-    _option(number, "--gas-variation", _share, 0.03, "of the gas radiance about that of the reference window")
+    option(number, "--signal-uncertainty", share, 0.01, "of one pyrometer signal")
+    option(number, "--gas-variation", share, 0.03, "of the gas radiance about that of the reference window")
     number.add_argument(
-        "--draws", type=_count, default=None, metavar="N", help="Monte Carlo draws (default: 400 and 100)"
+        "--draws", type=count, default=None, metavar="N", help="Monte Carlo draws (default: 400 and 100)"
     )
-    _option(number, "--seed", _seed, 2, "of the Monte Carlo draws: the same seed, the same result")
+    option(number, "--seed", seed, 2, "of the Monte Carlo draws: the same seed, the same result")
     when = command.add_argument_group("when a temperature is given")
-    _option(when, "--detection-level", _positive, 2.0, "uncertainties that a corrected signal must exceed")
-    _option(when, "--least-surface-share", _share, 0.5, "of the surface in a signal, else gas_dominated")
-    _option(when, "--least-signal-to-noise", _positive, 10.0, "of a spectrum at the pivot")
+    option(when, "--detection-level", positive, 2.0, "uncertainties that a corrected signal must exceed")
+    option(when, "--least-surface-share", share, 0.5, "of the surface in a signal, else gas_dominated")
+    option(when, "--least-signal-to-noise", positive, 10.0, "of a spectrum at the pivot")
     fit = command.add_argument_group("fits to the spectra")
     fit.add_argument(
         "--reference-time",
@@ -105,33 +106,34 @@ def add(commands):
         metavar="S",
         help="the exposure nearest to it is the reference spectrum (default: middle of the window)",
     )
-    _option(fit, "--normalisation-nm", _positive, 1030.0, "pivot wavelength of the normalised fit, in vacuum")
+    option(fit, "--normalisation-nm", positive, 1030.0, "pivot wavelength of the normalised fit, in vacuum")
     fit.add_argument(
         "--normalisation-half-width-nm",
-        type=_positive,
+        type=positive,
         metavar="X",
         help="pixels this near are averaged there (default: half the spectrometer's FWHM)",
     )
     fit.add_argument(
         "--temperature-range-k",
         nargs=2,
-        type=_positive,
+        type=positive,
         default=[600.0, 3500.0],
         metavar=("LOW", "HIGH"),
         help="where the fits look (default: 600 3500)",
     )
-    _option(fit, "--saturation-counts", _positive, 65000.0, "raw counts from here on are saturated")
-    _option(fit, "--noise-block-pixels", _count, 50, "pixels per estimate of the noise")
+    option(fit, "--saturation-counts", positive, 65000.0, "raw counts from here on are saturated")
+    option(fit, "--noise-block-pixels", count, 50, "pixels per estimate of the noise")
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro correct`: test in, file out, and a summary."""
     folder = Path(options.instrument)
     require_writable([options.out], [options.test, folder])
     if not folder.is_dir():
         raise ValueError(f"{folder}: no such folder; name the one that holds {PYROMETER}.nc")
-    progress.step(f"reading {options.test}")
-    test = read_test(options.test)
+    progress.say(f"reading {options.test}")
+    reading = read_with_files(options.test)
+    test = reading.test
     if options.reference_window:
         test.attrs["reference_window"] = list(options.reference_window)
     found = faults(test)
@@ -144,8 +146,16 @@ def run(options, progress):
     if "surface" in found and not options.keep_window:
         raise ValueError("choose another --reference-window, or go on with --keep-window")
     estimator, contract = ESTIMATORS[options.estimator]
-    result = estimator(test, calibrations, options, progress)
-    progress.step(f"writing {options.out}")
+    try:
+        result = estimator(test, calibrations, options)
+    except ValueError as reason:  # what the data themselves say may be why
+        raise ValueError("\n".join([str(reason), *findings(options.test, reading, calibrations)])) from None
+    said = [f"{options.test}: {words}" for words in [result.attrs.get("contradictions")] if words]
+    said += findings(options.test, reading, calibrations, _response(folder), result)
+    for words in said:
+        progress.warn(words)
+    result.attrs["contradictions"] = "\n".join(said)
+    progress.say(f"writing {options.out}")
     io.write(
         result,
         options.out,
@@ -154,10 +164,64 @@ def run(options, progress):
         config={"correct": _settings(options)},
     )
     sys.stdout.write("\n".join(summary(result)) + "\n")
-    progress.step("done")
+    progress.say("done")
 
 
-def by_reference(test, calibrations, options, progress):
+def findings(place, reading, calibrations=None, response=None, result=None):
+    """What contradicts itself in a test, in the words of the rules; the worst first.
+
+    Parameters
+    ----------
+    place : path of the test, for the messages
+    reading : `readers.stage.Reading`
+    calibrations : mapping of contract name -> Dataset, optional
+    response : Dataset, contract 'response', optional
+    result : Dataset, contract 'correction' or 'joint_estimate', optional
+
+    Returns
+    -------
+    list of str
+    """
+    calibrations = calibrations or {}
+    case = Case(
+        place=Path(place),
+        test=reading.test,
+        files=reading.files.get("spectrometer", {}),
+        calibration=calibrations.get(PYROMETER),
+        response=response,
+        spectrometer_calibration=calibrations.get(SPECTROMETER),
+        result=result,
+    )
+    return [finding.words for finding in look(case, OF_TEST)]
+
+
+def trial(test, folder):
+    """Calibrations and the result of a quick correction, as keywords of `findings`.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    folder : path of the calibration
+
+    Returns
+    -------
+    dict
+    """
+    parser = argparse.ArgumentParser()
+    add(parser.add_subparsers())
+    words = ["correct", "", "--instrument", str(folder), "--out", "", "--draws", "50"]
+    calibrations = _calibrations(test, Path(folder))
+    result = by_reference(test, calibrations, parser.parse_args(words))
+    return {"calibrations": calibrations, "response": _response(Path(folder)), "result": result}
+
+
+def _response(folder):
+    """Responses of the bands, if the folder holds them: they tell levels from ratios."""
+    path = folder / "response.nc"
+    return io.read(path, "response") if path.exists() else None
+
+
+def by_reference(test, calibrations, options):
     """Correction with a constant reference, as in the paper, of each instrument the test holds.
 
     Parameters
@@ -165,7 +229,6 @@ def by_reference(test, calibrations, options, progress):
     test : Dataset, contract 'test'
     calibrations : mapping of contract name -> Dataset, what the instrument folder holds
     options : Namespace of the command line
-    progress : `cli.Progress`
 
     Returns
     -------
@@ -173,7 +236,7 @@ def by_reference(test, calibrations, options, progress):
     """
     parts = []
     if "pyrometer" in instruments(test):
-        progress.step(f"correcting {test.sizes['time']} samples of the pyrometer")
+        progress.say(f"correcting {test.sizes['time']} samples of the pyrometer")
         parts.append(
             correct_pyrometer(
                 test,
@@ -187,7 +250,7 @@ def by_reference(test, calibrations, options, progress):
             )
         )
     if "spectrometer" in instruments(test):
-        middle, half = np.mean(test.attrs["reference_window"]), test.attrs["spectrometer_fwhm"] / 2
+        middle, half = np.mean(test.attrs.get("reference_window", 0)), test.attrs["spectrometer_fwhm"] / 2
         parts.append(
             correct_spectra(
                 test,
@@ -206,7 +269,6 @@ def by_reference(test, calibrations, options, progress):
                 noise_block=options.noise_block_pixels,
                 draws=options.draws or 100,
                 seed=options.seed,
-                report=progress.bar("fitting spectra"),
             )
         )
     return xr.merge(parts, combine_attrs="override", join="exact", compat="no_conflicts").assign_attrs(
@@ -228,6 +290,8 @@ def window_findings(test):
     dict
         'surface' or 'gas' -> a sentence with what to do; empty if the window is clean.
     """
+    if not has_plasma(test):
+        return {}
     window = test.attrs["reference_window"]
     if "pyrometer" in instruments(test):
         names, time = ("wide band", "narrow band"), test.time.values
@@ -255,7 +319,7 @@ def window_findings(test):
     return {}
 
 
-# name -> function (test, calibrations, options, progress) and the contract of what it returns
+# name -> function (test, calibrations, options) and the contract of what it returns
 ESTIMATORS = {"reference": (by_reference, "correction"), "joint": (by_joint_inference, "joint_estimate")}
 
 
@@ -295,6 +359,12 @@ def _calibrations(test, folder):
     found = {}
     if "pyrometer" in instruments(test):
         found[PYROMETER] = io.read(folder / f"{PYROMETER}.nc", PYROMETER)
+        low, high = found[PYROMETER].instrument_range.values
+        if not 0 < low < high < np.inf:
+            raise ValueError(
+                f"{folder / PYROMETER}.nc: instrument_range must be two rising temperatures [K]; got"
+                f" {low:g}, {high:g}: calibrate again"
+            )
     if "spectrometer" in instruments(test):
         path, counted = folder / f"{SPECTROMETER}.nc", "spectral_radiance" not in test.variables
         if counted or path.exists():
@@ -308,33 +378,3 @@ def _calibrations(test, folder):
 def _settings(options):
     skipped = {"run", "test", "instrument", "out"}
     return {name: value for name, value in vars(options).items() if name not in skipped}
-
-
-def _option(group, flag, kind, default, words):
-    group.add_argument(flag, type=kind, default=default, metavar="X", help=f"{words} (default: {default:g})")
-
-
-def _number(word, rule, holds, kind=float):
-    try:
-        value = kind(word)
-    except ValueError:
-        value = None
-    if value is None or not holds(value):
-        raise argparse.ArgumentTypeError(f"{rule}; got {word!r}")
-    return value
-
-
-def _positive(word):
-    return _number(word, "must be a number > 0", lambda value: 0 < value < np.inf)
-
-
-def _share(word):
-    return _number(word, "must be a number from 0 to 1", lambda value: 0 <= value <= 1)
-
-
-def _count(word):
-    return _number(word, "must be a whole number from 3 to 100000", lambda value: 3 <= value <= 100_000, int)
-
-
-def _seed(word):
-    return _number(word, "must be a whole number >= 0", lambda value: value >= 0, int)

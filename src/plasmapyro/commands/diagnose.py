@@ -4,7 +4,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from plasmapyro import io
+from plasmapyro import io, progress
+from plasmapyro.commands.correct import positive
+from plasmapyro.commands.outputs import require_folder
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.readers.stage import read_test
 
@@ -48,7 +50,9 @@ def add(commands):
         metavar="FOLDER",
         help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
     )
-    command.add_argument("--out", required=True, metavar="FOLDER", help="where the four files go")
+    command.add_argument(
+        "--out", required=True, metavar="FOLDER", help="where the four files go; replaced as a whole"
+    )
     command.add_argument(
         "--without",
         nargs="*",
@@ -64,31 +68,45 @@ def add(commands):
         help="tests at other conditions with the same instruments: what is named is tried on them",
     )
     command.add_argument(
+        "--saturation-counts",
+        type=positive,
+        default=diagnosis.SATURATION_COUNTS,
+        metavar="X",
+        help=f"raw counts from here on are saturated (default: {diagnosis.SATURATION_COUNTS:g})",
+    )
+    command.add_argument(
         "--fail-on-finding",
         action="store_true",
         help="exit status 3 or 4 for a finding",
     )
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro diagnose`: test in, four files out."""
     out = Path(options.out)
-    if out.exists() and not out.is_dir():
-        raise ValueError(f"{out}: is a file; name a folder")
-    progress.step(f"reading {options.test}")
+    read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
+    require_folder(out, diagnosis.NAMES, read)
+    progress.say(f"reading {options.test}")
     test, data = _read(options.test)
     others = [_read(one) for one in options.also]
     inputs = diagnosis.load_inputs(options.radiance, options.instrument, options.variations)
-    progress.step("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
+    progress.say("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
     digest = io.digest(test) if test.is_file() else None
     result = diagnosis.diagnose_test(
-        data, inputs, without=tuple(options.without), digest=digest, others=[one for _, one in others]
+        data,
+        inputs,
+        without=tuple(options.without),
+        digest=digest,
+        others=[one for _, one in others],
+        saturation_counts=options.saturation_counts,
     )
-    progress.step(f"writing {out}")
+    for remark in diagnosis.remarks_on(data, inputs):
+        progress.warn(remark)
+    progress.say(f"writing {out}")
     sources = [path for path in (test, *(path for path, _ in others)) if path.is_file()]
     diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
     sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
-    progress.step("done")
+    progress.say("done")
     return diagnosis.exit_status(result.report, options.fail_on_finding)
 
 

@@ -1,7 +1,8 @@
 """The estimator `joint` of `plasmapyro correct`: one temperature from all that the instruments give."""
 
-from plasmapyro import io
+from plasmapyro import io, progress
 from plasmapyro.estimate.stage import estimate
+from plasmapyro.record.inputs import has_plasma
 
 # As experiment.joint_estimate of the workflow's configuration, in SI.
 SETTINGS = {
@@ -21,7 +22,7 @@ SETTINGS = {
 }
 
 
-def by_joint_inference(test, calibrations, options, progress):
+def by_joint_inference(test, calibrations, options):
     """Surface temperature inferred from bands and spectra together.
 
     Parameters
@@ -29,7 +30,6 @@ def by_joint_inference(test, calibrations, options, progress):
     test : Dataset, contract 'test', with the pyrometer
     calibrations : mapping of contract name -> Dataset, what the instrument folder holds
     options : Namespace of the command line
-    progress : `cli.Progress`
 
     Returns
     -------
@@ -42,7 +42,9 @@ def by_joint_inference(test, calibrations, options, progress):
     """
     if "signal_wide" not in test:
         raise ValueError("--estimator joint needs the pyrometer's signals; use --estimator reference")
-    progress.step("inferring the temperature from all samples together: some 5 s")
+    if not has_plasma(test):
+        raise ValueError("--estimator joint follows the light of a plasma; use --estimator reference")
+    progress.say("inferring the temperature from all samples together: some 5 s")
     return estimate(
         test,
         calibrations["calibration"],

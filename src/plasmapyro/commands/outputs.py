@@ -1,5 +1,6 @@
 """What a command may write, decided before its work begins."""
 
+import os
 from pathlib import Path
 
 
@@ -14,18 +15,65 @@ def require_writable(outputs, inputs):
     Raises
     ------
     ValueError
-        An output is a folder, is an input or another output, lies in an input folder, or below a file.
+        An output is a folder, a device or a pipe, is an input or another output, lies in an input folder, or
+        below a file.
     """
-    taken = {Path(path).resolve() for path in inputs if path}
+    taken = {_real(path) for path in inputs if path}
     folders = {path for path in taken if path.is_dir()}
     for path in map(Path, outputs):
+        real = _real(path)
         if path.is_dir():
             raise ValueError(f"{path}: is a folder; name a file")
-        if path.resolve() in taken:
+        if path.exists() and not path.is_file():
+            raise ValueError(f"{path}: is a device or a pipe, not a plain file; name a file")
+        if real in taken:
             raise ValueError(f"{path}: is an input or another output; nothing is overwritten")
-        if folders & set(path.resolve().parents):
+        if folders & set(real.parents):
             raise ValueError(f"{path}: lies in a folder that is read; results go elsewhere")
-        taken.add(path.resolve())
-        above = next(parent for parent in path.resolve().parents if parent.exists())
-        if not above.is_dir():
-            raise ValueError(f"{above}: is not a folder")
+        taken.add(real)
+        _require_place(real)
+
+
+def require_folder(folder, names, inputs):
+    """Refuse before the work begins a folder of results that could not be replaced as a whole after it.
+
+    Parameters
+    ----------
+    folder : path
+        To be written; need not exist.
+    names : collection of str
+        What a command of this kind may have left there.
+    inputs : list of paths
+        Files or folders that are read.
+
+    Raises
+    ------
+    ValueError
+        It is a file, holds or is an input, lies in an input folder, is the folder of the call, or holds
+        anything but `names`.
+    """
+    real = _real(folder)
+    if real.exists() and not real.is_dir():
+        raise ValueError(f"{folder}: is no folder; name one")
+    if real == _real(".") or real in _real(".").parents:
+        raise ValueError(f"{folder}: is replaced as a whole, and you stand in it; name another folder")
+    for path in map(_real, filter(None, inputs)):
+        if real == path or real in path.parents or (path.is_dir() and path in real.parents):
+            raise ValueError(f"{folder}: is or holds an input, or lies in one; results go elsewhere")
+    others = sorted({path.name for path in real.iterdir()} - set(names)) if real.exists() else []
+    if others:
+        raise ValueError(
+            f"{folder}: is replaced as a whole, and holds other files ({others[0]}); name another folder"
+        )
+    _require_place(real)
+
+
+def _real(path):
+    # `Path.resolve` raises where links go round in a circle.
+    return Path(os.path.realpath(path))
+
+
+def _require_place(path):
+    above = next(parent for parent in path.parents if parent.exists())
+    if not above.is_dir():
+        raise ValueError(f"{above}: is not a folder")

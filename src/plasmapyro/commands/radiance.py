@@ -2,8 +2,12 @@
 
 import argparse
 
-from plasmapyro import contracts, io
+from plasmapyro import contracts, io, progress
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.quality.catalogue import OF_SIGHTLINE
+from plasmapyro.quality.rule import Case, look
+from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA, REACH
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline import neqair
@@ -87,14 +91,17 @@ def _grid_points(word):
     return number
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro radiance`: file in, files out."""
+    _check_units(options)
     outputs = [options.out, options.spectrum_text, options.line_of_sight_text]
     require_writable([path for path in outputs if path], [options.sightline, options.response])
-    progress.step(f"reading {options.sightline}")
+    progress.say(f"reading {options.sightline}")
     sightline = _read_sightline(options.sightline)
+    for finding in look(Case(options.sightline, sightline=sightline), OF_SIGHTLINE):
+        progress.warn(finding.words)
     response = io.read(options.response, "response") if options.response else None
-    progress.step(
+    progress.say(
         f"computing {sightline.sizes['path_distance']} layers on {options.grid_points} wavelengths,"
         " without those too dark to count"
     )
@@ -104,10 +111,9 @@ def run(options, progress):
         wavelength_range=[edge * NANOMETRE for edge in options.wavelength_nm],
         grid_points=options.grid_points,
         slit_fwhm=options.slit_fwhm_nm * NANOMETRE,
-        progress=progress.bar("layers"),
     )
     result.attrs["origin"] = weakest([result.attrs["origin"], sightline.attrs.get("origin", "modelled")])
-    progress.step(f"writing {options.out}")
+    progress.say(f"writing {options.out}")
     sources = [path for path in (options.sightline, options.response) if path]
     settings = {name: getattr(options, name) for name in ("wavelength_nm", "grid_points", "slit_fwhm_nm")}
     contract = "radiation" if response is not None else "spectrum"
@@ -117,7 +123,23 @@ def run(options, progress):
         io.write_text(text, options.spectrum_text)
     if options.line_of_sight_text:
         io.write_text(neqair.compose(sightline), options.line_of_sight_text)
-    progress.step("done")
+    progress.say("done")
+
+
+def _check_units(options):
+    """Refuse, in the unit of the option, what no spectrum is needed to see."""
+    first, last = options.wavelength_nm
+    low, high = (round(edge / NANOMETRE) for edge in TABLE_RANGE)
+    if not low <= first < last <= high:
+        raise ValueError(
+            f"--wavelength-nm takes two rising wavelengths within {low} to {high} nm; got {first:g} {last:g}"
+        )
+    widest = (last - first) * FWHM_PER_SIGMA / (2 * REACH)
+    if not 0 < options.slit_fwhm_nm < widest:
+        raise ValueError(
+            f"--slit-fwhm-nm must lie between 0 and {widest:.3g} nm for this range;"
+            f" got {options.slit_fwhm_nm:g}"
+        )
 
 
 def _read_sightline(path):

@@ -1,14 +1,22 @@
 """`plasmapyro sightline`: the state of the gas along a ray through a flow field of another program."""
 
 import argparse
+import sys
 
-from plasmapyro import configuration, io
+from plasmapyro import configuration, io, progress
 from plasmapyro.cfd.mapping import SCHEMA
-from plasmapyro.cfd.stage import START_GAP, sightline
+from plasmapyro.cfd.stage import START_GAP, condition_of, sightline
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.quality.catalogue import OF_SIGHTLINE
+from plasmapyro.quality.rule import Case, look
 from plasmapyro.sightline import neqair
 
 MOST_POINTS = 5000
+STATE = {
+    "--numerical-power-kw": "power coupled to the plasma [kW]",
+    "--chamber-pressure-mbar": "pressure of the chamber [mbar]",
+    "--mass-flow-rate-g-s": "mass flow rate of the gas [g/s]",
+}
 
 DESCRIPTION = """\
 Take the state of the gas along a line of sight from the flow field in FILE, as far as the field
@@ -41,6 +49,10 @@ def add(commands):
     command.add_argument(
         "--points", type=_points, default=250, metavar="N", help="nodes along the path (default: 250)"
     )
+    for option, quantity in STATE.items():
+        command.add_argument(
+            option, type=float, metavar="VALUE", help=f"{quantity}, for the ladder of powers"
+        )
     command.add_argument(
         "--line-of-sight-text",
         metavar="FILE",
@@ -55,14 +67,22 @@ def _points(word):
     return number
 
 
-def run(options, progress):
+def run(options):
     """Run `plasmapyro sightline`: flow field in, sight line out."""
     outputs = [path for path in (options.out, options.line_of_sight_text) if path]
     require_writable(outputs, [options.file, options.map, options.mesh])
     settings = configuration.load(options.map, SCHEMA)
-    progress.step(f"reading {options.file}")
+    state = {option[2:].replace("-", "_"): getattr(options, option[2:].replace("-", "_")) for option in STATE}
+    if len({value is None for value in state.values()}) > 1:
+        raise ValueError(
+            f"give {', '.join(STATE)} together: simulations that share all but the power form a ladder"
+        )
+    progress.say(f"reading {options.file}")
     result = sightline(options.file, settings, points=options.points, mesh=options.mesh)
-    progress.step(f"the line of sight {result.attrs['path_status']}; writing {options.out}")
+    result.attrs |= condition_of(result, settings, **state)
+    for finding in look(Case(options.file, sightline=result), OF_SIGHTLINE):
+        progress.warn(finding.words)
+    progress.say(f"the line of sight {result.attrs['path_status']}; writing {options.out}")
     sources = [path for path in (options.file, options.mesh, options.map) if path]
     io.write(result, options.out, "sightline", sources=sources, config={"cfd": settings})
     if options.line_of_sight_text:
@@ -70,4 +90,15 @@ def run(options, progress):
     late = result.attrs["path_end"] != "profile" and result.attrs["entry_distance"] > START_GAP
     if result.attrs["path_end"] == "body" or late:
         progress.warn(f"the line of sight {result.attrs['path_status']}")
-    progress.step("done")
+    sys.stdout.write(summary(result))
+    progress.say("done")
+
+
+def summary(line):
+    """What came out, in one line: how long, how hot and where."""
+    distance, temperature = line["path_distance"].values, line["temperature"].values
+    hottest = int(temperature.argmax())
+    return (
+        f"line of sight: {1e3 * (distance[-1] - distance[0]):.4g} mm in {distance.size} points, hottest"
+        f" {temperature[hottest]:.0f} K at {1e3 * distance[hottest]:.4g} mm\n"
+    )

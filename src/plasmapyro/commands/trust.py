@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from plasmapyro import configuration, io
+from plasmapyro import configuration, io, progress
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.design.settings import design_tables, settings_from
 from plasmapyro.design.trust import as_markdown, trust
@@ -59,14 +59,17 @@ def add(commands):
     command.add_argument("--out", metavar="FILE.md", help="write the page there instead of showing it")
 
 
-def run(options, progress):
+def _spectra(folder, condition):
+    """Spectra of the conditions of the paper, or of one's own if the condition is not among them."""
+    spectra, own = io.read(folder / "gas_spectra.nc", "gas_spectra"), folder / "gas_spectra_own.nc"
+    return spectra if condition in spectra.condition or not own.exists() else io.read(own, "gas_spectra")
+
+
+def run(options):
     """Run `plasmapyro trust`: the results of the design in, one page out."""
     if options.out:
         require_writable([options.out], [options.config])
-    config = configuration.read(options.config)
-    missing = [name for name in ("design", "sightline", "instrument") if name not in config]
-    if missing:
-        raise ValueError(f"{options.config}: lacks the section {', '.join(missing)}")
+    config = configuration.load(options.config, options.schema)
     keys, sightline = config["design"], config["sightline"]
     asked = {
         "emittance_range": options.emittance,
@@ -76,10 +79,10 @@ def run(options, progress):
     }
     keys["trust"] |= {name: value for name, value in asked.items() if value is not None}
     configuration.check(config, options.schema, options.config)
-    progress.step(f"reading {options.results}")
+    progress.say(f"reading {options.results}")
     folder = Path(options.results)
     result = trust(
-        io.read(folder / "design/gas_spectra.nc", "gas_spectra"),
+        _spectra(folder / "design", options.condition),
         io.read(folder / "design/band_design.nc", "band_design"),
         io.read(folder / "instrument/response.nc", "response"),
         design_tables(config["instrument"]["response"]["silicon_table"]),
@@ -91,4 +94,4 @@ def run(options, progress):
         io.write_text(page, options.out)
     else:
         sys.stdout.write(page)
-    progress.step("done")
+    progress.say("done")

@@ -5,8 +5,8 @@ from scipy.special import ndtr
 
 from plasmapyro.checks import positive
 from plasmapyro.instrument.response import layered_efficiency, silicon_absorption
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
-FWHM_OVER_SIGMA = 2 * np.sqrt(2 * np.log(2))
 SHAPES = ("box", "gaussian")
 
 
@@ -34,7 +34,7 @@ def transmittance(edges, centre, fwhm, shape):
     if shape == "box":
         low = np.maximum(edges[:-1], centre - fwhm / 2)
         return np.clip(np.minimum(edges[1:], centre + fwhm / 2) - low, 0.0, None) / size
-    sigma = fwhm / FWHM_OVER_SIGMA
+    sigma = fwhm / FWHM_PER_SIGMA
     return np.sqrt(2 * np.pi) * sigma * np.diff(ndtr((edges - centre) / sigma), axis=-1) / size
 
 
@@ -89,8 +89,7 @@ def detector_row(name, detectors):
 
 
 def air_loss(edges, bands):
-    r"""Weak-line bound on what room air absorbs per metre in each bin, :math:`W / \Delta\tilde\nu` of
-    the band.
+    r"""Weak-line bound on what room air absorbs per metre in each bin: :math:`W / \Delta\tilde\nu`.
 
     Parameters
     ----------

@@ -17,9 +17,8 @@ USABLE = 0.1  # [1], of the peak efficiency: where a detector counts as blind
 
 @dataclass(frozen=True)
 class Bench:
-    """`edges` (B + 1,) [m] of the bins, `gas` (C, B) [W m-2 sr-1 m-1] of which the first `scored` count
-    in a score,
-    temperatures (T,) [K] and emittances (E,) [1] to be averaged over, the instrument's stated
+    """`edges` (B + 1,) [m] of the bins, `gas` (C, B) [W m-2 sr-1 m-1] of which the first `scored` count in a
+    score, temperatures (T,) [K] and emittances (E,) [1] to be averaged over, the instrument's stated
     properties and tables."""
 
     edges: np.ndarray

@@ -104,8 +104,7 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
 
 
 def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1500.0):
-    r"""Weights of the logarithms of the band signals, :math:`F = \sum_i c_i \ln I_i` with :math:`\sum
-    c_i = 0`.
+    r"""Weights :math:`c_i` of the logarithms of band signals: :math:`F = \sum_i c_i \ln I_i, \sum c_i = 0`.
 
     One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration,
     slopes and
@@ -172,9 +171,8 @@ def at_temperature(black, temperature):
 def read(signal, weights, measured, emittance=None):
     """Temperature [K] of each design from its measured currents (D, N, ...); NaN off the curve.
 
-    A single band needs the emittance, shaped as `measured` without bands or broadcasting to it. A curve
-    that does
-    not rise everywhere gives no reading at all.
+    A single band needs the emittance, shaped as `measured` without bands or broadcasting to it. A curve that
+    does not rise everywhere gives no reading at all.
     """
     curve = contrast_curve(signal.black, weights)
     direction = np.sign(curve[:, -1] - curve[:, 0])

@@ -44,8 +44,7 @@ def at_neighbours(numerical_power, gained, step):
 
 
 def neighbour_signals(numerical_power, signal, step):
-    r"""Band signals at each condition's power plus a step, :math:`\ln S` linear in the power between
-    conditions.
+    r"""Band signals at each condition's power plus a step; :math:`\ln S` is linear between conditions.
 
     Parameters
     ----------

@@ -17,8 +17,7 @@ HOTTEST = 15000.0  # [K], of the composition and of the partition functions
 
 
 def bin_edges(wavelength_range, bin_width):
-    """Edges (B + 1,) [m] of equal bins that fill a wavelength range exactly; their width is at most
-    `bin_width`.
+    """Edges (B + 1,) [m] of equal bins, at most `bin_width` wide, that fill a wavelength range exactly.
 
     Raises
     ------

@@ -11,8 +11,9 @@ from plasmapyro.design import budget, gains, search
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE, Bench
 from plasmapyro.design.spectra import HOTTEST, AirSpectra, heated
 from plasmapyro.radiation.atoms import ATOMS
+from plasmapyro.radiation.band_systems import SYSTEMS
+from plasmapyro.radiation.bandsignal import responsivities
 from plasmapyro.radiation.path import CONTINUA
-from plasmapyro.radiation.systems import MOLECULES
 from plasmapyro.sightline.stage import surface_view
 
 STATES = ("nominal", "cold", "hot")
@@ -29,7 +30,6 @@ def gas_spectra(
     sightlines,
     flows,
     *,
-    numerical_power,
     wavelength_range,
     grid_points,
     table_nodes,
@@ -41,13 +41,11 @@ def gas_spectra(
     core_angle,
     ray_points,
 ):
-    """Binned spectra along every line of sight, as computed, colder and hotter, and of the light on the
-    sample.
+    """Binned spectra of every line of sight, as computed, colder and hotter, and of what hits the sample.
 
     Parameters
     ----------
     sightlines, flows : mappings condition -> Dataset, contracts 'sightline' and 'flow'
-    numerical_power : sequence of float [W]
     wavelength_range, bin_width : [m]
     grid_points, table_nodes : int
     temperature_change : float [1]
@@ -114,7 +112,7 @@ def gas_spectra(
             "incident_binned": (("condition", "reflection", "wavelength"), incident),
             "wavelength_edge": ("edge", air.edges),
             "component_uncertainty": ("component", air.uncertainty),
-            "numerical_power": ("condition", np.asarray(numerical_power, dtype=float)),
+            "numerical_power": ("condition", [float(flow.numerical_power) for flow in flows.values()]),
         },
         {
             "condition": list(sightlines),
@@ -142,9 +140,8 @@ def _diffuse(air, view):
 
 
 def make_bench(spectra, tables, settings):
-    """The bench of `band_design` in front of the gases of all conditions: as computed, colder, hotter,
-    and with the
-    strengths of lines of atoms, of bands of molecules and of continua weaker and stronger by their
+    """The bench of `band_design` in front of the gases of all conditions: as computed, colder, hotter, and
+    with the strengths of lines of atoms, of bands of molecules and of continua weaker and stronger by their
     uncertainty.
 
     Parameters
@@ -159,7 +156,7 @@ def make_bench(spectra, tables, settings):
     """
     gas = spectra.binned_radiance.transpose("state", "condition", "component", "wavelength").values
     nominal, names = gas[0], spectra.component.values.astype(str)
-    groups = [np.isin(names, list(ATOMS)), np.isin(names, list(MOLECULES)), np.isin(names, CONTINUA)]
+    groups = [np.isin(names, list(ATOMS)), np.isin(names, list(SYSTEMS)), np.isin(names, CONTINUA)]
     share = np.minimum(spectra.component_uncertainty.values, 1.0)
     changed = [
         nominal.sum(axis=1) + sign * np.einsum("k,ckb->cb", share * group, nominal)
@@ -191,7 +188,7 @@ class _Judge:
         first, last = settings["limit_temperature_k"]
         self.coarse = np.arange(first, last + 1, LIMIT_STEP)
         self.fine = np.arange(first, last + 1, FINE_STEP)
-        curves = [response[f"responsivity_{band}"].values for band in ("wide", "narrow")]
+        curves = responsivities(response)
         self.build_reference = lambda some: some.currents_of(response.wavelength.values, curves)
         self.reference = self.build_reference(bench)
         self.reference_weights = bench.weights(self.reference)

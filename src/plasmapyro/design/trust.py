@@ -11,6 +11,7 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.design import budget
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE
 from plasmapyro.design.stage import FINE_STEP, STATES, make_bench
+from plasmapyro.radiation.bandsignal import responsivities
 
 SURFACES = {"mirror": 0.0, "matt": 1.0}  # share of diffuse reflection
 LATEST = 1e5  # [s]
@@ -18,8 +19,7 @@ AS_READ, SUBTRACTED, SIMULATED = "as read", "reference after injection subtracte
 
 
 def time_to_reach(temperature, initial_temperature, gain, natural_frequency):
-    """Time after injection [s] at which a sample reaches a temperature; 0 if it starts there, NaN if it
-    never does.
+    """Time [s] from the injection until a sample reaches a temperature: 0 at the start, NaN if never.
 
     Parameters
     ----------
@@ -41,11 +41,9 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     """Temperatures and times from which each setup reads within given levels, for every condition.
 
     Setups: the reference instrument as read; with the reference of the cold sample subtracted, wrong by the
-    variation of the gas; with the computed gas of the line of sight subtracted, when the gas is in
-    truth hotter or
-    colder; the best pair of filters, and the best single band, each as read; the best two-band design
-    with its
-    own reference subtracted. The worst emittance of the range counts.
+    variation of the gas; with the computed gas of the line of sight subtracted, when the gas is in truth
+    hotter or colder; the best pair of filters, and the best single band, each as read; the best two-band
+    design with its own reference subtracted. The worst emittance of the range counts.
 
     Parameters
     ----------
@@ -74,7 +72,7 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     first, last = settings["limit_temperature_k"]
     temperature = np.arange(first, last + 1, FINE_STEP)
     light = replace(bench, gas=spectra.incident_binned.sel(reflection="diffuse").values)
-    curves = [response[f"responsivity_{band}"].values for band in ("wide", "narrow")]
+    curves = responsivities(response)
 
     def reference(some):
         return some.currents_of(response.wavelength.values, curves)

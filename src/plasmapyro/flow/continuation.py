@@ -56,11 +56,11 @@ class Schedule:
     """How to march: Courant number from `first_courant` up to `largest_courant`, at most `steps` steps.
 
     The number grows by `growth` while the rms change of ln T is below `growth_limit`. `relaxation`: share of
-    the new Joule heating and force in each step; at large Courant number the Picard map has a factor near
-    -1, which 0.5-0.6 removes. Converged when the largest velocity change [m/s] and the largest relative
-    temperature change are below their tolerances at
-    `converged_courant` or more; `converged_courant` = inf means: take exactly `steps` steps. `confirmed`: the
-    state after the converged step must pass the same test itself; the step that measures it is not taken.
+    the new Joule heating and force in each step; at large Courant number the Picard map has a factor near -1,
+    which 0.5-0.6 removes. Converged when the largest velocity change [m/s] and the largest relative
+    temperature change are below their tolerances at `converged_courant` or more; `converged_courant` = inf
+    means: take exactly `steps` steps. `confirmed`: the state after the converged step must pass the same test
+    itself; the step that measures it is not taken.
     """
 
     first_courant: float
@@ -98,8 +98,8 @@ class Step:
     """What one pseudo-time step did; see the contract 'flow' for the first four numbers.
 
     `residual` belongs to the state the step starts from, relative to gas at rest; the changes are those of
-    the full Newton step there.
-    `rms_heat`, `rms_speed`: root mean square of the changes of ln T and of u/100 m/s over the nodes.
+    the full Newton step there. `rms_heat`, `rms_speed`: root mean square of the changes of ln T and of u/100
+    m/s over the nodes.
     """
 
     residual: float

@@ -33,7 +33,7 @@ streamline upwinding  (tau_m rho u . grad v, R_m)  and, with rho c_p and kappa i
 (tau_m rho grad q, R_m). The term  (w, h_T rho R_c)  with the enthalpy h_T makes the energy equation
 conservative: without it the global balance is off by 2-7 % on the meshes in use.
 
-Source: Fagnani et al., section on the numerical simulation (LTE CF-ICP model, same equations); SUPG/PSPG
+Source: Fagnani et al., sec. 4.1 (LTE CF-ICP model, same equations); SUPG/PSPG
 after Tezduyar, Adv. Appl. Mech. 28 (1991) 1. Deviation: finite elements for VKI's finite
 volumes.
 """
@@ -67,9 +67,8 @@ class Points:
     """What the equations need at each quadrature point besides the unknowns; arrays (E, Q), SI.
 
     `inverse_step`: 1/(pseudo-time step), zero for the steady residual; `old_*`: state at the start of the
-    step;
-    `viscosity_limiter`: C blended to zero inside the torch, see `limited_viscosity`; `equal_order`: 1 for P1
-    pressure with P1 velocity, 0 for Taylor-Hood.
+    step; `viscosity_limiter`: C blended to zero inside the torch, see `limited_viscosity`; `equal_order`: 1
+    for P1 pressure with P1 velocity, 0 for Taylor-Hood.
     """
 
     radius: np.ndarray

@@ -1,5 +1,4 @@
-"""The discrete problem: residual, Jacobian and induction coupling of one torch, gas and mass flow on one
-mesh."""
+"""The discrete problem of a torch on a mesh: residual, Jacobian and induction coupling."""
 
 from copy import copy
 from dataclasses import replace

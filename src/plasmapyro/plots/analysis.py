@@ -6,59 +6,54 @@ from plasmapyro.plots import style
 
 
 def visibility_factors(visibility, paths):
-    """Figure 6a: visibility factor of both bands against surface temperature."""
-    drawing, axes = style.figure(size=style.BESIDE)
-    colours = style.case_colours(visibility.sizes["condition"])
-    for case, colour, label in zip(
-        range(visibility.sizes["condition"]),
-        colours,
-        style.case_labels(visibility.condition.values, visibility.numerical_power),
-        strict=True,
-    ):
-        for band, dash in (("wide", "-"), ("narrow", "--")):
-            factor = visibility.visibility_factor.isel(condition=case).sel(band=band)
-            axes.plot(
-                visibility.object_temperature,
-                factor,
-                dash,
-                color=colour,
-                label=label if band == "wide" else None,
-            )
-    axes.add_artist(_band_legend(axes, loc="lower right"))
-    style.legend_beside(axes)
-    axes.set(
-        xlabel="Object temperature $T_{obj}$ [K]",
-        ylabel=r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]",
-        ylim=(-0.02, 1.02),
-        xlim=(500, 2000),
-    )
-    style.mark_origin(axes, visibility)
+    """Figure 7a: visibility factor of both bands against surface temperature, one panel per band."""
+    drawing, panels = style.figure(size=(6.4, 2.8), ncols=2, sharey=True)
+    for axes, (number, band) in zip(panels, enumerate(("wide", "narrow"), start=1), strict=True):
+        factors = visibility.visibility_factor.sel(band=band).values
+        for factor, curve in zip(factors, style.curves_in(visibility), strict=True):
+            axes.plot(visibility.object_temperature, factor, **curve.options)
+        axes.set_title(f"band {number} ({band})", loc="left", fontsize=8)
+        axes.set(xlabel="Object temperature $T_{obj}$ [K]", ylim=(-0.02, 1.02), xlim=(500, 2000))
+    panels[0].set_ylabel(r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]")
+    style.legend_beside(panels[1])
+    style.mark_origin(panels[1], visibility)
     style.save(drawing, paths)
 
 
-def _band_legend(axes, **where):
-    lines = [axes.plot([], [], dash, color="0.3")[0] for dash in ("-", "--")]
-    return axes.legend(lines, ["band 1 (wide)", "band 2 (narrow)"], **where)
-
-
 def visibility_limits(visibility, paths):
-    """Figure 6b: surface temperature at which the visibility factor reaches its levels, against power."""
+    """Figure 7b: surface temperature at which the visibility factor reaches its levels, against power.
+
+    Powers of one pressure are joined; each further pressure is drawn paler. Conditions without a power are
+    left out.
+    """
     drawing, axes = style.figure()
-    order = np.argsort(visibility.numerical_power.values)
-    power = visibility.numerical_power.values[order] / 1e3
-    for level, marker in zip(visibility.visibility_level.values, "osD^", strict=False):
-        for band, colour in (("wide", style.WIDE), ("narrow", style.NARROW)):
-            limit = visibility.visibility_limit.sel(visibility_level=level, band=band).values[order]
-            number = 1 if band == "wide" else 2
-            axes.plot(power, limit, marker + "-", ms=3.5, color=colour, label=rf"$\nu_{number}={level:.2f}$")
+    known = visibility.isel(condition=np.isfinite(visibility.numerical_power.values))
+    pressures = known.get("chamber_pressure", known.numerical_power * np.nan).fillna(0.0).values
+    several = len(np.unique(pressures)) > 1
+    for place, pressure in enumerate(np.unique(pressures)[::-1]):
+        where = f", {pressure / 100:g} mbar" if several else ""
+        some = known.isel(condition=pressures == pressure).sortby("numerical_power")
+        for level, marker in zip(visibility.visibility_level.values, "osD^", strict=False):
+            for number, (band, colour) in enumerate(
+                (("wide", style.WIDE), ("narrow", style.NARROW)), start=1
+            ):
+                axes.plot(
+                    some.numerical_power / 1e3,
+                    some.visibility_limit.sel(visibility_level=level, band=band),
+                    marker + style.DASHES[number - 1],
+                    ms=3.5,
+                    color=colour,
+                    alpha=1.0 / (1 + place),
+                    label=rf"$\nu_{number}={level:.2f}$" + where,
+                )
     axes.legend(ncols=2)
-    axes.set(xlabel="Numerical power $P_{el}^{sim}$ [kW]", ylabel="Object temperature $T_{obj}$ [K]")
+    axes.set(xlabel="Numerical power [kW]", ylabel="Object temperature $T_{obj}$ [K]")
     style.mark_origin(axes, visibility)
     style.save(drawing, paths)
 
 
 def apparent_temperature(reading, paths):
-    """Figure 7a: temperature read through the gas against the true one."""
+    """Figure 8a: temperature read through the gas against the true one."""
     drawing, axes = style.figure(size=style.BESIDE)
     truth = reading.object_temperature
     axes.plot(truth, truth, "k:", lw=0.9, label="no gas")
@@ -76,7 +71,7 @@ def apparent_temperature(reading, paths):
 
 
 def relative_error(reading, paths):
-    """Figure 7b: relative error against the true temperature."""
+    """Figure 8b: relative error against the true temperature."""
     drawing, axes = style.figure(size=style.BESIDE)
     _one_line_per_power(axes, reading, 100 * reading.relative_error)
     axes.axhline(1, color="k", lw=0.7, ls=":")
@@ -94,27 +89,15 @@ def relative_error(reading, paths):
 
 
 def _one_line_per_power(axes, dataset, values):
-    colours = style.case_colours(dataset.sizes["condition"])
-    for row, colour, label in zip(
-        values.values,
-        colours,
-        style.case_labels(dataset.condition.values, dataset.numerical_power),
-        strict=True,
-    ):
-        axes.plot(dataset.object_temperature, row, color=colour, label=label)
+    for row, curve in zip(values.values, style.curves_in(dataset), strict=True):
+        axes.plot(dataset.object_temperature, row, **curve.options)
 
 
 def error_map(errors, paths):
-    """Figure 7c: curves of one error level over emittance and surface temperature."""
+    """Figure 8c: curves of one error level over emittance and surface temperature."""
     drawing, axes = style.figure(size=style.BESIDE)
-    colours = style.case_colours(errors.sizes["condition"])
-    for row, colour, label in zip(
-        errors.error_limit.values,
-        colours,
-        style.case_labels(errors.condition.values, errors.numerical_power),
-        strict=True,
-    ):
-        axes.plot(row, errors.emittance, color=colour, label=label)
+    for row, curve in zip(errors.error_limit.values, style.curves_in(errors), strict=True):
+        axes.plot(row, errors.emittance, **curve.options)
     level = 100 * float(errors.attrs["error_level"])
     axes.annotate(f"$e < {level:g}$ %", (0.72, 0.85), xycoords="axes fraction", fontsize=8)
     axes.annotate(f"$e > {level:g}$ %", (0.03, 0.04), xycoords="axes fraction", fontsize=8)
@@ -130,16 +113,11 @@ def error_map(errors, paths):
 
 
 def transient(history, paths):
-    """Figure 7d: true and apparent temperature while a sample heats."""
+    """Figure 8d: true and apparent temperature while a sample heats."""
     drawing, axes = style.figure()
     axes.plot(history.time, history.object_temperature_history, "k-", label="$T_{obj}$")
-    for row, dash, label in zip(
-        history.apparent_temperature.values,
-        ("-", "--", "-.", ":"),
-        style.case_labels(history.condition.values, history.numerical_power),
-        strict=False,
-    ):
-        axes.plot(history.time, row, dash, color=style.NARROW, label=f"$T_{{app}}$, {label}")
+    for row, curve in zip(history.apparent_temperature.values, style.curves_in(history), strict=True):
+        axes.plot(history.time, row, color=curve.color, ls=curve.dash, label=f"$T_{{app}}$, {curve.label}")
     axes.axhspan(*history.instrument_range.values, color="0.92", zorder=0, label="instrument range")
     axes.legend()
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(300, 3500))

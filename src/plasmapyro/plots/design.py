@@ -6,6 +6,7 @@ import numpy as np
 
 from plasmapyro.plots import style
 
+ZIGZAG = "Corners: the light of the gas in the two bands cancels there, and the error changes its sign."
 KELVIN = "Object temperature $T_{obj}$ [K]"
 KIND_MARKS = {  # kind: label, marker, colour
     "reference": ("MR1SB (modelled response)", "s", style.NARROW),
@@ -14,7 +15,9 @@ KIND_MARKS = {  # kind: label, marker, colour
     "filters": ("filters that can be bought", "D", "#7b4ba0"),
     "shelf": ("pyrometers on the shelf", "o", style.WIDE),
 }
-SURFACE_DASHES = {"no reflection": ":", "mirror": "--", "mixed": "-.", "matt": "-"}
+DARK = 1400.0  # [K], from which the colour of a cell wants white letters
+SURFACE_COLOURS = {"no reflection": "0.55", "mirror": "#56b4e9", "mixed": "#e69f00", "matt": "#7a2048"}
+REFLECTION_PANELS = (("error_limit", "none"), ("error_limit", "reference"), ("neglect_limit", "none"))
 
 
 def _short(name):
@@ -23,6 +26,7 @@ def _short(name):
         .replace("MR1SB, modelled response", "Raytek MR1SB, modelled response")
         .replace("Raytek Marathon MR1S", "Raytek MR1S box")
         .replace("extended InGaAs", "ext. InGaAs")
+        .replace(" um)", " µm)")
     )
 
 
@@ -42,12 +46,13 @@ def bands(spectra, designs, surface, condition, paths):
     drawing, (top, low) = style.figure((7.0, 5.0), nrows=2, sharex=True, height_ratios=[1.5, 1])
     nanometre = spectra.wavelength * 1e9
     gas = spectra.binned_radiance.sel(state="nominal", condition=condition).sum("component")
-    top.semilogy(nanometre, gas * 1e-6, color="0.15", lw=0.7, label=f"gas, {condition}, 1 nm bins")
+    label = dict(zip(spectra.condition.values, style.curves_in(spectra), strict=True))[condition].label
+    top.semilogy(nanometre, gas * 1e-6, color="0.15", lw=0.7, label=f"gas, {label}, 1 nm bins")
     colours = style.case_colours(surface.sizes["object_temperature"])
     for row, colour in zip(surface.surface_radiance, colours, strict=True):
         label = f"surface, {float(row.object_temperature):g} K, $\\varepsilon={surface.attrs['emittance']:g}$"
         top.semilogy(surface.wavelength * 1e9, row * 1e-6, color=colour, label=label)
-    top.set(ylabel=r"Radiance [W m$^{-2}$ sr$^{-1}$ $\mu$m$^{-1}$]", ylim=(1e-1, 1e7))
+    top.set(ylabel=r"Radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]", ylim=(1e-1, 1e7))
     top.legend(loc="upper left", ncols=3)
     rows = _chosen(designs)
     rows = rows[np.isfinite(designs.band_centre.values[rows, 0])]
@@ -65,7 +70,7 @@ def bands(spectra, designs, surface, condition, paths):
                 color=KIND_MARKS[kind][2],
                 alpha=0.85 if number % 2 == 0 else 0.5,
             )
-    low.set_yticks(range(rows.size), [_short(designs.design.values[row]) for row in rows], fontsize=5.5)
+    low.set_yticks(range(rows.size), [_short(designs.design.values[row]) for row in rows], fontsize=6.5)
     low.set(xlabel="Wavelength in vacuum [nm]", xlim=(nanometre[0], nanometre[-1]))
     style.mark_origin(top, spectra)
     style.save(drawing, paths)
@@ -101,14 +106,11 @@ def trade_off(designs, paths):
 def error_maps(designs, paths):
     """Curves of the error level of the reference, the robust and the smallest-error design, side by side."""
     chosen = [designs.design.values[0], designs.attrs["best_two_band"], designs.attrs["lowest_two_band"]]
-    drawing, panels = style.figure((7.4, 2.9), ncols=3, sharex=True, sharey=True)
-    labels = style.case_labels(designs.condition.values, designs.numerical_power)
+    drawing, panels = style.figure((7.4, 3.1), ncols=3, sharex=True, sharey=True)
     for axes, name in zip(panels, chosen, strict=True):
         case = designs.sel(design=name)
-        for number, colour in enumerate(style.case_colours(designs.sizes["condition"])):
-            axes.plot(
-                case.map_limit.isel(condition=number), designs.emittance, color=colour, label=labels[number]
-            )
+        for limit, curve in zip(case.map_limit.values, style.curves_in(designs), strict=True):
+            axes.plot(limit, designs.emittance, **curve.options)
         centres = case.band_centre.values * 1e9
         widths = case.band_width.values * 1e9
         text = " + ".join(f"{c:.0f}/{w:.0f}" for c, w in zip(centres, widths, strict=True) if np.isfinite(c))
@@ -121,6 +123,7 @@ def error_maps(designs, paths):
     panels[1].set_xlabel(rf"{KELVIN} at $|e|={level:g}$ %")
     panels[0].set(ylabel=r"Emittance $\varepsilon$ [–]", ylim=(0, 1), xlim=(700, 2600))
     style.legend_beside(panels[2])
+    drawing.supxlabel(ZIGZAG, fontsize=6.5, color="0.3")
     style.mark_origin(panels[2], designs)
     style.save(drawing, paths)
 
@@ -130,16 +133,15 @@ def shelf(designs, paths):
     rows = _chosen(designs)
     limit = designs.design_limit.values[rows]
     drawing, axes = style.figure((7.2, 0.28 * rows.size + 1.2))
-    shown = axes.imshow(limit, aspect="auto", cmap="RdYlGn_r", vmin=800, vmax=1900)
-    middle = 1350
+    shown = axes.imshow(limit, aspect="auto", cmap="cividis_r", vmin=800, vmax=1900)
     for (place, case), value in np.ndenumerate(limit):
         text = f"{value:.0f}" if np.isfinite(value) else "–"
-        dark = np.isfinite(value) and abs(value - middle) > 450
-        axes.text(case, place, text, ha="center", va="center", fontsize=6.5, color="w" if dark else "k")
+        dark = np.isfinite(value) and value > DARK
+        axes.text(case, place, text, ha="center", va="center", fontsize=7, color="w" if dark else "k")
     axes.set_yticks(range(rows.size), [_short(designs.design.values[row]) for row in rows], fontsize=6)
     axes.set_xticks(
         range(designs.sizes["condition"]),
-        style.case_labels(designs.condition.values, designs.numerical_power),
+        [curve.label for curve in style.curves_in(designs)],
     )
     axes.grid(False)
     level, emittance = 100 * designs.attrs["error_level"], designs.attrs["limit_emittance"]
@@ -154,32 +156,34 @@ def shelf(designs, paths):
 
 
 def reflecting_samples(reflection, conditions, paths):
-    """The error level over emittance for samples that reflect differently, and what neglect costs."""
-    drawing, panels = style.figure((7.4, 3.0), ncols=3)
+    """The error level over emittance for samples that reflect differently, and what neglect costs.
+
+    A colour for each kind of sample, a line for each power.
+    """
+    drawing, panels = style.figure((7.4, 3.4), ncols=3)
     level = 100 * reflection.attrs["error_level"]
-    colours = style.case_colours(len(conditions))
-    labels = style.case_labels(conditions, reflection.numerical_power.sel(condition=conditions))
-    for axes, correction in zip(panels[:2], ("none", "reference"), strict=True):
-        for surface, dash in SURFACE_DASHES.items():
-            for name, colour in zip(conditions, colours, strict=True):
-                curve = reflection.error_limit.sel(surface=surface, correction=correction, condition=name)
-                axes.plot(curve, reflection.emittance, dash, color=colour)
-        title = "as read" if correction == "none" else "reference of the cold sample subtracted"
-        axes.set_title(title, fontsize=7)
+    shown = reflection.sel(condition=conditions)
+    dashes = [style.DASHES[::-1][k % len(style.DASHES)] for k in range(len(conditions))]
+    for axes, (name, correction) in zip(panels, REFLECTION_PANELS, strict=True):
+        for surface, colour in SURFACE_COLOURS.items():
+            rows = shown[name].sel(surface=surface, correction=correction).values
+            for row, dash in zip(rows, dashes, strict=True):
+                axes.plot(row, reflection.emittance, dash, color=colour)
         axes.set(xlabel=rf"$T_{{obj}}$ [K] at $e={level:g}$ %", ylim=(0, 1), xlim=(800, None))
-    panels[0].set_ylabel(r"Emittance $\varepsilon$ [–]")
-    for surface, dash in (("mirror", "--"), ("mixed", "-."), ("matt", "-")):
-        for name, colour, label in zip(conditions, colours, labels, strict=True):
-            curve = reflection.neglect_limit.sel(surface=surface, correction="none", condition=name)
-            panels[2].plot(
-                curve, reflection.emittance, dash, color=colour, label=label if surface == "matt" else None
-            )
     cost = reflection.attrs["neglect_tolerance"]
-    panels[2].set_title(f"neglecting reflection costs < {cost:g} K", fontsize=7)
-    panels[2].set(xlabel="above this $T_{obj}$ [K]", ylim=(0, 1), xlim=(800, None))
-    lines = [panels[0].plot([], [], dash, color="0.3")[0] for dash in SURFACE_DASHES.values()]
-    panels[0].legend(lines, list(SURFACE_DASHES), loc="upper right")
-    style.legend_beside(panels[2])
+    titles = (
+        "as read",
+        "reference of the cold sample subtracted",
+        f"neglecting reflection costs < {cost:g} K",
+    )
+    for axes, title in zip(panels, titles, strict=True):
+        axes.set_title(title, fontsize=7.5)
+    panels[0].set_ylabel(r"Emittance $\varepsilon$ [–]")
+    panels[2].set_xlabel("above this $T_{obj}$ [K]")
+    kinds = [panels[0].plot([], [], color=colour)[0] for colour in SURFACE_COLOURS.values()]
+    lines = [panels[0].plot([], [], dash, color="0.2")[0] for dash in dashes]
+    labels = [*SURFACE_COLOURS, *(curve.label for curve in style.curves_in(shown))]
+    drawing.legend([*kinds, *lines], labels, loc="outside lower center", ncols=len(labels))
     style.mark_origin(panels[2], reflection)
     style.save(drawing, paths)
 
@@ -188,28 +192,31 @@ def trust(result, paths):
     """Temperature from which each setup reads within the first level, against power, for two kinds of
     sample.
     """
-    drawing, panels = style.figure((7.4, 3.3), ncols=result.sizes["surface"], sharey=True)
+    drawing, panels = style.figure((7.4, 3.8), ncols=result.sizes["surface"], sharey=True)
     power = result.numerical_power.values / 1e3
     styles = [
-        (style.NARROW, "s-"),
-        (style.NARROW, "s--"),
-        (style.NARROW, "s:"),
+        ("#7a1f14", "s-"),
+        ("#e8743b", "v--"),
+        ("#f2a900", "^-."),
         ("#7b4ba0", "D-"),
         (style.WIDE, "o-"),
-        ("#44aa66", "P-"),
-        ("#117733", "*-"),
-        ("#117733", "*--"),
+        ("#6cc08b", "P-"),
+        ("#0b4f2f", "*-"),
+        ("#117733", "x--"),
     ]
     for axes, surface in zip(panels, result.surface.values, strict=True):
         for setup, (colour, mark) in zip(result.setup.values, styles, strict=True):
             limit = result.trust_temperature.sel(surface=surface, setup=setup).isel(trust_level=0)
             axes.plot(power, limit, mark, ms=3.5, color=colour, label=_short(setup))
         axes.set_title(f"{surface} sample", fontsize=8)
-        axes.set_xlabel("Numerical power $P_{el}^{sim}$ [kW]")
+        axes.set_xlabel("Numerical power [kW]")
     low, high = result.attrs["emittance_range"]
     level = 100 * float(result.trust_level[0])
-    panels[0].set_ylabel(f"Within {level:g} % from [K], emittance {low:g} to {high:g}")
+    panels[0].set_ylabel(f"Right within {level:g} % from [K]")
+    panels[0].annotate(
+        rf"$\varepsilon$ = {low:g} to {high:g}", (0.03, 0.95), xycoords="axes fraction", va="top", fontsize=7
+    )
     handles, names = panels[0].get_legend_handles_labels()
-    drawing.legend(handles, names, loc="outside lower center", ncols=2, fontsize=6)
+    drawing.legend(handles, names, loc="outside lower center", ncols=2, fontsize=7)
     style.mark_origin(panels[-1], result)
     style.save(drawing, paths)

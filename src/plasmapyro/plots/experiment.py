@@ -1,14 +1,28 @@
 """Figures of a test: signals, temperatures before and after correction, spectra, two instruments."""
 
+import itertools
+
 import numpy as np
 
 from plasmapyro.plots import style
 
 GAS_DOMINATED = 5  # status of a reading whose signal is mostly gas: kept in the file, not drawn
+NOISE_PIXELS = 60  # that tell the noise of a spectrum
+FAINTEST = 1.0  # [W m-2 sr-1 um-1], lower end of the axis
+DEFAULT_SLIT, SMOOTH_BIN = 0.75e-9, 4e-9  # [m], widths of bins
+
+
+def after_injection(dataset):
+    """Results of a test with their times counted from the injection, whatever clock the test was on."""
+    start = dataset.attrs["injection_time"]
+    own = {name: dataset[name] - start for name in ("time", "spectrum_time") if name in dataset.coords}
+    events = {"injection_time": 0.0, "plasma_off_time": dataset.attrs["plasma_off_time"] - start}
+    return dataset.assign_coords(own).assign_attrs(events)
 
 
 def signals(corrected, paths):
-    """Figure 9a: signals of both bands with their reference levels."""
+    """Figure 10a: signals of both bands with their reference levels."""
+    corrected = after_injection(corrected)
     drawing, axes = style.figure(size=(5.2, 2.8))
     for number, (band, colour) in enumerate((("wide", style.WIDE), ("narrow", style.NARROW)), start=1):
         axes.semilogy(
@@ -33,7 +47,8 @@ def signals(corrected, paths):
 
 
 def temperatures(corrected, paths):
-    """Figure 9b: apparent temperature as measured and corrected, with the corrected one's uncertainty."""
+    """Figure 10b: apparent temperature as measured and corrected, with the corrected one's uncertainty."""
+    corrected = after_injection(corrected)
     drawing, axes = style.figure(size=(4.4, 2.8))
     time = corrected.time
     trusted = corrected.corrected_status != GAS_DOMINATED
@@ -54,7 +69,8 @@ def temperatures(corrected, paths):
 
 
 def error_of_measured(corrected, paths):
-    """Figure 9c: relative error of the measured against the corrected temperature, while heating."""
+    """Figure 10c: relative error of the measured against the corrected temperature, while heating."""
+    corrected = after_injection(corrected)
     drawing, axes = style.figure(size=(2.9, 2.8))
     heating = (corrected.time >= 0) & (corrected.time <= corrected.attrs["plasma_off_time"])
     axes.semilogy(
@@ -76,7 +92,7 @@ def error_of_measured(corrected, paths):
 
 
 def sample_emittance(test, paths):
-    """Figure 8b: emittance of the sample as the test states it, grey over the bands of the pyrometer."""
+    """Figure 9b: emittance of the sample as the test states it, grey over the bands of the pyrometer."""
     drawing, axes = style.figure(size=(2.9, 2.6))
     value, spread = test.attrs["emittance"], test.attrs["emittance_uncertainty"]
     axes.fill_between([0.75, 1.15], value - spread, value + spread, color=style.WIDE, alpha=0.25, lw=0)
@@ -89,35 +105,62 @@ def sample_emittance(test, paths):
     style.save(drawing, paths)
 
 
-def reference_spectrum(spectra, radiances, numerical_power, paths):
-    """Figure 10a: spectrum of the reference window with simulated gas radiances.
+def _on_bins(wavelength, values, width):
+    """Means of bins of about `width` [m], and the noise of such a mean, from differences of neighbours.
+
+    Parameters
+    ----------
+    wavelength : (W,) [m], about equally spaced
+    values : (W,)
+    width : float [m]
+
+    Returns
+    -------
+    centre, mean, noise : ndarrays (B,)
+    """
+    count = max(1, round(width / float(np.median(np.diff(wavelength)))))
+    last = len(wavelength) // count * count
+    centre, mean = (part[:last].reshape(-1, count).mean(axis=1) for part in (wavelength, values))
+    rough = np.abs(np.diff(values)) / (0.6745 * np.sqrt(2))  # a normal law's standard deviation by its median
+    reach = NOISE_PIXELS // 2
+    places = np.arange(count // 2, last, count)
+    noise = [np.median(rough[max(0, at - reach) : at + reach]) for at in places]
+    return centre, mean, np.array(noise) / np.sqrt(count)
+
+
+def reference_spectrum(spectra, radiances, paths):
+    """Figure 11a: spectrum of the reference window, on bins as wide as the slit, with simulated radiances.
 
     Parameters
     ----------
     spectra : Dataset, contract 'spectrometer_correction'
     radiances : mapping of condition -> Dataset, contract 'radiation'
-    numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
     drawing, axes = style.figure(size=(7.2, 3.0))
+    slit = max((float(one.attrs["slit_fwhm"]) for one in radiances.values()), default=DEFAULT_SLIT)
+    centre, mean, noise = _on_bins(spectra.wavelength.values, spectra.reference_radiance.values, slit)
+    axes.fill_between(centre * 1e9, FAINTEST, noise * 1e-6, color="0.88", lw=0, label="noise of a bin")
+    seen = np.where(mean > noise, mean, np.nan)
     axes.semilogy(
-        spectra.wavelength * 1e9, spectra.reference_radiance * 1e-6, "k-", lw=0.7, label=r"$L_\lambda^{ref}$"
+        centre * 1e9, seen * 1e-6, "k-", lw=0.9, label=rf"$L_\lambda^{{ref}}$, {slit * 1e9:g} nm bins"
     )
-    labels = style.case_labels(radiances, numerical_power)
-    for spectrum, colour, label in zip(
-        radiances.values(), style.case_colours(len(labels)), labels, strict=True
+    colours = (style.NARROW, style.WIDE, "#7a5195", "#ef9b20")
+    for spectrum, colour, curve in zip(
+        radiances.values(), itertools.cycle(colours), style.curves_of(radiances), strict=False
     ):
         axes.semilogy(
             spectrum.wavelength_slit * 1e9,
             spectrum.gas_radiance_slit * 1e-6,
             color=colour,
-            lw=0.6,
-            label=rf"$L_\lambda^{{g,e}}$, {label}",
+            ls=curve.dash,
+            lw=0.7,
+            label=rf"$L_\lambda^{{g,e}}$, {curve.label}",
         )
-    axes.legend(ncols=3)
+    axes.legend(ncols=4)
     axes.set(
         xlim=(750, 1030),
-        ylim=(1, 3e4),
+        ylim=(FAINTEST, 3e4),
         xlabel="Wavelength (vacuum) [nm]",
         ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",
     )
@@ -126,20 +169,23 @@ def reference_spectrum(spectra, radiances, numerical_power, paths):
 
 
 def normalised_spectra(spectra, times, paths):
-    """Figure 10b: corrected spectra over their value at the pivot, with the fitted Planck curves."""
+    """Figure 11b: corrected spectra over their value at the pivot, on bins, with the fitted Planck curves."""
+    spectra = after_injection(spectra)
     drawing, axes = style.figure(size=(3.6, 2.9))
-    for place, wanted in enumerate(times):
+    for place, (wanted, colour) in enumerate(zip(times, style.case_colours(len(times)), strict=True)):
         one = spectra.sel(spectrum_time=wanted, method="nearest")
-        colour = style.POWER_COLOURS(0.15 + 0.8 * place / max(len(times) - 1, 1))
-        axes.plot(one.wavelength * 1e9, one.normalised_radiance, ".", ms=0.8, color=colour, zorder=1 + place)
         reading = float(one.spectrometer_temperature)
         result = "no temperature" if np.isnan(reading) else f"{reading:.0f} K"
         label = f"{float(one.spectrum_time):.0f} s, {result}"
-        axes.plot(one.wavelength * 1e9, one.normalised_fit, "-", lw=1.2, color=colour, label=label, zorder=9)
+        centre, mean, noise = _on_bins(one.wavelength.values, one.normalised_radiance.values, SMOOTH_BIN)
+        axes.errorbar(
+            centre * 1e9, mean, noise, fmt=".", ms=2.5, elinewidth=0.5, color=colour, zorder=1 + place
+        )
+        axes.plot(one.wavelength * 1e9, one.normalised_fit, "-", lw=1.0, color=colour, label=label, zorder=9)
     axes.legend(title="time, $T_{sp}$")
     axes.set(
-        xlabel="Wavelength [nm]",
-        ylabel=r"Normalised radiance $\tilde{L}_\lambda^{corr}$ [–]",
+        xlabel="Wavelength (vacuum) [nm]",
+        ylabel=f"Normalised radiance, {SMOOTH_BIN * 1e9:g} nm bins [–]",
         ylim=(-0.1, 1.4),
     )
     style.mark_origin(axes, spectra)
@@ -147,11 +193,12 @@ def normalised_spectra(spectra, times, paths):
 
 
 def two_instruments(pyrometer, spectra, paths):
-    """Figure 10c: corrected temperature of the pyrometer and temperature of the spectrometer."""
+    """Figure 11c: corrected temperature of the pyrometer and temperature of the spectrometer."""
+    pyrometer, spectra = (after_injection(part) for part in (pyrometer, spectra))
     drawing, axes = style.figure(size=(3.6, 2.9))
     axes.plot(
         pyrometer.time,
-        pyrometer.corrected_temperature,
+        pyrometer.corrected_temperature.where(pyrometer.corrected_status != GAS_DOMINATED),
         ".",
         ms=1.2,
         color=style.NARROW,
@@ -184,6 +231,7 @@ def joint_temperature(corrected, joint, paths):
     joint : Dataset, contract 'joint_estimate'
     paths : paths of the files to write
     """
+    corrected, joint = (after_injection(part) for part in (corrected, joint))
     drawing, (axes, lower) = style.figure(size=(4.6, 4.0), nrows=2, sharex=True, height_ratios=(3, 1))
     time, best = joint.time, joint.surface_temperature
     trusted = corrected.corrected_temperature.where(corrected.corrected_status != GAS_DOMINATED)
@@ -195,10 +243,17 @@ def joint_temperature(corrected, joint, paths):
     axes.fill_between(time, low, high, color=style.WIDE, alpha=0.3, lw=0, label="95 %")
     axes.plot(time, best, color=style.WIDE, lw=0.9, label="joint estimate")
     axes.legend(markerscale=5, ncols=2)
-    start = float(time.where(best.notnull()).min()) if best.notnull().any() else 0.0
-    axes.annotate(
-        f"from {start:.1f} s", (start, float(best.min())), (20, 2), textcoords="offset points", fontsize=6.5
-    )
+    valid = (joint.estimate_status == 0) & best.notnull()
+    if valid.any():
+        start = float(time.where(valid).min())
+        axes.annotate(
+            f"valid from {start:.1f} s",
+            (start, float(best.sel(time=start))),
+            (12, -2),
+            textcoords="offset points",
+            fontsize=7,
+            va="top",
+        )
     readable = np.concatenate([best.values, trusted.values])
     axes.set(
         ylabel="Temperature [K]", ylim=(np.nanmin(readable) - 80, np.nanpercentile(readable, 99.5) + 120)

@@ -12,6 +12,7 @@ STREAM_EVERY = 4  # pixels between the samples that streamlines are drawn from
 STREAM_DENSITY = (0.9, 0.4)
 EXACT = {"interpolation": "none"}  # pixels as they are, several times faster
 SHORT_BAR = 0.85  # colour bars as long as the axes, which their aspect shrinks
+FAINT = 0.5  # [%], a share that no eye finds in its bar
 PARTS = {  # boundaries whose power the balance shows, and their colours
     "outlet": ("jet, at the outlet", "#f28e2b"),
     "back_wall": ("back wall", "#4e79a7"),
@@ -22,7 +23,7 @@ PARTS = {  # boundaries whose power the balance shows, and their colours
 
 
 def temperature_field(flow, sightline, paths):
-    """Figure 4a: temperature in torch and chamber, with the line of sight as far as the domain holds it."""
+    """Figure 5a: temperature in torch and chamber, with the line of sight as far as the domain holds it."""
     drawing, axes = style.figure(size=(7.2, 2.5))
     z, r = flow.node_z.values * 1e3, flow.node_r.values * 1e3
     triangles = Triangulation(z, r, _quarters(flow.face_node.values, flow.face_midnode.values))
@@ -65,30 +66,33 @@ def _quarters(corner, middle):
     )
 
 
-def line_of_sight(sightlines, numerical_power, paths):
-    """Figure 4b: temperature and pressure along the line of sight, one line per power.
+def line_of_sight(sightlines, paths):
+    """Figure 5b: temperature and pressure along the line of sight, one line per power.
+
+    The path is drawn on a scale of its square root, which shows the boundary layer, the jet and the window.
 
     Parameters
     ----------
     sightlines : mapping of condition -> Dataset, contract 'sightline', rising power
-    numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
-    drawing, (upper, lower) = style.figure(size=(4.3, 3.6), nrows=2, height_ratios=(2, 1))
-    labels = style.case_labels(sightlines, numerical_power)
-    for sightline, colour, label in zip(
-        sightlines.values(), style.case_colours(len(labels)), labels, strict=True
-    ):
+    drawing, (upper, lower) = style.figure(size=(4.6, 3.6), nrows=2, height_ratios=(2, 1), sharex=True)
+    for sightline, curve in zip(sightlines.values(), style.curves_of(sightlines), strict=True):
         path = sightline.path_distance * 1e3
-        upper.plot(path, sightline.temperature, color=colour, label=label)
-        lower.plot(path, sightline.pressure / 1e3, color=colour)
+        upper.plot(path, sightline.temperature, **curve.options)
+        lower.plot(path, sightline.pressure / 1e3, **curve.drawn)
     upper.axvspan(0, 5, color="0.9", zorder=0)
-    upper.annotate("5 mm", (6, 200), fontsize=6, color="0.4")
+    upper.annotate("5 mm", (5.5, 200), fontsize=7, color="0.3")
     style.legend_beside(upper)
-    upper.set(xlim=(0, 200), xlabel=r"Path distance $\zeta$ [mm]", ylabel="Temperature [K]")
-    lower.axvline(1e3 * sightline.attrs["window_distance"], color="0.5", lw=0.7)
-    lower.annotate("window", (790, 40), ha="right", fontsize=7)
-    lower.set(xlim=(0, 1000), yscale="log", xlabel=r"Path distance $\zeta$ [mm]", ylabel="Pressure [kPa]")
+    upper.set(ylabel="Temperature [K]")
+    window = 1e3 * sightline.attrs["window_distance"]
+    lower.axvline(window, color="0.5", lw=0.7)
+    lower.annotate("window", (window - 15, 40), ha="right", fontsize=7)
+    root = (lambda path: np.sqrt(np.maximum(path, 0)), np.square)
+    lower.set(xlim=(0, 1e3 * float(sightline.path_distance[-1])), yscale="log", ylabel="Pressure [kPa]")
+    lower.set_xscale("function", functions=root)
+    lower.set_xticks([0, 5, 20, 50, 100, 150, 300, 500, 800, 1000])
+    lower.set_xlabel(r"Path distance $\zeta$ [mm], scale of its square root")
     style.mark_origin(upper, *sightlines.values())
     style.save(drawing, paths)
 
@@ -229,26 +233,24 @@ def _streamlines(axes, flow, raster):
     )
 
 
-def convergence(flows, numerical_power, paths):
+def convergence(flows, paths):
     """Change of velocity and temperature and residual of each step of the last part, one line per power.
 
     Parameters
     ----------
     flows : mapping of condition -> Dataset, contract 'flow', rising power
-    numerical_power : sequence of float [W]
     paths : paths of the files to write
     """
     drawing, panels = style.figure(size=(4.3, 5.0), nrows=3, sharex=True)
-    labels = style.case_labels(flows, numerical_power)
     shown = {
         "velocity_change": "Velocity change [m/s]",
         "temperature_change": "Rel. temperature change",
         "residual_norm": "Residual norm",
     }
-    for flow, colour, label in zip(flows.values(), style.case_colours(len(labels)), labels, strict=True):
+    for flow, curve in zip(flows.values(), _curves(flows), strict=True):
         for axes, name in zip(panels, shown, strict=True):
             values = flow[name].values
-            axes.plot(np.arange(1, len(values) + 1), values, color=colour, label=label, marker=".", ms=3)
+            axes.plot(np.arange(1, len(values) + 1), values, **curve.options, marker=".", ms=3)
     for axes, label in zip(panels, shown.values(), strict=True):
         axes.set(yscale="log", ylabel=label)
     panels[-1].set(xlabel="Newton step of the last part of the way")
@@ -257,19 +259,27 @@ def convergence(flows, numerical_power, paths):
     style.save(drawing, paths)
 
 
-def balances(flows, numerical_power, paths):
+def _curves(flows):
+    stated = [
+        [float(flow[name]) for flow in flows.values()] for name in ("numerical_power", "chamber_pressure")
+    ]
+    return style.curves(list(flows), *stated)
+
+
+def balances(flows, paths):
     """Where the power goes, as shares of the Joule power, and what does not close.
 
     Parameters
     ----------
-    flows, numerical_power, paths : as in `convergence`
+    flows, paths : as in `convergence`
     """
     drawing, (upper, lower) = style.figure(size=(4.8, 3.9), nrows=2, sharex=True, height_ratios=(2, 1))
     place = np.arange(len(flows))
     shares = np.array([_shares(flow) for flow in flows.values()])
     bottom = np.zeros(len(flows))
     for (label, colour), share in zip(PARTS.values(), shares.T, strict=True):
-        upper.bar(place, share, bottom=bottom, color=colour, label=label, width=0.8)
+        faint = f" (< {max(share.max(), 0.05):.1f} %)" if share.max() < FAINT else ""
+        upper.bar(place, share, bottom=bottom, color=colour, label=label + faint, width=0.8)
         bottom += share
     upper.axhline(100, color="0.2", lw=0.7)
     upper.set(ylabel="Share of Joule power [%]", ylim=(0, 106))
@@ -280,7 +290,7 @@ def balances(flows, numerical_power, paths):
     lower.axhline(0, color="0.2", lw=0.7)
     lower.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     lower.set(ylabel="Imbalance [%]", xticks=place, xlabel="Numerical power")
-    lower.set_xticklabels(style.case_labels(flows, numerical_power), rotation=45)
+    lower.set_xticklabels([curve.label for curve in _curves(flows)], rotation=45)
     style.mark_origin(upper, *flows.values())
     style.save(drawing, paths)
 

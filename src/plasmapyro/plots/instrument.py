@@ -4,7 +4,7 @@ from plasmapyro.plots import style
 
 
 def responses(response, paths):
-    """Figure 2a: normalised spectral responses of the two bands."""
+    """Figure 3a: normalised spectral responses of the two bands."""
     drawing, axes = style.figure(size=(3.0, 2.6))
     wavelength = response.wavelength * 1e6
     axes.plot(
@@ -23,7 +23,7 @@ def responses(response, paths):
 
 
 def calibration(calibrated, paths):
-    """Figure 2b: signal ratio against source temperature, modelled curve, quadratic fit, residuals."""
+    """Figure 3b: signal ratio against source temperature, modelled curve, quadratic fit, residuals."""
     drawing, (upper, lower) = style.figure(size=(4.2, 3.6), nrows=2, sharex=True, height_ratios=(3, 1))
     curve = calibrated.calibration_temperature
     low, high = calibrated.instrument_range.values
@@ -65,8 +65,8 @@ def calibration(calibrated, paths):
 
 
 def spectrometer_factor(calibrated, paths):
-    """Figure 3b: calibration factor of the spectrometer."""
-    drawing, axes = style.figure(size=(3.5, 3.0))
+    """Figure 4b: calibration factor of the spectrometer."""
+    drawing, axes = style.figure(size=(3.9, 3.0))
     good = calibrated.pixel_status == 0
     axes.semilogy(
         calibrated.wavelength[good] * 1e9,
@@ -78,5 +78,7 @@ def spectrometer_factor(calibrated, paths):
         xlabel="Wavelength [nm]",
         ylabel="Calibration factor $f_\\lambda^c$\n[W m$^{-2}$ sr$^{-1}$ µm$^{-1}$ s count$^{-1}$]",
     )
+    other = axes.secondary_yaxis("right", functions=(lambda si: 100 * si, lambda paper: paper / 100))
+    other.set_ylabel("[mW ms count$^{-1}$ cm$^{-2}$ µm$^{-1}$ sr$^{-1}$]")
     style.mark_origin(axes, calibrated)
     style.save(drawing, paths)

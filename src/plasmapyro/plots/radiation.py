@@ -3,28 +3,24 @@
 from plasmapyro.plots import style
 
 
-def spectral_radiance(radiances, numerical_power, surface, bands, paths):
-    """Figure 5: gas radiance for all powers with that of a grey surface, and the pyrometer bands.
+def spectral_radiance(radiances, surface, bands, paths):
+    """Figure 6: gas radiance for all powers with that of a grey surface, and the pyrometer bands.
 
     Parameters
     ----------
     radiances : mapping of condition -> Dataset, contract 'radiation', rising power
-    numerical_power : sequence of float [W]
     surface : Dataset, contract 'surface_radiance'
     bands : Dataset, contract 'response'
     paths : paths of the files to write
     """
     drawing, axes = style.figure(size=(7.2, 4.0))
-    labels = style.case_labels(radiances, numerical_power)
-    for spectrum, colour, label in zip(
-        radiances.values(), style.case_colours(len(labels)), labels, strict=True
-    ):
+    for spectrum, curve in zip(radiances.values(), style.curves_of(radiances), strict=True):
         axes.semilogy(
             spectrum.wavelength_slit * 1e9,
             spectrum.gas_radiance_slit * 1e-6,
-            color=colour,
+            color=curve.color,
             lw=0.6,
-            label=label,
+            label=curve.label,
         )
     for temperature in surface.object_temperature.values:
         curve = surface.surface_radiance.sel(object_temperature=temperature) * 1e-6
@@ -35,7 +31,7 @@ def spectral_radiance(radiances, numerical_power, surface, bands, paths):
     for name, shade in (("wide", "0.93"), ("narrow", "0.86")):
         inside = bands.wavelength.values[bands[f"responsivity_{name}"].values > 0.05] * 1e9
         axes.axvspan(inside[0], inside[-1], color=shade, zorder=0)
-    axes.legend(title="$L_\\lambda^{g,e}$, $P_{el}^{sim}$", ncols=5, loc="lower center")
+    axes.legend(title="gas $L_\\lambda^{g,e}$ at the numerical power", ncols=5, loc="lower center")
     axes.set(
         xlim=(700, 1200),
         ylim=(1e-3, 3e5),

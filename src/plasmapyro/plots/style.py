@@ -1,5 +1,6 @@
 """One look for all figures: size, type, colours by power, the mark of synthetic data, repeatable files."""
 
+from dataclasses import dataclass
 from functools import partial
 
 import matplotlib
@@ -8,17 +9,23 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+import xarray as xr
 
 from plasmapyro import io
+from plasmapyro.conditions import number
+from plasmapyro.plots import colours
 
 COLUMN = (3.5, 2.8)  # one journal column [inch]
 BESIDE = (4.3, 2.8)  # the same with the legend beside the axes [inch]
-POWER_COLOURS = plt.get_cmap("viridis_r")
-WIDE, NARROW = "#1f5fa8", "#c0392b"
+WARM, COOL = plt.get_cmap("YlOrBr"), plt.get_cmap("Blues")
+DASHES = ("-", "--", "-.", ":")
+WIDE, NARROW = colours.WIDE, colours.NARROW
 SETTINGS = {
     "font.size": 8,
     "axes.labelsize": 8,
     "legend.fontsize": 6.5,
+    "legend.title_fontsize": 7,
+    "legend.handlelength": 2.4,
     "legend.frameon": False,
     "lines.linewidth": 1.1,
     "axes.grid": True,
@@ -41,19 +48,78 @@ def figure(size=COLUMN, **options):
 
 
 def case_colours(count):
-    """One colour per condition, dark for the last; a lone one gets the middle of the scale."""
-    return POWER_COLOURS(np.linspace(0.1, 1.0, count) if count > 1 else [0.5])
+    """Colours (count, 4) of ordered cases: darker for the later, neighbours warm and cool by turns.
+
+    In grey the order is left, and to colour-blind eyes warm and cool stay apart.
+    """
+    places = np.linspace(0.4, 1.0, count) if count > 1 else [0.8]
+    return np.array([COOL(at - 0.05) if k % 2 else WARM(at) for k, at in enumerate(places)])
 
 
-def case_labels(condition, numerical_power):
-    """Legend texts such as '90 kW'; the names of the conditions if two share a power."""
-    labels = [f"{power / 1e3:g} kW" for power in np.asarray(numerical_power)]
-    return labels if len(set(labels)) == len(labels) else [str(name) for name in condition]
+@dataclass(frozen=True)
+class Curve:
+    """How one condition is drawn: `drawn` are the options of a line, without its label."""
+
+    label: str
+    color: tuple
+    dash: str
+
+    @property
+    def drawn(self):
+        return {"color": self.color, "ls": self.dash}
+
+    @property
+    def options(self):
+        return {**self.drawn, "label": self.label}
 
 
-def legend_beside(axes, **options):
+def curves(names, power, pressure):
+    """One Curve per condition, told apart by colour and line; each pressure has a line of its own.
+
+    Parameters
+    ----------
+    names : sequence of str
+    power, pressure : sequences of float [W], [Pa], NaN if not known
+
+    Returns
+    -------
+    list of Curve
+        Labels such as '90 kW', or '90 kW, 20 mbar' where pressures differ; the name where that does not tell
+        a condition from another, or its power is not known.
+    """
+    pressures = list(dict.fromkeys("" if np.isnan(p) else f"{p / 100:g} mbar" for p in pressure))
+    several = len(pressures) > 1
+    labels, dashes = [], []
+    for k, (watt, pascal) in enumerate(zip(power, pressure, strict=True)):
+        at = "" if np.isnan(pascal) else f"{pascal / 100:g} mbar"
+        labels.append(", ".join([f"{watt / 1e3:g} kW"] + [at] * (several and bool(at))))
+        dashes.append(DASHES[pressures.index(at) % len(DASHES)] if several else DASHES[k % 2])
+    return [
+        Curve(str(name) if labels.count(label) > 1 or np.isnan(watt) else label, tuple(colour), dash)
+        for name, label, watt, colour, dash in zip(
+            names, labels, power, case_colours(len(labels)), dashes, strict=True
+        )
+    ]
+
+
+def curves_in(dataset):
+    """Curves of the conditions side by side in one dataset."""
+    power = dataset.numerical_power.values
+    pressure = dataset.get("chamber_pressure", xr.full_like(dataset.numerical_power, np.nan)).values
+    return curves(dataset.condition.values, power, pressure)
+
+
+def curves_of(datasets):
+    """Curves of the conditions in a mapping of name -> Dataset, which state what they are (`conditions`)."""
+    stated = [
+        [number(one, name) for one in datasets.values()] for name in ("numerical_power", "chamber_pressure")
+    ]
+    return curves(list(datasets), *stated)
+
+
+def legend_beside(axes, title="Numerical\npower", **options):
     """Legend of the powers to the right of the axes, off the curves."""
-    return axes.legend(title="$P_{el}^{sim}$", loc="center left", bbox_to_anchor=(1.01, 0.5), **options)
+    return axes.legend(title=title, loc="center left", bbox_to_anchor=(1.01, 0.5), **options)
 
 
 def mark_origin(axes, *datasets):

@@ -5,7 +5,10 @@ import re
 
 import jinja2
 import numpy as np
+import xarray as xr
 
+from plasmapyro.quality.agreement import instruments_disagree
+from plasmapyro.quality.rule import Case, look
 from plasmapyro.report.captions import describe
 from plasmapyro.versions import versions
 
@@ -53,6 +56,7 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         claims=_claim_rows(claims),
         counts=_verdicts(claims),
         tests=[_summary(name, corrected) for name, corrected in corrections],
+        contradictions=list(_contradictions(corrections)),
         diagnoses=diagnoses,
         timings=_times(timings),
         versions=dict(versions()) | {"plasmapyro": claims.attrs.get("plasmapyro_version", "")},
@@ -74,14 +78,14 @@ def _claim_rows(claims):
         }
         value = float(row.value)
         words["here"] = "–" if np.isnan(value) else f"{value:.4g} {row.unit.values}".removesuffix(" 1")
-        words["kind"] = words["verdict"].split()[0]
+        words["kind"] = _kind(words["verdict"])
         words["synthetic"] = str(row.basis.values) == "synthetic"
         yield words
 
 
 def _verdicts(claims):
     """Verdict -> (from the simulation, on synthetic data)."""
-    first = [str(verdict).split()[0] for verdict in claims.verdict.values]
+    first = [_kind(str(verdict)) for verdict in claims.verdict.values]
     synthetic = claims.basis.values.astype(str) == "synthetic"
     return {
         word: (
@@ -92,27 +96,52 @@ def _verdicts(claims):
     }
 
 
+def _contradictions(corrections):
+    """Sentences about tests whose instruments, or one and its calibration, contradict each other."""
+    for name in dict.fromkeys(name for name, _ in corrections):
+        parts = [corrected for other, corrected in corrections if other == name]
+        for part in parts:
+            if part.attrs.get("contradictions"):
+                yield f"{name}: {part.attrs['contradictions']}"
+        single = [part for part in parts if {"corrected_temperature", "scaled_temperature"} & set(part)]
+        if len(single) == 2:
+            both = xr.merge(single, compat="override", join="outer", combine_attrs="drop")
+            for found in look(Case(name, result=both), [instruments_disagree]):
+                yield found.words
+
+
+def _kind(verdict):
+    """A verdict without its numbers: 'reproduced', 'differs', 'no value here' or 'not testable here'."""
+    return verdict.split()[0] if verdict.startswith(("reproduced", "differs")) else verdict
+
+
+VALID, EXTRAPOLATED = 0, 2  # status of a temperature: within, or beyond, the calibrated range
+READABLE = (VALID, EXTRAPOLATED)
+RESULTS_OF = {  # temperature that a file is looked through for -> name of the instrument, time and status
+    "surface_temperature": ("joint estimate", "time", "estimate_status"),
+    "corrected_temperature": ("pyrometer", "time", "corrected_status"),
+    "scaled_temperature": ("spectrometer", "spectrum_time", "spectrum_status"),
+}
+
+
 def _summary(name, corrected):
-    """What a reader wants to know first of a corrected test."""
-    if "surface_temperature" in corrected:
-        time, instrument = corrected["time"].values, "joint estimate"
-        temperature = corrected["surface_temperature"].where(corrected["estimate_status"] == 0).values
-        spread = corrected["surface_temperature_uncertainty"].values
-    elif "corrected_temperature" in corrected:
-        time, temperature = corrected["time"].values, corrected["corrected_temperature"].values
-        spread, instrument = corrected["corrected_temperature_uncertainty"].values, "pyrometer"
-    else:
-        time, temperature = corrected["spectrum_time"].values, corrected["scaled_temperature"].values
-        spread, instrument = corrected["scaled_temperature_uncertainty"].values, "spectrometer"
+    """What a reader wants to know first of a corrected test: the first valid value, and the readable ones."""
+    quantity = next(one for one in RESULTS_OF if one in corrected)
+    instrument, axis, status = RESULTS_OF[quantity]
+    time = corrected[axis].values
+    temperature = corrected[quantity].where(corrected[status].isin(READABLE)).values
+    valid = np.isfinite(temperature) & (corrected[status].values == VALID)
+    spread = corrected[f"{quantity}_uncertainty"].values
     end = corrected.attrs.get("plasma_off_time", time[-1])
-    there = np.isfinite(temperature) & (time > corrected.attrs.get("injection_time", time[0])) & (time < end)
+    during = (time > corrected.attrs.get("injection_time", time[0])) & (time < end)
+    there, valid = np.isfinite(temperature) & during, valid & during
     steady = there & (time > end - 0.1 * (end - time[there][0] if there.any() else 0.0))
     return {
         "name": name,
         "instrument": instrument,
         "origin": corrected.attrs.get("origin", ""),
         "condition": corrected.attrs.get("condition", "–"),
-        "first": f"{time[there][0]:.1f} s" if there.any() else "–",
+        "first": f"{time[valid][0]:.1f} s" if valid.any() else "–",
         "steady": f"{np.median(temperature[steady]):.0f} K" if steady.any() else "–",
         "spread": f"{np.nanmedian(spread[steady]):.0f} K" if steady.any() else "–",
         "highest": f"{temperature[there].max():.0f} K" if there.any() else "–",

@@ -1,12 +1,14 @@
 """Line-of-sight text of NEQAIR: the blocks read up to version 14 and the columns of version 15."""
 
 import re
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
+from plasmapyro.foreign import quote
 from plasmapyro.gas.species import CARBON, SPECIES
 
 KNOWN = (*SPECIES, *CARBON)
@@ -19,7 +21,8 @@ PER_LINE = 4  # species symbols, and densities, of a line of the block layout
 TOTAL_RTOL = 0.01  # between the total density of a line and the sum of its species
 SAME_TEMPERATURE = 0.11  # [K]; the block layout rounds to 0.1 K
 SMALLEST = 1e-99  # [cm-3]; Fortran prints exponents of two digits
-NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[ED]?([-+]\d+)|[ED](\d+))?$")
+DIGITS = r"\d{1,40}\.?\d{0,40}|\.\d{1,40}"  # bounded, or a long word would take hours
+NUMBER = re.compile(rf"([-+]?(?:{DIGITS}))(?:[ED]?([-+]\d{{1,3}})|[ED](\d{{1,3}}))?", re.ASCII)
 
 BLOCK_HEADER = """\
         aaaaaaaa       aaaaaaaa       aaaaaaaa       aaaaaaaa    (2x,(7x,a8))
@@ -172,11 +175,11 @@ def _compose_blocks(symbols, rows):
 
 def _number(word, line):
     """A Fortran number: with E, D or, before a signed exponent, no letter."""
-    found = NUMBER.match(word.upper())
-    if not found:
-        raise ValueError(f"line {line}: {word!r} is not a number")
-    mantissa, signed, plain = found.groups()
-    return float(f"{mantissa}E{signed or plain or 0}")
+    found = NUMBER.fullmatch(word.upper())
+    value = float(f"{found[1]}E{found[2] or found[3] or 0}") if found else np.inf
+    if not np.isfinite(value):
+        raise ValueError(f"line {line}: {quote(word)} is not a number")
+    return value
 
 
 def _names(words, line):
@@ -185,7 +188,7 @@ def _names(words, line):
     for name in names:
         if name not in KNOWN:
             raise ValueError(
-                f"line {line}: unknown species {name!r}; known are {', '.join(KNOWN)} (E- for electrons)"
+                f"line {line}: unknown species {quote(name)}; known are {', '.join(KNOWN)} (E- for electrons)"
             )
         if names.count(name) > 1:
             raise ValueError(f"line {line}: species {name!r} is listed twice")
@@ -199,7 +202,7 @@ def _columns(lines):
         for index, line in enumerate(lines, start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    if rows and len(rows[0][1]) == 1 and NUMBER.match(rows[0][1][0]):
+    if rows and len(rows[0][1]) == 1 and NUMBER.fullmatch(rows[0][1][0]):
         rows = rows[1:]  # a version number without a comment sign
     if not rows:
         raise ValueError(f"line {len(lines)}: the file ends before the line of column titles")
@@ -246,9 +249,9 @@ def _blocks(lines):
 
 def _block_points(lines, start, count):
     """Points until the line of zeros; each a head line and `count` densities on the lines after it."""
-    rows = [(k + 1, lines[k].split()) for k in range(start, len(lines)) if lines[k].strip()]
+    rows = deque((k + 1, lines[k].split()) for k in range(start, len(lines)) if lines[k].strip())
     while rows:
-        line, head = rows.pop(0)
+        line, head = rows.popleft()
         if head[0] == "0":
             return
         if len(head) != 3 + len(BLOCK_TEMPERATURES):
@@ -261,7 +264,7 @@ def _block_points(lines, start, count):
             if not rows:
                 found = f"{len(densities)} of {count}"
                 raise ValueError(f"line {at}: the file ends within a grid point, after {found} densities")
-            at, words = rows.pop(0)
+            at, words = rows.popleft()
             if len(words) > count - len(densities):
                 raise ValueError(
                     f"line {at}: {count - len(densities)} densities expected, {len(words)} found"

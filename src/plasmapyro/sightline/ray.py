@@ -33,7 +33,7 @@ def position(path_distance, nose, angle):
 
     Notes
     -----
-    Source: Fagnani et al., figure 'Optical path'. The path lies in a meridian plane, so it never
+    Source: Fagnani et al., fig. 5 and sec. 4.1. The path lies in a meridian plane, so it never
     crosses the axis again.
     """
     angle = within("angle", angle, 0, np.pi / 2, "rad")

@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from plasmapyro import conditions
 from plasmapyro.checks import increasing, positive
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
@@ -47,8 +48,9 @@ def line_of_sight(
     Returns
     -------
     Dataset
-        Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m]. The
-        `temperature_error` of the field, if it holds one, is carried along.
+        Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m], and those
+        of the condition (`conditions.stated`). The `temperature_error` of the field, if it holds one, is
+        carried along.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def line_of_sight(
 
     Notes
     -----
-    Source: Fagnani et al., section 'Numerical assessment', figure 'Optical path' and the text below.
+    Source: Fagnani et al., sec. 4.1 and fig. 5.
     """
     laboratory_temperature = float(positive("laboratory_temperature", laboratory_temperature, "K"))
     laboratory_pressure = float(positive("laboratory_pressure", laboratory_pressure, "Pa"))
@@ -70,13 +72,7 @@ def line_of_sight(
             f"angle must let the path leave the field at its outer radius; at {np.degrees(angle):g} deg"
             f" it ends at z = {inside['axial_position'][-1]:.4g} m, r = {inside['radial_position'][-1]:.4g} m"
         )
-    if not leaves < window_distance < instrument_distance - WINDOW_THICKNESS:
-        raise ValueError(
-            f"distances must satisfy exit < window < instrument; got {leaves:.4g}, {window_distance:g},"
-            f" {instrument_distance:g} m"
-        )
-    chamber = np.linspace(leaves, window_distance, OUTER_POINTS)[1:]
-    laboratory = np.linspace(window_distance + WINDOW_THICKNESS, instrument_distance, OUTER_POINTS)
+    chamber, laboratory = beyond_the_field(leaves, window_distance, instrument_distance)
     beyond = np.concatenate([chamber, laboratory])
     z, r = ray.position(beyond, float(flow.attrs["stagnation_point_z"]), angle)
     outside = {
@@ -93,7 +89,37 @@ def line_of_sight(
         angle=float(np.degrees(angle)),
         exit_distance=leaves,
         window_distance=float(window_distance),
+        **_condition(flow, angle),
     )
+
+
+def _condition(flow, angle):
+    """Attributes of the condition that a flow was computed for; none of a field that does not say."""
+    if "numerical_power" not in flow:
+        return {}
+    settings = {name: flow.attrs[name] for name in conditions.OF_FLOW if name in flow.attrs}
+    return conditions.stated(
+        gas="air",
+        settings={**settings, "angle": float(np.degrees(angle))},
+        **{name: float(flow[name]) for name in (conditions.POWER, *conditions.STATE)},
+    )
+
+
+def beyond_the_field(exit_distance, window_distance, instrument_distance):
+    """Path distances [m] of the nodes between field and window, and between window and instrument.
+
+    Raises
+    ------
+    ValueError
+        Distances out of order.
+    """
+    if not exit_distance < window_distance < instrument_distance - WINDOW_THICKNESS:
+        raise ValueError(
+            f"distances must satisfy exit < window < instrument; got {exit_distance:.4g},"
+            f" {window_distance:g}, {instrument_distance:g} m"
+        )
+    chamber = np.linspace(exit_distance, window_distance, OUTER_POINTS)[1:]
+    return chamber, np.linspace(window_distance + WINDOW_THICKNESS, instrument_distance, OUTER_POINTS)
 
 
 def chord(flow, *, angle, points):

@@ -11,7 +11,8 @@ from plasmapyro.checks import fraction, increasing
 from plasmapyro.flow import stage as flow_stage
 from plasmapyro.flow.continuation import Extinguished, NotConverged
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.radiation.stage import BANDS, line_of_sight_radiance
+from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline.stage import line_of_sight
 
 log = logging.getLogger(__name__)

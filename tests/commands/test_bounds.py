@@ -1,0 +1,213 @@
+"""Every command that reads files, fed with bombs, devices, pipes and links that go round in a circle."""
+
+import os
+import shutil
+from pathlib import Path
+
+import h5py
+import netCDF4
+import numpy as np
+import pytest
+from judge import judge, require_refused
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
+TEST, LAMP = EXAMPLE / "my_test", EXAMPLE / "calibration"
+
+
+def commands(place, path):
+    """name -> the command with `path` as one of its inputs; `place` takes the output."""
+    out, folder, empty = place / "out" / "o.nc", path.parent, place / "empty"
+    return {
+        "check": ["check", path],
+        "correct": ["correct", path, "--instrument", empty, "--out", out],
+        "correct, instrument": ["correct", TEST, "--instrument", folder, "--out", out],
+        "calibrate": ["calibrate", LAMP, "--response", path, "--out", place / "out" / "lab"],
+        "diagnose": [
+            "diagnose",
+            path,
+            "--radiance",
+            empty,
+            "--instrument",
+            empty,
+            "--out",
+            place / "out" / "d",
+        ],
+        "diagnose, radiance": ["diagnose", TEST, "--radiance", folder, "--instrument", empty]
+        + ["--out", place / "out" / "d"],
+        "radiance": ["radiance", path, "--out", out],
+        "radiance, response": ["radiance", path, "--response", path, "--out", out],
+        "sightline, map": ["sightline", path, "--map", path, "--out", out],
+        "trust": ["trust", "90kW", "--config", path],
+    }
+
+
+NAMES = list(commands(Path(), Path()))
+OF_NETCDF = [name for name in NAMES if name not in ("sightline, map", "trust")]
+
+
+@pytest.fixture
+def run(tmp_path):
+    for name in ("in", "out", "empty"):
+        (tmp_path / name).mkdir()
+
+    def command(name, path=None):
+        path = path or tmp_path / "in" / "calibration.nc"
+        ending = judge(commands(tmp_path, path)[name], tmp_path)
+        assert list((tmp_path / "out").iterdir()) == []
+        return ending
+
+    return command
+
+
+@pytest.fixture
+def file(tmp_path, run):
+    return tmp_path / "in" / "calibration.nc"
+
+
+@pytest.mark.parametrize("size", [300_000_000, 10_000_000_000])
+@pytest.mark.parametrize("name", OF_NETCDF)
+def test_a_netcdf_file_that_claims_gigabytes(run, file, name, size):
+    with netCDF4.Dataset(file, "w") as made:
+        made.createDimension("time", size)
+        made.createVariable("time", "f8", ("time",), zlib=True)
+    require_refused(run(name), "calibration.nc", "says that it holds")
+
+
+@pytest.mark.parametrize("way", ["storage", "virtual", "link"])
+@pytest.mark.parametrize("name", ["check", "correct, instrument", "radiance"])
+def test_a_netcdf_file_that_brings_bytes_of_another_file(run, file, name, way):
+    secret = np.linspace(2000.0, 3000.0, 400)
+    (file.parent / "secret").write_bytes(secret.tobytes())
+    with h5py.File(file.parent / "other.h5", "w") as other:
+        other["x"] = secret
+    with h5py.File(file, "w") as made:
+        if way == "storage":
+            where = [(str(file.parent / "secret"), 0, secret.nbytes)]
+            made.create_dataset("time", shape=secret.shape, dtype="<f8", external=where)
+        elif way == "virtual":
+            layout = h5py.VirtualLayout(shape=secret.shape, dtype="<f8")
+            layout[...] = h5py.VirtualSource("other.h5", "x", shape=secret.shape)
+            made.create_virtual_dataset("time", layout)
+        else:
+            made["time"] = h5py.ExternalLink("other.h5", "/x")
+    require_refused(run(name), "calibration.nc", "another file ('time')")
+
+
+def test_a_chunk_of_gigabytes_around_one_number_is_refused(run, file):
+    with h5py.File(file, "w") as made:
+        chunks = {"maxshape": (None,), "chunks": (2 * 10**8,), "compression": "gzip"}
+        made.create_dataset("time", shape=(1,), dtype="f8", **chunks)[0] = 1.0
+    require_refused(run("check"), "calibration.nc", "not a readable netCDF file")
+
+
+@pytest.mark.parametrize("kind", ["device", "pipe", "circle"])
+@pytest.mark.parametrize("name", NAMES)
+def test_only_plain_files_are_read(run, file, name, kind):
+    if kind == "device":
+        file.symlink_to("/dev/zero")
+    elif kind == "pipe":
+        os.mkfifo(file)
+    else:
+        file.symlink_to(file.name)
+    require_refused(run(name), file.name)
+
+
+@pytest.mark.parametrize("name", ["check", "radiance", "sightline, map", "trust", "diagnose"])
+def test_the_endless_device_itself_is_not_read(run, name):
+    require_refused(run(name, Path("/dev/zero")), "/dev/zero")
+
+
+@pytest.mark.parametrize("name", ["pyrometer.csv", "dark.txt", "test.yaml"])
+@pytest.mark.parametrize("target", ["itself", "/dev/zero", "/none"])
+def test_raw_files_that_are_links_to_nothing_that_can_be_read(tmp_path, name, target):
+    shutil.copytree(TEST, tmp_path / "test")
+    path = tmp_path / "test" / name
+    path.unlink()
+    path.symlink_to(name if target == "itself" else target)
+    require_refused(judge(["check", tmp_path / "test"], tmp_path), name)
+
+
+def test_a_spectrum_that_is_a_link_to_itself(tmp_path):
+    shutil.copytree(TEST, tmp_path / "test")
+    path = sorted((tmp_path / "test/spectrometer").iterdir())[2]
+    path.unlink()
+    path.symlink_to(path.name)
+    require_refused(judge(["check", tmp_path / "test"], tmp_path), path.name)
+
+
+@pytest.mark.parametrize("kind", ["device", "pipe", "link to a device", "circle", "beside itself"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["correct", TEST, "--instrument", LAMP, "--out"],
+        ["radiance", TEST / "test.yaml", "--out"],
+        ["sightline", TEST / "test.yaml", "--map", TEST / "test.yaml", "--out"],
+        ["trust", "90kW", "--out"],
+    ],
+    ids=["correct", "radiance", "sightline", "trust"],
+)
+def test_an_output_is_a_plain_file_or_nothing(tmp_path, words, kind):
+    out = tmp_path / "out.nc"
+    if kind == "pipe":
+        os.mkfifo(out)
+    elif kind == "link to a device":
+        out.symlink_to("/dev/null")
+    elif kind == "circle":
+        out.symlink_to("out.nc")
+    elif kind == "beside itself":
+        out.symlink_to("out.nc")
+        out = out / "x.nc"
+    before = kind != "device" and _identity(tmp_path / "out.nc")
+    ending = judge([*words, "/dev/null" if kind == "device" else out], tmp_path)
+    assert ending.status == 2 and "Traceback" not in ending.message, ending
+    if kind in ("device", "pipe", "link to a device"):
+        require_refused(ending, "is a device or a pipe, not a plain file")
+    assert not os.path.isfile("/dev/null")
+    assert kind == "device" or _identity(tmp_path / "out.nc") == before
+
+
+def _identity(path):
+    found = os.lstat(path)
+    return found.st_mode, found.st_ino, found.st_mtime_ns
+
+
+def test_a_calibration_does_not_replace_a_pipe(tmp_path):
+    (tmp_path / "lab").mkdir()
+    os.mkfifo(tmp_path / "lab" / "response.nc")
+    require_refused(judge(["calibrate", LAMP, "--out", tmp_path / "lab"], tmp_path), "is a device or a pipe")
+    assert [path.name for path in (tmp_path / "lab").iterdir()] == ["response.nc"]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda out: out.write_text("x"), "is no folder"),
+        (lambda out: (out.mkdir(), (out / "notes.txt").write_text("mine")), "holds other files (notes.txt)"),
+        (lambda out: os.mkfifo(out), "is no folder"),
+        (lambda out: out.symlink_to("/dev"), "holds other files"),
+    ],
+)
+def test_a_folder_that_a_diagnosis_cannot_replace_is_refused_before_the_work(tmp_path, make, words):
+    make(tmp_path / "d")
+    command = ["diagnose", TEST, "--radiance", TEST, "--instrument", LAMP, "--out", tmp_path / "d"]
+    require_refused(judge(command, tmp_path), words)
+
+
+def test_a_diagnosis_does_not_replace_the_folder_it_reads_or_is_called_from(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for out in (TEST / "d", LAMP, EXAMPLE, ".", tmp_path.parent):
+        command = ["diagnose", TEST, "--radiance", TEST, "--instrument", LAMP, "--out", out]
+        words = "you stand in it" if out in (".", tmp_path.parent) else "is or holds an input, or lies in one"
+        require_refused(judge(command, tmp_path), words)
+
+
+@pytest.mark.parametrize(
+    "flood", ["1" * 100_000, "1 " * 50_000, "a" * 100_000, "\r" * 100_000, "-" * 100_000]
+)
+def test_a_flood_of_one_character_is_refused_with_a_short_message(run, file, flood):
+    """A pattern of quadratic cost took minutes for a word of 30 000 digits; messages quoted all of it."""
+    file.write_text("1.5\n" + flood + "\n" + flood)
+    for name in ("radiance", "sightline, map", "trust"):
+        ending = run(name)
+        require_refused(ending, file.name)
+        assert len(ending.message) < 4000 and ending.message.replace("\n", "").isprintable()
