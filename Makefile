@@ -3,15 +3,18 @@
 # make reproduce: two clean minimal runs, the same bytes.  make compare: the full run against committed numbers.
 # make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
+# make fuzz: COUNT damaged configurations, data files and flow files each; a traceback, a hang or a warning fails.
 PYTHON ?= python3
 BIN := .venv/bin
 CORES ?= 2
 SEED ?= $(shell git rev-parse HEAD 2>/dev/null || echo blind)
 CASES ?= --null 400 --liar 96 --single 1230 --double 100 --outside 90 --without 60 --sabotage 24 --puzzle 48
 SHARE ?= 1/1
+COUNT ?= 10000
+FUZZERS := tests/test_configuration_fuzz.py tests/readers/test_reading_fuzz.py tests/cfd/test_flow_fuzz.py
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults clean
+.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -44,6 +47,9 @@ slurm: figures
 
 faults: .venv/installed
 	$(BIN)/python workflow/faults.py
+
+fuzz: .venv/installed
+	PLASMAPYRO_FUZZ=$(COUNT) $(BIN)/pytest -q --numprocesses $(CORES) $(FUZZERS)
 
 .venv/installed: environment.lock pyproject.toml
 	$(PYTHON) -m venv .venv

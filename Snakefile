@@ -1,43 +1,79 @@
+import os
+
 from snakemake.utils import min_version
 
 from plasmapyro import configuration, workspace
+from plasmapyro.readers.stage import condition_of
 
 min_version("9.0")
+try:  # what is wrong in a configuration is said by file and key, without Python's frames
+    configuration.read("config/config.yaml")
+except configuration.ConfigurationError as fault:
+    raise SystemExit(f"plasmapyro: {fault}") from None
 
 
 configfile: "config/config.yaml"
 
 
-for path in workflow.configfiles:
-    configuration.read(path)
-configuration.check(config, "config/schema.yaml", "the configuration")
-if "study" in config:
-    from plasmapyro.study import plan
+try:
+    for path in workflow.configfiles:
+        configuration.read(path)
+    configuration.check(
+        config, "config/schema.yaml", " with ".join(map(os.path.relpath, workflow.configfiles))
+    )
+    if "study" in config:
+        from plasmapyro.study import plan
 
-    plan.check(config)
-CONDITIONS = configuration.load_folder(
-    config["conditions"], "config/schema_condition.yaml", order="numerical_power_kw"
-)
-TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
+        plan.check(config)
+    CONDITIONS = configuration.load_folder(
+        config["conditions"], "config/schema_condition.yaml", order="numerical_power_kw"
+    )
+    TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
-configuration.check_together(config, CONDITIONS, TESTS)
-CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
-if CFD_CONDITIONS:  # the import takes 0.1 s, in every job
-    from plasmapyro.cfd.mapping import check_conditions
+    configuration.check_together(config, CONDITIONS, TESTS)
+    CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
+    if CFD_CONDITIONS:  # the import takes 0.1 s, in every job
+        from plasmapyro.cfd.mapping import check_conditions
 
-    check_conditions(CONDITIONS)
-COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
-SETTINGS = [config, CONDITIONS, TESTS]
-if workflow.is_main_process:
-    DAMAGED, BUSY = workspace.begin("results", SETTINGS)
-    for path in DAMAGED:
-        logger.warning(f"{path} no longer had the bytes it was written with; it is computed again")
-else:
-    workspace.same_settings(SETTINGS)
+        check_conditions(CONDITIONS)
+    COMPUTED = [name for name in CONDITIONS if name not in CFD_CONDITIONS]
+    # The paper's figures and claims show the named set; one's own conditions get files of their own, *_own.*.
+    PAPER = [name for name in CONDITIONS if name in config["claims"]["conditions"]]
+    OWN = [name for name in CONDITIONS if name not in PAPER]
+    SETS = {"": PAPER, **({"_own": OWN} if OWN else {})}
+    # The simulation that a test is compared with, as its file says; not that of a lamp without plasma.
+    COMPARED = {
+        test: case["twin"]["condition"] if "twin" in case else condition_of(case["data_folder"])
+        for test, case in TESTS.items()
+    }
+    COMPARED = {
+        test: condition or config["diagnosis"]["condition"]
+        for test, condition in COMPARED.items()
+        if condition != "none"
+    }
+    configuration.check_compared(COMPARED, CONDITIONS)
+    SETTINGS = [config, CONDITIONS, TESTS]
+    if workflow.is_main_process:
+        DAMAGED, BUSY = workspace.begin("results", SETTINGS)
+        for path in DAMAGED:
+            logger.warning(f"{path} no longer had the bytes it was written with; it is computed again")
+    else:
+        workspace.same_settings(SETTINGS)
+except (configuration.ConfigurationError, workspace.WorkspaceError) as fault:
+    raise SystemExit(f"plasmapyro: {fault}") from None
 
 
 onstart:
     workspace.require_free(BUSY)
+
+
+wildcard_constraints:
+    own="(_own)?",
+
+
+def of_set(path, among=CONDITIONS):
+    """Input function: the files of the conditions of a set, as far as they are among some."""
+    return lambda wildcards: expand(path, condition=[one for one in SETS[wildcards.own] if one in among])
 
 
 RESULTS = []  # what the main job leaves behind besides figures; each file of rules adds its own
@@ -56,6 +92,7 @@ include: "workflow/rules/design.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/facility.smk"
 include: "workflow/rules/crate.smk"
 include: "workflow/rules/report.smk"
 
@@ -84,16 +121,20 @@ localrules:
     error_map,
     reflection_map,
     trust,
+    trust_pages,
     transient,
     surface_radiance,
     twin_calibration,
     twin_test,
     read_test,
     claims,
+    facility,
+    figures_facility,
     crate,
     report,
     figures_instrument,
     figures_flow,
+    figures_fields,
     figures_radiation,
     figures_analysis,
     figures_pyrometer,
@@ -112,3 +153,11 @@ rule all:
         FIGURES,
         RESULTS,
         CRATE,
+
+
+# A script counts by its bytes, not by its date (`rerun-triggers` of the profiles): a finished folder may be
+# moved, renamed, copied or cloned again, and an edited script still runs.
+for each in workflow.rules:
+    if each.script:
+        each.input_modifier = each.input_modifier or each.output_modifier  # absent where a rule has no input
+        each.set_input(script=local(f"workflow/scripts/{os.path.basename(each.script)}"))

@@ -21,7 +21,7 @@ from plasmapyro.analysis.stage import apparent_temperature
 from plasmapyro.flow.continuation import NotConverged
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation.bandsignal import gridded_signal
+from plasmapyro.radiation.bandsignal import band_signal, respond, responsivities
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path
 from plasmapyro.radiation.systems import line_lists
@@ -82,13 +82,8 @@ class Bench:
         radiance = table_radiance(self.table, path)[0].sum(axis=0)[::-1]
         wavelength = self.table.grid.wavelength[::-1]
         return [
-            gridded_signal(
-                wavelength,
-                radiance,
-                self.response.wavelength.values,
-                self.response[f"responsivity_{band}"].values,
-            )
-            for band in ("wide", "narrow")
+            band_signal(wavelength, respond(wavelength, self.response.wavelength.values, curve), radiance)
+            for curve in responsivities(self.response)
         ]
 
     def readings(self, signals):

@@ -151,7 +151,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("out", type=Path)
     asked = parser.parse_args()
-    figure, axes = plt.subplots(1, 3, figsize=(13, 3.8), layout="constrained")
+    figure, axes = plt.subplots(3, 1, figsize=(6.4, 8.6), layout="constrained")
     parts = (exposures, years, lines)
     numbers = {part.__name__: part(asked.folder, axis) for part, axis in zip(parts, axes, strict=True)}
     for axis in axes:

@@ -36,11 +36,11 @@ from plasmapyro.gas.equilibrium import number_density  # noqa: E402
 from plasmapyro.gas.partition import partition_function  # noqa: E402
 from plasmapyro.gas.species import MASS, SPECIES  # noqa: E402
 from plasmapyro.radiation.atoms import atomic_lines  # noqa: E402
+from plasmapyro.radiation.band_systems import SYSTEMS  # noqa: E402
 from plasmapyro.radiation.broadening import doppler_sigma  # noqa: E402
 from plasmapyro.radiation.diatomic_states import COLLISION_HWHM  # noqa: E402
 from plasmapyro.radiation.grid import log_grid  # noqa: E402
 from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList  # noqa: E402
-from plasmapyro.radiation.nitrogen import first_positive_lines, meinel_lines  # noqa: E402
 from plasmapyro.radiation.opacity import prepare, spread  # noqa: E402
 from plasmapyro.radiation.path import gas_path, path_radiance  # noqa: E402
 from plasmapyro.radiation.planck import blackbody_radiance  # noqa: E402
@@ -113,8 +113,7 @@ def benchmark_lists():
         widths.append(path.hwhm(lines, 0))
     atoms = {name: np.concatenate([columns[name] for columns in atoms]) for name in names}
     width = np.concatenate(widths)
-    bands, _ = first_positive_lines(span)
-    ions, _ = meinel_lines(span)
+    bands, ions = (SYSTEMS[name].lines(span)[0] for name in ("N2 1P", "N2+ Meinel"))
     missing = LINES - len(width) - len(bands["wavenumber"])
     strength = ions["upper_degeneracy"] * ions["einstein_a"]
     strength = strength * np.exp(-SECOND_RADIATION * ions["upper_energy"] / SLAB_TEMPERATURE)
@@ -346,14 +345,15 @@ def write_report(lines, rows):
     text = ["# Cost of the radiation engine", "", "Made by `benchmarks/radiation.py`.", "", *lines, ""]
     (DOCS / "radiation_cost.md").write_text("\n".join([*text, *table, ""]), encoding="utf-8")
     kinds = list(dict.fromkeys(what for what, _, _ in rows))
-    figure, axes = plt.subplots(1, len(kinds), figsize=(3 * len(kinds), 2.8), layout="constrained")
-    for axis, kind in zip(axes, kinds, strict=True):
+    figure, axes = plt.subplots(-(-len(kinds) // 3), 3, figsize=(7.2, 4.6), layout="constrained")
+    [axis.remove() for axis in axes.flat[len(kinds) :]]
+    for axis, kind in zip(axes.flat, kinds, strict=False):
         values = np.array([(value, seconds) for what, value, seconds in rows if what == kind])
         axis.plot(*values.T, "o-")
         axis.set(xlabel=kind, ylabel="CPU time [s]", ylim=(0, None))
         axis.locator_params(axis="x", nbins=4)
         axis.grid(alpha=0.3)
-    figure.savefig(DOCS / "radiation_cost.png", dpi=110, metadata={"Software": None})
+    figure.savefig(DOCS / "radiation_cost.png", dpi=150, metadata={"Software": None})
 
 
 def describe(report, nine, peak):

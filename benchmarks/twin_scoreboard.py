@@ -23,10 +23,11 @@ from twin import campaign, sample
 from twin.plasma import Plasma
 from twin.sensors import Pyrometer
 
+from plasmapyro.commands import joint
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.experiment.stage import correct_pyrometer
-from plasmapyro.experiment.status import EXTRAPOLATED, VALID
 from plasmapyro.instrument.stage import pyrometer_calibration, spectrometer_calibration
+from plasmapyro.record.status import EXTRAPOLATED, VALID
 
 EMITTANCE_UNCERTAINTY = 0.05  # standard; the stated emittance is drawn within two of them
 SOURCE_UNCERTAINTY = 3.0  # [K] standard, as in the paper; the twin draws it from a uniform law
@@ -37,19 +38,8 @@ PAPER_LIMIT = 5.0  # [K] below this error of the paper's method there is nothing
 USABLE = 0.02  # relative: stated standard uncertainty and true error of a usable temperature
 USABLE_SPAN, USABLE_SHARE = 5.0, 0.9  # [s] in which that share of the samples must be usable
 SETTINGS = {  # of the joint estimate, as in config/config.yaml
-    "gas_drift": 0.1,
-    "gas_flicker": 0.01,
-    "gas_flicker_time": 0.3,
-    "gas_change": 0.03,
+    **joint.SETTINGS,
     "band_shift_uncertainty": BAND_SHIFT,
-    "initial_temperature": 350.0,
-    "initial_temperature_uncertainty": 50.0,
-    "scale_uncertainty": 0.03,
-    "bin_uncertainty": 0.002,
-    "injection_time_span": 1.0,
-    "plasma_off_time_span": 0.3,
-    "least_surface_share": 0.5,
-    "largest_uncertainty": 0.03,
     "saturation_counts": 65000.0,
     "noise_block": 50,
 }

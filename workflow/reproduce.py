@@ -27,6 +27,8 @@ STEPS = {
     "spectrometer_start": 2.0,
     "transient_turns": 0.2,
     "gas_over_surface": 1.0,
+    "corrected_rises": 7.0,
+    "gas_beyond": 1e-3,
 }  # read off a grid: one step
 
 

@@ -1,36 +1,37 @@
 RESULTS += expand(
-    "results/analysis/{name}.nc",
-    name=["gas_signal", "visibility", "apparent_temperature", "error_map", "transient", "surface_radiance"],
+    "results/analysis/{name}{own}.nc",
+    name=["gas_signal", "visibility", "apparent_temperature", "error_map", "transient"],
+    own=SETS,
 )
+RESULTS += ["results/analysis/surface_radiance.nc"]
 
 
 rule gas_signal:
     input:
-        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        radiation=of_set("results/radiation/{condition}.nc"),
     output:
-        "results/analysis/gas_signal.nc",
+        "results/analysis/gas_signal{own}.nc",
     log:
-        "results/logs/gas_signal.log",
+        "results/logs/gas_signal{own}.log",
     benchmark:
-        "results/benchmarks/gas_signal.tsv"
+        "results/benchmarks/gas_signal{own}.tsv"
     params:
-        conditions=list(CONDITIONS),
-        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
-        emittance=[case["emittance"] for case in CONDITIONS.values()],
+        conditions=lambda wildcards: SETS[wildcards.own],
+        emittance=lambda wildcards: [CONDITIONS[name]["emittance"] for name in SETS[wildcards.own]],
     script:
         "../scripts/gas_signal.py"
 
 
 rule visibility:
     input:
-        gas="results/analysis/gas_signal.nc",
+        gas="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
     output:
-        "results/analysis/visibility.nc",
+        "results/analysis/visibility{own}.nc",
     log:
-        "results/logs/visibility.log",
+        "results/logs/visibility{own}.log",
     benchmark:
-        "results/benchmarks/visibility.tsv"
+        "results/benchmarks/visibility{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["visibility_temperature_k"],
         visibility_level=config["analysis"]["visibility_level"],
@@ -40,15 +41,15 @@ rule visibility:
 
 rule apparent_temperature:
     input:
-        gas="results/analysis/gas_signal.nc",
+        gas="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
         curve="results/instrument/ratio_curve.nc",
     output:
-        "results/analysis/apparent_temperature.nc",
+        "results/analysis/apparent_temperature{own}.nc",
     log:
-        "results/logs/apparent_temperature.log",
+        "results/logs/apparent_temperature{own}.log",
     benchmark:
-        "results/benchmarks/apparent_temperature.tsv"
+        "results/benchmarks/apparent_temperature{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["apparent_temperature_k"],
     script:
@@ -57,15 +58,15 @@ rule apparent_temperature:
 
 rule error_map:
     input:
-        gas="results/analysis/gas_signal.nc",
+        gas="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
         curve="results/instrument/ratio_curve.nc",
     output:
-        "results/analysis/error_map.nc",
+        "results/analysis/error_map{own}.nc",
     log:
-        "results/logs/error_map.log",
+        "results/logs/error_map{own}.log",
     benchmark:
-        "results/benchmarks/error_map.tsv"
+        "results/benchmarks/error_map{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["error_temperature_k"],
         emittance=config["analysis"]["error_emittance"],
@@ -74,19 +75,23 @@ rule error_map:
         "../scripts/error_map.py"
 
 
+HEATING = config["analysis"]["transient"]
+
+
 rule transient:
     input:
-        gas="results/analysis/gas_signal.nc",
+        gas="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
         curve="results/instrument/ratio_curve.nc",
     output:
-        "results/analysis/transient.nc",
+        "results/analysis/transient{own}.nc",
     log:
-        "results/logs/transient.log",
+        "results/logs/transient{own}.log",
     benchmark:
-        "results/benchmarks/transient.tsv"
+        "results/benchmarks/transient{own}.tsv"
     params:
-        **config["analysis"]["transient"],
+        **{key: value for key, value in HEATING.items() if key != "conditions"},
+        conditions=lambda wildcards: OWN if wildcards.own else HEATING["conditions"],
     script:
         "../scripts/transient.py"
 

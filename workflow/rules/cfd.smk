@@ -25,6 +25,10 @@ rule cfd_sightline:
     params:
         **config["sightline"],
         map=lambda wildcards: map_of(CONDITIONS[wildcards.condition]),
+        state=lambda wildcards: {
+            key: CONDITIONS[wildcards.condition].get(key)
+            for key in ("numerical_power_kw", "chamber_pressure_mbar", "mass_flow_rate_g_s")
+        },
     script:
         "../scripts/cfd_sightline.py"
 
@@ -52,7 +56,7 @@ rule cfd_surface_view:
 # One job for all, because opening a Python takes longer than writing a file.
 rule flow_vtu:
     input:
-        expand("results/flow/{condition}.nc", condition=COMPUTED),
+        flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
     output:
         expand("results/flow/{condition}.vtu", condition=COMPUTED),
     log:

@@ -3,14 +3,22 @@ RESULTS += ["results/claims.nc", "results/claims.md"]
 
 rule claims:
     input:
-        sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),
-        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        sightlines=expand("results/sightline/{condition}.nc", condition=PAPER),
+        radiation=expand("results/radiation/{condition}.nc", condition=PAPER),
         surface="results/analysis/surface_radiance.nc",
         response="results/instrument/response.nc",
         visibility="results/analysis/visibility.nc",
         apparent_temperature="results/analysis/apparent_temperature.nc",
         error_map="results/analysis/error_map.nc",
         transient="results/analysis/transient.nc",
+        gas="results/gas/air11.nc",
+        # Not there if the flows are another program's.
+        variations=[
+            f"results/radiation_variations/{name}.nc"
+            for name in {config["diagnosis"]["condition"]} & set(PAPER) & set(VARIED)
+        ],
+        reflection=["results/design/reflection.nc"][: len(DESIGNED)],
+        designs=["results/design/band_design.nc"][: len(DESIGNED)],
         calibration="results/instrument/calibration.nc",
         pyrometer=f"results/experiment/{config['claims']['test']}/pyrometer_correction.nc",
         spectrometer=f"results/experiment/{config['claims']['test']}/spectrometer_correction.nc",
@@ -21,7 +29,5 @@ rule claims:
         "results/logs/claims.log",
     benchmark:
         "results/benchmarks/claims.tsv"
-    params:
-        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
     script:
         "../scripts/claims.py"

@@ -23,9 +23,23 @@ USED = sorted(
 )
 
 
+def made_for(targets):
+    """Every result that the rules make for these targets, they themselves among them."""
+    found, ahead = set(), list(targets)
+    while ahead:
+        path = ahead.pop()
+        makers = [each for each in workflow.rules if path not in found and each.is_producer(path)]
+        if makers:
+            maker = min(makers, key=lambda each: len(each.wildcard_names))
+            wildcards = maker.get_wildcards(path)
+            found.update(map(str, maker.expand_output(wildcards)[0]))
+            ahead += map(str, maker.expand_input(wildcards)[0])
+    return sorted(found)
+
+
 rule crate:
     input:
-        results=[path for path in [*FIGURES, *RESULTS] if path.startswith("results/")],
+        results=lambda wildcards: made_for([*FIGURES, *RESULTS]),
         used=USED,
     output:
         metadata=CRATE,

@@ -1,25 +1,30 @@
 # Which bands see least of the gas, samples that mirror it, and from when on a reading can be trusted.
 AIR_PATH_MM = config["sightline"]["instrument_distance_mm"] - config["sightline"]["window_distance_mm"]
-# The light on the sample needs the flow around it: conditions of another program's flow are left out.
-if COMPUTED:
-    RESULTS += [f"results/design/{name}.nc" for name in ("gas_spectra", "band_design", "reflection", "trust")]
-    RESULTS += expand("results/design/trust_{condition}.md", condition=COMPUTED)
+# The light on the sample needs the flow around it: conditions of another program's flow are left out. The search is made
+# in the gases of the paper's conditions, whose powers are a ladder; all others are judged with what it found.
+DESIGNED = [name for name in PAPER if name in COMPUTED]
+JUDGED = (
+    {own: [name for name in names if name in COMPUTED] for own, names in SETS.items()} if DESIGNED else {}
+)
+JUDGED = {own: names for own, names in JUDGED.items() if names}
+RESULTS += expand("results/design/{name}{own}.nc", name=["gas_spectra", "reflection", "trust"], own=JUDGED)
+RESULTS += ["results/design/band_design.nc"] if DESIGNED else []
+RESULTS += expand("results/design/trust_{condition}.md", condition=COMPUTED if DESIGNED else [])
 DESIGN = {name: value for name, value in config["design"].items() if name not in ("reflection", "trust")}
 
 
 rule gas_spectra:
     input:
-        sightlines=expand("results/sightline/{condition}.nc", condition=COMPUTED),
-        flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
+        sightlines=of_set("results/sightline/{condition}.nc", COMPUTED),
+        flows=of_set("results/flow/{condition}.nc", COMPUTED),
     output:
-        "results/design/gas_spectra.nc",
+        "results/design/gas_spectra{own}.nc",
     log:
-        "results/logs/gas_spectra.log",
+        "results/logs/gas_spectra{own}.log",
     benchmark:
-        "results/benchmarks/gas_spectra.tsv"
+        "results/benchmarks/gas_spectra{own}.tsv"
     params:
-        conditions=COMPUTED,
-        numerical_power_kw=[CONDITIONS[name]["numerical_power_kw"] for name in COMPUTED],
+        conditions=lambda wildcards: JUDGED[wildcards.own],
         angle_deg=config["sightline"]["angle_deg"],
         core_angle_deg=config["reflection"]["core_angle_deg"],
         wavelength_nm=DESIGN["wavelength_nm"],
@@ -54,16 +59,16 @@ rule band_design:
 
 rule reflection_map:
     input:
-        gas="results/analysis/gas_signal.nc",
-        spectra="results/design/gas_spectra.nc",
+        gas="results/analysis/gas_signal{own}.nc",
+        spectra="results/design/gas_spectra{own}.nc",
         response="results/instrument/response.nc",
         curve="results/instrument/ratio_curve.nc",
     output:
-        "results/design/reflection.nc",
+        "results/design/reflection{own}.nc",
     log:
-        "results/logs/reflection_map.log",
+        "results/logs/reflection_map{own}.log",
     benchmark:
-        "results/benchmarks/reflection_map.tsv"
+        "results/benchmarks/reflection_map{own}.tsv"
     params:
         **config["design"]["reflection"],
         object_temperature_k=config["analysis"]["error_temperature_k"],
@@ -74,20 +79,35 @@ rule reflection_map:
 
 rule trust:
     input:
-        spectra="results/design/gas_spectra.nc",
+        spectra="results/design/gas_spectra{own}.nc",
         designs="results/design/band_design.nc",
         response="results/instrument/response.nc",
     output:
-        table="results/design/trust.nc",
-        pages=expand("results/design/trust_{condition}.md", condition=COMPUTED),
+        "results/design/trust{own}.nc",
     log:
-        "results/logs/trust.log",
+        "results/logs/trust{own}.log",
     benchmark:
-        "results/benchmarks/trust.tsv"
+        "results/benchmarks/trust{own}.tsv"
     params:
-        conditions=COMPUTED,
         design=config["design"],
         air_path_mm=AIR_PATH_MM,
         silicon_table=config["instrument"]["response"]["silicon_table"],
     script:
         "../scripts/trust.py"
+
+
+# One job for all pages, because opening a Python takes longer than writing one.
+rule trust_pages:
+    input:
+        tables=expand("results/design/trust{own}.nc", own=JUDGED),
+    output:
+        expand("results/design/trust_{condition}.md", condition=COMPUTED),
+    log:
+        "results/logs/trust_pages.log",
+    benchmark:
+        "results/benchmarks/trust_pages.tsv"
+    params:
+        conditions=COMPUTED,
+        table=[list(JUDGED).index(own) for name in COMPUTED for own, names in JUDGED.items() if name in names],
+    script:
+        "../scripts/trust_pages.py"

@@ -3,14 +3,16 @@ from types import SimpleNamespace
 # What the simulation of each test gets wrong; results/diagnosis/{test}/index.html is the page to read.
 RESULTS += expand(
     "results/diagnosis/{test}/{name}",
-    test=TESTS,
+    test=COMPARED,
     name=["diagnosis.json", "residual_map.nc", "temperature.nc", "index.html"],
 )
-
-
-def tests_condition(wildcards):
-    """The simulation that a test is compared with."""
-    return TESTS[wildcards.test].get("twin", {}).get("condition") or config["diagnosis"]["condition"]
+# Varied spectra need the light on the surface, which another program's flow gives only if it is axisymmetric.
+VARIED = [
+    condition
+    for condition in dict.fromkeys([*COMPARED.values(), config["diagnosis"]["condition"]])
+    if CONDITIONS[condition].get("cfd", {}).get("geometry", "axisymmetric") == "axisymmetric"
+]
+RESULTS += expand("results/radiation_variations/{condition}.nc", condition=VARIED)
 
 
 rule gas_variations:
@@ -33,20 +35,24 @@ rule gas_variations:
 
 def other_tests(wildcards):
     """Tests at other conditions: what is named in one is tried on them."""
-    mine = tests_condition(wildcards)
+    mine = COMPARED[wildcards.test]
     return [
-        test_file(SimpleNamespace(test=other))
-        for other in TESTS
-        if tests_condition(SimpleNamespace(test=other)) != mine
+        test_file(SimpleNamespace(test=other)) for other, condition in COMPARED.items() if condition != mine
     ]
+
+
+# Gases that a test and those at other conditions are compared with, each with the powers beside it.
+LADDERS = sorted(
+    {one for condition in COMPARED.values() for one in configuration.ladder(CONDITIONS, condition)}
+)
 
 
 rule diagnosis:
     input:
         test=test_file,
         others=other_tests,
-        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
-        variations=lambda wildcards: f"results/radiation_variations/{tests_condition(wildcards)}.nc",
+        radiation=expand("results/radiation/{condition}.nc", condition=LADDERS),
+        variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),
         response="results/instrument/response.nc",
         calibration="results/instrument/calibration.nc",
         spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
@@ -63,7 +69,11 @@ rule diagnosis:
         draws=config["diagnosis"]["draws"],
         seed=config["diagnosis"]["seed"],
         without=config["diagnosis"]["without"],
-        powers={name: one["numerical_power_kw"] * 1e3 for name, one in CONDITIONS.items()},
+        saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
+        limits={
+            name: config["experiment"]["pyrometer"][name]
+            for name in ["signal_uncertainty", "gas_variation", "detection_level", "least_surface_share"]
+        },
     script:
         "../scripts/diagnosis.py"
 
@@ -71,17 +81,15 @@ rule diagnosis:
 # Simulations as weak as the efficiency of the published experiment implies (published.EFFICIENCY); the first is taken.
 EFFICIENCY_KW = (56, 64)
 WEAK = [
-    name
-    for name, case in CONDITIONS.items()
-    if EFFICIENCY_KW[0] <= case["numerical_power_kw"] <= EFFICIENCY_KW[1]
+    name for name in PAPER if EFFICIENCY_KW[0] <= CONDITIONS[name]["numerical_power_kw"] <= EFFICIENCY_KW[1]
 ]
-if WEAK and len(CONDITIONS) > 2:
+if WEAK and len(PAPER) > 2:
     RESULTS += ["results/diagnosis/published_experiment.md"]
 
 
 rule published_experiment:
     input:
-        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        radiation=expand("results/radiation/{condition}.nc", condition=PAPER),
         variations=[f"results/radiation_variations/{condition}.nc" for condition in WEAK[:1]],
         response="results/instrument/response.nc",
         ratio_curve="results/instrument/ratio_curve.nc",
@@ -94,7 +102,6 @@ rule published_experiment:
     localrule: True
     params:
         condition=WEAK[:1],
-        powers={name: one["numerical_power_kw"] * 1e3 for name, one in CONDITIONS.items()},
         emittance=[CONDITIONS[condition]["emittance"] for condition in WEAK[:1]],
     script:
         "../scripts/published_experiment.py"

@@ -2,14 +2,14 @@
 FORMATS = ["svg", "png"]
 TEST_FIGURES = {  # by the instruments that they need
     ("pyrometer",): [
-        "fig8b_sample_emittance",
-        "fig9a_signals",
-        "fig9b_temperatures",
-        "fig9c_error",
+        "fig9b_sample_emittance",
+        "fig10a_signals",
+        "fig10b_temperatures",
+        "fig10c_error",
         "joint_estimate",
     ],
-    ("spectrometer",): ["fig10a_reference_spectrum", "fig10b_normalised_spectra"],
-    ("pyrometer", "spectrometer"): ["fig10c_two_instruments"],
+    ("spectrometer",): ["fig11a_reference_spectrum", "fig11b_normalised_spectra"],
+    ("pyrometer", "spectrometer"): ["fig11c_two_instruments"],
 }
 
 
@@ -21,36 +21,42 @@ def drawn_of_test(name):
     return drawn(f"{name}_{{test}}")
 
 
+def drawn_of_set(name):
+    return drawn(f"{name}{{own}}")
+
+
+OF_SET = [  # of the conditions of the paper, and again of the user's own
+    "fig5b_line_of_sight",
+    "fig6_spectral_radiance",
+    "fig7a_visibility_factors",
+    "fig7b_visibility_limits",
+    "fig8a_apparent_temperature",
+    "fig8b_relative_error",
+    "fig8c_error_map",
+    "fig8d_transient",
+]
 FIGURES = [
+    *drawn(["fig3a_responses", "fig3b_calibration", "fig4b_spectrometer_factor"]),
+    *drawn([f"{name}{own}" for own in SETS for name in OF_SET]),
     *drawn(
         [
-            "fig2a_responses",
-            "fig2b_calibration",
-            "fig3b_spectrometer_factor",
-            "fig4b_line_of_sight",
-            "fig5_spectral_radiance",
-            "fig6a_visibility_factors",
-            "fig6b_visibility_limits",
-            "fig7a_apparent_temperature",
-            "fig7b_relative_error",
-            "fig7c_error_map",
-            "fig7d_transient",
+            f"{name}{own}"
+            for own, names in SETS.items()
+            if set(names) & set(COMPUTED)
+            for name in ("flow_convergence", "flow_balances")
         ]
     ),
+    *drawn(["fig5a_temperature_field", *[f"flow_{name}" for name in COMPUTED]] if COMPUTED else []),
     *drawn(
         [
-            "fig4a_temperature_field",
-            "flow_convergence",
-            "flow_balances",
             "design_bands",
             "design_trade_off",
             "design_error_maps",
             "design_shelf",
             "reflecting_samples",
             "trust",
-            *[f"flow_{condition}" for condition in COMPUTED],
         ]
-        if COMPUTED
+        if DESIGNED
         else []
     ),
     *[
@@ -70,9 +76,9 @@ rule figures_instrument:
         calibration="results/instrument/calibration.nc",
         spectrometer="results/instrument/spectrometer_calibration.nc",
     output:
-        responses=drawn("fig2a_responses"),
-        calibration=drawn("fig2b_calibration"),
-        spectrometer_factor=drawn("fig3b_spectrometer_factor"),
+        responses=drawn("fig3a_responses"),
+        calibration=drawn("fig3b_calibration"),
+        spectrometer_factor=drawn("fig4b_spectrometer_factor"),
     log:
         "results/logs/figures_instrument.log",
     benchmark:
@@ -81,79 +87,84 @@ rule figures_instrument:
         "../scripts/figures_instrument.py"
 
 
-rule figures_flow:
+rule figures_fields:
     input:
         flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
         sightlines=expand("results/sightline/{condition}.nc", condition=COMPUTED),
     output:
-        temperature_field=drawn("fig4a_temperature_field"),
-        convergence=drawn("flow_convergence"),
-        balances=drawn("flow_balances"),
+        temperature_field=drawn("fig5a_temperature_field"),
         fields=drawn([f"flow_{condition}" for condition in COMPUTED]),
     log:
-        "results/logs/figures_flow.log",
+        "results/logs/figures_fields.log",
     benchmark:
-        "results/benchmarks/figures_flow.tsv"
+        "results/benchmarks/figures_fields.tsv"
     params:
         conditions=COMPUTED,
         field_condition=config["figures"]["field_condition"],
-        numerical_power_kw=[CONDITIONS[name]["numerical_power_kw"] for name in COMPUTED],
         formats=len(FORMATS),
+    script:
+        "../scripts/figures_fields.py"
+
+
+rule figures_flow:
+    input:
+        flows=of_set("results/flow/{condition}.nc", COMPUTED),
+    output:
+        convergence=drawn_of_set("flow_convergence"),
+        balances=drawn_of_set("flow_balances"),
+    log:
+        "results/logs/figures_flow{own}.log",
+    benchmark:
+        "results/benchmarks/figures_flow{own}.tsv"
     script:
         "../scripts/figures_flow.py"
 
 
 rule figures_sightline:
     input:
-        sightlines=expand("results/sightline/{condition}.nc", condition=CONDITIONS),
+        sightlines=of_set("results/sightline/{condition}.nc"),
     output:
-        line_of_sight=drawn("fig4b_line_of_sight"),
+        line_of_sight=drawn_of_set("fig5b_line_of_sight"),
     log:
-        "results/logs/figures_sightline.log",
+        "results/logs/figures_sightline{own}.log",
     benchmark:
-        "results/benchmarks/figures_sightline.tsv"
-    params:
-        conditions=list(CONDITIONS),
-        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
+        "results/benchmarks/figures_sightline{own}.tsv"
     script:
         "../scripts/figures_sightline.py"
 
 
 rule figures_radiation:
     input:
-        radiation=expand("results/radiation/{condition}.nc", condition=CONDITIONS),
+        radiation=of_set("results/radiation/{condition}.nc"),
         surface="results/analysis/surface_radiance.nc",
         response="results/instrument/response.nc",
     output:
-        spectral_radiance=drawn("fig5_spectral_radiance"),
+        spectral_radiance=drawn_of_set("fig6_spectral_radiance"),
     log:
-        "results/logs/figures_radiation.log",
+        "results/logs/figures_radiation{own}.log",
     benchmark:
-        "results/benchmarks/figures_radiation.tsv"
-    params:
-        conditions=list(CONDITIONS),
-        numerical_power_kw=[case["numerical_power_kw"] for case in CONDITIONS.values()],
+        "results/benchmarks/figures_radiation{own}.tsv"
     script:
         "../scripts/figures_radiation.py"
 
 
 rule figures_analysis:
     input:
-        visibility="results/analysis/visibility.nc",
-        apparent_temperature="results/analysis/apparent_temperature.nc",
-        error_map="results/analysis/error_map.nc",
-        transient="results/analysis/transient.nc",
+        visibility="results/analysis/visibility{own}.nc",
+        apparent_temperature="results/analysis/apparent_temperature{own}.nc",
+        error_map="results/analysis/error_map{own}.nc",
+        transient="results/analysis/transient{own}.nc",
     output:
-        visibility_factors=drawn("fig6a_visibility_factors"),
-        visibility_limits=drawn("fig6b_visibility_limits"),
-        apparent_temperature=drawn("fig7a_apparent_temperature"),
-        relative_error=drawn("fig7b_relative_error"),
-        error_map=drawn("fig7c_error_map"),
-        transient=drawn("fig7d_transient"),
+        visibility_factors=drawn_of_set("fig7a_visibility_factors"),
+        visibility_limits=drawn_of_set("fig7b_visibility_limits"),
+        apparent_temperature=drawn_of_set("fig8a_apparent_temperature"),
+        relative_error=drawn_of_set("fig8b_relative_error"),
+        error_map=drawn_of_set("fig8c_error_map"),
+        transient=drawn_of_set("fig8d_transient"),
     log:
-        "results/logs/figures_analysis.log",
+        "results/logs/figures_analysis{own}.log",
     benchmark:
-        "results/benchmarks/figures_analysis.tsv"
+        "results/benchmarks/figures_analysis{own}.tsv"
     script:
         "../scripts/figures_analysis.py"
 
@@ -163,10 +174,10 @@ rule figures_pyrometer:
         test=test_file,
         correction="results/experiment/{test}/pyrometer_correction.nc",
     output:
-        sample_emittance=drawn_of_test("fig8b_sample_emittance"),
-        signals=drawn_of_test("fig9a_signals"),
-        temperatures=drawn_of_test("fig9b_temperatures"),
-        error=drawn_of_test("fig9c_error"),
+        sample_emittance=drawn_of_test("fig9b_sample_emittance"),
+        signals=drawn_of_test("fig10a_signals"),
+        temperatures=drawn_of_test("fig10b_temperatures"),
+        error=drawn_of_test("fig10c_error"),
     log:
         "results/logs/figures_pyrometer_{test}.log",
     benchmark:
@@ -180,17 +191,13 @@ rule figures_spectrometer:
         spectrometer="results/experiment/{test}/spectrometer_correction.nc",
         radiation=expand("results/radiation/{condition}.nc", condition=config["experiment"]["compare_with"]),
     output:
-        reference_spectrum=drawn_of_test("fig10a_reference_spectrum"),
-        normalised_spectra=drawn_of_test("fig10b_normalised_spectra"),
+        reference_spectrum=drawn_of_test("fig11a_reference_spectrum"),
+        normalised_spectra=drawn_of_test("fig11b_normalised_spectra"),
     log:
         "results/logs/figures_spectrometer_{test}.log",
     benchmark:
         "results/benchmarks/figures_spectrometer_{test}.tsv"
     params:
-        conditions=config["experiment"]["compare_with"],
-        numerical_power_kw=[
-            CONDITIONS[name]["numerical_power_kw"] for name in config["experiment"]["compare_with"]
-        ],
         spectrum_times_s=config["figures"]["spectrum_times_s"],
     script:
         "../scripts/figures_spectrometer.py"
@@ -201,7 +208,7 @@ rule figures_both:
         pyrometer="results/experiment/{test}/pyrometer_correction.nc",
         spectrometer="results/experiment/{test}/spectrometer_correction.nc",
     output:
-        two_instruments=drawn_of_test("fig10c_two_instruments"),
+        two_instruments=drawn_of_test("fig11c_two_instruments"),
     log:
         "results/logs/figures_both_{test}.log",
     benchmark:
@@ -230,7 +237,7 @@ rule figures_design:
         "results/benchmarks/figures_design.tsv"
     params:
         field_condition=config["figures"]["field_condition"],
-        shown=COMPUTED[:: max(1, len(COMPUTED) // 3)],
+        shown=DESIGNED[:: max(1, len(DESIGNED) // 3)],
     script:
         "../scripts/figures_design.py"
 

@@ -32,7 +32,6 @@ rule flow_start:
         **config["flow"]["convergence"],
         probe_temperature_k=config["flow"]["physics"]["probe_temperature_k"],
         torch=config["flow"]["torch"],
-        lengths=[key for key in config["flow"]["torch"] if key.endswith("_mm") and key != "coil_positions_mm"],
     script:
         "../scripts/flow_start.py"
 

@@ -14,7 +14,7 @@ rule report:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS],
         claims="results/claims.nc",
-        diagnoses=expand("results/diagnosis/{test}/index.html", test=TESTS),
+        diagnoses=expand("results/diagnosis/{test}/index.html", test=COMPARED),
         everything=RESULTS,
     output:
         "results/report.html",
@@ -24,7 +24,7 @@ rule report:
         "results/benchmarks/report.tsv"
     params:
         tests=[test for test, _ in CORRECTIONS],
-        diagnosed=list(TESTS),
+        diagnosed=list(COMPARED),
         rules=lambda wildcards: [rule.name for rule in workflow.rules],
         configuration=config,
     script:

@@ -4,11 +4,11 @@ import numpy as np
 
 from plasmapyro import io
 from plasmapyro.gas.stage import air_table
+from plasmapyro.quantities import steps
 
 io.log_to(snakemake.log[0])
-start, stop, step = snakemake.params.temperature_k
 result = air_table(
-    temperature=np.arange(start, stop + step / 2, step),
+    temperature=steps(*snakemake.params.temperature_k),
     pressure=np.array(snakemake.params.pressure_mbar) * 100.0,
 )
 io.write(result, snakemake.output[0], "gas", config=dict(snakemake.params))

@@ -1,17 +1,15 @@
 """Rule apparent_temperature: what the pyrometer reads through the gas."""
 
-import numpy as np
-
 from plasmapyro import io
 from plasmapyro.analysis.stage import apparent_temperature
+from plasmapyro.quantities import steps
 
 io.log_to(snakemake.log[0])
-start, stop, step = snakemake.params.object_temperature_k
 result = apparent_temperature(
     io.read(snakemake.input.gas, "gas_signal"),
     io.read(snakemake.input.response, "response"),
     io.read(snakemake.input.curve, "ratio_curve"),
-    object_temperature=np.arange(start, stop + step / 2, step),
+    object_temperature=steps(*snakemake.params.object_temperature_k),
 )
 io.write(
     result,

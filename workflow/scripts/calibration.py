@@ -1,20 +1,18 @@
 """Rule calibration: sensitivity ratio, modelled ratio curve and quadratic fit of the pyrometer."""
 
-import numpy as np
-
 from plasmapyro import io
 from plasmapyro.instrument.stage import pyrometer_calibration
+from plasmapyro.quantities import steps
 
 io.log_to(snakemake.log[0])
 keys = snakemake.params
-start, stop, step = keys.calibration_temperature_k
 result = pyrometer_calibration(
     io.read(snakemake.input.response, "response"),
     io.read(snakemake.input.points, "calibration_points"),
     source_temperature_uncertainty=keys.source_temperature_uncertainty_k,
     signal_uncertainty=keys.signal_uncertainty,
     instrument_range=keys.instrument_range_k,
-    calibration_temperature=np.arange(start, stop + step / 2, step),
+    calibration_temperature=steps(*keys.calibration_temperature_k),
     draws=keys.draws,
     seed=keys.seed,
 )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plasmapyro import io
-from plasmapyro.cfd.stage import sightline, to_instrument
+from plasmapyro.cfd.stage import condition_of, sightline, to_instrument
 
 io.log_to(snakemake.log[0])
 keys = snakemake.params
@@ -20,4 +20,5 @@ result = to_instrument(
     laboratory_temperature=keys.laboratory_temperature_k,
     laboratory_pressure=keys.laboratory_pressure_pa,
 )
+result.attrs |= condition_of(result, keys.map, angle_deg=keys.angle_deg, **keys.state)
 io.write(result, snakemake.output[0], "sightline", sources=snakemake.input, config=dict(keys))

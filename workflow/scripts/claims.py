@@ -5,9 +5,10 @@ from plasmapyro.claims.stage import as_markdown, claims_table
 
 io.log_to(snakemake.log[0])
 given = snakemake.input
+contracts = {"variations": "gas_variations", "reflection": "reflection", "designs": "band_design"}
+known = {name: io.read(given[name][0], contract) for name, contract in contracts.items() if given[name]}
 table = claims_table(
     sightlines=[io.read(path, "sightline") for path in given.sightlines],
-    numerical_power=[power * 1e3 for power in snakemake.params.numerical_power_kw],
     radiances=[io.read(path, "radiation") for path in given.radiation],
     surface=io.read(given.surface, "surface_radiance"),
     response=io.read(given.response, "response"),
@@ -18,6 +19,8 @@ table = claims_table(
     calibration=io.read(given.calibration, "calibration"),
     pyrometer=io.read(given.pyrometer, "pyrometer_correction"),
     spectra=io.read(given.spectrometer, "spectrometer_correction"),
+    gas=io.read(given.gas, "gas"),
+    **known,
 )
 io.write(table, snakemake.output.table, "claims", sources=given, config=dict(snakemake.params))
 io.write_text(as_markdown(table), snakemake.output.text)

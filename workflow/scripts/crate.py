@@ -10,7 +10,7 @@ from plasmapyro.versions import versions
 io.log_to(snakemake.log[0])
 given, made = snakemake.input, snakemake.output
 workspace.require_unchanged(given.used, snakemake.params.begun_with)
-[io.write_text(io.read_text(source), copy) for source, copy in zip(given.used, made.used, strict=True)]
+io.write_texts(map(io.read_text, given.used), made.used)
 results, workflow = (
     {os.path.relpath(path, "results"): (io.digest(path), os.path.getsize(path)) for path in paths}
     for paths in (given.results, made.used)

@@ -7,18 +7,15 @@ from plasmapyro.diagnosis import command
 
 io.log_to(snakemake.log[0])
 paths, keys = snakemake.input, snakemake.params
-inputs = command.load_inputs(
-    Path(paths.radiation[0]).parent,
-    Path(paths.response).parent,
-    Path(paths.variations).parent,
-    keys.powers,
-)
+inputs = command.load_inputs(paths.radiation, Path(paths.response).parent, paths.variations)
 result = command.diagnose_test(
     paths.test,
     inputs,
     without=tuple(keys.without),
     draws=keys.draws,
     seed=keys.seed,
+    saturation_counts=keys.saturation_counts,
+    limits=keys.limits,
     others=list(paths.others),
 )
 command.write_all(

@@ -1,4 +1,4 @@
-"""Rule figures_analysis: visibility, apparent temperature, error, error map, transient (figures 6, 7)."""
+"""Rule figures_analysis: visibility, apparent temperature, error, error map, transient (figures 7, 8)."""
 
 from plasmapyro import io
 from plasmapyro.plots import analysis

@@ -1,4 +1,4 @@
-"""Rule figures_both: corrected temperature of the pyrometer and of the spectrometer (figure 10c)."""
+"""Rule figures_both: corrected temperature of the pyrometer and of the spectrometer (figure 11c)."""
 
 from plasmapyro import io
 from plasmapyro.plots.experiment import two_instruments

@@ -1,4 +1,4 @@
-"""Rule figures_instrument: responses and calibrations (figures 2a, 2b, 3b)."""
+"""Rule figures_instrument: responses and calibrations (figures 3a, 3b, 4b)."""
 
 from plasmapyro import io
 from plasmapyro.plots import instrument

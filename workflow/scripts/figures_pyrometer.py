@@ -1,4 +1,4 @@
-"""Rule figures_pyrometer: sample, signals, temperatures and error of a test (figures 8b, 9a to 9c)."""
+"""Rule figures_pyrometer: sample, signals, temperatures and error of a test (figures 9b, 10a to 10c)."""
 
 from plasmapyro import io
 from plasmapyro.plots import experiment

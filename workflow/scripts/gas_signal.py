@@ -9,7 +9,6 @@ result = gather(
         name: io.read(path, "radiation")
         for name, path in zip(snakemake.params.conditions, snakemake.input.radiation, strict=True)
     },
-    numerical_power=[power * 1e3 for power in snakemake.params.numerical_power_kw],
     emittance=snakemake.params.emittance,
 )
 io.write(

@@ -10,7 +10,6 @@ keys, given = snakemake.params, snakemake.input
 result = gas_spectra(
     {name: io.read(path, "sightline") for name, path in zip(keys.conditions, given.sightlines, strict=True)},
     {name: io.read(path, "flow") for name, path in zip(keys.conditions, given.flows, strict=True)},
-    numerical_power=[power * 1e3 for power in keys.numerical_power_kw],
     wavelength_range=[edge * 1e-9 for edge in keys.wavelength_nm],
     grid_points=keys.grid_points,
     table_nodes=keys.table_nodes,

@@ -1,7 +1,7 @@
 """Rule gas_variations: spectra of the gas with one property varied at a time."""
 
 from plasmapyro import io
-from plasmapyro.diagnosis.gas_stage import gas_variations
+from plasmapyro.diagnosis.gas.stage import gas_variations
 
 io.log_to(snakemake.log[0])
 result = gas_variations(

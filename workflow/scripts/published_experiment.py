@@ -3,23 +3,22 @@
 from pathlib import Path
 
 from plasmapyro import io
-from plasmapyro.diagnosis import command, published
-from plasmapyro.diagnosis.library import gas_library
+from plasmapyro.claims import published_experiment as published
+from plasmapyro.diagnosis import command
+from plasmapyro.diagnosis.gas.library import gas_library
 
 io.log_to(snakemake.log[0])
 paths, keys = snakemake.input, snakemake.params
 inputs = command.load_inputs(
-    Path(paths.radiation[0]).parent,
+    paths.radiation,
     Path(paths.response).parent,
-    Path(paths.variations[0]).parent,
-    keys.powers,
+    paths.variations,
 )
 ratio = float(io.read(paths.ratio_curve, "ratio_curve").sensitivity_ratio)
 condition = keys.condition[0]
 library = gas_library(
     condition,
     inputs.radiation,
-    inputs.powers,
     inputs.variations[condition],
     fwhm=float(inputs.radiation[condition].attrs["slit_fwhm"]),
 )

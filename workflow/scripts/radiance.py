@@ -1,16 +1,15 @@
 """Rule radiance: spectral radiance of the gas along the line of sight, by component."""
 
-from plasmapyro import io, progress
+from plasmapyro import io
+from plasmapyro.quantities import in_si
 from plasmapyro.radiation.stage import line_of_sight_radiance
 
 io.log_to(snakemake.log[0])
-keys = snakemake.params
+settings = in_si(snakemake.params)
 result = line_of_sight_radiance(
     io.read(snakemake.input.sightline, "sightline"),
     io.read(snakemake.input.response, "response"),
-    wavelength_range=[edge * 1e-9 for edge in keys.wavelength_nm],
-    grid_points=keys.grid_points,
-    slit_fwhm=keys.slit_fwhm_nm * 1e-9,
-    progress=progress.counter("layers"),
+    wavelength_range=settings.pop("wavelength"),
+    **settings,
 )
-io.write(result, snakemake.output[0], "radiation", sources=snakemake.input, config=dict(keys))
+io.write(result, snakemake.output[0], "radiation", sources=snakemake.input, config=dict(snakemake.params))

@@ -9,14 +9,14 @@ from plasmapyro.report.stage import compose
 
 io.log_to(snakemake.log[0])
 given, keys = snakemake.input, snakemake.params
-figures = [(Path(path).stem, base64.b64encode(Path(path).read_bytes()).decode()) for path in given.figures]
+figures = [(Path(path).stem, base64.b64encode(io.read_bytes(path)).decode()) for path in given.figures]
 contracts = [Path(path).stem for path in given.corrections]
 corrections = [io.read(path, contract) for path, contract in zip(given.corrections, contracts, strict=True)]
 timings = [
     (name, {key: float(row[key]) for key in ("s", "cpu_time", "max_rss")})
     for path in sorted(Path("results/benchmarks").glob("*.tsv"))
     for name in [max((rule for rule in keys.rules if path.stem.startswith(rule)), key=len)]
-    for row in csv.DictReader(path.open(encoding="utf-8"), delimiter="\t")
+    for row in csv.DictReader(io.read_text(path).splitlines(), delimiter="\t")
 ]
 page = compose(
     figures,

@@ -2,7 +2,7 @@
 
 from plasmapyro import io
 from plasmapyro.design.settings import design_tables, settings_from
-from plasmapyro.design.trust import as_markdown, trust
+from plasmapyro.design.trust import trust
 
 io.log_to(snakemake.log[0])
 keys = snakemake.params
@@ -13,8 +13,4 @@ result = trust(
     design_tables(keys.silicon_table),
     settings=settings_from(keys.design, keys.air_path_mm),
 )
-io.write(result, snakemake.output.table, "trust", sources=snakemake.input, config=dict(keys))
-[
-    io.write_text(as_markdown(result, condition), path)
-    for condition, path in zip(keys.conditions, snakemake.output.pages, strict=True)
-]
+io.write(result, snakemake.output[0], "trust", sources=snakemake.input, config=dict(keys))

@@ -1,19 +1,18 @@
 """Rule twin_calibration: synthetic calibration of both instruments."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
-import xarray as xr
-
-from plasmapyro import workspace
+from plasmapyro import io
+from plasmapyro.versions import told
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from twin import campaign
 
-response = xr.load_dataset(snakemake.input.response)
-origin = {"sources": snakemake.input, "configuration": dict(snakemake.params)}
-points = campaign.calibration_points(response, snakemake.params.seed)
-campaign.write(points, snakemake.output.points, **origin)
-campaign.write(campaign.spectrometer_counts(snakemake.params.seed), snakemake.output.counts, **origin)
-workspace.seal(snakemake.output.points)
-workspace.seal(snakemake.output.counts)
+io.log_to(snakemake.log[0])
+given, made, keys = snakemake.input, snakemake.output, snakemake.params
+origin = {"sources": given, "configuration": dict(keys), "versions": told()}
+points = campaign.calibration_points(io.read(given.response, "response"), keys.seed)
+io.store(made.points, partial(campaign.write, points, **origin))
+io.store(made.counts, partial(campaign.write, campaign.spectrometer_counts(keys.seed), **origin))

@@ -1,29 +1,27 @@
 """Rule twin_test: a synthetic test, and its sealed truth that no other rule reads."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
-import xarray as xr
-
-from plasmapyro import workspace
+from plasmapyro import io
+from plasmapyro.versions import told
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from twin import campaign, story
 
-gas = [
-    (weight, xr.load_dataset(path))
-    for weight, path in zip(snakemake.params.weights, snakemake.input.gas, strict=True)
-]
-profile = [xr.load_dataset(path) for path in snakemake.input.profile]
+io.log_to(snakemake.log[0])
+given, keys = snakemake.input, snakemake.params
+gas = [(weight, io.read(path, "radiation")) for weight, path in zip(keys.weights, given.gas, strict=True)]
+kinds = ("sightline", "gas", "flow")
+profile = [io.read(path, kind) for path, kind in zip(given.profile, kinds, strict=False)]
 test, truth = campaign.record(
-    story.scene(snakemake.params.condition, snakemake.params.effects, gas, profile),
-    xr.load_dataset(snakemake.input.response),
+    story.scene(keys.condition, keys.effects, gas, profile),
+    io.read(given.response, "response"),
     gas,
-    snakemake.params.seed,
+    keys.seed,
 )
-told = {name: value for name, value in snakemake.params.items() if value != []}
-origin = {"sources": snakemake.input, "configuration": told}
-campaign.write(test, snakemake.output.test, **origin)
-campaign.write(truth, snakemake.output.truth, **origin)
-workspace.seal(snakemake.output.test)
-workspace.seal(snakemake.output.truth)
+settings = {name: value for name, value in keys.items() if value != []}
+origin = {"sources": given, "configuration": settings, "versions": told()}
+io.store(snakemake.output.test, partial(campaign.write, test, **origin))
+io.store(snakemake.output.truth, partial(campaign.write, truth, **origin))

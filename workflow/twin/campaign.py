@@ -405,21 +405,24 @@ def exposures(scene, tick):
     return middle, begin[:, None] + np.arange(count)
 
 
-def write(dataset, path, *, sources=(), configuration=None):
+def write(dataset, path, *, sources=(), configuration=None, versions=""):
     """Store a dataset as netCDF, whole or not at all, the same bytes for the same content.
 
-    The SHA-256 of the source files and the configuration go into its attributes.
+    The SHA-256 of the source files, the configuration and the versions go into its attributes; a checksum of
+    the format guards each variable.
     """
     path = Path(path)
     digests = [(hashlib.sha256(Path(source).read_bytes()).hexdigest(), source) for source in sources]
     dataset = dataset.assign_attrs(
         sources="\n".join(f"{digest}  {source}" for digest, source in digests),
         configuration=json.dumps(configuration or {}, sort_keys=True),
+        versions=versions,
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     try:
-        dataset.to_netcdf(part, engine="netcdf4")
+        guarded = {name: {"fletcher32": True} for name in dataset.variables}
+        dataset.to_netcdf(part, engine="netcdf4", encoding=guarded)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
