@@ -127,6 +127,7 @@ localrules:
     twin_calibration,
     twin_test,
     read_test,
+    findings,
     claims,
     facility,
     figures_facility,

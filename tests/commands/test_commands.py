@@ -149,7 +149,7 @@ def test_a_window_with_the_surface_in_it_is_refused_unless_wanted(shelf, tmp_pat
     assert corrected(shelf, "pyrometer.nc", tmp_path / "t.nc", *late) == 2
     said = capsys.readouterr().err
     assert "the surface already shows" in said and "--keep-window" in said
-    proposed = re.search(r"--reference-window (\S+) (\S+)\n", said).groups()
+    proposed = re.search(r"--reference-window (\S+) (\S+) \[surface_in_window\]\n", said).groups()
     assert 2 < float(proposed[1]) < 7 and not (tmp_path / "t.nc").exists()
     assert corrected(shelf, "pyrometer.nc", tmp_path / "kept.nc", *late, "--keep-window") == 0
     assert corrected(shelf, "pyrometer.nc", tmp_path / "good.nc", "--reference-window", *proposed) == 0

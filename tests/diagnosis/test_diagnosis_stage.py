@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from small_laboratory import OFF, SLIT_FWHM, temperature_of
 
-from plasmapyro import contracts, io
+from plasmapyro import cli, contracts, io
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.gas.library import NEED_VARIATIONS, gas_library, remarks, rungs
@@ -239,6 +239,28 @@ def test_files_are_written_all_or_none(diagnosed, tmp_path):
     with xr.open_dataset(tmp_path / "out/temperature.nc") as stored:
         assert stored.attrs["origin"] == "synthetic"
         assert stored.attrs["terms"] == "winE"
+
+
+def test_the_command_says_what_contradicts_itself_in_the_data_first(laboratory, record, tmp_path, capsys):
+    stored(tmp_path / "radiation", laboratory.radiation)
+    (tmp_path / "instrument").mkdir()
+    io.write(laboratory.response, tmp_path / "instrument/response.nc", "response")
+    test = record()
+    same = test.assign(signal_narrow=("time", 0.7 * test.signal_wide.values))
+    io.write(contracts.label(same, "test"), tmp_path / "test.nc", "test")
+    words = [
+        tmp_path / "test.nc",
+        "--radiance",
+        tmp_path / "radiation",
+        "--instrument",
+        tmp_path / "instrument",
+    ]
+    assert cli.main(["diagnose", *map(str, words), "--out", str(tmp_path / "out")]) == 0
+    assert "[equal_channels]" in capsys.readouterr().err
+    found = json.loads((tmp_path / "out/diagnosis.json").read_text())["findings"]
+    assert (found[0]["rule"], found[0]["severity"]) == ("equal_channels", "contradiction")
+    page = (tmp_path / "out/index.html").read_text()
+    assert page.index("the data contradict themselves") < page.index('aria-label="Verdict"')
 
 
 def test_the_exit_status_tells_a_finding_only_if_asked(diagnosed):

@@ -54,6 +54,7 @@ def report(**changes):
             "time_bins": count,
             "wavelength_bins": WAVELENGTH.size,
         },
+        "findings": [],
         "noise": [
             {
                 "channel": "wide",

@@ -226,3 +226,15 @@ def test_numbers_are_written_as_they_are_worth():
 def test_the_report_of_these_tests_honours_the_published_format():
     schema = Path(__file__).resolve().parents[2] / "src/plasmapyro/diagnosis/diagnosis.schema.json"
     jsonschema.validate(json.loads(json.dumps(report())), json.loads(schema.read_text(encoding="utf-8")))
+
+
+def test_what_contradicts_itself_in_the_data_stands_before_the_verdict(page):
+    said = {"rule": "stuck", "severity": "contradiction", "where": "/home/me/my_test", "remedy": "look"}
+    found = report(findings=[{**said, "saw": "both <b>stay</b>"}])
+    shown = write_page(found, residual_map(), temperature())
+    words = "the data contradict themselves my_test: both <b>stay</b>; look [stuck]"
+    assert words in Reader(shown).words and "<b>stay" not in shown
+    assert shown.index("the data contradict") < shown.index('aria-label="Verdict"')
+    assert "contradict themselves" not in page
+    doubted = report(findings=[{**said, "saw": "x", "severity": "doubt"}])
+    assert "doubts about the data" in write_page(doubted, residual_map(), temperature())

@@ -10,8 +10,9 @@ import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.quality import agreement, series
-from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, table
+from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, of_test, table
 from plasmapyro.quality.rule import Case, look
+from plasmapyro.readers.stage import Reading
 
 PLACE = Path("my_test")
 ALL = {rule.name: rule for rule in (*OF_TEST, *OF_CALIBRATION, *OF_SIGHTLINE)}
@@ -300,6 +301,45 @@ def test_the_contradiction_of_the_instruments_is_said_first(sound):
         "in 1 of 10 spectra they differ by more than three uncertainties, at 5 s by +100 K +- 20 K"
         in words["instruments_disagree"]
     )
+
+
+def test_a_contradiction_is_said_before_a_doubt_and_each_has_a_file_and_a_remedy(sound):
+    case = with_signals(sound, lambda t, p: p[::-1] * 1e3)
+    found = of_test(PLACE, Reading(case, {"spectrometer": files()}))
+    assert [(one.entry["rule"], one.entry["severity"]) for one in found] == [
+        ("swapped_bands", "contradiction"),
+        ("unit_of_signals", "doubt"),
+    ]
+    assert all(one.words.startswith("my_test: ") and one.remedy in one.words for one in found)
+
+
+def test_the_estimate_that_fits_nothing_says_so(sound):
+    both = [result_of(1600.0, 1600.0), xr.Dataset({"surface_temperature": ("time", [1600.0])})]
+    assert of_test(PLACE, Reading(sound, {}), both) == []
+    both[1].attrs["contradictions"] = "the data pull a gain"
+    (found,) = of_test(PLACE, Reading(sound, {}), both)
+    assert found.saw == "the joint estimate finds no temperature that fits all: the data pull a gain"
+
+
+WINDOWS = {
+    "surface_in_window": (
+        lambda _: {"reference_window": [0.0, 12.0]},
+        lambda t, p: p,
+        "try --reference-window 0 ",
+    ),
+    "gas_drifts": (
+        lambda t: {},
+        lambda t, p: p * np.where((t > 0) & (t < 5), 1 - 0.02 * (np.clip(t, 0, 5) / 5) ** 3, 1),
+        "the gas drifts in it beyond its noise",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WINDOWS)
+def test_a_window_that_is_not_steady_gas_is_said(sound, name):
+    stated, change, words = WINDOWS[name]
+    found = said(attributes(with_signals(sound, change), **stated(sound)))
+    assert words in found[name]
 
 
 def gas(path=0.1, factor=1.0):

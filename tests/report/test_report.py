@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro.report.captions import FIGURES, describe
-from plasmapyro.report.stage import _contradictions, compose
+from plasmapyro.report.stage import compose
 
 PIXEL = (  # a PNG of one pixel
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -199,25 +199,10 @@ def test_the_pages_of_the_main_job_read_well(browser, name, width):
     nothing_from_outside(browser)
 
 
-def test_a_contradiction_stands_before_the_temperatures():
-    time = np.arange(5.0)
-    both = [
-        xr.Dataset(
-            {
-                name: (axis, np.full(5, value)),
-                f"{name}_uncertainty": (axis, np.full(5, 20.0)),
-                state: (axis, np.zeros(5, dtype="int8")),
-            },
-            {axis: time},
-        )
-        for name, axis, state, value in (
-            ("corrected_temperature", "time", "corrected_status", 1500.0),
-            ("scaled_temperature", "spectrum_time", "spectrum_status", 1600.0),
-        )
-    ]
-    joint = xr.Dataset(attrs={"contradictions": "the data pull a gain"})
-    found = list(_contradictions([("mine", both[0]), ("mine", both[1]), ("mine", joint), ("other", both[0])]))
-    assert found[0] == "mine: the data pull a gain"
-    # 100 K are 3.5 combined uncertainties of 28.3 K.
-    assert found[1].startswith("mine: pyrometer and spectrometer contradict each other: in 5 of 5 spectra")
-    assert len(found) == 2
+def test_what_contradicts_itself_stands_before_the_temperatures():
+    said = {"rule": "stuck", "where": "my_test", "saw": "stays <b>put</b>", "remedy": "look"}
+    both = [{**said, "severity": severity} for severity in ("doubt", "contradiction")]
+    page = compose([], claims(), [("mine", corrected())], findings=both)
+    first = page.index("<strong>Contradiction.</strong> my_test: stays &lt;b&gt;put&lt;/b&gt;; look")
+    assert first < page.index("<strong>Doubt.</strong>") < page.index("mine</td>")
+    assert 'role="alert"' not in compose([], claims(), [("mine", corrected())])

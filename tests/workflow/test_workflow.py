@@ -1,5 +1,6 @@
 """The workflow as a user meets it: what runs, what reruns, what a wrong key says."""
 
+import json
 import os
 import re
 import shutil
@@ -115,6 +116,33 @@ def test_a_folder_of_raw_files_is_read_first(project):
     assert planned(snakemake(project, "--dry-run"))["pyrometer_correction"] == 2
     again = snakemake(project, "--dry-run", "results/experiment/mine/test.nc")
     assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_exchanged_columns_of_a_raw_folder_reach_diagnosis_and_report(project):
+    shutil.copytree(ROOT / "docs/example/calibration", project / "lamp")
+    shutil.copytree(ROOT / "docs/example/my_test", project / "mydata")
+    log = project / "mydata/pyrometer.csv"
+    log.write_text(log.read_text().replace("S1", "S3").replace("S2", "S1").replace("S3", "S2"))
+    config = project / "config/config.yaml"
+    words = config.read_text().replace("test: csic_160kW", "test: mine")
+    words = re.sub(r"(calibration_points|spectrometer_counts): \S+", r"\1: lamp", words)
+    words = re.sub(r"(normalisation_wavelength_nm): \S+", r"\1: 1020", words)
+    config.write_text(re.sub(r"(normalisation_half_width_nm): \S+", r"\1: 2", words))
+    (project / "config/tests/csic_160kW.yaml").rename(project / "config/tests/mine.yaml")
+    (project / "config/tests/mine.yaml").write_text(
+        "data_folder: mydata\ninstruments: [pyrometer, spectrometer]\ncalibrated_spectra: false\n"
+    )
+    run = snakemake(project, "results/experiment/mine/findings.json")
+    assert run.returncode == 0, run.stdout + run.stderr
+    found = json.loads((project / "results/experiment/mine/findings.json").read_text())
+    rules = [one["rule"] for one in found if one["severity"] == "contradiction"]
+    assert {"swapped_bands", "instruments_disagree", "estimate_contradicted"} <= set(rules)
+    assert found[0]["where"] == "mydata"
+    targets = ["results/diagnosis/mine/diagnosis.json", "results/report.html"]
+    plan = snakemake(project, "--dry-run", "--forceall", *targets).stdout
+    for rule in ("diagnosis", "report"):
+        inputs = re.search(rf"rule {rule}:\n    input: (.*)", plan)[1]
+        assert "results/experiment/mine/findings.json" in inputs
 
 
 def test_a_folder_of_raw_calibration_files_is_read_first(project):

@@ -50,6 +50,7 @@ LADDERS = sorted(
 rule diagnosis:
     input:
         test=test_file,
+        findings="results/experiment/{test}/findings.json",
         others=other_tests,
         radiation=expand("results/radiation/{condition}.nc", condition=LADDERS),
         variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),

@@ -90,3 +90,38 @@ rule joint_estimate:
         instruments=lambda wildcards: TESTS[wildcards.test]["instruments"],
     script:
         "../scripts/joint_estimate.py"
+
+
+# Of each test: (test, contract) of what it gives; the report shows the same.
+CORRECTIONS = [
+    (test, contract)
+    for test, settings in TESTS.items()
+    for contract in [
+        *[f"{instrument}_correction" for instrument in settings["instruments"]],
+        *["joint_estimate" for instrument in settings["instruments"] if instrument == "pyrometer"],
+    ]
+]
+RESULTS += expand("results/experiment/{test}/findings.json", test=TESTS)
+
+
+rule findings:
+    input:
+        test=test_file,
+        corrections=lambda wildcards: [
+            f"results/experiment/{test}/{contract}.nc"
+            for test, contract in CORRECTIONS
+            if test == wildcards.test
+        ],
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer_calibration=spectrometer_calibration_of,
+    output:
+        "results/experiment/{test}/findings.json",
+    log:
+        "results/logs/findings_{test}.log",
+    benchmark:
+        "results/benchmarks/findings_{test}.tsv"
+    params:
+        folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
+    script:
+        "../scripts/findings.py"

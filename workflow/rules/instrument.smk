@@ -107,7 +107,11 @@ else:
             "results/instrument/spectrometer_calibration.nc",
         log:
             "results/logs/spectrometer_calibration.log",
-        params:
-            **config["instrument"]["spectrometer"],
+        params:  # the folder states the uncertainty of its own source
+            **{
+                name: value
+                for name, value in config["instrument"]["spectrometer"].items()
+                if name != "source_temperature_uncertainty_k"
+            },
         script:
             "../scripts/exposure_calibration.py"

@@ -1,19 +1,10 @@
 # One page with all that a run found. Not part of the main job: `make report`, or ask for results/report.html.
-CORRECTIONS = [
-    (test, contract)
-    for test, settings in TESTS.items()
-    for contract in [
-        *[f"{instrument}_correction" for instrument in settings["instruments"]],
-        *["joint_estimate" for instrument in settings["instruments"] if instrument == "pyrometer"],
-    ]
-]
-
-
 rule report:
     input:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS],
         claims="results/claims.nc",
+        findings=expand("results/experiment/{test}/findings.json", test=TESTS),
         diagnoses=expand("results/diagnosis/{test}/index.html", test=COMPARED),
         everything=RESULTS,
     output:

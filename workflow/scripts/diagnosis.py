@@ -1,5 +1,6 @@
 """Rule diagnosis: what the simulation gets wrong in a test, why, and what it costs."""
 
+import json
 from pathlib import Path
 
 from plasmapyro import io
@@ -17,6 +18,7 @@ result = command.diagnose_test(
     saturation_counts=keys.saturation_counts,
     limits=keys.limits,
     others=list(paths.others),
+    findings=json.loads(io.read_text(paths.findings)),
 )
 command.write_all(
     result,

@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import json
 from pathlib import Path
 
 from plasmapyro import io
@@ -10,8 +11,7 @@ from plasmapyro.report.stage import compose
 io.log_to(snakemake.log[0])
 given, keys = snakemake.input, snakemake.params
 figures = [(Path(path).stem, base64.b64encode(io.read_bytes(path)).decode()) for path in given.figures]
-contracts = [Path(path).stem for path in given.corrections]
-corrections = [io.read(path, contract) for path, contract in zip(given.corrections, contracts, strict=True)]
+corrections = [io.read(path, Path(path).stem) for path in given.corrections]
 timings = [
     (name, {key: float(row[key]) for key in ("s", "cpu_time", "max_rss")})
     for path in sorted(Path("results/benchmarks").glob("*.tsv"))
@@ -22,6 +22,7 @@ page = compose(
     figures,
     io.read(given.claims, "claims"),
     list(zip(keys.tests, corrections, strict=True)),
+    findings=[one for path in given.findings for one in json.loads(io.read_text(path))],
     diagnoses=list(zip(keys.diagnosed, map(io.read_text, given.diagnoses), strict=True)),
     timings=timings,
     configuration=keys.configuration,

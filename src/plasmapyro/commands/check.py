@@ -7,7 +7,8 @@ import numpy as np
 
 from plasmapyro import progress
 from plasmapyro.commands.calibrate import calibration_findings
-from plasmapyro.commands.correct import findings, trial, window_findings
+from plasmapyro.commands.correct import trial
+from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
 from plasmapyro.readers.stage import read_with_files
@@ -68,8 +69,8 @@ def run(options):
         _refuse(options.test, refusal.messages)
     test = reading.test
     tried = trial(test, options.instrument) if options.instrument else {}
-    for words in [*findings(options.test, reading, **tried), *window_findings(test).values()]:
-        progress.warn(words)
+    for finding in of_test(options.test, reading, **tried):
+        progress.warn(finding.words)
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
 
 

@@ -5,19 +5,18 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 from plasmapyro import io, progress
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import count, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
-from plasmapyro.quality.catalogue import OF_TEST
-from plasmapyro.quality.rule import Case, look
+from plasmapyro.quality.catalogue import merged, of_test
+from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
-from plasmapyro.record import onset, status
-from plasmapyro.record.calibrated import halves, on_same_wavelengths
-from plasmapyro.record.inputs import faults, has_plasma, instruments
+from plasmapyro.record import status
+from plasmapyro.record.calibrated import on_same_wavelengths
+from plasmapyro.record.inputs import faults, instruments
 
 NANOMETRE = 1e-9
 PYROMETER, SPECTROMETER = "calibration", "spectrometer_calibration"  # files and contracts
@@ -140,21 +139,21 @@ def run(options):
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
     calibrations = _calibrations(test, folder)
-    found = window_findings(test)
-    for words in found.values():
-        progress.warn(words)
-    if "surface" in found and not options.keep_window:
-        raise ValueError("choose another --reference-window, or go on with --keep-window")
+    found = of_test(options.test, reading, **calibrations)
+    words = [finding.words for finding in found]
+    if surface_in_window in [finding.rule for finding in found] and not options.keep_window:
+        raise ValueError(
+            "\n".join([*words, "choose another --reference-window, or go on with --keep-window"])
+        )
     estimator, contract = ESTIMATORS[options.estimator]
     try:
         result = estimator(test, calibrations, options)
     except ValueError as reason:  # what the data themselves say may be why
-        raise ValueError("\n".join([str(reason), *findings(options.test, reading, calibrations)])) from None
-    said = [f"{options.test}: {words}" for words in [result.attrs.get("contradictions")] if words]
-    said += findings(options.test, reading, calibrations, _response(folder), result)
-    for words in said:
-        progress.warn(words)
-    result.attrs["contradictions"] = "\n".join(said)
+        raise ValueError("\n".join([str(reason), *words])) from None
+    said = of_test(options.test, reading, [result], response=_response(folder), **calibrations)
+    for finding in said:
+        progress.warn(finding.words)
+    result.attrs["findings"] = "\n".join(finding.words for finding in said)
     progress.say(f"writing {options.out}")
     io.write(
         result,
@@ -167,36 +166,8 @@ def run(options):
     progress.say("done")
 
 
-def findings(place, reading, calibrations=None, response=None, result=None):
-    """What contradicts itself in a test, in the words of the rules; the worst first.
-
-    Parameters
-    ----------
-    place : path of the test, for the messages
-    reading : `readers.stage.Reading`
-    calibrations : mapping of contract name -> Dataset, optional
-    response : Dataset, contract 'response', optional
-    result : Dataset, contract 'correction' or 'joint_estimate', optional
-
-    Returns
-    -------
-    list of str
-    """
-    calibrations = calibrations or {}
-    case = Case(
-        place=Path(place),
-        test=reading.test,
-        files=reading.files.get("spectrometer", {}),
-        calibration=calibrations.get(PYROMETER),
-        response=response,
-        spectrometer_calibration=calibrations.get(SPECTROMETER),
-        result=result,
-    )
-    return [finding.words for finding in look(case, OF_TEST)]
-
-
 def trial(test, folder):
-    """Calibrations and the result of a quick correction, as keywords of `findings`.
+    """Calibrations and the result of a quick correction, as keywords of `quality.catalogue.of_test`.
 
     Parameters
     ----------
@@ -212,7 +183,7 @@ def trial(test, folder):
     words = ["correct", "", "--instrument", str(folder), "--out", "", "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
     result = by_reference(test, calibrations, parser.parse_args(words))
-    return {"calibrations": calibrations, "response": _response(Path(folder)), "result": result}
+    return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
 
 def _response(folder):
@@ -271,52 +242,7 @@ def by_reference(test, calibrations, options):
                 seed=options.seed,
             )
         )
-    return xr.merge(parts, combine_attrs="override", join="exact", compat="no_conflicts").assign_attrs(
-        {name: value for part in parts for name, value in part.attrs.items()}
-    )
-
-
-def window_findings(test):
-    """What speaks against the reference window of a test.
-
-    The pyrometer is asked; without one the spectrometer, with two halves of its wavelengths as bands.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-
-    Returns
-    -------
-    dict
-        'surface' or 'gas' -> a sentence with what to do; empty if the window is clean.
-    """
-    if not has_plasma(test):
-        return {}
-    window = test.attrs["reference_window"]
-    if "pyrometer" in instruments(test):
-        names, time = ("wide band", "narrow band"), test.time.values
-        pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
-    else:
-        names, time = ("shorter wavelengths", "longer wavelengths"), test.spectrum_time.values
-        ready = "spectral_radiance" in test.variables
-        pair = halves((test.spectral_radiance if ready else test.counts - test.background_counts).values)
-    found = onset.attributes("seen", time, pair, window, test.attrs["plasma_off_time"])
-    word = found["seen_reference_verdict"]
-    where = f"reference window {window[0]:g} to {window[1]:g} s"
-    if word == onset.SHOWS:
-        first, second = (100 * share for share in found["seen_reference_bias"])
-        begin, end = found.get("seen_proposed_window", (None, None))
-        advice = f"try --reference-window {begin:g} {end:.3g}" if end else "let it begin or end earlier"
-        return {
-            "surface": f"{where}: the surface already shows: it adds about {first:.2g} % to the mean of the"
-            f" {names[0]}, {second:.2g} % to that of the {names[1]}; {advice}"
-        }
-    if word == onset.DRIFTS:
-        return {
-            "gas": f"{where}: the gas drifts in it beyond its noise; a --gas-variation that covers"
-            " the drift, or a steadier part of the test, makes the uncertainties honest"
-        }
-    return {}
+    return merged(parts)
 
 
 # name -> function (test, calibrations, options) and the contract of what it returns

@@ -5,10 +5,11 @@ import sys
 from pathlib import Path
 
 from plasmapyro import io, progress
-from plasmapyro.commands.correct import positive
+from plasmapyro.commands.correct import positive, trial
 from plasmapyro.commands.outputs import require_folder
 from plasmapyro.diagnosis import command as diagnosis
-from plasmapyro.readers.stage import read_test
+from plasmapyro.quality.catalogue import of_test
+from plasmapyro.readers.stage import read_with_files
 
 DESCRIPTION = """\
 Compare a test with the simulation of its condition: where they depart, which effect of a catalogue
@@ -87,8 +88,12 @@ def run(options):
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
     require_folder(out, diagnosis.NAMES, read)
     progress.say(f"reading {options.test}")
-    test, data = _read(options.test)
+    test, reading = _read(options.test)
+    data = reading.test
     others = [_read(one) for one in options.also]
+    findings = of_test(options.test, reading, **_tried(data, options.instrument))
+    for finding in findings:
+        progress.warn(finding.words)
     inputs = diagnosis.load_inputs(options.radiance, options.instrument, options.variations)
     progress.say("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
     digest = io.digest(test) if test.is_file() else None
@@ -97,7 +102,8 @@ def run(options):
         inputs,
         without=tuple(options.without),
         digest=digest,
-        others=[one for _, one in others],
+        others=[one.test for _, one in others],
+        findings=[finding.entry for finding in findings],
         saturation_counts=options.saturation_counts,
     )
     for remark in diagnosis.remarks_on(data, inputs):
@@ -111,7 +117,15 @@ def run(options):
 
 
 def _read(word):
-    """Path and dataset of a test."""
+    """Path and `Reading` of a test."""
     path = Path(word)
     test = path / "test.nc" if path.is_dir() and not (path / "test.yaml").exists() else path
-    return test, io.read(test, "test") if test.is_file() else read_test(test)
+    return test, read_with_files(test)
+
+
+def _tried(test, folder):
+    """What the rules compare with a test: a trial correction, as far as it can be made."""
+    try:
+        return trial(test, folder)
+    except ValueError:  # contracts.ContractError too: a diagnosis needs less
+        return {}

@@ -137,6 +137,7 @@ def diagnose_test(
     others=(),
     saturation_counts=SATURATION_COUNTS,
     limits=LIMITS,
+    findings=(),
 ):
     """Diagnose a test, from a file or a dataset.
 
@@ -155,6 +156,8 @@ def diagnose_test(
         Of the paper's correction, see `stage.diagnose`.
     others : tests at other conditions, as `test`, with the same instruments
         What is named is tried on them.
+    findings : mappings as in the schema
+        What contradicts itself in the data; it is said first.
 
     Returns
     -------
@@ -194,6 +197,7 @@ def diagnose_test(
             provenance=provenance,
             others=pairs,
         )
+    result.report["findings"] = list(findings)
     result.report["assumptions"].extend(remarks_on(test, inputs))
     return result
 

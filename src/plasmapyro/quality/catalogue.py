@@ -1,16 +1,57 @@
 """The rules, in the order in which they are said."""
 
-from plasmapyro.quality import agreement, clocks, instrument, pyrometer, sightline, spectra
-from plasmapyro.quality.rule import rules_of
+from pathlib import Path
 
-OF_TEST = rules_of(agreement, pyrometer, spectra, clocks)
+import xarray as xr
+
+from plasmapyro.quality import agreement, clocks, instrument, pyrometer, sightline, spectra, window
+from plasmapyro.quality.rule import DOUBT, Case, look, rules_of
+
+OF_TEST = rules_of(agreement, window, pyrometer, spectra, clocks)
 OF_CALIBRATION = rules_of(instrument)
 OF_SIGHTLINE = rules_of(sightline)
 
 
+def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
+    """What contradicts itself in a test, its results and its calibrations: the one way to all who say it.
+
+    Parameters
+    ----------
+    place : path of the test, for the messages
+    reading : `readers.stage.Reading`
+    results : Datasets, contracts 'correction', or its two parts, and 'joint_estimate'
+    rules : iterable of Rule
+    calibrations : Datasets by the names of `Case`; None where there is none
+
+    Returns
+    -------
+    list of Finding, the worst first
+    """
+    parts = [one for one in results if "surface_temperature" not in one]
+    case = Case(
+        Path(place),
+        reading.test,
+        reading.files.get("spectrometer", {}),
+        result=merged(parts) if parts else None,
+        estimate=next((one for one in results if "surface_temperature" in one), None),
+        **calibrations,
+    )
+    return look(case, rules)
+
+
+def merged(parts):
+    """The corrections of single instruments (Datasets) as one, contract 'correction'."""
+    attributes = {name: value for part in parts for name, value in part.attrs.items()}
+    whole = xr.merge(parts, combine_attrs="drop", join="exact", compat="no_conflicts")
+    return whole.assign_attrs(attributes)
+
+
 def table(rules):
     """A Markdown table of rules."""
-    rows = [f"| `{r.name}` | {r.looks_at} | {r.limit:g} {r.unit} | {r.reason} |" for r in rules]
+    rows = [
+        f"| `{r.name}`{'*' * (r.severity == DOUBT)} | {r.looks_at} | {r.limit:g} {r.unit} | {r.reason} |"
+        for r in rules
+    ]
     return "\n".join(["| rule | looks at | limit | because |", "|---|---|---|---|", *rows]).replace(
         " 1 |", " |"
     )

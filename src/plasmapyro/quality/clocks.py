@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import rule
+from plasmapyro.quality.rule import DOUBT, rule
 from plasmapyro.quality.series import blocks, fall, lag
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
@@ -33,6 +33,7 @@ def _axes(case):
     reason="a record that misses the injection has another zero than the one stated, or lacks a file",
     says="{axis} begins at {first:g} s, the injection is at {begin:g} s",
     remedy="is the zero right, or a file missing?",
+    severity=DOUBT,
 )
 def record_begins_late(case, limit):
     begin = case.test.attrs["injection_time"]
@@ -52,6 +53,7 @@ def record_begins_late(case, limit):
     reason="records run until the plasma is off; one that ends before is cut, or its unit of time is wrong",
     says="{axis} ends at {last:g} s, the plasma at {off:g} s",
     remedy="is a file cut off, or the unit of the time wrong?",
+    severity=DOUBT,
 )
 def record_ends_early(case, limit):
     off = case.test.attrs["plasma_off_time"]
@@ -99,6 +101,7 @@ def few_in_plasma(case, limit):
     reason="loggers that lose samples leave holes; a second at least, for slow ones",
     says="{axis} has {count} gaps, the first from {begin:g} to {end:g} s",
     remedy="see whether files or lines are lost",
+    severity=DOUBT,
 )
 def gaps(case, limit):
     for axis in _axes(case):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.quality.rule import BANDS, DOUBT, rule
 from plasmapyro.quality.series import SIDE, SIGMA, blocks, longest_run, steps, widened
 from plasmapyro.record import flags
 from plasmapyro.record.phases import phases
@@ -152,6 +152,7 @@ def flat_top(case, limit):
     says="{band} reaches {top:.3g} A, more than a photodiode gives",
     remedy="see whether its unit is right (the ratio, and so the temperature, does not depend on a common"
     " one)",
+    severity=DOUBT,
 )
 def unit_of_signals(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):

@@ -9,15 +9,19 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from plasmapyro.record.inputs import instruments
+from plasmapyro.record import onset
+from plasmapyro.record.calibrated import halves
+from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.phases import phases
 
 BANDS = ("wide", "narrow")
+CONTRADICTION, DOUBT = SEVERITIES = "contradiction", "doubt"  # both cannot be true; it may be meant so
 DATASETS = (
     "calibration",
     "response",
     "spectrometer_calibration",
     "result",
+    "estimate",
     "points",
     "exposures",
     "sightline",
@@ -35,6 +39,7 @@ class Case:
     response: xr.Dataset | None = None
     spectrometer_calibration: xr.Dataset | None = None
     result: xr.Dataset | None = None  # contract 'correction'
+    estimate: xr.Dataset | None = None  # contract 'joint_estimate'
     points: xr.Dataset | None = None  # contract 'calibration_points'
     exposures: xr.Dataset | None = None  # contract 'spectrometer_exposures'
     sightline: xr.Dataset | None = None
@@ -46,10 +51,9 @@ class Case:
         if self.test is not None:
             held |= {"test", *instruments(self.test)}
             held |= {name for name in ("counts", "spectral_radiance") if name in self.test}
-            held |= {"plasma"} if "plasma_off_time" in self.test.attrs else set()
+            held |= {"plasma"} if has_plasma(self.test) else set()
         if self.result is not None:
-            held |= {"pyrometer"} if "corrected_temperature" in self.result else set()
-            held |= {"spectrometer"} if "scaled_temperature" in self.result else set()
+            held |= {f"result.{name}" for name in self.result.variables}
         dated = self.files.get("dates") and all(date is not None for date in self.files["dates"])
         return held | {name for name, value in self.files.items() if value} | ({"dated"} if dated else set())
 
@@ -70,6 +74,22 @@ class Case:
         """Mean light (S,) of the pixels that no spectrum lacks; NaN without such pixels."""
         good = np.isfinite(self.net).all(axis=0)
         return self.net[:, good].mean(axis=1) if good.any() else np.full(len(self.net), np.nan)
+
+    @cached_property
+    def window(self):
+        """What the reference window holds (`onset.attributes`), and the names of the two bands that tell.
+
+        Without a pyrometer the spectra are asked, two halves of their wavelengths for bands.
+        """
+        if "pyrometer" in self.holds:
+            names, time, pair = [f"{band} band" for band in BANDS], self.test.time.values, self.pair
+        else:
+            names = ["shorter wavelengths", "longer wavelengths"]
+            time, pair = self.test.spectrum_time.values, halves(self.net)
+        attrs = self.test.attrs
+        return onset.attributes(
+            "seen", time, pair, attrs["reference_window"], attrs["plasma_off_time"]
+        ), names
 
     @cached_property
     def exposure(self):
@@ -95,23 +115,37 @@ class Rule:
     says: str  # template, filled with what `find` saw
     remedy: str  # a template as well
     find: Callable  # (case, limit) -> mapping for `says`, or None
+    severity: str = CONTRADICTION
 
     def __call__(self, case):
-        """The sentence about a case, or None."""
+        """The finding about a case, or None."""
         if not case.holds.issuperset(self.needs):
             return None
         saw = self.find(case, self.limit)
         if saw is None:
             return None
-        where = saw.pop("where", case.place)
-        return f"{where}: {self.says.format(**saw)}; {self.remedy.format(**saw)} [{self.name}]"
+        where = str(saw.pop("where", case.place))
+        return Finding(self, where, self.says.format(**saw), self.remedy.format(**saw))
 
 
 class Finding(NamedTuple):
-    """What a rule said."""
+    """What a rule said: of which file or folder, what it saw there, and what to do."""
 
     rule: Rule
-    words: str
+    where: str
+    saw: str
+    remedy: str
+
+    @property
+    def words(self):
+        """One sentence, as commands say it and files keep it."""
+        return f"{self.where}: {self.saw}; {self.remedy} [{self.rule.name}]"
+
+    @property
+    def entry(self):
+        """The same by names, as `diagnosis.json` and `findings.json` hold it."""
+        kept = {"rule": self.rule.name, "severity": self.rule.severity}
+        return kept | {name: getattr(self, name) for name in ("where", "saw", "remedy")}
 
 
 def rule(name, **entry):
@@ -129,7 +163,7 @@ def rules_of(*modules):
 
 
 def look(case, rules):
-    """Every contradiction that `rules` find in a case, in the order of the rules.
+    """Every finding of `rules` in a case: contradictions first, then doubts, in the order of the rules.
 
     Parameters
     ----------
@@ -142,5 +176,6 @@ def look(case, rules):
     """
     # Signals of zero and missing samples make ratios that the rules leave out.
     with np.errstate(divide="ignore", invalid="ignore"):
-        said = [(rule, rule(case)) for rule in rules]
-    return [Finding(rule, words) for rule, words in said if words is not None]
+        said = [rule(case) for rule in rules]
+    found = [one for one in said if one is not None]
+    return sorted(found, key=lambda one: SEVERITIES.index(one.rule.severity))

@@ -5,7 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 
-from plasmapyro.quality.rule import rule
+from plasmapyro.quality.rule import DOUBT, rule
 from plasmapyro.radiation.planck import blackbody_radiance
 
 NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
@@ -32,6 +32,7 @@ def _numbers(names):
     says="the numbers in the file names have no leading zeros: the order taken is {first}, {second}, ...,"
     " {last} (by letters {other} would come second)",
     remedy="nothing, if that is the order in which they were taken",
+    severity=DOUBT,
 )
 def natural_order(case, limit):
     names = case.files["names"]
@@ -153,6 +154,7 @@ def repeated_spectrum(case, limit):
     says="spectra come every {cycle:.4g} s, but {count} intervals are longer, the first from {begin:.6g} to"
     " {end:.6g} s",
     remedy="see whether files are lost",
+    severity=DOUBT,
 )
 def gap_in_cycle(case, limit):
     time = case.test.spectrum_time.values

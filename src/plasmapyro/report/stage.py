@@ -5,17 +5,14 @@ import re
 
 import jinja2
 import numpy as np
-import xarray as xr
 
-from plasmapyro.quality.agreement import instruments_disagree
-from plasmapyro.quality.rule import Case, look
 from plasmapyro.report.captions import describe
 from plasmapyro.versions import versions
 
 CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument", "Design"]
 
 
-def compose(figures, claims, corrections, diagnoses=(), timings=(), configuration=None):
+def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(), configuration=None):
     """The whole report as HTML text.
 
     Parameters
@@ -26,6 +23,8 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
     corrections : list of (test, Dataset)
         Name of the test and its file of contract 'pyrometer_correction', 'spectrometer_correction' or
         'joint_estimate'.
+    findings : list of dict
+        What contradicts itself in the tests, as in their `findings.json`.
     diagnoses : list of (test, html)
         Name of the test and the page of its diagnosis.
     timings : list of (name, dict)
@@ -56,7 +55,7 @@ def compose(figures, claims, corrections, diagnoses=(), timings=(), configuratio
         claims=_claim_rows(claims),
         counts=_verdicts(claims),
         tests=[_summary(name, corrected) for name, corrected in corrections],
-        contradictions=list(_contradictions(corrections)),
+        findings=sorted(findings, key=lambda one: one["severity"]),
         diagnoses=diagnoses,
         timings=_times(timings),
         versions=dict(versions()) | {"plasmapyro": claims.attrs.get("plasmapyro_version", "")},
@@ -94,20 +93,6 @@ def _verdicts(claims):
         )
         for word in sorted(set(first))
     }
-
-
-def _contradictions(corrections):
-    """Sentences about tests whose instruments, or one and its calibration, contradict each other."""
-    for name in dict.fromkeys(name for name, _ in corrections):
-        parts = [corrected for other, corrected in corrections if other == name]
-        for part in parts:
-            if part.attrs.get("contradictions"):
-                yield f"{name}: {part.attrs['contradictions']}"
-        single = [part for part in parts if {"corrected_temperature", "scaled_temperature"} & set(part)]
-        if len(single) == 2:
-            both = xr.merge(single, compat="override", join="outer", combine_attrs="drop")
-            for found in look(Case(name, result=both), [instruments_disagree]):
-                yield found.words
 
 
 def _kind(verdict):
