@@ -3,6 +3,7 @@ import os
 from snakemake.utils import min_version
 
 from plasmapyro import configuration, workspace
+from plasmapyro.gas.species import AIR, gas_name
 from plasmapyro.readers.stage import condition_of
 
 min_version("9.0")

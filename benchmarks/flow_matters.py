@@ -2,8 +2,8 @@
 
     python benchmarks/flow_matters.py
 
-Needs results/gas/air11.nc and net_emission.nc, results/instrument and results/flow of the main job. Keeps its
-solutions in results/benchmark_flow and takes up where it stopped. Writes docs/flow_matters.csv and
+Needs results/gas/air11.nc and emission/air11.nc, results/instrument and results/flow of the main job. Keeps
+its solutions in results/benchmark_flow and takes up where it stopped. Writes docs/flow_matters.csv and
 docs/flow_matters.png, which docs/flow.md shows.
 """
 
@@ -230,7 +230,7 @@ LEAST = 0.05  # [K]: left end of the axis
 
 def main():
     gas, start, lamp = bench.air(), bench.reference(MESH), Bench()
-    emission = io.read(bench.ROOT / "results/gas/net_emission.nc", "net_emission")
+    emission = io.read(bench.ROOT / "results/gas/emission/air11.nc", "net_emission")
     rows = []
     for power in POWERS:
         rows += table_of(power, gas, start, emission, lamp)

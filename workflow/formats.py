@@ -7,8 +7,8 @@ from plasmapyro.contracts import DATASETS, VARIABLES
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "file-formats.md"
 MARK = "<!-- from here on written by workflow/formats.py -->\n"
 FILES = {  # contract -> where a run leaves it; "" for files that only commands write or read
-    "gas": "results/gas/air11.nc",
-    "net_emission": "results/gas/net_emission.nc",
+    "gas": "results/gas/{gas}.nc",
+    "net_emission": "results/gas/emission/{gas}.nc",
     "flow": "results/flow/{condition}.nc",
     "probe_readings": "results/facility/{condition}.nc",
     "facility": "results/facility.nc",

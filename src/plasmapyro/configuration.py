@@ -10,6 +10,7 @@ from jsonschema import Draft202012Validator, ValidationError
 from jsonschema.validators import extend
 
 from plasmapyro.foreign import printable, quote, unfit
+from plasmapyro.gas.species import AIR
 
 LARGEST_FILE = 250_000  # [byte]
 MOST_FAULTS, LONGEST_LINE, LONGEST_VALUE = 40, 500, 200  # that a message shows; the others in characters
@@ -142,7 +143,8 @@ def ladder(conditions, name):
     """
 
     def gas_of(case):
-        own = {key: value for key, value in case.items() if key not in ("numerical_power_kw", "emittance")}
+        own = {"nitrogen_mole_fraction": AIR["N2"], **case}
+        own = {key: value for key, value in own.items() if key not in ("numerical_power_kw", "emittance")}
         return own | {"cfd": {k: v for k, v in own.get("cfd", {}).items() if k not in ("file", "mesh")}}
 
     by_power = {conditions[name].get("numerical_power_kw"): name}
@@ -261,6 +263,8 @@ def _no_ladder(cases):
     """What keeps the conditions of the claims from differing in their power only."""
     first, reference = next(iter(cases.items()), ("", {}))
     for name, case in cases.items():
+        if case.get("nitrogen_mole_fraction", AIR["N2"]) != AIR["N2"]:
+            yield f"claims.conditions: '{name}' is no air; the paper's figures and claims are"
         for key in ("chamber_pressure_mbar", "mass_flow_rate_g_s", "emittance"):
             if case[key] != reference[key]:
                 yield (

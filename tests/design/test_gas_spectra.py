@@ -32,7 +32,7 @@ def test_bins_fill_the_range_and_do_not_leave_the_data():
 
 def test_heating_leaves_cold_gas_alone_and_keeps_the_pressure():
     temperature = np.array([400.0, 3000.0, 8000.0])
-    changed, density = heated(temperature, np.full(3, 5000.0), 1.05)
+    changed, density = heated(temperature, np.full(3, 5000.0), 1.05, 0.79)
     np.testing.assert_allclose(changed, [400.0, 3150.0, 8400.0])
     assert temperature[0] < COLDEST_NODE and density.shape == (len(SPECIES), 3)
     np.testing.assert_allclose(density.sum(axis=0) * 1.380649e-23 * changed, 5000.0, rtol=1e-9)

@@ -12,7 +12,7 @@ from plasmapyro.facility.jet import Jet, edge_ahead, jet_ahead, own_heat_flux, o
 from plasmapyro.facility.probes import Calorimeter, heat_flux
 from plasmapyro.facility.stage import facility, probe_readings
 from plasmapyro.facility.verdict import as_markdown
-from plasmapyro.gas.stage import air_table
+from plasmapyro.gas.stage import gas_table
 from plasmapyro.quantities import in_si
 
 RADIUS, SLOPE, GRADIENT = 0.025, 4e4, 1200.0  # [m], [K m-1], [s-1]
@@ -21,7 +21,7 @@ SCHEMA = Path(__file__).resolve().parents[2] / "config/schema_condition.yaml"
 
 @pytest.fixture(scope="module")
 def gas():
-    return air_table(temperature=np.arange(300.0, 7001.0, 50.0), pressure=[5000.0])
+    return gas_table(temperature=np.arange(300.0, 7001.0, 50.0), pressure=[5000.0])
 
 
 @pytest.fixture(scope="module")

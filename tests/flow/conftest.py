@@ -6,7 +6,7 @@ import xarray as xr
 from skfem import MeshTri
 
 from plasmapyro.flow.stage import cold_start
-from plasmapyro.gas.stage import air_table
+from plasmapyro.gas.stage import gas_table
 
 TORCH = {
     "length": 0.486,
@@ -32,7 +32,7 @@ def torch_lengths():
 @pytest.fixture(scope="session")
 def air():
     """Equilibrium air on a coarse table around 50 mbar."""
-    return air_table(temperature=np.arange(200.0, 15001.0, 50.0), pressure=np.array([4500.0, 5000.0, 5500.0]))
+    return gas_table(temperature=np.arange(200.0, 15001.0, 50.0), pressure=np.array([4500.0, 5000.0, 5500.0]))
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.flow import continuation, meshes, stage
@@ -281,6 +282,16 @@ def test_a_start_from_another_mesh_is_refused(air, start):
     del moved.attrs["torch"]
     with pytest.raises(ValueError, match="lacks the attribute 'torch'"):
         condition(air, moved, numerical_power=80e3, **CONDITION, **TOLERANCES)
+
+
+def test_a_start_in_another_gas_is_refused_and_a_neighbour_left_out(air, start, at_80, caplog):
+    nitrogen = air.assign_attrs(gas="N2")
+    with pytest.raises(ValueError, match="the start was computed in air, the gas table is of N2"):
+        condition(nitrogen, start, numerical_power=80e3, **CONDITION, **TOLERANCES)
+    beside = at_80.assign_attrs(gas="N2")
+    found = condition(air, start, neighbours=[beside], numerical_power=80e3, **CONDITION, **TOLERANCES)
+    xr.testing.assert_identical(found, at_80)
+    assert found.attrs["gas"] == "air"
 
 
 def test_a_coupled_step_is_newtons_for_flow_and_induction(problem):

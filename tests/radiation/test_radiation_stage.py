@@ -3,6 +3,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
+from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
@@ -48,6 +49,22 @@ def test_every_component_carries_its_uncertainty(radiation):
     assert 0.03 < stated["O I"] < stated["N I"] < 0.18  # classes B+ to C+ of NIST
     assert all(0 < value <= 1 for value in stated.values())
     assert component_uncertainty(["boundary"], []) == 0
+
+
+def test_pure_nitrogen_shines_by_its_atoms_molecules_and_ions_alone(jet_sightline, response):
+    temperature, pressure = jet_sightline.temperature.values, jet_sightline.pressure.values
+    path = jet_sightline.assign(
+        number_density=(jet_sightline.number_density.dims, number_density(temperature, pressure, 1.0).T)
+    )
+    found = line_of_sight_radiance(
+        path, response, wavelength_range=RANGE, grid_points=POINTS, slit_fwhm=0.75e-9
+    )
+    light = found.gas_radiance_component.integrate("wavelength").to_series()
+    dark = ["O I", "O II", "NO 11000 A", "NO beta", "NO infrared", "O- detachment"]
+    assert not light[dark].any()
+    assert (light.drop([*dark, "N II"]) > 0).all()  # no line of N II lies in the range
+    # No other system beside the band at 759 nm of N2 1P may be left out: it and N I carry the lines.
+    assert light["N2 1P"] + light["N I"] + light["N2+ Meinel"] > 0.5 * light.sum()
 
 
 def test_components_add_up_to_the_gas(radiation):

@@ -70,6 +70,17 @@ def test_quadratic_fields_are_sampled_exactly():
     assert path.radial_position.values == pytest.approx(r, abs=1e-15)
 
 
+def test_the_gas_of_the_flow_fills_the_chamber_and_air_the_laboratory():
+    field = flow(jet).assign_attrs(gas="N2")
+    path = line_of_sight(field, angle=ANGLE, points=60, **RULE)
+    oxygen = path.number_density.sel(species=["O2", "NO", "O", "O2+", "NO+", "O+"]).sum("species")
+    inside = path.path_distance <= RULE["window_distance"]
+    assert not oxygen.where(inside, 0).any()
+    assert (oxygen.where(~inside, 1) > 0).all()
+    particles = path.pressure / (BOLTZMANN * path.temperature)
+    assert path.number_density.sum("species").values == pytest.approx(particles.values, rel=FLOAT_RTOL)
+
+
 def test_cubic_fields_converge_with_the_third_power_of_the_cell():
     def cubic(z, r):
         return 2000 + 3e5 * r**3 - 900 * z**3

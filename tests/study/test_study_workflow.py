@@ -27,7 +27,7 @@ def test_a_study_is_planned_where_emittances_cost_no_job_and_angles_no_flow(proj
     write(project)
     before, _ = planned(project)
     assert before["study_flow"] == 6 and before["study_signal"] == 12
-    assert before["study_gather"] == before["flow_start"] == before["air_table"] == 1
+    assert before["study_gather"] == before["flow_start"] == before["gas_table"] == 1
     assert not {"flow", "radiance", "all"} & before.keys()
     write(project, emittance=[k / 10 for k in range(1, 11)], angle_deg=[30, 35, 40, 45, 50])
     jobs, _ = planned(project)

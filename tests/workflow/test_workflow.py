@@ -57,6 +57,19 @@ def test_conditions_of_ones_own_are_files_more_and_touch_nothing_of_the_paper(pr
     assert not re.findall(r"results/\S*(?:95kW|wet|_own|/0)\.\w+", shown.stdout)
 
 
+def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
+    shutil.copy(project / "config/more/nitrogen_70kW.yaml", project / "config/conditions")
+    whole = snakemake(project, "--dry-run")
+    jobs = planned(whole)
+    assert jobs["gas_table"] == jobs["flow_start"] == 2
+    assert jobs["radiance"] == jobs["probe_readings"] == 10
+    (pairs,) = re.findall(r"rule facility:\n    input: (.*)", whole.stdout)
+    assert "results/facility/70kW.nc" in pairs and "nitrogen" not in pairs
+    alone = snakemake(project, "--dry-run", "results/radiation_variations/nitrogen_70kW.nc")
+    assert "results/flow/start/N2.nc" in alone.stdout
+    assert not re.findall(r"air11|start/reference|/70kW", alone.stdout)
+
+
 def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):
     """The file of a measured test names the condition; its powers are those of the same pressure."""
     first = (project / "config/conditions/90kW.yaml").read_text()

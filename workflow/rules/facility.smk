@@ -1,17 +1,23 @@
 # What probes would read in each computed flow, beside measured pairs; only where the configuration asks for it.
-if "facility" in config and COMPUTED:
-    FIGURES += drawn("facility_pairs")
-    RESULTS += [
-        "results/facility.nc",
-        "results/facility.md",
-        *expand("results/facility/{condition}.nc", condition=COMPUTED),
-    ]
+PAIRS_MBAR = (
+    50  # the pairs were measured in air at this pressure, and are held against flows of that gas only
+)
+PAIRED = [
+    name
+    for name in COMPUTED
+    if NITROGEN[name] == AIR["N2"] and CONDITIONS[name]["chamber_pressure_mbar"] == PAIRS_MBAR
+]
+if "facility" in config:
+    RESULTS += expand("results/facility/{condition}.nc", condition=COMPUTED)
+    if PAIRED:
+        FIGURES += drawn("facility_pairs")
+        RESULTS += ["results/facility.nc", "results/facility.md"]
 
 
 rule probe_readings:
     input:
         flow="results/flow/{condition}.nc",
-        gas="results/gas/air11.nc",
+        gas=of_gas("results/gas/{gas}.nc"),
     output:
         "results/facility/{condition}.nc",
     log:
@@ -30,7 +36,7 @@ rule probe_readings:
 
 rule facility:
     input:
-        readings=expand("results/facility/{condition}.nc", condition=COMPUTED),
+        readings=expand("results/facility/{condition}.nc", condition=PAIRED),
     output:
         table="results/facility.nc",
         text="results/facility.md",
@@ -39,7 +45,7 @@ rule facility:
     benchmark:
         "results/benchmarks/facility.tsv"
     params:
-        conditions=COMPUTED,
+        conditions=PAIRED,
         settings={
             key: config.get("facility", {}).get(key)
             for key in ["admissible_recombination", "flux_uncertainty", "pressure_uncertainty"]

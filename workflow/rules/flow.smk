@@ -1,32 +1,35 @@
-# One cold start at a reference condition; each power condition continues from it by itself, or from a nearer
-# solution of an earlier run. The radiation loss is computed only where it is asked for.
-EMISSION = ["results/gas/net_emission.nc"] if config["flow"]["physics"]["radiation_factor"] else []
-if COMPUTED:
-    RESULTS += ["results/flow/start/reference.nc", *expand("results/flow/{condition}.nc", condition=COMPUTED)]
+# One cold start per gas at a reference condition; each power condition continues from that of its gas by itself, or
+# from a nearer solution of an earlier run. The radiation loss is computed only where it is asked for.
+def start_of(gas):
+    return f"results/flow/start/{'reference' if gas == 'air11' else gas}.nc"
 
 
-rule net_emission:
-    input:
-        "results/gas/air11.nc",
-    output:
-        "results/gas/net_emission.nc",
-    log:
-        "results/logs/net_emission.log",
-    benchmark:
-        "results/benchmarks/net_emission.tsv"
-    script:
-        "../scripts/net_emission.py"
+def emission_of(gas):
+    radiates = config["flow"]["physics"]["radiation_factor"]
+    return [f"results/gas/emission/{gas}.nc"] if radiates else []
+
+
+def of_gas(path):
+    """Input function: what `path`, a pattern or a function, is for the gas of a condition."""
+    made = path if callable(path) else lambda gas: path.format(gas=gas)
+    return lambda wildcards: made(gas_key(NITROGEN[wildcards.condition]))
+
+
+STARTED = {start_of(gas_key(nitrogen)): gas_key(nitrogen) for nitrogen in NITROGEN.values()}
+RESULTS += [*STARTED, *expand("results/flow/{condition}.nc", condition=COMPUTED)]
 
 
 rule flow_start:
     input:
-        "results/gas/air11.nc",
+        lambda wildcards: f"results/gas/{'air11' if wildcards.start == 'reference' else wildcards.start}.nc",
     output:
-        "results/flow/start/reference.nc",
+        "results/flow/start/{start}.nc",
     log:
-        "results/logs/flow_start.log",
+        "results/logs/flow_start_{start}.log",
     benchmark:
-        "results/benchmarks/flow_start.tsv"
+        "results/benchmarks/flow_start_{start}.tsv"
+    wildcard_constraints:
+        start=one_of(["reference", *GASES]),
     params:
         **config["flow"]["start"],
         **config["flow"]["convergence"],
@@ -38,16 +41,18 @@ rule flow_start:
 
 rule flow:
     input:
-        gas="results/gas/air11.nc",
-        start="results/flow/start/reference.nc",
+        gas=of_gas("results/gas/{gas}.nc"),
+        start=of_gas(start_of),
         neighbours=config["flow"]["neighbours"],
-        emission=EMISSION,
+        emission=of_gas(emission_of),
     output:
         "results/flow/{condition}.nc",
     log:
         "results/logs/flow_{condition}.log",
     benchmark:
         "results/benchmarks/flow_{condition}.tsv"
+    wildcard_constraints:
+        condition=one_of(COMPUTED),
     params:
         **config["flow"]["convergence"],
         **config["flow"]["physics"],

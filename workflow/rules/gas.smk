@@ -1,14 +1,38 @@
-RESULTS.append("results/gas/air11.nc")
+# One table per gas of the conditions; the names of the files say which.
+def gas_key(nitrogen):
+    return "air11" if nitrogen == AIR["N2"] else gas_name(nitrogen).split()[0].replace(":", "_")
 
 
-rule air_table:
+NITROGEN = {name: CONDITIONS[name].get("nitrogen_mole_fraction", AIR["N2"]) for name in COMPUTED}
+GASES = {gas_key(nitrogen): nitrogen for nitrogen in [AIR["N2"], *NITROGEN.values()]}
+RESULTS += expand("results/gas/{gas}.nc", gas=GASES)
+
+
+rule gas_table:
     output:
-        "results/gas/air11.nc",
+        "results/gas/{gas}.nc",
     log:
-        "results/logs/air_table.log",
+        "results/logs/gas_table_{gas}.log",
     benchmark:
-        "results/benchmarks/air_table.tsv"
+        "results/benchmarks/gas_table_{gas}.tsv"
+    wildcard_constraints:
+        gas=one_of(GASES),
     params:
         **config["gas"],
+        nitrogen_mole_fraction=lambda wildcards: GASES[wildcards.gas],
     script:
-        "../scripts/air_table.py"
+        "../scripts/gas_table.py"
+
+
+# Only for flows that lose heat by radiation.
+rule net_emission:
+    input:
+        "results/gas/{gas}.nc",
+    output:
+        "results/gas/emission/{gas}.nc",
+    log:
+        "results/logs/net_emission_{gas}.log",
+    benchmark:
+        "results/benchmarks/net_emission_{gas}.tsv"
+    script:
+        "../scripts/net_emission.py"

@@ -100,8 +100,10 @@ class AirSpectra:
         return binned(self.wavelength, table_radiance(self.table, path)[0][:, ::-1], self.edges)
 
 
-def heated(temperature, pressure, factor):
+def heated(temperature, pressure, factor, nitrogen):
     """A path's temperatures times a factor, as far as they emit, and its equilibrium composition.
+
+    `nitrogen` is the mole fraction of N2 in the cold gas, the rest O2.
 
     Returns
     -------
@@ -112,4 +114,4 @@ def heated(temperature, pressure, factor):
     ASSUME: pressure stays; cold gas below `COLDEST_NODE`, which does not shine, is left as it is.
     """
     changed = np.where(temperature > COLDEST_NODE, np.minimum(temperature * factor, HOTTEST), temperature)
-    return changed, number_density(changed, pressure).T
+    return changed, number_density(changed, pressure, nitrogen).T

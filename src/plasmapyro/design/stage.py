@@ -10,6 +10,7 @@ from plasmapyro.checks import increasing
 from plasmapyro.design import budget, gains, search
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE, Bench
 from plasmapyro.design.spectra import HOTTEST, AirSpectra, heated
+from plasmapyro.gas.species import nitrogen_of
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.band_systems import SYSTEMS
 from plasmapyro.radiation.bandsignal import responsivities
@@ -100,7 +101,9 @@ def gas_spectra(
         )
         thin = case.isel(path_distance=points)
         states = [
-            heated(thin.temperature.values, thin.pressure.values, factor) if factor != 1 else None
+            heated(thin.temperature.values, thin.pressure.values, factor, nitrogen_of(thin))
+            if factor != 1
+            else None
             for factor in factors
         ]
         states[0] = thin.temperature.values, thin.number_density.values

@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.checks import positive
 from plasmapyro.facility.stagnation_line import Edge
 from plasmapyro.flow.properties import gas_properties
+from plasmapyro.gas.species import AIR, nitrogen_of
 from plasmapyro.sightline.sampling import interpolate, locate
 
 EDGE_RADII = 0.6  # distance of the edge of a stagnation line, in radii of the probe
@@ -16,12 +17,14 @@ OFF_AXIS = 0.04  # radii of the probe: where the gradient of the radial speed is
 
 @dataclass(frozen=True)
 class Jet:
-    """Gas on the axis: temperature [K], chamber pressure [Pa], speed [m s-1], own pressure above it [Pa]."""
+    """Gas on the axis: temperature [K], chamber pressure [Pa], speed [m s-1], own pressure above it [Pa], and
+    the mole fraction of N2 in the cold gas."""
 
     temperature: float
     pressure: float
     speed: float
     gauge_pressure: float
+    nitrogen: float = AIR["N2"]
 
 
 def jet_ahead(flow, radius):
@@ -38,7 +41,13 @@ def jet_ahead(flow, radius):
     Jet
     """
     state = _on_axis(flow, JET_RADII * positive("radius", radius, "m"))
-    return Jet(state["temperature"], float(flow.chamber_pressure), state["axial_velocity"], state["gauge"])
+    return Jet(
+        state["temperature"],
+        float(flow.chamber_pressure),
+        state["axial_velocity"],
+        state["gauge"],
+        nitrogen_of(flow),
+    )
 
 
 def edge_ahead(flow, radius):
@@ -53,7 +62,12 @@ def edge_ahead(flow, radius):
     beside = OFF_AXIS * radius
     gradient = _value(flow, "radial_velocity", distance, beside) / beside
     return Edge(
-        state["temperature"], float(flow.chamber_pressure), distance, state["axial_velocity"], gradient
+        state["temperature"],
+        float(flow.chamber_pressure),
+        distance,
+        state["axial_velocity"],
+        gradient,
+        nitrogen_of(flow),
     )
 
 
@@ -80,6 +94,7 @@ def potential_edge(jet, radius):
         distance,
         jet.speed * (1 - part),
         1.5 * jet.speed * part / (radius + distance),
+        jet.nitrogen,
     )
 
 

@@ -85,12 +85,12 @@ def pitot_pressure(jet, radius, *, wall_temperature=350.0):
 
 def density(jet):
     """Density [kg m-3] of the equilibrium gas of a Jet."""
-    x = equilibrium.composition(np.array([jet.temperature]), jet.pressure)[0]
+    x = equilibrium.composition(np.array([jet.temperature]), jet.pressure, jet.nitrogen)[0]
     return float(jet.pressure * (x @ MOLAR_MASS) / (MOLAR_GAS * jet.temperature))
 
 
 def enthalpy(jet):
     """Enthalpy [J kg-1] of the equilibrium gas of a Jet, zero for cold air at 298.15 K."""
     temperature = np.array([jet.temperature])
-    x = equilibrium.composition(temperature, jet.pressure)
+    x = equilibrium.composition(temperature, jet.pressure, jet.nitrogen)
     return float(equilibrium.enthalpy(x, equilibrium.species_enthalpy(temperature))[0])

@@ -106,7 +106,7 @@ def _beside(name, measured, flow, edge, jet, rates):
 
 
 def _at_edge(jet, edge):
-    return type(jet)(edge.temperature, jet.pressure, jet.speed, jet.gauge_pressure)
+    return type(jet)(edge.temperature, jet.pressure, jet.speed, jet.gauge_pressure, jet.nitrogen)
 
 
 def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_uncertainty):

@@ -39,7 +39,7 @@ from plasmapyro.facility.kinetics import (
 )
 from plasmapyro.gas import equilibrium, transport
 from plasmapyro.gas.collisions import electron_integrals, heavy_integrals
-from plasmapyro.gas.species import CHARGE, ELECTRON, MASS, SPECIES
+from plasmapyro.gas.species import AIR, CHARGE, ELECTRON, MASS, SPECIES
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +65,8 @@ class Edge:
     """State of the gas at the outer end of the line.
 
     `temperature` [K] in equilibrium at `pressure` [Pa]; `distance` [m] from the wall; `normal_speed` [m s-1]
-    towards the wall and `gradient` [s-1] of the speed away from the axis, both there.
+    towards the wall and `gradient` [s-1] of the speed away from the axis, both there;
+    `nitrogen` is the mole fraction of N2 in the cold gas.
     """
 
     temperature: float
@@ -73,6 +74,7 @@ class Edge:
     distance: float
     normal_speed: float
     gradient: float
+    nitrogen: float = AIR["N2"]
 
     def __post_init__(self):
         within("edge temperature", self.temperature, 400.0, TEMPERATURE_RANGE[1], "K")
@@ -180,7 +182,9 @@ class _Problem:
         ends = np.concatenate([[self.xi[0]], self.face, [self.xi[-1]]])
         self.volume = np.diff(ends**3) / 3
         grid = np.arange(TEMPERATURE_RANGE[0], 15000.1, 25.0)
-        self.equilibrium = CubicSpline(grid, _mass_fraction(equilibrium.composition(grid, edge.pressure)))
+        self.equilibrium = CubicSpline(
+            grid, _mass_fraction(equilibrium.composition(grid, edge.pressure, edge.nitrogen))
+        )
         self.outer = self.equilibrium(edge.temperature)
 
     def first_guess(self):

@@ -25,6 +25,7 @@ from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.initial import hot_torch
 from plasmapyro.flow.levels import Solution, coarse_way, estimated_error, level_factors
 from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
+from plasmapyro.gas.species import gas_name, nitrogen_of
 
 log = logging.getLogger(__name__)
 
@@ -150,7 +151,7 @@ def cold_start(
     )
     result = march(fine, state, power, final, label)
     found = to_dataset(fine, setup, reference, result, _balanced(fine, result, label))
-    return found.assign(mesh_variables(meshes, factors))
+    return found.assign(mesh_variables(meshes, factors)).assign_attrs(_named(gas))
 
 
 def condition(
@@ -189,7 +190,8 @@ def condition(
         Result of `cold_start`; torch, probe, wall temperature and meshes are taken from it. Meshes that it
         lacks are made again.
     neighbours : sequence of Dataset, contract 'flow'
-        Other known solutions; those of another torch, probe or mesh are interpolated.
+        Other known solutions; those of another torch, probe or mesh are interpolated, those of another gas
+        left out.
     emission : Dataset, contract 'net_emission', optional
         Needed where `radiation_factor` is not zero.
     swirl_angle : float [rad]
@@ -208,7 +210,7 @@ def condition(
     Raises
     ------
     ValueError
-        As `cold_start`; a radiation factor without `emission`.
+        As `cold_start`; a radiation factor without `emission`; a start in another gas.
     NotConverged
         No way led to a steady state; the message says for each how far it led, and where the plasma went
         out if it did.
@@ -246,6 +248,12 @@ def condition(
     )
     if mach > LOW_MACH:
         log.warning("%s: the gas enters at Mach %.2f; the equations hold for small ones", label, mach)
+    if nitrogen_of(start) != nitrogen_of(gas):
+        raise ValueError(
+            f"the start was computed in {start.attrs.get('gas', 'air')}, the gas table is of "
+            f"{gas.attrs.get('gas', 'air')}"
+        )
+    neighbours = [one for one in neighbours if nitrogen_of(one) == nitrogen_of(gas)]
     known = sorted((*neighbours, start), key=lambda one: Condition.of(one).parts_to(target, power_step))
     faults = []
     for one in known[:TRIES]:
@@ -259,7 +267,8 @@ def condition(
             error = None
             if case.mesh_ratio:
                 error = estimated_error(Solution(problem, result.state), coarsest, case, target)
-            return to_dataset(problem, setup, target, result, balance, error)
+            found = to_dataset(problem, setup, target, result, balance, error)
+            return found.assign_attrs(_named(gas))
         except Unbalanced:
             raise  # another way ends in the same state
         except NotConverged as fault:
@@ -270,6 +279,11 @@ def condition(
     if mach > LOW_MACH:
         tried += f"\nThe gas enters at Mach {mach:.2f}; the equations hold for small Mach numbers."
     raise kind(tried)
+
+
+def _named(gas):
+    """Attribute that names the gas of a table."""
+    return {"gas": gas_name(nitrogen_of(gas))}
 
 
 def _checked_ratio(error_mesh_ratio):

@@ -1,4 +1,4 @@
-"""Composition and thermodynamics of air in local thermodynamic equilibrium (LTE)."""
+"""Composition and thermodynamics of mixtures of N2 and O2 in local thermodynamic equilibrium (LTE)."""
 
 from functools import cache
 
@@ -7,7 +7,15 @@ import numpy as np
 
 from plasmapyro.checks import positive, within
 from plasmapyro.constants import BOLTZMANN
-from plasmapyro.gas.species import AIR, CHARGE, MASS, NITROGEN_ATOMS, OXYGEN_ATOMS, SPECIES
+from plasmapyro.gas.species import (
+    AIR,
+    CHARGE,
+    MASS,
+    NITROGEN_ATOMS,
+    OXYGEN_ATOMS,
+    SPECIES,
+    oxygen_beside,
+)
 
 REFERENCE_PRESSURE = 1e5
 """Pressure the NASA-9 polynomials refer to [Pa]: 1 bar (McBride, Zehe, Gordon, NASA/TP-2002-211556)."""
@@ -32,13 +40,13 @@ def phase(reference_pressure=REFERENCE_PRESSURE):
     return ct.Solution(thermo="ideal-gas", species=[species[name] for name in SPECIES])
 
 
-def composition(temperature, pressure):
-    r"""Mole fractions of air in chemical equilibrium.
+def composition(temperature, pressure, nitrogen=AIR["N2"]):
+    r"""Mole fractions of a mixture of N2 and O2 in chemical equilibrium.
 
     .. math:: x_s = \frac{p^\circ}{p}\exp\Big(-\frac{g_s^\circ(T)}{kT} + \sum_e a_{se}\pi_e\Big)
 
     with the potentials :math:`\pi_e` of N, O and charge such that the fractions add up to one, the
-    elements are those of 79 % N2 and 21 % O2 by mole, and the charge vanishes.
+    elements are those of the cold gas, and the charge vanishes.
 
     Parameters
     ----------
@@ -46,6 +54,8 @@ def composition(temperature, pressure):
         200 to 20000.
     pressure : array_like [Pa]
         > 0; broadcasts against `temperature`.
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas, the rest O2. Of an element that is not there no species are.
 
     Returns
     -------
@@ -55,7 +65,7 @@ def composition(temperature, pressure):
     Raises
     ------
     ValueError
-        Temperature outside its range or pressure not > 0.
+        Temperature or nitrogen outside its range, or pressure not > 0.
     ArithmeticError
         The iteration did not converge (never seen from 200 to 20000 K and 1 to 1e7 Pa).
 
@@ -73,11 +83,16 @@ def composition(temperature, pressure):
     temperature, pressure = np.broadcast_arrays(temperature, pressure)
     gibbs = standard_state("standard_gibbs_RT", temperature.ravel())
     standard = -gibbs - np.log(pressure.ravel() / REFERENCE_PRESSURE)[:, None]
+    nitrogen = float(within("nitrogen", nitrogen, 0.0, 1.0, "1"))
+    oxygen = oxygen_beside(nitrogen)
+    mixed = nitrogen > 0 and oxygen > 0
+    if not mixed:
+        standard[:, (NITROGEN_ATOMS if nitrogen == 0 else OXYGEN_ATOMS) > 0] = -np.inf
     # Start: no element may exceed the amount it has as a molecule, as an atom or as an ion.
     potential = np.stack(
         [
-            _smallest(standard, "N2", "N", 2 * AIR["N2"]),
-            _smallest(standard, "O2", "O", 2 * AIR["O2"]),
+            _smallest(standard, "N2", "N", 2 * nitrogen),
+            _smallest(standard, "O2", "O", 2 * oxygen),
         ],
         axis=-1,
     )
@@ -85,14 +100,19 @@ def composition(temperature, pressure):
         logarithm = _log_fractions(standard, potential)
         fraction = np.exp(logarithm)
         total = fraction.sum(axis=-1)
-        nitrogen, oxygen = fraction @ NITROGEN_ATOMS, fraction @ OXYGEN_ATOMS
-        residual = np.stack([np.log(total), np.log(nitrogen / oxygen) - ELEMENT_RATIO], axis=-1)
+        residual = np.stack([np.log(total), np.zeros_like(total)], axis=-1)
+        if mixed:
+            atoms = fraction @ NITROGEN_ATOMS, fraction @ OXYGEN_ATOMS
+            residual[:, 1] = np.log(atoms[0] / atoms[1]) - np.log(nitrogen / oxygen)
         if np.abs(residual).max() < RESIDUAL:
             return fraction.reshape(*temperature.shape, len(SPECIES))
         slope = _slopes(fraction)
         gradient = np.einsum("ps,pse->pe", fraction, slope) / total[:, None]
-        ratio = np.einsum("ps,pse->pe", fraction * NITROGEN_ATOMS, slope) / nitrogen[:, None]
-        ratio -= np.einsum("ps,pse->pe", fraction * OXYGEN_ATOMS, slope) / oxygen[:, None]
+        if mixed:
+            ratio = np.einsum("ps,pse->pe", fraction * NITROGEN_ATOMS, slope) / atoms[0][:, None]
+            ratio -= np.einsum("ps,pse->pe", fraction * OXYGEN_ATOMS, slope) / atoms[1][:, None]
+        else:  # the potential of the element that is not there stays
+            ratio = np.broadcast_to([float(nitrogen == 0), float(oxygen == 0)], gradient.shape)
         step = np.linalg.solve(np.stack([gradient, ratio], axis=1), residual[..., None])[..., 0]
         potential = potential - np.clip(step, -LARGEST_STEP, LARGEST_STEP)
     raise ArithmeticError(f"composition did not converge in {MAXIMUM_ITERATIONS} iterations")
@@ -101,11 +121,12 @@ def composition(temperature, pressure):
 MAXIMUM_ITERATIONS = 200
 LARGEST_STEP = 2.0  # in ln(fraction): keeps Newton's method inside the convex region
 RESIDUAL = 1e-13  # on ln(sum of fractions) and ln(N/O)
-ELEMENT_RATIO = np.log(AIR["N2"] / AIR["O2"])
 
 
 def _smallest(standard, molecule, atom, amount):
-    """Potential at which neither molecule nor atom holds more than `amount` of the element."""
+    """Potential at which molecule and atom hold no more than `amount` of the element each; 0 for none."""
+    if amount == 0:
+        return np.zeros(len(standard))
     by_molecule = (np.log(amount / 2) - standard[:, SPECIES.index(molecule)]) / 2
     by_atom = np.log(amount) - standard[:, SPECIES.index(atom)]
     return np.minimum(by_molecule, by_atom)
@@ -130,14 +151,16 @@ def _slopes(fraction):
     return atoms + CHARGE[:, None] * charge[:, None, :]
 
 
-def number_density(temperature, pressure):
-    r"""Number densities of air in chemical equilibrium, :math:`n_s = x_s p / k T`.
+def number_density(temperature, pressure, nitrogen=AIR["N2"]):
+    r"""Number densities of a mixture of N2 and O2 in chemical equilibrium, :math:`n_s = x_s p / k T`.
 
     Parameters
     ----------
     temperature : array_like [K]
     pressure : array_like [Pa]
         Broadcast against each other.
+    nitrogen : float [1]
+        As in `composition`.
 
     Returns
     -------
@@ -149,7 +172,7 @@ def number_density(temperature, pressure):
     ValueError
         As `composition`.
     """
-    mole_fraction = composition(temperature, pressure)
+    mole_fraction = composition(temperature, pressure, nitrogen)
     total = np.asarray(pressure) / (BOLTZMANN * np.asarray(temperature))
     return mole_fraction * np.broadcast_to(total, mole_fraction.shape[:-1])[..., None]
 
@@ -244,6 +267,8 @@ def composition_slope(temperature, mole_fraction, enthalpy):
     slope = enthalpy / (BOLTZMANN * temperature**2)[..., None]
     matrix = np.einsum("es,...s,fs->...ef", elements, mole_fraction, elements)
     matrix[..., -1, -1] = 0.0  # the row of the total: sum n dln(n_s) = n dln(n)
+    for element in (0, 1):  # the potential of one that is not there does not change
+        matrix[..., element, element] += matrix[..., element, element] == 0
     right = -np.einsum("es,...s,...s->...e", elements, mole_fraction, slope)
     scale = np.ones(matrix.shape[:-1])
     scale[..., 2] = 1 / np.sqrt(charged)

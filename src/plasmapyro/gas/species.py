@@ -1,7 +1,10 @@
-"""The eleven species of air plasma, and those of carbon beside them: names, elements, charges, masses."""
+"""The eleven species of a plasma of N2 and O2, and those of carbon beside them; names of the cold gases."""
+
+import re
 
 import numpy as np
 
+from plasmapyro.checks import within
 from plasmapyro.constants import ATOMIC_MASS, ELECTRON_MASS
 
 SPECIES = ("N2", "O2", "NO", "N", "O", "N2+", "O2+", "NO+", "N+", "O+", "e-")
@@ -16,10 +19,46 @@ CHARGE = np.array([0, 0, 0, 0, 0, 1, 1, 1, 1, 1, -1], dtype=float)
 """Charge in units of the elementary charge."""
 
 AIR = {"N2": 0.79, "O2": 0.21}
-"""Mole fractions of cold air, the elements of every mixture here.
+"""Mole fractions of cold air.
 
 ASSUME: argon (0.9 %), CO2 and water vapour are left out, as in the eleven-species air of the paper.
 """
+
+
+def gas_name(nitrogen):
+    """What files call a mixture of N2 and O2: 'air', 'N2', 'O2', or such as 'N2:0.9 O2:0.1'.
+
+    Parameters
+    ----------
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas, 0 to 1; the rest is O2.
+    """
+    nitrogen = float(within("nitrogen", nitrogen, 0.0, 1.0, "1"))
+    if nitrogen in (0.0, 1.0):
+        return "N2" if nitrogen else "O2"
+    return "air" if nitrogen == AIR["N2"] else f"N2:{nitrogen!r} O2:{oxygen_beside(nitrogen)!r}"
+
+
+def nitrogen_of(dataset):
+    """Mole fraction of N2 [1] in the cold gas that a dataset names in its attribute `gas`; air if in none.
+
+    Raises
+    ------
+    ValueError
+        Another gas.
+    """
+    name = dataset.attrs.get("gas", "air")
+    known = {"air": AIR["N2"], "N2": 1.0, "O2": 0.0}
+    mixture = re.fullmatch(r"N2:([0-9.e-]+) O2:[0-9.e-]+", name)
+    if name not in known and not mixture:
+        raise ValueError(f"gas must be a mixture of N2 and O2; got {name!r}")
+    return float(mixture[1]) if mixture else known[name]
+
+
+def oxygen_beside(nitrogen):
+    """Mole fraction of O2 [1] beside that of N2, free of the round-off of 1 - 0.79."""
+    return round(1.0 - nitrogen, 12)
+
 
 # IUPAC conventional atomic weights 2009, those of Cantera's elements.
 ATOMIC_WEIGHT_NITROGEN = 14.007

@@ -1,4 +1,4 @@
-"""Table of the properties of air plasma in local thermodynamic equilibrium."""
+"""Table of the properties of a plasma of N2 and O2 in local thermodynamic equilibrium."""
 
 import numpy as np
 import xarray as xr
@@ -7,14 +7,14 @@ from plasmapyro.checks import increasing, positive, within
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas import equilibrium, transport
 from plasmapyro.gas.collisions import electron_integrals, heavy_integrals
-from plasmapyro.gas.species import ELECTRON, SPECIES
+from plasmapyro.gas.species import AIR, ELECTRON, SPECIES, gas_name
 
 TEMPERATURE_RANGE = (200.0, 15000.0)
 PRESSURE_RANGE = (100.0, 1e6)
 
 
-def air_table(*, temperature, pressure):
-    """Composition, thermodynamics and transport coefficients of equilibrium air.
+def gas_table(*, temperature, pressure, nitrogen=AIR["N2"]):
+    """Composition, thermodynamics and transport coefficients of a mixture of N2 and O2 in equilibrium.
 
     Parameters
     ----------
@@ -22,32 +22,34 @@ def air_table(*, temperature, pressure):
         Shape (temperature,), strictly increasing, 200 to 15000.
     pressure : array_like [Pa]
         Shape (pressure,), strictly increasing, 100 to 1e6.
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas, 0 to 1; the rest is O2.
 
     Returns
     -------
     Dataset
-        Contract 'gas'.
+        Contract 'gas'; its attribute `gas` names the mixture.
 
     Raises
     ------
     ValueError
-        An axis that does not increase strictly or leaves its range.
+        An axis that does not increase strictly or leaves its range, or a fraction that does.
     """
     temperature = within("temperature", increasing("temperature", temperature, "K"), *TEMPERATURE_RANGE, "K")
     pressure = within("pressure", increasing("pressure", pressure, "Pa"), *PRESSURE_RANGE, "Pa")
     enthalpy = equilibrium.species_enthalpy(temperature)
     heat_capacity = equilibrium.species_heat_capacity(temperature)
-    rows = [properties(temperature, one, enthalpy, heat_capacity) for one in pressure]
+    rows = [properties(temperature, one, enthalpy, heat_capacity, nitrogen) for one in pressure]
     dims = ("pressure", "temperature")
     variables = {
         name: (dims + ("species",) * (name == "mole_fraction"), np.stack([row[name] for row in rows]))
         for name in rows[0]
     }
     coordinates = {"pressure": pressure, "temperature": temperature, "species": list(SPECIES)}
-    return xr.Dataset(variables, coordinates, attrs={"origin": "modelled"})
+    return xr.Dataset(variables, coordinates, attrs={"origin": "modelled", "gas": gas_name(nitrogen)})
 
 
-def properties(temperature, pressure, enthalpy, heat_capacity):
+def properties(temperature, pressure, enthalpy, heat_capacity, nitrogen):
     """All properties at one pressure.
 
     Parameters
@@ -59,6 +61,8 @@ def properties(temperature, pressure, enthalpy, heat_capacity):
         Per particle of each species, shape (points, 11).
     heat_capacity : ndarray [1]
         Per particle of each species over k, shape (points, 11).
+    nitrogen : float [1]
+        As in `gas_table`.
 
     Returns
     -------
@@ -66,7 +70,7 @@ def properties(temperature, pressure, enthalpy, heat_capacity):
         Named as in the contract 'gas', SI, shape (points,) or (points, 11).
     """
     pressure = positive("pressure", pressure, "Pa")
-    x = equilibrium.composition(temperature, pressure)
+    x = equilibrium.composition(temperature, pressure, nitrogen)
     slope, _ = equilibrium.composition_slope(temperature, x, enthalpy)
     electrons = np.maximum(x[:, ELECTRON], np.finfo(float).tiny) * pressure / (BOLTZMANN * temperature)
     heavy = heavy_integrals(temperature, electrons)
@@ -87,5 +91,8 @@ def properties(temperature, pressure, enthalpy, heat_capacity):
         "heat_capacity": equilibrium.heat_capacity(temperature, x, enthalpy, heat_capacity),
         "viscosity": transport.viscosity(temperature, x, heavy),
         "thermal_conductivity": conductivity,
-        "electrical_conductivity": transport.electrical_conductivity(temperature, x, electron),
+        # Where no electrons are left, round-off may leave -1e-180.
+        "electrical_conductivity": np.maximum(
+            transport.electrical_conductivity(temperature, x, electron), 0.0
+        ),
     }

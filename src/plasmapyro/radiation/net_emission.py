@@ -1,4 +1,4 @@
-r"""Power that optically thin air radiates per volume, from the tables of the lines of sight.
+r"""Power that an optically thin gas radiates per volume, from the tables of the lines of sight.
 
 .. math:: q_{rad}(T, p) = 4\pi \int_{\lambda_1}^{\lambda_2} \left(\sum_l \varepsilon_l\,\phi_l(\lambda)
     + \kappa_c B_\lambda(T)\right) d\lambda
@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import SPECIES
+from plasmapyro.gas.species import SPECIES, gas_name, nitrogen_of
 from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import Continuum, gas_path
@@ -25,7 +25,7 @@ STEP = 10  # the emission is given at every tenth temperature of the gas table
 
 
 def net_emission(gas):
-    """Net emission of equilibrium air within the line tables, by pressure and temperature.
+    """Net emission of the gas of a table in equilibrium within the line tables, by pressure and temperature.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def net_emission(gas):
     blackbody = blackbody_radiance(continuum.axis.wavelength, temperature[:, None])
     rows = []
     for pressure in gas.pressure.values:
-        density = dict(zip(SPECIES, number_density(temperature, pressure).T, strict=True))
+        density = dict(zip(SPECIES, number_density(temperature, pressure, nitrogen_of(gas)).T, strict=True))
         path = _path(temperature, density)
         absorption = [continuum.absorption(path, layer).sum(axis=0) for layer in range(temperature.size)]
         smooth = -np.trapezoid(np.array(absorption) * blackbody, continuum.axis.wavelength, axis=-1)
@@ -62,7 +62,8 @@ def net_emission(gas):
         {"net_emission": (("pressure", "temperature"), np.array(rows))},
         {"pressure": gas.pressure.values, "temperature": temperature},
         attrs={
-            "title": "Net emission of thin equilibrium air: lower bound, only the wavelengths given",
+            "gas": gas_name(nitrogen_of(gas)),
+            "title": "Net emission of thin equilibrium gas: lower bound, only the wavelengths given",
             "wavelength_range": [float(edge) for edge in TABLE_RANGE],
             "origin": weakest(["modelled", *(lines.origin for lines in lists)]),
         },

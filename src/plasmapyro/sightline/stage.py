@@ -6,7 +6,7 @@ import xarray as xr
 from plasmapyro import conditions
 from plasmapyro.checks import increasing, positive
 from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import SPECIES
+from plasmapyro.gas.species import AIR, SPECIES, gas_name, nitrogen_of
 from plasmapyro.sightline import ray, sampling
 from plasmapyro.sightline.hemisphere import directions
 
@@ -30,7 +30,8 @@ def line_of_sight(
     """State of the gas from the probe surface to the instrument.
 
     Inside the flow field: the field. From where the path leaves it to the window: uniform, as at the
-    exit. From the window to the instrument: laboratory air. Composition in LTE everywhere.
+    exit. From the window to the instrument: laboratory air. Composition in LTE everywhere: of the
+    gas that the flow names up to the window, of air beyond it.
 
     Parameters
     ----------
@@ -86,6 +87,8 @@ def line_of_sight(
     whole = {name: np.concatenate([inside[name], outside[name]]) for name in inside}
     return _dataset(
         whole,
+        nitrogen_of(flow),
+        laboratory.size,
         angle=float(np.degrees(angle)),
         exit_distance=leaves,
         window_distance=float(window_distance),
@@ -99,7 +102,7 @@ def _condition(flow, angle):
         return {}
     settings = {name: flow.attrs[name] for name in conditions.OF_FLOW if name in flow.attrs}
     return conditions.stated(
-        gas="air",
+        gas=gas_name(nitrogen_of(flow)),
         settings={**settings, "angle": float(np.degrees(angle))},
         **{name: float(flow[name]) for name in (conditions.POWER, *conditions.STATE)},
     )
@@ -145,7 +148,8 @@ def chord(flow, *, angle, points):
         As `line_of_sight`.
     """
     inside = _inside(flow, angle, points)
-    return _dataset(inside, angle=float(np.degrees(angle)), exit_distance=float(inside["path_distance"][-1]))
+    exit_distance = float(inside["path_distance"][-1])
+    return _dataset(inside, nitrogen_of(flow), angle=float(np.degrees(angle)), exit_distance=exit_distance)
 
 
 def equilibrium_sightline(path_distance, temperature, pressure):
@@ -300,9 +304,12 @@ def _two(first, first_nodes, second, second_nodes):
     return np.concatenate([np.full(first_nodes.size, first), np.full(second_nodes.size, second)])
 
 
-def _dataset(arrays, **attributes):
-    """Dataset of contract 'sightline' with the LTE composition added."""
-    density = number_density(arrays["temperature"], arrays["pressure"])
+def _dataset(arrays, nitrogen=AIR["N2"], laboratory=0, **attributes):
+    """Dataset of contract 'sightline' with the LTE composition; its last `laboratory` nodes are in air."""
+    density = number_density(arrays["temperature"], arrays["pressure"], nitrogen)
+    if laboratory:
+        room = slice(-laboratory, None)
+        density[room] = number_density(arrays["temperature"][room], arrays["pressure"][room])
     variables = {
         name: ("path_distance", values) for name, values in arrays.items() if name != "path_distance"
     }

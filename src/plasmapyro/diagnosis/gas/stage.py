@@ -6,7 +6,7 @@ import xarray as xr
 from plasmapyro import conditions
 from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import SPECIES
+from plasmapyro.gas.species import SPECIES, nitrogen_of
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path
 from plasmapyro.radiation.slit import through_slit
@@ -62,10 +62,10 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     distance, temperature = sightline["path_distance"].values, sightline["temperature"].values
     thickness = layer_thickness(distance)
 
-    air = vary.AirEmission(lists, slit, fwhm, pressure)
+    gas = vary.GasEmission(lists, slit, fwhm, pressure, nitrogen_of(sightline))
 
     def tabulated(**change):
-        return vary.Emission(air.temperature, air.varied(**change))
+        return vary.Emission(gas.temperature, gas.varied(**change))
 
     plain = tabulated()
     thin = plain.along(temperature, thickness)

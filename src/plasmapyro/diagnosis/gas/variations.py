@@ -23,8 +23,8 @@ VIBRATION = "N2 1P"  # the system whose vibrational temperature is varied
 LEVEL_STEP = 10.0  # [m-1] energies of one vibrational level agree to this
 
 
-class AirEmission:
-    r"""Slit-convolved emission of air in equilibrium on temperature nodes, not absorbed.
+class GasEmission:
+    r"""Slit-convolved emission of a mixture of N2 and O2 in equilibrium on temperature nodes, not absorbed.
 
     .. math:: j_\lambda(T) = \sum_l n_u(T) \frac{A h c \tilde\nu}{4\pi} g(\lambda - \lambda_l)
               + \kappa_c B_\lambda(T)
@@ -35,6 +35,8 @@ class AirEmission:
     wavelength_slit : (K,) [m], equally spaced
     slit_fwhm : float [m]
     pressure : float [Pa]
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas.
 
     Attributes
     ----------
@@ -48,12 +50,12 @@ class AirEmission:
     signal is absorbed). ASSUME: Lorentz wings are neglected; only ratios of such spectra are used.
     """
 
-    def __init__(self, line_lists, wavelength_slit, slit_fwhm, pressure):
+    def __init__(self, line_lists, wavelength_slit, slit_fwhm, pressure, nitrogen):
         self.lists, self.temperature = line_lists, np.linspace(*NODE_RANGE, NODES)
         self.spreaders = [
             SlitHistogram(1 / lines.wavenumber, wavelength_slit, slit_fwhm) for lines in line_lists
         ]
-        density = number_density(self.temperature, np.full(NODES, pressure)).T
+        density = number_density(self.temperature, np.full(NODES, pressure), nitrogen).T
         self.density = dict(zip(SPECIES, density, strict=True))
         self.path = gas_path(np.arange(NODES, dtype=float), self.temperature, self.density)
         self.plain = np.zeros((NODES, len(line_lists) + 1, wavelength_slit.size))
