@@ -13,10 +13,25 @@ from blind import bench, board, calibrate, draw, make, page, run
 from blind.metric import Metric
 from blind.score import judge_temperature, score
 from invented import DISTANCE, SPECIES, TEMPERATURE, density, spectra
+from powers import ladder
 from twin import campaign, hidden
 from two_bands import RESPONSE
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_the_ladder_of_powers_is_read_from_the_files_not_from_their_names(tmp_path):
+    facts = {"chamber_pressure": 5000.0, "mass_flow_rate": 0.016, "gas": "air", "flow_settings": "{}"}
+    for name, power, changes in (
+        ("zz", 50e3, {}),
+        ("mine", 80e3, {}),
+        ("130kW", 85e3, {"chamber_pressure": 2000.0}),
+        ("90kW", None, {}),
+    ):
+        stated = {} if power is None else {"numerical_power": power}
+        xr.Dataset(attrs=facts | changes | stated).to_netcdf(tmp_path / f"{name}.nc")
+    assert ladder(tmp_path) == {50e3: tmp_path / "zz.nc", 80e3: tmp_path / "mine.nc"}
+    assert ladder(tmp_path / "nothing") == {}
 
 
 @pytest.fixture(scope="module")

@@ -84,6 +84,10 @@ PYROMETER = {
         lambda t, p: np.stack([p[0], np.minimum(p[1], 1e-3)]),
         "signal_narrow stands at exactly its highest value, 0.001 A, in ",
     ),
+    "rounded_top": (
+        lambda t, p: np.stack([np.tanh(p[0] / 1.7e-3) * 1.7e-3, p[1]]),
+        "signal_wide bends away from the other one above 0.00117 A, first at 24.25 s",
+    ),
     "unit_of_signals": (lambda t, p: p * 1e3, "signal_wide reaches 2.1 A"),
     "unexplained_step": (
         lambda t, p: p * np.where(t >= 35, [[1.05], [1.0]], 1.0),
@@ -106,6 +110,12 @@ def test_a_rule_of_the_pyrometer_says_what_it_saw(sound, name):
     found = said(with_signals(sound, change))
     assert words in found[name]
     assert found[name].startswith("my_test: ")
+
+
+def test_a_record_that_never_changes_is_stuck(sound):
+    for channels in ([0, 1], [1]):
+        held = with_signals(sound, lambda t, p, c=channels: np.where(np.isin([[0], [1]], c), p[:, [99]], p))
+        assert f"over {sound.time.size} samples" in said(held)["stuck"]
 
 
 SMALL = {  # just inside the limits: nothing is said of them

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import samples
 
-from plasmapyro import contracts
+from plasmapyro import contracts, foreign
 from plasmapyro.readers import burst, parts
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.stage import check_test, read_test, sources
@@ -205,6 +205,23 @@ def test_tdms_waveforms_and_units(tmp_path):
     for length in (10, 40, 120):
         (place / "a.tdms").write_bytes(whole[:length])
         assert len(check_test(place)) == 1
+
+
+def test_a_tdms_file_takes_no_more_memory_than_its_size_allows(tmp_path, monkeypatch):
+    nptdms = pytest.importorskip("nptdms")
+    place = samples.folder(
+        tmp_path / "t",
+        "pyrometer:\n  file: a.tdms\n  columns:\n    signal_wide: {name: pyro/S1}\n"
+        "    signal_narrow: {name: pyro/S2}\n",
+    )
+    timing = {"wf_increment": 1e-3, "unit_string": "nA"}
+    with nptdms.TdmsWriter(place / "a.tdms") as writer:
+        values = np.ones(4_000_000)
+        writer.write_segment([nptdms.ChannelObject("pyro", name, values, timing) for name in ("S1", "S2")])
+    monkeypatch.setattr(foreign, "ANY_FILE", 20_000_000)  # bytes; a channel has 32 MB
+    monkeypatch.setattr(foreign, "PER_BYTE", 0)
+    (fault,) = check_test(place)
+    assert "a.tdms: asks for more memory than its size allows" in fault
 
 
 YAML = {

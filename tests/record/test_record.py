@@ -36,13 +36,18 @@ def calibration():
     )
 
 
-def temperature(time):
-    return np.clip(350 + 60 * (time - 5), 350, 1600)
+def temperature(time, rate=60):
+    return np.clip(350 + rate * (time - 5), 350, 1600)
 
 
-def made(change=None, **attributes):
+def slowly(change=None):
+    """The same, heating over all of the test."""
+    return made(change, rate=28)
+
+
+def made(change=None, rate=60, **attributes):
     """A noisy pyrometer in front of a plate that heats to 1600 K; plasma until 50 s after the injection."""
-    kelvin = temperature(TIME)
+    kelvin = temperature(TIME, rate)
     narrow = 1e-6 * np.exp(14000 * (1 / 1600 - 1 / kelvin)) * (TIME >= 0)
     wide = np.maximum(quadratic_ratio(kelvin, COEFFICIENT, FIT), 0.01) * narrow
     gas = np.array([2e-8, 1e-8])[:, None] * (TIME <= 50)
@@ -127,6 +132,32 @@ def test_a_logger_that_hangs_gives_no_temperature():
     state = corrected(made(hang)).corrected_status.values
     assert (state[first + 1 : last] == status.MISSING).all()
     assert state[first] == state[last] == status.VALID
+
+
+def test_a_record_that_never_changes_has_no_sound_sample_but_the_first():
+    bands = record_of(made(lambda s: np.tile(s[:, [300]], s.shape[1])), {"pyrometer": None}).instruments[0]
+    assert (bands.flag[1:] == flags.STUCK).all() and (bands.flag[0] == 0).all()
+    lamp = flags.stuck(bands.value)  # a steady furnace read with few digits
+    assert not lamp.any()
+
+
+@pytest.mark.parametrize("channel", [0, 1])
+def test_a_channel_that_saturates_softly_is_flagged_from_where_it_bends(channel):
+    """S = L tanh(S0 / L), with an analytic slope 2x / sinh(2x) of its logarithm, x = S0 / L."""
+
+    def bend(signals):
+        top = 0.8 * signals[channel].max()
+        signals[channel] = top * np.tanh(signals[channel] / top)
+        return signals
+
+    sound = record_of(slowly(), {"pyrometer": None}).instruments[0]
+    assert (sound.flag == 0).all()
+    bands = record_of(slowly(bend), {"pyrometer": None}).instruments[0]
+    high = bands.flag[:, channel] == flags.CLIPPED
+    assert high.sum() > 50 and (bands.flag[:, 1 - channel] == 0).all()
+    lost = 1 - bands.value[:, channel] / sound.value[:, channel]
+    # 2x / sinh(2x) = 0.93 at x = 0.33, where tanh has lost 3.5 %; bins and the mean over three of them: 15 %.
+    assert lost[high].min() > 0.03 and lost[~high].max() < 0.15
 
 
 def test_a_stated_slope_is_taken_out_of_the_ratio():

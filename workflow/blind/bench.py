@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from powers import ladder
 from twin import campaign, hidden, incident, liars
 from twin.gas import Gas, Spectra, spectra
 from twin.plasma import Plasma
@@ -170,26 +171,23 @@ def as_dataset(gas):
 def load(results, cache=None):
     """The bench from a folder of results of the main job; spectra on bins are kept in `cache` (.npz)."""
     results = Path(results)
-    files = sorted((results / "radiation").glob("*kW.nc"), key=lambda path: int(path.stem[:-2]))
+    files = ladder(results / "radiation")
     if not files:
         raise ValueError(f"{results / 'radiation'}: no radiation files; run the main job first")
-    digest = hashlib.sha256(b"".join(path.read_bytes()[-4096:] for path in files)).hexdigest()
+    digest = hashlib.sha256(b"".join(path.read_bytes()[-4096:] for path in files.values())).hexdigest()
     kept = _from_cache(cache, digest)
     if kept is None:
-        kept = spectra(
-            [xr.load_dataset(path) for path in files], [int(path.stem[:-2]) * 1e3 for path in files]
-        )
+        kept = spectra([xr.load_dataset(path) for path in files.values()], list(files))
         if cache:
             _keep(kept, digest, Path(cache))
     return Bench(
         response=xr.load_dataset(results / "instrument/response.nc"),
         sightlines={
-            int(path.stem[:-2]) * 1e3: xr.load_dataset(path)
-            for path in (results / "sightline").glob("*kW.nc")
+            power: xr.load_dataset(results / "sightline" / path.name) for power, path in files.items()
         },
         table=xr.load_dataset(results / "gas/air11.nc"),
         spectra=kept,
-        flows={int(path.stem[:-2]) * 1e3: path for path in (results / "flow").glob("*kW.nc")},
+        flows={power: results / "flow" / path.name for power, path in files.items()},
     )
 
 

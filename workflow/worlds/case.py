@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from powers import ladder
 
 from worlds import laboratory, sample
 from worlds.engine import CENTRES, World
@@ -56,14 +57,17 @@ class Bench:
 def load(results, seed, count):
     """The bench from results of the main job, `seed` a number, with `count` laboratories."""
     results, lines, angle = Path(results), {}, 35.0
-    for path in sorted((results / "sightline").glob("*kW.nc")):
+    files = ladder(results / "sightline")
+    for power, path in files.items():
         with xr.open_dataset(path) as line:
             angle = float(line.attrs.get("angle", angle))
-            lines[float(path.stem[:-2]) * 1e3] = (line.path_distance.values, line.temperature.values)
+            lines[power] = (line.path_distance.values, line.temperature.values)
     if not lines:
         raise ValueError(f"{results / 'sightline'}: no sight lines; run the main job first")
-    varied = {float(path.stem[:-2]) * 1e3 for path in (results / "radiation_variations").glob("*kW.nc")}
-    conditions = sorted(varied & set(lines)) or sorted(lines)
+    varied = [
+        power for power, path in files.items() if (results / "radiation_variations" / path.name).exists()
+    ]
+    conditions = varied or list(lines)
     random = np.random.default_rng([seed % 2**63, 31])
     seeds = random.integers(2**31, size=WORLDS + count)
     pressures = [

@@ -68,9 +68,16 @@ def run(options):
     except Refusal as refusal:
         _refuse(options.test, refusal.messages)
     test = reading.test
-    tried = trial(test, options.instrument) if options.instrument else {}
+    tried, failed = {}, None
+    if options.instrument:
+        try:
+            tried = trial(test, options.instrument)
+        except ValueError as reason:  # what the data themselves say may be why
+            failed = reason
     for finding in of_test(options.test, reading, **tried):
         progress.warn(finding.words)
+    if failed:
+        raise failed
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from plasmapyro.quality.rule import BANDS, DOUBT, rule
 from plasmapyro.quality.series import SIDE, SIGMA, blocks, longest_run, steps, widened
 from plasmapyro.record import flags
-from plasmapyro.record.phases import phases
+from plasmapyro.record.record import gas_of
 
 LARGE = 1.1  # a signal changes at all if it does by this factor
 CLEAR = 10.0  # deviations of a step that stands out
@@ -14,14 +14,9 @@ BRIGHT = 0.2  # of the largest signal: where the surface rules
 
 
 def _surface(case):
-    """Signals (2, n) of the surface alone where it rules in both bands, for lack of better the raw ones."""
-    time, attrs = case.test.time.values, case.test.attrs
-    injected, shining = phases(time, attrs["injection_time"], attrs["plasma_off_time"])
-    low, high = attrs["reference_window"]
-    window = (time >= low) & (time <= high) & np.isfinite(case.pair).all(axis=0)
-    if not window.any():
-        return np.empty((2, 0))
-    own = case.pair - np.where(shining, case.pair[:, window].mean(axis=1)[:, None], 0.0)
+    """Signals (2, n) of the surface alone where it rules in both bands."""
+    own = case.pair - gas_of(case.test, case.pair.T).T
+    injected = case.test.time.values >= case.test.attrs["injection_time"]
     share = np.where(injected & (case.pair > 0), own / case.pair, 0.0)
     top = np.nanmax(np.where(injected, own, np.nan), axis=1, keepdims=True)
     return own[:, (share > 0.5).all(axis=0) & (own > BRIGHT / 10 * top).all(axis=0)]
@@ -104,8 +99,11 @@ def negative_signal(case, limit):
     remedy="remove those lines: they repeat an old sample; see why the logger stopped",
 )
 def stuck(case, limit):
-    alone = [flags.stuck(row[:, None]) & (row < np.nanmax(row)) for row in case.pair]
-    held = {"both signals stay": flags.stuck(case.pair.T)}
+    alone = [
+        flags.stuck(row[:, None], True) & ((row < np.nanmax(row)) | (row == np.nanmin(row)))
+        for row in case.pair
+    ]
+    held = {"both signals stay": flags.stuck(case.pair.T, True)}
     held |= {f"signal_{band} stays": row for band, row in zip(BANDS, alone, strict=True)}
     for what, samples in held.items():
         begin, count = longest_run(samples)
@@ -139,6 +137,31 @@ def flat_top(case, limit):
             begin = float(case.test.time.values[np.argmax(row == top)])
             below = top * (1 - 1e-5)
             return {"band": band, "top": top, "count": int(counts[-1]), "begin": begin, "limit": below}
+    return None
+
+
+@rule(
+    "rounded_top",
+    looks_at="slope of one signal over the other at its top, both logarithmic and without the gas",
+    needs=("pyrometer",),
+    limit=flags.LEAST_SLOPE,
+    unit="of the slope below",
+    reason="the slopes of two bands change by some per cent over the range of a surface; a photodiode or an"
+    " amplifier near its end gives less and less",
+    says="signal_{band} bends away from the other one above {level:.3g} A, first at {begin:.6g} s: its"
+    " detector or amplifier is near its end ({count} samples are left out)",
+    remedy="lower its gain; see whether signal_saturation_{band} should be {level:.3g}",
+)
+def rounded_top(case, limit):
+    beyond = flags.rounded(case.pair.T, gas_of(case.test, case.pair.T))
+    for band, row, high in zip(BANDS, case.pair, beyond.T, strict=True):
+        if high.any():
+            return {
+                "band": band,
+                "level": float(row[high].min()),
+                "begin": float(case.test.time.values[np.argmax(high)]),
+                "count": int(high.sum()),
+            }
     return None
 
 

@@ -8,10 +8,13 @@ MEANINGS = {
     MASKED: "in a pixel that its calibration cannot use",
     LOST: "not recorded",
     STUCK: "the same as before, over and over, in all channels",
-    CLIPPED: "at a ceiling that nothing states: the highest value of its channel, over and over",
+    CLIPPED: "at or near a ceiling that nothing states, flat or approached more and more slowly",
 }
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault
+BIN, SPAN, FEW = 0.1, 3, 4  # of the logarithm of a channel; bins that a slope takes; samples of one
+LEAST_SLOPE, SOUND_SLOPE = 0.85, 0.93  # of the usual slope of one logarithm over the other
+RULES = 0.3  # share of the surface in a signal from which on its slope is looked at
 ALTERNATING = 0.25  # share of steps that turn back: 2/3 for noise, 0.4 for slow flicker, 0 for a smooth curve
 
 
@@ -38,18 +41,20 @@ def _noisy(values):
     return step.size > LONGEST and np.mean(step[1:] * step[:-1] < 0) > ALTERNATING
 
 
-def stuck(values):
+def stuck(values, changing=False):
     """Samples that repeat the last one in all channels for longer than chance: a logger that hangs.
 
     Parameters
     ----------
     values : (t, C) array, NaN where missing
+    changing : bool
+        The light is known to change: a record that never does is stuck throughout.
 
     Returns
     -------
     (t,) bool ndarray
-        The first sample of such a run is a measurement and is not among them. Never in a record without
-        noise, nor at the lowest level of a channel: there is nothing to see.
+        The first sample of such a run is a measurement and is not among them. Never in part of a record
+        without noise, nor at the lowest level of a channel: there is nothing to see.
     """
     values = np.asarray(values, dtype=float)
     seen = np.isfinite(values).any(axis=0)
@@ -59,6 +64,8 @@ def stuck(values):
     with np.errstate(invalid="ignore"):
         same = (values[1:] == values[:-1]).all(axis=1)
     lengths = _run_lengths(same)
+    if changing and same.all():
+        return np.append(False, same)
     if lengths.max() <= LONGEST or not _noisy(values.mean(axis=1)):
         return np.zeros(len(values), dtype=bool)
     long = (lengths > _longest_by_chance(same, lengths)) & (values > np.nanmin(values, axis=0)).all(axis=1)
@@ -88,4 +95,40 @@ def clipped(values):
         lengths = _run_lengths(same)
         if lengths[at_top].max() > _longest_by_chance(same, lengths) and _noisy(row):
             result[:, channel] = at_top
+    return result
+
+
+def rounded(values, gas):
+    r"""Samples where one of two channels bends away from the other: near its end, without a plateau.
+
+    .. math:: \frac{d \ln S_c}{d \ln S_o} < 0.85 \text{ of what it is below}
+
+    at the top of channel c over the other one o. A surface brightens in both bands by powers of its
+    temperature whose quotient changes by some per cent over the range.
+
+    Parameters
+    ----------
+    values, gas : (t, 2) arrays, NaN where missing
+        Signals, and how much of them is light of the gas.
+
+    Returns
+    -------
+    (t, 2) bool ndarray
+        All samples of c above the level where its slope falls below `SOUND_SLOPE` for good.
+    """
+    own = values - gas
+    good = (own > RULES * values).all(axis=1) & (own > 0).all(axis=1)
+    result = np.zeros(values.shape, dtype=bool)
+    for channel in range(2 if good.any() else 0):
+        level, other = np.log(own[good][:, [channel, 1 - channel]]).T
+        place = np.floor((other - other.max()) / BIN).astype(int)
+        bins, count = np.unique(place, return_counts=True)
+        rows = [[np.median(row[place == one]) for row in (level, other)] for one in bins[count >= FEW]]
+        if len(rows) < 4 * SPAN:
+            continue
+        height, width = (np.array(rows)[SPAN:] - np.array(rows)[:-SPAN]).T
+        slope = height / width / np.median(height / width)
+        if slope[-1] < LEAST_SLOPE:
+            last = np.flatnonzero(slope >= SOUND_SLOPE)[-1]
+            result[good, channel] = level > rows[last + SPAN][0]
     return result

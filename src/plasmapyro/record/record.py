@@ -132,8 +132,8 @@ def _pyrometer(test, injection, _, __):
     limits = [test.attrs.get(f"signal_saturation_{band}", np.inf) for band in BANDS]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
     flag[value >= np.array(limits)] |= flags.SATURATED
-    flag[flags.clipped(value)] |= flags.CLIPPED
-    flag[flags.stuck(value)] |= flags.STUCK
+    flag[flags.clipped(value) | flags.rounded(value, gas_of(test, value))] |= flags.CLIPPED
+    flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
     return Instrument(
         "pyrometer",
         test.time.values - injection,
@@ -145,13 +145,23 @@ def _pyrometer(test, injection, _, __):
     )
 
 
+def gas_of(test, value):
+    """Light of the gas in samples (t, 2) of the bands: the mean of the window while the plasma shines."""
+    if not inputs.has_plasma(test):
+        return np.zeros_like(value)
+    facts, time = test.attrs, test.time.values
+    inside = (time >= facts["reference_window"][0]) & (time <= facts["reference_window"][1])
+    shining = phases(time, facts["injection_time"], facts["plasma_off_time"])[1]
+    return np.where(shining[:, None], np.nanmean(value[inside], axis=0), 0.0)
+
+
 def _spectrometer(test, injection, calibration, saturation_counts):
     radiance, status, saturated = calibrated_radiance(test, calibration, saturation_counts)
     unusable = np.broadcast_to(status != USABLE, radiance.shape)
     flag = np.where(np.isnan(radiance) & ~saturated & ~unusable, flags.LOST, 0).astype("uint8")
     flag[saturated] |= flags.SATURATED
     flag[unusable] |= flags.MASKED
-    flag[flags.stuck(radiance)] |= flags.STUCK
+    flag[flags.stuck(radiance, inputs.has_plasma(test))] |= flags.STUCK
     factor = None
     if "spectral_radiance" not in test.variables:
         exposure = float(test.attrs["spectrometer_integration_time"])
