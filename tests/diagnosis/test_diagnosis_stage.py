@@ -235,7 +235,7 @@ def test_files_are_written_all_or_none(diagnosed, tmp_path):
     assert list(tmp_path.iterdir()) == []
     command.write_all(result, tmp_path / "out", page=lambda *_: "<html></html>")
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"diagnosis.json", "residual_map.nc", "temperature.nc", "index.html"}
+    assert names == {"diagnosis.json", "residual_map.nc", "temperature.nc", "index.html", "terms.yaml"}
     with xr.open_dataset(tmp_path / "out/temperature.nc") as stored:
         assert stored.attrs["origin"] == "synthetic"
         assert stored.attrs["terms"] == "winE"

@@ -10,6 +10,8 @@ from plasmapyro import io, progress
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import count, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.commands.terms import read_terms
+from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.quality.catalogue import merged, of_test
 from plasmapyro.quality.window import surface_in_window
@@ -87,6 +89,17 @@ def add(commands):
         help="go on although the surface already shows in the reference window (its light is then subtracted"
         " as if it were gas)",
     )
+    known = command.add_argument_group("effects that are taken as given")
+    known.add_argument(
+        "--with",
+        dest="given",
+        metavar="FILE.yaml",
+        help="what a diagnosis named (its terms.yaml): taken out of signals and spectra first, by the model"
+        " of the diagnosis fitted to this test; its uncertainty joins that of the temperatures",
+    )
+    known.add_argument(
+        "--radiance", metavar="FOLDER", help="spectra of all conditions, {condition}.nc; needed by --with"
+    )
     number = command.add_argument_group("what is uncertain (standard, relative)")
     option(number, "--signal-uncertainty", share, 0.01, "of one pyrometer signal")
     option(number, "--gas-variation", share, 0.03, "of the gas radiance about that of the reference window")
@@ -130,6 +143,9 @@ def run(options):
     require_writable([options.out], [options.test, folder])
     if not folder.is_dir():
         raise ValueError(f"{folder}: no such folder; name the one that holds {PYROMETER}.nc")
+    if options.given and not options.radiance:
+        raise ValueError("--with needs --radiance: the model of the gas that effects act in")
+    given = read_terms(options.given) if options.given else ()
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
     test = reading.test
@@ -148,6 +164,8 @@ def run(options):
     estimator, contract = ESTIMATORS[options.estimator]
     try:
         result = estimator(test, calibrations, options)
+        if given:
+            result = _with_given(test, given, estimator, calibrations, options)
     except ValueError as reason:  # what the data themselves say may be why
         raise ValueError("\n".join([str(reason), *words])) from None
     said = of_test(options.test, reading, [result], response=_response(folder), **calibrations)
@@ -164,6 +182,33 @@ def run(options):
     )
     sys.stdout.write("\n".join(summary(result)) + "\n")
     progress.say("done")
+
+
+def _with_given(test, given, estimator, calibrations, options):
+    """The result of an estimator for a test without effects that are taken as given.
+
+    What is uncertain of them joins the uncertainties of the temperatures.
+    """
+    progress.say(f"fitting the model of the test with {len(given)} effects as given: some 10 s")
+    inputs = diagnosis.load_inputs(options.radiance, options.instrument)
+    made, moves = diagnosis.without_given(test, inputs, given, saturation_counts=options.saturation_counts)
+    result = estimator(made(), calibrations, options)
+    quick = argparse.Namespace(**vars(options) | {"draws": 2})
+    for moved in map(made, moves):
+        other = estimator(moved, calibrations, quick)
+        for kind in (one for one in result if one.endswith("temperature")):
+            widen(result, kind, other[kind] - result[kind])
+    return result
+
+
+def widen(result, name, change):
+    """Add a change (t,) [K] of a temperature to its uncertainty and interval, as one more standard error."""
+    known = result[f"{name}_uncertainty"]
+    wider = np.hypot(known, change.fillna(0.0).values)
+    if f"{name}_interval" in result:
+        middle, ends = result[name], result[f"{name}_interval"]
+        result[f"{name}_interval"] = (middle * (ends / middle) ** (wider / known)).transpose(*ends.dims)
+    result[f"{name}_uncertainty"] = wider
 
 
 def trial(test, folder):

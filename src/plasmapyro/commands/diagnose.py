@@ -7,6 +7,7 @@ from pathlib import Path
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import positive, trial
 from plasmapyro.commands.outputs import require_folder
+from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import read_with_files
@@ -21,7 +22,7 @@ example:
   plasmapyro diagnose results/twin/csic_160kW --radiance results/radiation \\
       --instrument results/instrument --out diagnosis
 
-writes diagnosis.json, residual_map.nc, temperature.nc and index.html, all or none.
+writes diagnosis.json, residual_map.nc, temperature.nc, index.html and terms.yaml, all or none.
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours; with
 --fail-on-finding also 3 a cause was named, 4 something is wrong that no known cause explains"""
 
@@ -52,7 +53,7 @@ def add(commands):
         help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
     )
     command.add_argument(
-        "--out", required=True, metavar="FOLDER", help="where the four files go; replaced as a whole"
+        "--out", required=True, metavar="FOLDER", help="where the five files go; replaced as a whole"
     )
     command.add_argument(
         "--without",
@@ -69,6 +70,12 @@ def add(commands):
         help="tests at other conditions with the same instruments: what is named is tried on them",
     )
     command.add_argument(
+        "--with",
+        dest="given",
+        metavar="FILE.yaml",
+        help="effects that are taken as given, as terms.yaml of an earlier diagnosis holds them",
+    )
+    command.add_argument(
         "--saturation-counts",
         type=positive,
         default=diagnosis.SATURATION_COUNTS,
@@ -83,10 +90,12 @@ def add(commands):
 
 
 def run(options):
-    """Run `plasmapyro diagnose`: test in, four files out."""
+    """Run `plasmapyro diagnose`: test in, five files out."""
     out = Path(options.out)
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
+    read.append(options.given)
     require_folder(out, diagnosis.NAMES, read)
+    given = read_terms(options.given) if options.given else ()
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
@@ -105,6 +114,7 @@ def run(options):
         others=[one.test for _, one in others],
         findings=[finding.entry for finding in findings],
         saturation_counts=options.saturation_counts,
+        given=given,
     )
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)

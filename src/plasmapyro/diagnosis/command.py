@@ -12,9 +12,10 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import contracts, io
+from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
-from plasmapyro.diagnosis.stage import diagnose
 from plasmapyro.record.inputs import faults
 from plasmapyro.tables import weakest
 
@@ -28,7 +29,7 @@ LIMITS = {  # as `experiment.pyrometer` of the configuration
     "detection_level": 2.0,
     "least_surface_share": 0.5,
 }
-NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html")
+NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html", "terms.yaml")
 FINDINGS = {"named": 3, "one-of": 3, "named+unknown": 3, "unknown": 4}  # exit status with --fail-on-finding
 
 
@@ -138,6 +139,7 @@ def diagnose_test(
     saturation_counts=SATURATION_COUNTS,
     limits=LIMITS,
     findings=(),
+    given=(),
 ):
     """Diagnose a test, from a file or a dataset.
 
@@ -158,6 +160,8 @@ def diagnose_test(
         What is named is tried on them.
     findings : mappings as in the schema
         What contradicts itself in the data; it is said first.
+    given : sequence of Term
+        Effects that are taken as given.
 
     Returns
     -------
@@ -181,7 +185,7 @@ def diagnose_test(
     }
     varied = inputs.variations.get(condition)
     with np.errstate(all="ignore"):
-        result = diagnose(
+        result = stage.diagnose(
             test,
             inputs.radiation,
             varied,
@@ -196,10 +200,37 @@ def diagnose_test(
             seed=seed,
             provenance=provenance,
             others=pairs,
+            given=given,
         )
     result.report["findings"] = list(findings)
-    result.report["assumptions"].extend(remarks_on(test, inputs))
+    result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])
     return result
+
+
+def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
+    """A test without effects that are taken as given, see `stage.without_given`.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    inputs : Inputs
+    given : sequence of Term
+    saturation_counts : float [count]
+    """
+    varied = inputs.variations.get(_usable(test, inputs))
+    instrument = inputs.response, inputs.calibration, inputs.spectrometer_calibration
+    settings = {"saturation_counts": saturation_counts, "given": tuple(given)}
+    with np.errstate(all="ignore"):
+        return stage.without_given(test, inputs.radiation, varied, *instrument, **settings)
+
+
+def _sentence(term):
+    """What is taken as given, in words."""
+    effect, sigma = term.setting.effect, term.uncertainty.get(AMPLITUDE, 0.0)
+    unit = "" if effect.unit == "1" else f" {effect.unit}"
+    return (
+        f"taken as given: {effect.name}, {effect.amplitude} {term.setting.amplitude:.3g} ± {sigma:.1g}{unit}"
+    )
 
 
 def remarks_on(test, inputs):
@@ -256,6 +287,7 @@ def write_all(result, folder, *, sources=(), page=None):
 
     def write(made):
         io.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", made / "diagnosis.json")
+        io.write_text(result.terms, made / "terms.yaml")
         io.write(result.residual_map, made / "residual_map.nc", "residual_map", sources=sources)
         io.write(result.temperature, made / "temperature.nc", "diagnosis_temperature", sources=sources)
         if page is not None:

@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import xarray as xr
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.fit.base import fit_base
-from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.fit.build import base_model, of_given
+from plasmapyro.diagnosis.fit.restore import restored
 from plasmapyro.diagnosis.gas.library import NEED_VARIATIONS, gas_library
 from plasmapyro.diagnosis.report.clock import on_clock
+from plasmapyro.diagnosis.report.extended import terms_text
 from plasmapyro.diagnosis.report.findings import Findings
 from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
@@ -20,14 +23,18 @@ from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.record.record import record_of
 
+UNSEEN = 1e-4  # [1], rms of signals and spectra: a hundredth of what moves the ratio by 30 K
+
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What a diagnosis hands over: `report` (by the schema), `residual_map` and `temperature` datasets."""
+    """What a diagnosis hands over: `report` (by the schema), `residual_map` and `temperature` datasets,
+    and the `terms` that it proposes to take as given."""
 
     report: dict
     residual_map: xr.Dataset
     temperature: xr.Dataset
+    terms: str = ""  # YAML
 
 
 def diagnose(
@@ -47,6 +54,7 @@ def diagnose(
     provenance=None,
     thresholds=None,
     others=(),
+    given=(),
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -73,6 +81,8 @@ def diagnose(
         Of an alike data set, instead of new ones.
     others : sequence of (test, variations)
         Tests with the same instruments, at other conditions, on which what is named is tried.
+    given : sequence of Term
+        Effects that are taken as given in the base model; they are not looked for.
 
     Returns
     -------
@@ -83,26 +93,20 @@ def diagnose(
     ValueError
         Unknown condition or effect.
     """
-    looked_for = without(effects, exclude)
+    known = {term.setting.id for term in given} & set(effects)
+    looked_for = without(effects, {*exclude, *known})
     if variations is None:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
-    calibrations = {"spectrometer": spectrometer_calibration}
-    if calibration is not None:
-        calibrations["pyrometer"] = calibration
+    instrument = response, calibration, spectrometer_calibration
 
-    def fitted(test, variations):
-        record = record_of(test, calibrations, saturation_counts=saturation_counts)
-        if not record.instruments:
-            raise ValueError(
-                "the test holds pyrometer signals only: calibration.nc of the pyrometer is needed"
-            )
-        fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
-        library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
-        return fit_base(base_model(record, library, calibration, response, spectrometer_calibration))
+    def fitted(test, variations, given=()):
+        return fit_test(
+            test, radiation, variations, *instrument, saturation_counts=saturation_counts, given=given
+        )
 
     slope = float(test.attrs.get("emittance_slope", 1.0))
     reading = None if calibration is None else Reading.of(calibration, slope, **limits)
-    base = fitted(test, variations)
+    base = fitted(test, variations, tuple(given))
     questions = [
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
@@ -113,8 +117,79 @@ def diagnose(
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     findings = Findings(base, selection, comparison, effects, gained, crossed, reading, provenance or {})
     temperature = temperatures(findings)
-    found = Diagnosis(report_of(findings, temperature), residual_map(findings), temperature)
+    found = Diagnosis(
+        report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)
+    )
     return on_clock(found, base.model.record.injection)
+
+
+def fit_test(
+    test,
+    radiation,
+    variations,
+    response,
+    calibration=None,
+    spectrometer_calibration=None,
+    *,
+    saturation_counts,
+    given=(),
+):
+    """Base fit of a test; parameters as of `diagnose`."""
+    calibrations = {"spectrometer": spectrometer_calibration}
+    if calibration is not None:
+        calibrations["pyrometer"] = calibration
+    record = record_of(test, calibrations, saturation_counts=saturation_counts)
+    if not record.instruments:
+        raise ValueError("the test holds pyrometer signals only: calibration.nc of the pyrometer is needed")
+    fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
+    library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
+    return fit_base(base_model(record, library, calibration, response, spectrometer_calibration, given))
+
+
+def without_given(test, *inputs, **settings):
+    """A test without the effects that are taken as given, and how uncertain that is.
+
+    Parameters
+    ----------
+    test, *inputs, **settings : as of `fit_test`, which is called once
+
+    Returns
+    -------
+    made : function (parameters moved {name: value}, none by default) -> Dataset, contract 'test'
+    moves : list of such parameters
+        One standard error each, independent of the others, the one that changes the data most first; those
+        that change them by less than `UNSEEN` are left out.
+
+    Notes
+    -----
+    Source: principal components of the change of the data, for the covariance of the numbers after the fit.
+    """
+    base = fit_test(test, *inputs, **settings)
+    model, solution = base.model, base.solution
+    names = [one.id for one in of_given(model.given)]
+    places = [model.index[name] for name in names]
+    fitted, own = solution.state.values[places], model.size + np.array(places, dtype=int)
+
+    def made(moved=None):
+        return restored(test, model.record, base, moved)
+
+    def moves(columns):
+        return [dict(zip(names, fitted + column, strict=True)) for column in columns.T]
+
+    if not names:
+        return made, []
+    root = np.linalg.cholesky(solution.covariance[np.ix_(own, own)])
+    plain = made()
+    seen = [name for name in ("signal_wide", "signal_narrow", "spectral_radiance") if name in plain]
+    change = np.array(
+        [
+            np.concatenate([np.ravel(moved[name] / plain[name]) for name in seen]) - 1
+            for moved in map(made, moves(root))
+        ]
+    )
+    power, axes = np.linalg.eigh(np.nan_to_num(change) @ np.nan_to_num(change).T / change.shape[1])
+    kept = np.flatnonzero(power > UNSEEN**2)[::-1]
+    return made, moves(root @ axes[:, kept])
 
 
 def _crossed(base, final, other):

@@ -146,6 +146,7 @@ def model_with(model, instruments):
         model.slope,
         model.response,
         model.lamp,
+        model.given,
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.diagnosis.fit import observation
 from plasmapyro.diagnosis.fit.model import History, Model, Parameter, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
+from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.radiation.bandsignal import responsivities
 from plasmapyro.radiation.planck import planck_and_slope
@@ -33,7 +34,7 @@ BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is h
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
-def base_model(record, library, calibration, response, spectrometer_calibration=None):
+def base_model(record, library, calibration, response, spectrometer_calibration=None, given=()):
     """Instruments on bins and the base model of a test.
 
     Parameters
@@ -43,6 +44,8 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
     calibration : Dataset, contract 'calibration', or None without a pyrometer
     response : Dataset, contract 'response'
     spectrometer_calibration : Dataset, contract 'spectrometer_calibration', or None
+    given : sequence of Term
+        Effects that are taken as given: what is uncertain of them joins the parameters.
 
     Returns
     -------
@@ -66,9 +69,9 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
     instruments = _sufficient(instruments, record.off)
     end = max(instrument.moment.max() for instrument in instruments)
     history = History(knots(edges, 0.0, record.off, end), record.off)
-    parameters = base_parameters(record, calibration)
+    parameters = (*base_parameters(record, calibration), *of_given(given))
     slope = tilt(record.emittance_slope, response)
-    return Model(instruments, library, history, parameters, record, slope, response_arrays, lamp)
+    return Model(instruments, library, history, parameters, record, slope, response_arrays, lamp, given)
 
 
 def _sufficient(instruments, off):
@@ -111,6 +114,16 @@ def base_parameters(record, calibration):
         ),
         Parameter("before_power", "gas before injection, as if of another power", BEFORE_POWER_SIGMA),
     )
+
+
+def of_given(terms):
+    """Parameters of the numbers of given terms that are not known exactly."""
+    for term in terms:
+        effect = term.setting.effect
+        for name, sigma in term.uncertainty.items():
+            what, unit = (effect.amplitude, effect.unit) if name == AMPLITUDE else (name, "")
+            centre = term.numbers[name]
+            yield Parameter(f"{effect.id}.{name}", f"{effect.name}: {what}", sigma, unit, centre)
 
 
 def _pyrometer(bands, off, calibration, response, library, edges):

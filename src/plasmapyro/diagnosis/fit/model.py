@@ -94,9 +94,9 @@ def knots(edges, injection, off, end):
 class Model:
     """Signals of all instruments by the knots of the temperature, parameters and effects."""
 
-    def __init__(self, instruments, library, history, parameters, record, slope, response, lamp):
+    def __init__(self, instruments, library, history, parameters, record, slope, response, lamp, given=()):
         self.instruments, self.library, self.history = instruments, library, history
-        self.parameters, self.record = parameters, record
+        self.parameters, self.record, self.given = parameters, record, given
         self.off, self.emittance = record.off, record.emittance
         self.slope, self.response, self.lamp = slope, response, lamp
         # (M,) of each instrument, over the stated emittance; a number for a grey surface.
@@ -117,6 +117,13 @@ class Model:
     def value(self, values, name):
         """One of the parameters, 0 for one that this model does not have."""
         return values[self.index[name]] if name in self.index else 0.0
+
+    def settings_of_given(self, values):
+        """Settings of the terms that are taken as given, with the numbers that the parameters hold."""
+        return tuple(
+            term.at({name: values[self.index[f"{term.setting.id}.{name}"]] for name in term.uncertainty})
+            for term in self.given
+        )
 
     def spectrum(self, values):
         """Spectrum (K,) of the gas after injection, as simulated."""
@@ -180,6 +187,7 @@ class Model:
     def evaluate(self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0):
         """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
         instrument = self.instruments[which]
+        settings = (*self.settings_of_given(values), *settings)
         mine = [setting for setting in settings if instrument.kind in setting.effect.instruments]
         ordered = sorted(mine, key=lambda setting: setting.effect.order)
         scene, slope, basis = self.scene(which, temperatures, values, ordered)

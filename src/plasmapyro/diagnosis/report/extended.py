@@ -2,10 +2,14 @@
 
 import numpy as np
 
-from plasmapyro.diagnosis.fit.setting import free_numbers
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
+from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term, text_of
+from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report import show
 
 HOT = 1000.0  # [K] from which the uncertainty of a temperature is given
+FAR = 3.0  # standard errors from which another power is proposed
 
 
 def extension(findings):
@@ -15,24 +19,21 @@ def extension(findings):
         return None
     free = free_numbers(final.settings)
     errors = np.sqrt(np.maximum(np.diag(final.covariance)[findings.size :], 0))
-    entries = []
-    for place, setting in enumerate(final.settings):
-        own = [j for j, number in enumerate(free) if number.place == place]
-        values = {"amplitude": setting.amplitude} | setting.shape
-        names = {j: free[j].name or "amplitude" for j in own}
-        entries.append(
-            {
-                "id": setting.id,
-                "parameters": {names[j]: float(values[names[j]]) for j in own},
-                "standard_errors": {names[j]: float(errors[j]) for j in own},
-            }
-        )
+    terms = tuple(_terms(final.settings, errors))
+    entries = [
+        {
+            "id": term.setting.id,
+            "parameters": {name: float(term.numbers[name]) for name in term.uncertainty},
+            "standard_errors": term.uncertainty,
+        }
+        for term in terms
+    ]
     gained = findings.gained
     better = "improve" if gained.improves else "do not improve significantly"
     if gained.improves and not findings.applied:
         better = "improve, but nothing being wrong is likelier"
     return {
-        "configuration": fragment(final.settings),
+        "configuration": text_of(terms),
         "terms": entries,
         "chi2": float(final.chi2),
         "dof": float(final.count - findings.fitted - len(free)),
@@ -79,28 +80,54 @@ def _mean_step(findings, solution):
     return float(np.sum(values / errors**2) / np.sum(1 / errors**2))
 
 
-def fragment(settings):
-    """YAML text of settings with their fitted values, priors and bounds.
+def proposed(findings):
+    """Terms that a diagnosis proposes to take as given, of the test and of the simulation of its gas.
 
-    Parameters
-    ----------
-    settings : iterable of Setting
+    What it was given itself comes first, as the fit leaves it. Terms of the test are proposed where held-out
+    data speak for them; a power from `FAR` standard deviations on.
 
     Returns
     -------
-    str
+    (tuple of Term, tuple of Term)
     """
-    lines = ["effects:"]
-    for setting in settings:
-        effect = setting.effect
-        low, high = effect.bounds
-        lines += [
-            f"  - id: {setting.id}  # {effect.name}",
-            f"    amplitude: {setting.amplitude:.6g}  # {effect.amplitude} [{effect.unit}]",
-            f"    prior: [normal, 0, {effect.sigma:g}]",
-            f"    bounds: [{low:g}, {high:g}]",
-        ]
-        if setting.shape:
-            lines.append("    shape:")
-            lines += [f"      {name}: {value:.6g}" for name, value in setting.shape.items()]
-    return "\n".join(lines) + "\n"
+    fit = findings.final if findings.applied else findings.base.solution
+    model, errors = findings.model, np.sqrt(np.maximum(np.diag(fit.covariance), 0))
+    of_test = []
+    for term in model.given:
+        places = {name: model.index[f"{term.setting.id}.{name}"] for name in term.uncertainty}
+        setting = term.at({name: fit.state.values[place] for name, place in places.items()})
+        sigma = {name: errors[model.size + place] for name, place in places.items()}
+        of_test.append(Term(setting, sigma))
+    of_test += _terms(fit.settings, errors[findings.size :])
+    found = findings.comparison.final
+    errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
+    of_gas = [one for one in _terms(found.settings, errors[2:]) if one.setting.id in OF_CONDITION]
+    if not np.any([one.setting.id == "P_eff" for one in found.settings]):
+        change, error = found.power, errors[0]
+    else:
+        (hotter,) = (one for one in _terms(found.settings, errors[2:]) if one.setting.id == "P_eff")
+        change = found.power + np.log1p(hotter.setting.amplitude) / WARMTH_OF_POWER
+        error = np.hypot(errors[0], hotter.uncertainty.get(AMPLITUDE, 0.0) / WARMTH_OF_POWER)
+    if abs(change) > FAR * error:
+        power = OF_CONDITION["power"]
+        size = float(np.clip(np.expm1(change), *power.bounds))
+        of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}))
+    return tuple(of_test), tuple(of_gas)
+
+
+def _terms(settings, errors):
+    """Terms of fitted settings with the standard errors of their free numbers."""
+    free = free_numbers(settings)
+    for place, setting in enumerate(settings):
+        own = [j for j, number in enumerate(free) if number.place == place]
+        yield Term(setting, {free[j].name or AMPLITUDE: float(errors[j]) for j in own})
+
+
+def terms_text(findings):
+    """What `plasmapyro diagnose` writes as terms.yaml: effects of the test, and of the simulated gas."""
+    of_test, of_gas = proposed(findings)
+    return (
+        "# Effects that this diagnosis proposes: for `--with`, or as the key `effects` of the files named.\n"
+        f"test:  # config/tests\n{text_of(of_test, '  ')}"
+        f"condition:  # config/conditions, {findings.record.attributes['condition']}\n{text_of(of_gas, '  ')}"
+    )

@@ -1,0 +1,61 @@
+"""Files of effects that are taken as given, as `plasmapyro diagnose` writes them."""
+
+from types import MappingProxyType
+
+from plasmapyro import configuration
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.fit.terms import terms_of
+
+OF_TEST = MappingProxyType({name: one for name, one in CATALOGUE.items() if not one.steady_gas})
+OF = {"test": OF_TEST, "condition": OF_CONDITION}
+
+
+def read_terms(path, owner="test"):
+    """Terms of a test, or of the condition, of a file terms.yaml.
+
+    Parameters
+    ----------
+    path : path of a file with `test` and `condition`, each holding `effects`
+    owner : 'test' or 'condition'
+
+    Returns
+    -------
+    tuple of Term
+
+    Raises
+    ------
+    ValueError
+        Naming every fault of the file.
+    """
+    values = configuration.read(path)
+    parts = values if isinstance(values, dict) else {}
+    if not parts or set(parts) - set(OF) or not all(isinstance(one, dict) for one in parts.values()):
+        raise ValueError(f"{path}: must hold 'test' and 'condition', each with a list 'effects'")
+    odd = [f"{name}.{key}" for name, one in parts.items() for key in one if key != "effects"]
+    if odd:
+        raise ValueError(f"{path}: unknown key {', '.join(odd)}; valid: effects")
+    try:
+        found = {name: terms_of(one.get("effects", []), OF[name]) for name, one in parts.items()}
+    except ValueError as faults:
+        raise ValueError(f"{path}:\n  {faults}") from None
+    return found.get(owner, ())
+
+
+def check_effects(cases, owner, folder):
+    """Refuse files of tests or conditions whose `effects` are not those that they may hold.
+
+    Parameters
+    ----------
+    cases : mapping name -> values of a file
+    owner : 'test' or 'condition'
+    folder : of the files, for the message
+    """
+    faults = []
+    for name, case in cases.items():
+        try:
+            terms_of(case.get("effects", []), OF[owner])
+        except ValueError as fault:
+            faults.append(f"{folder}/{name}.yaml:\n  {fault}")
+    if faults:
+        raise configuration.ConfigurationError("\n".join(faults))

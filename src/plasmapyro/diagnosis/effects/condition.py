@@ -1,0 +1,23 @@
+"""Effects that belong to the simulation of a condition: there they act on the flow and on the levels."""
+
+from types import MappingProxyType
+
+import numpy as np
+
+from plasmapyro.diagnosis.effects import gas
+from plasmapyro.diagnosis.effects.effect import Amplitude
+
+
+@gas.of_engine(
+    "power",
+    "power of the plasma",
+    klass="strength of the plasma",
+    amplitude=Amplitude("relative change of the power", "1", sigma=0.08, bounds=(-0.5, 1.0)),
+    measurement="enthalpy of the jet; spectra at several powers",
+)
+def power(scene, amplitude):
+    """The gas of another power; a condition that holds this is simulated anew at that power."""
+    return scene.but(spectrum=scene.spectrum * scene.library.power_factor(np.log1p(amplitude)))
+
+
+OF_CONDITION = MappingProxyType({one.id: one for one in (power, gas.excitation, gas.vibration)})

@@ -1,0 +1,80 @@
+"""A test as it would be without the effects that are taken as given: what a correction can start from."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit import observation
+from plasmapyro.diagnosis.fit.build import UNIFORM
+from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.record import flags
+
+BLOCK = 2000  # samples that are modelled at once
+MOST = 10.0  # [1]: a sample that effects change by more tells nothing of what it was without them
+
+
+def restored(test, record, base, moved=None):
+    r"""Signals and spectra of a test with the given effects of its base fit taken out.
+
+    .. math:: y' = y\,\frac{M(x)}{M_a(x)}
+
+    with the model M at the fitted temperature and gas x, and with the effects :math:`M_a`.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    record : Record of it, every instrument calibrated
+    base : Base, of a model with given terms
+    moved : mapping parameter -> value, optional
+        Numbers of the given terms other than fitted, as 'winE.amplitude'.
+
+    Returns
+    -------
+    Dataset, contract 'test'
+        Spectra as radiances; NaN where effects leave less than a tenth, or more than ten times.
+
+    Notes
+    -----
+    ASSUME: between the pixels of a bin the change is linear in the wavelength.
+    """
+    model, result = base.model, test.copy()
+    values = base.solution.state.values.copy()
+    for name, value in (moved or {}).items():
+        values[model.index[name]] = value
+    for which, one in enumerate(model.instruments):
+        data = record.instrument(one.kind)
+        half = data.integration_time / 2
+        moment = data.time[:, None] + half / UNIFORM * observation.nodes_of(data.integration_time)
+        change = _change(base, which, moment, values)
+        if one.kind == "pyrometer":
+            for place, band in enumerate(data.band):
+                name = f"signal_{band}"
+                result[name] = test[name] / change[:, place]
+            continue
+        order = np.argsort(one.wavelength)
+        pixels = np.array(
+            [np.interp(data.wavelength, one.wavelength[order], row) for row in change[:, order]]
+        )
+        across = ("spectrum_time", "wavelength")
+        result = result.drop_vars(["counts", "background_counts", "saturated"], errors="ignore")
+        result["spectral_radiance"] = across, data.value / pixels, {"units": "W m-2 sr-1 m-1"}
+        result["saturated"] = across, data.flagged(flags.SATURATED).astype("int8"), {"units": "1"}
+    return result
+
+
+def _change(base, which, moment, values):
+    """Signals (t, C) of an instrument at instants (t, q) with the given effects over those without."""
+    model, state = base.model, base.solution.state
+    found = []
+    for first in range(0, len(moment), BLOCK):
+        one = replace(model.instruments[which], moment=moment[first : first + BLOCK])
+        rest = model.library, model.history, model.parameters, model.record, model.slope, model.response
+        both = [
+            Model([one], *rest, model.lamp, given).evaluate(
+                0, state.knots, values, gas_error=state.lines[which]
+            )
+            for given in (model.given, ())
+        ]
+        found.append(both[0] / np.where(both[1] > 0, both[1], np.nan))
+    change = np.concatenate(found)
+    return np.where((change > 1 / MOST) & (change < MOST), change, np.nan)

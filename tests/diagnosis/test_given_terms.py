@@ -1,0 +1,142 @@
+"""Effects taken as given: their form, what a fit and a correction make of them."""
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from plasmapyro import contracts
+from plasmapyro.commands.correct import widen
+from plasmapyro.commands.terms import OF_TEST, read_terms
+from plasmapyro.diagnosis.command import LIMITS
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.terms import Term, terms_of, text_of
+from plasmapyro.diagnosis.stage import diagnose, without_given
+
+LOSS = 0.03  # of window E at the end, as in the tests of the diagnosis
+WINDOW = {"id": "winE", "amplitude": LOSS, "uncertainty": 0.002}
+
+
+def run(laboratory, test, entries):
+    with np.errstate(all="ignore"):
+        return diagnose(
+            test,
+            laboratory.radiation,
+            laboratory.variations,
+            laboratory.response,
+            laboratory.calibration,
+            draws=200,
+            saturation_counts=65000.0,
+            limits=LIMITS,
+            given=terms_of(entries, OF_TEST),
+        )
+
+
+def test_every_effect_survives_being_written_and_read():
+    for effect in CATALOGUE.values():
+        shape = {name: float(value) for name, value in effect.shapes[0].items()}
+        numbers = {"amplitude": float(f"{0.1 * effect.sigma:.6g}")} | dict.fromkeys(shape, 0.01)
+        term = Term(Setting(effect, 0.5 * effect.bounds[1], shape), numbers)
+        assert terms_of(yaml.safe_load(text_of([term]))["effects"], CATALOGUE) == (term,)
+
+
+def test_what_is_wrong_in_entries_is_said_at_once_with_the_nearest_name():
+    entries = [
+        {"id": "winF", "amplitude": 0.1},
+        {"id": "winE", "amplitude": 2.0, "uncertanty": 0.1},
+        {"id": "eps_ox", "amplitude": "a", "shape": {"time_constnt": 5}},
+        {"id": "clock", "uncertainty": -1},
+    ]
+    with pytest.raises(ValueError, match="effects.0.id: unknown; did you mean 'winE'") as said:
+        terms_of(entries, OF_TEST)
+    for words in (
+        "effects.1.uncertanty: unknown; did you mean 'uncertainty'",
+        "effects.1.amplitude: must be a number from -0.2 to 0.8; got 2.0",
+        "effects.2.shape.time_constnt: unknown; did you mean 'time_constant'",
+        "effects.2.shape.time_constant: missing (3 to 400)",
+        "effects.3.amplitude: missing (pyrometer early [s])",
+        "effects.3.uncertainty: must be a number from 0 to inf s; got -1",
+    ):
+        assert words in str(said.value)
+    with pytest.raises(ValueError, match="'winE' is given twice"):
+        terms_of([WINDOW, WINDOW], OF_TEST)
+    with pytest.raises(ValueError, match="P_eff"):
+        terms_of([{"id": "T_exc", "amplitude": 0.1}], {"P_eff": CATALOGUE["P_eff"]})
+
+
+def test_an_amplitude_of_zero_gives_the_same_report_as_no_entry(record, laboratory, diagnosed):
+    with_zero = run(laboratory, record(), [{"id": "winE", "amplitude": 0}])
+    plain = run(laboratory, record(), [])
+    assert with_zero.report == plain.report
+    assert with_zero.temperature.equals(plain.temperature)
+
+
+def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(record, laboratory):
+    test = record(window_loss=LOSS)
+    before = run(laboratory, test, [])
+    found = yaml.safe_load(before.terms)
+    (entry,) = found["test"]["effects"]
+    assert entry["id"] == "winE" and entry["amplitude"] == pytest.approx(LOSS, abs=0.002)
+    after = run(laboratory, test, found["test"]["effects"])
+    assert after.report["verdict"]["status"] == "null"
+    # The noise is now that of a fit with the term, which is some per cent less.
+    assert after.report["base"]["chi2"] == pytest.approx(before.report["extended"]["chi2"], rel=0.02)
+    both = [before.temperature["extended_temperature"], after.temperature["base_temperature"]]
+    late = both[0]["time_bin"].values > 20
+    assert np.nanmax(np.abs(both[0] - both[1]).values[late]) < 0.5  # K, of some 10
+    # What is written after it holds the same effect, no less certain.
+    (again,) = yaml.safe_load(after.terms)["test"]["effects"]
+    assert again["amplitude"] == pytest.approx(LOSS, abs=0.002)
+    assert again["uncertainty"] <= entry["uncertainty"] * 1.001
+
+
+def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record, laboratory):
+    """The generator of these tests multiplies spectra by its own formula of a deposit."""
+    clean, spoiled = record(noise=0.0), record(noise=0.0, window_loss=0.1)
+    terms = terms_of([{"id": "winE", "amplitude": 0.1, "uncertainty": 0.01}], OF_TEST)
+    inputs = laboratory.radiation, laboratory.variations, laboratory.response, laboratory.calibration
+    with np.errstate(all="ignore"):
+        made, moves = without_given(spoiled, *inputs, saturation_counts=65000.0, given=terms)
+        free, more = made({"winE.amplitude": 0.1}), made({"winE.amplitude": 0.12})
+    contracts.check(free, "test")
+    assert np.array_equal(free.signal_wide, clean.signal_wide)  # another instrument
+    ratio = (free.spectral_radiance / clean.spectral_radiance).values
+    # The deposit is grey, so that neither bins nor the fit matter: an exposure counts as
+    # two instants, which 4e-5 of the light of a heating surface tells apart.
+    assert np.abs(ratio - 1).max() < 1e-4
+    late = free.spectrum_time.values > 130
+    assert moves == []  # without noise the fit knows the deposit to less than a ten thousandth
+    assert (more.spectral_radiance / free.spectral_radiance).values[late] == pytest.approx(0.9 / 0.88)
+
+
+def test_an_uncertain_effect_makes_temperatures_uncertain_and_their_interval_as_much_wider():
+    grid = {"time": ("time", [0.0, 1.0])}
+    result = xr.Dataset(
+        {
+            "t": ("time", [1000.0, 1500.0]),
+            "t_uncertainty": ("time", [3.0, 3.0]),
+            "t_interval": (("bound", "time"), [[990.0, 1490.0], [1010.0, 1510.0]]),
+        },
+        grid,
+    )
+    widen(result, "t", xr.DataArray([4.0, np.nan], {"time": grid["time"]}, ["time"]))
+    assert result.t_uncertainty.values == pytest.approx([5.0, 3.0])
+    assert result.t_interval.values[:, 1] == pytest.approx([1490.0, 1510.0])
+    half = 10.0 * 5 / 3
+    assert result.t_interval.values[:, 0] == pytest.approx([1000 - half, 1000 + half], abs=0.3)
+
+
+def test_a_file_of_terms_is_read_whole_or_refused(tmp_path):
+    path = tmp_path / "terms.yaml"
+    path.write_text("test:\n  effects:\n  - {id: winE, amplitude: 0.1}\ncondition: {effects: []}\n")
+    assert [term.setting.id for term in read_terms(path)] == ["winE"]
+    assert read_terms(path, "condition") == ()
+    for text in (
+        "effects: []\n",
+        "test: {efects: []}\n",
+        "test:\n  effects: [{id: power, amplitude: 0.1}]\n",
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=str(path)):
+            read_terms(path)
