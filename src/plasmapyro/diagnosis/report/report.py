@@ -39,6 +39,7 @@ def report_of(findings, temperature):
     entries, hidden = [*candidates(findings), *entries_of(findings)], limits(findings)
     return {
         "schema": SCHEMA,
+        "findings": [],
         "dataset": _dataset(findings),
         "noise": _noise(findings.base),
         "base": _base(findings),
