@@ -61,6 +61,8 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "io",
         "contracts",
         "configuration",
+        "page",
+        "plots",
         "cfd",
         "experiment",
         "instrument",
@@ -69,7 +71,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "record",
         "sightline",
     },
-    "page": {"plots"},  # colours
+    "page": {"plots", "record"},  # pictures; words of a status
     # a plan reads the configuration, its jobs call the stages of the chain
     "study": {"configuration", "flow", "sightline", "radiation", "instrument", "analysis"},
 }

@@ -53,11 +53,31 @@ def test_a_length_unit_that_makes_an_implausible_path_is_doubted(folder, capsys,
     assert (words in said.err) == ("length_unit" in said.err) == (length is not None)
 
 
-def test_the_spectrum_of_a_flow_field_in_two_commands(folder):
-    assert run(folder, "flow.vtu", "--map", "map.yaml", "--points", "20", "--out", "a.nc") == 0
+def test_the_spectrum_of_a_flow_field_in_two_commands(folder, capsys):
+    line = ("flow.vtu", "--map", "map.yaml", "--points", "20", "--out", "a.nc", "--plot", "a.png")
+    assert run(folder, *line) == 0
+    assert "mole fractions: N2 0.76, O2 0.16" in capsys.readouterr().out  # `samples.settings`
     narrow = ["--wavelength-nm", "776", "779", "--grid-points", "4000", "--slit-fwhm-nm", "0.3"]
-    assert cli.main(["radiance", str(folder / "a.nc"), "--out", str(folder / "s.nc"), *narrow]) == 0
-    assert (io.read(folder / "s.nc", "spectrum").gas_radiance.values > 0).all()
+    assert (
+        cli.main(
+            [
+                "radiance",
+                str(folder / "a.nc"),
+                "--out",
+                str(folder / "s.nc"),
+                *narrow,
+                "--plot",
+                str(folder / "s.png"),
+            ]
+        )
+        == 0
+    )
+    found = io.read(folder / "s.nc", "spectrum")
+    assert (found.gas_radiance.values > 0).all()
+    whole = np.trapezoid(found.gas_radiance.values, found.wavelength.values)
+    assert f"nm, {whole:.4g} W m-2 sr-1, highest" in capsys.readouterr().out
+    for picture in ("a.png", "s.png"):
+        assert (folder / picture).read_bytes().startswith(b"\x89PNG")
 
 
 def test_an_su2_restart_needs_its_mesh(tmp_path):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import io, progress
-from plasmapyro.commands.options import not_negative, option, positive, share
+from plasmapyro.commands.options import not_negative, option, plot_option, positive, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.line_lamp import find_lines
 from plasmapyro.instrument.spectrometer import STATUS_WORDS
@@ -64,6 +64,7 @@ def add(commands):
     command.set_defaults(run=run)
     command.add_argument("folder", metavar="FOLDER", help="holds calibration.yaml and the files it names")
     command.add_argument("--out", required=True, metavar="FOLDER", help="where the calibration goes")
+    plot_option(command, "the calibration curve, or the factor of a spectrometer alone")
     command.add_argument(
         "--response",
         metavar="FILE.nc",
@@ -124,7 +125,8 @@ def run(options):
         raise ValueError("\n".join(found))
     present = instruments(options.folder)
     files = [name for instrument in present for name in names[instrument]]
-    require_writable([out / name for name in files], [options.folder, options.response])
+    outputs = [out / name for name in files] + [options.plot] * bool(options.plot)
+    require_writable(outputs, [options.folder, options.response])
     results, lines = {}, []
     if "pyrometer" in present:
         response = io.read(options.response, "response") if options.response else band_response(**RESPONSE)
@@ -159,13 +161,22 @@ def run(options):
         raise ValueError(
             "\n".join([*said, "if that is as it should be, go on with --accept and the rule's name"])
         )
-    settings = {k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response")}
+    settings = {
+        k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response", "plot")
+    }
     read = [*sources(options.folder), *([options.response] if options.response else [])]
     io.write_together(
         {name: (dataset, out / f"{name}.nc") for name, dataset in results.items()},
         sources=read,
         config={"calibrate": settings},
     )
+    if options.plot:
+        from plasmapyro.plots import instrument as plots  # matplotlib, which only pictures need
+
+        if "calibration" in results:
+            plots.calibration(results["calibration"], [options.plot])
+        else:
+            plots.spectrometer_factor(results["spectrometer_calibration"], [options.plot])
     sys.stdout.write("\n".join(lines) + "\n")
     progress.say("done")
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from plasmapyro import io, progress
 from plasmapyro.commands.joint import by_joint_inference
-from plasmapyro.commands.options import count, option, positive, seed, share
+from plasmapyro.commands.options import count, option, plot_option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
@@ -48,6 +48,8 @@ what comes out (netCDF):
   ..._uncertainty                                  [K] standard uncertainties (68 %)
   ..._status                                       valid, no_signal, gas_dominated, ...: see flag_meanings
 
+and a page beside it: signals, temperature, spectra, what was refused and why
+
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
 
 
@@ -70,6 +72,11 @@ def add(commands):
         " counts), as results/instrument or the --out of `plasmapyro calibrate`",
     )
     command.add_argument("--out", required=True, metavar="FILE.nc", help="where the temperatures go")
+    command.add_argument(
+        "--html", metavar="FILE", help="where the page of the test goes (default: --out with .html)"
+    )
+    command.add_argument("--no-html", action="store_true", help="write no page")
+    plot_option(command, "signals, temperature and spectra")
     command.add_argument(
         "--estimator",
         choices=sorted(ESTIMATORS),
@@ -140,7 +147,8 @@ def add(commands):
 def run(options):
     """Run `plasmapyro correct`: test in, file out, and a summary."""
     folder = Path(options.instrument)
-    require_writable([options.out], [options.test, folder])
+    page = None if options.no_html else options.html or Path(options.out).with_suffix(".html")
+    require_writable([path for path in (options.out, page, options.plot) if path], [options.test, folder])
     if not folder.is_dir():
         raise ValueError(f"{folder}: no such folder; name the one that holds {PYROMETER}.nc")
     if options.given and not options.radiance:
@@ -180,6 +188,16 @@ def run(options):
         sources=[*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)],
         config={"correct": _settings(options)},
     )
+    result = io.read(options.out, contract)
+    if page:
+        from plasmapyro.page.correction import write_page  # matplotlib, which only pictures need
+
+        progress.say(f"writing {page}")
+        io.write_text(write_page(test, result, [finding.entry for finding in said]), page)
+    if options.plot:
+        from plasmapyro.plots import one_test
+
+        one_test.picture(test, result, [options.plot])
     sys.stdout.write("\n".join(summary(result)) + "\n")
     progress.say("done")
 
@@ -347,5 +365,5 @@ def _calibrations(test, folder):
 
 
 def _settings(options):
-    skipped = {"run", "test", "instrument", "out"}
+    skipped = {"run", "test", "instrument", "out", "html", "no_html", "plot"}
     return {name: value for name, value in vars(options).items() if name not in skipped}

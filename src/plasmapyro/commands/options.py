@@ -43,3 +43,15 @@ def count(word):
 def seed(word):
     """A seed of random numbers."""
     return _number(word, "must be a whole number >= 0", lambda value: value >= 0, int)
+
+
+def picture(word):
+    """Name of a file for a picture."""
+    if not word.endswith((".png", ".svg")):
+        raise argparse.ArgumentTypeError(f"must end in .png or .svg; got {word!r}")
+    return word
+
+
+def plot_option(command, shows):
+    """Add `--plot FILE`."""
+    command.add_argument("--plot", type=picture, metavar="FILE", help=f"draw {shows} (.png or .svg)")

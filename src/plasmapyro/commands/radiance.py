@@ -1,8 +1,10 @@
 """`plasmapyro radiance`: the gas's light along a sight line."""
 
 import argparse
+import sys
 
 from plasmapyro import contracts, io, progress
+from plasmapyro.commands.options import plot_option
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.quality.catalogue import OF_SIGHTLINE
 from plasmapyro.quality.rule import Case, look
@@ -42,6 +44,7 @@ def add(commands):
     command.set_defaults(run=run)
     command.add_argument("sightline", metavar="SIGHTLINE", help="sight line, netCDF or NEQAIR-style text")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="where the spectrum goes")
+    plot_option(command, "the spectrum and its brightest components")
     command.add_argument(
         "--wavelength-nm",
         nargs=2,
@@ -94,7 +97,7 @@ def _grid_points(word):
 def run(options):
     """Run `plasmapyro radiance`: file in, files out."""
     _check_units(options)
-    outputs = [options.out, options.spectrum_text, options.line_of_sight_text]
+    outputs = [options.out, options.spectrum_text, options.line_of_sight_text, options.plot]
     require_writable([path for path in outputs if path], [options.sightline, options.response])
     progress.say(f"reading {options.sightline}")
     sightline = _read_sightline(options.sightline)
@@ -123,7 +126,31 @@ def run(options):
         io.write_text(text, options.spectrum_text)
     if options.line_of_sight_text:
         io.write_text(neqair.compose(sightline), options.line_of_sight_text)
+    if options.plot:
+        from plasmapyro.plots import radiation as plots  # matplotlib, which only pictures need
+
+        plots.spectrum(result, [options.plot])
+    sys.stdout.write(summary(result))
     progress.say("done")
+
+
+def summary(result):
+    """What came out, in two lines: how much light, where most; of which components, what the bands see."""
+    light, slit = result["gas_radiance"], result["gas_radiance_slit"]
+    brightest = int(slit.values.argmax())
+    whole = float(light.integrate("wavelength"))
+    parts = result["gas_radiance_component"].integrate("wavelength")
+    parts = (parts / parts.sum()).sortby(-parts).isel(component=slice(3)) if float(parts.sum()) else parts[:0]
+    said = ["mostly " + ", ".join(f"{str(one.component.values)} {float(one):.2g}" for one in parts)]
+    if "band_signal" in result:
+        wide, narrow = result["band_signal"].values
+        said.append(f"band signals {wide:.4g} (wide), {narrow:.4g} (narrow) W m-2 sr-1")
+    ends = light.wavelength.values[[0, -1]] / NANOMETRE
+    return (
+        f"spectrum: {ends[0]:.5g} to {ends[1]:.5g} nm, {whole:.4g} W m-2 sr-1, highest"
+        f" {float(slit[brightest]) * 1e-6:.4g} W m-2 sr-1 um-1 at"
+        f" {float(slit.wavelength_slit[brightest]) / NANOMETRE:.5g} nm\n  {'; '.join(said)}\n"
+    )
 
 
 def _check_units(options):

@@ -6,6 +6,7 @@ import sys
 from plasmapyro import configuration, io, progress
 from plasmapyro.cfd.mapping import SCHEMA
 from plasmapyro.cfd.stage import START_GAP, condition_of, sightline
+from plasmapyro.commands.options import plot_option
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.quality.catalogue import OF_SIGHTLINE
 from plasmapyro.quality.rule import Case, look
@@ -45,6 +46,7 @@ def add(commands):
     command.add_argument("file", metavar="FILE", help="flow field")
     command.add_argument("--map", required=True, metavar="MAP.yaml", help="what the file means")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="where the sight line goes")
+    plot_option(command, "temperature and pressure along it")
     command.add_argument("--mesh", metavar="MESH.su2", help="mesh of an SU2 restart file")
     command.add_argument(
         "--points", type=_points, default=250, metavar="N", help="nodes along the path (default: 250)"
@@ -69,7 +71,7 @@ def _points(word):
 
 def run(options):
     """Run `plasmapyro sightline`: flow field in, sight line out."""
-    outputs = [path for path in (options.out, options.line_of_sight_text) if path]
+    outputs = [path for path in (options.out, options.line_of_sight_text, options.plot) if path]
     require_writable(outputs, [options.file, options.map, options.mesh])
     settings = configuration.load(options.map, SCHEMA)
     state = {option[2:].replace("-", "_"): getattr(options, option[2:].replace("-", "_")) for option in STATE}
@@ -87,6 +89,10 @@ def run(options):
     io.write(result, options.out, "sightline", sources=sources, config={"cfd": settings})
     if options.line_of_sight_text:
         io.write_text(neqair.compose(result), options.line_of_sight_text)
+    if options.plot:
+        from plasmapyro.plots import radiation as plots  # matplotlib, which only pictures need
+
+        plots.line_of_sight(result, [options.plot])
     late = result.attrs["path_end"] != "profile" and result.attrs["entry_distance"] > START_GAP
     if result.attrs["path_end"] == "body" or late:
         progress.warn(f"the line of sight {result.attrs['path_status']}")
@@ -95,10 +101,14 @@ def run(options):
 
 
 def summary(line):
-    """What came out, in one line: how long, how hot and where."""
+    """What came out, in two lines: how long, how hot and where; pressure and composition there."""
     distance, temperature = line["path_distance"].values, line["temperature"].values
     hottest = int(temperature.argmax())
+    density = line["number_density"].isel(path_distance=hottest)
+    most = (density / density.sum()).sortby(-density).isel(species=slice(3))
+    parts = ", ".join(f"{str(one.species.values)} {float(one):.2g}" for one in most)
     return (
         f"line of sight: {1e3 * (distance[-1] - distance[0]):.4g} mm in {distance.size} points, hottest"
         f" {temperature[hottest]:.0f} K at {1e3 * distance[hottest]:.4g} mm\n"
+        f"  there {float(line['pressure'][hottest]) / 100:.4g} mbar; mole fractions: {parts}\n"
     )

@@ -1,60 +1,19 @@
 """Figures of a diagnosis as SVG text, each with the sentence that says what it shows."""
 
-import io
 import math
-import re
 import textwrap
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from plasmapyro.page.shell import drawn
 from plasmapyro.plots.colours import BASE, EXTENDED, NARROW, PAPER, PHASES, SPECTRUM, WIDE
 
-SIZE = (4.6, 3.0)  # [inch], at 10 points: legible when a phone shrinks it to 3.4 inch
 RESIDUAL_LIMIT = 4.0
 LETTER = 0.015  # of the width of the axes: a phase that is too narrow for its name has none
 NANOMETRE = 1e-9
 WORST_STEP = 0.3  # standard deviation of a step at plasma-off that is still shown
-SETTINGS = {
-    "font.size": 10,
-    "font.family": "sans-serif",
-    "legend.fontsize": 8,
-    "legend.framealpha": 0.75,
-    "legend.edgecolor": "none",
-    "legend.markerscale": 1.8,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "grid.linewidth": 0.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "lines.linewidth": 1.4,
-    "svg.fonttype": "none",
-    "mathtext.default": "regular",
-    "axes.unicode_minus": True,
-}
-
-
-def drawn(draw, name, size=SIZE, **options):
-    """SVG text of a figure made by draw(axes); the same bytes for the same content, no fixed width."""
-    with rc_context(SETTINGS | {"svg.hashsalt": name}):
-        figure = Figure(figsize=size, layout="constrained")
-        draw(figure.subplots(**options))
-        buffer = io.StringIO()
-        figure.savefig(
-            buffer, format="svg", transparent=True, dpi=150, metadata={"Date": None, "Creator": None}
-        )
-    svg = buffer.getvalue()
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    return re.sub(
-        r'(<svg[^>]*?) width="[^"]*"',
-        r"\1",
-        re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1),
-        count=1,
-    )
 
 
 def _array(values):

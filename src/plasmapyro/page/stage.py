@@ -1,11 +1,7 @@
 """From the files of a diagnosis to its page."""
 
-from importlib.resources import files
-
-import jinja2
-from markupsafe import Markup
-
 from plasmapyro.page import figures, tables
+from plasmapyro.page.shell import rendered, spoken
 from plasmapyro.page.words import for_figures, without_folders
 
 FORMAT = "plasmapyro-diagnosis-1"
@@ -50,29 +46,20 @@ def write_page(diagnosis, residual_map, temperature):
     def draw(name, alternative, data=None):
         """SVG text of a figure, with words for those who do not see it."""
         svg = getattr(figures, name)(plain) if data is None else getattr(figures, name)(plain, data)
-        label = Markup('<svg role="img" aria-label="{}"').format(alternative)
-        return Markup(svg.replace("<svg", label, 1))
+        return spoken(svg, alternative)
 
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("plasmapyro.page", "."),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     status, edge = STATUS.get(report["verdict"]["status"], (report["verdict"]["status"], "open"))
     count = len(report["verdict"]["named"])
-    return (
-        environment.get_template("template.html")
-        .render(
-            report=report,
-            residual_map=residual_map,
-            temperature=temperature,
-            tables=tables,
-            draw=draw,
-            status=status.format(causes=f"{count} causes are" if count > 1 else "a cause is"),
-            edge=edge,
-            style=Markup(files("plasmapyro.page").joinpath("style.css").read_text(encoding="utf-8")),
-        )
-        .lstrip()
+    return rendered(
+        "diagnosis.html",
+        title=report["dataset"]["title"],
+        origin=report["dataset"]["origin"],
+        version=report["provenance"]["version"],
+        report=report,
+        residual_map=residual_map,
+        temperature=temperature,
+        tables=tables,
+        draw=draw,
+        status=status.format(causes=f"{count} causes are" if count > 1 else "a cause is"),
+        edge=edge,
     )

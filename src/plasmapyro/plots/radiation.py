@@ -1,4 +1,4 @@
-"""Figure of the radiance of gas and surface."""
+"""Figures of the light of the gas: all conditions with a surface; one line of sight, one spectrum."""
 
 from plasmapyro.plots import style
 
@@ -45,4 +45,46 @@ def spectral_radiance(radiances, surface, bands, paths):
         fontsize=7,
     )
     style.mark_origin(axes, *radiances.values())
+    style.save(drawing, paths)
+
+
+def line_of_sight(line, paths):
+    """Temperature along one line of sight, above the pressure.
+
+    Parameters
+    ----------
+    line : Dataset, contract 'sightline'
+    paths : paths of the files to write
+    """
+    drawing, (upper, lower) = style.figure(size=(4.6, 3.4), nrows=2, height_ratios=(3, 1), sharex=True)
+    path = line.path_distance * 1e3
+    upper.plot(path, line.temperature, color=style.NARROW)
+    lower.plot(path, line.pressure / 100, color=style.WIDE)
+    upper.set(ylabel="Temperature [K]", ylim=(0, None))
+    lower.set(xlabel=r"Path distance $\zeta$ [mm]", ylabel="Pressure [mbar]")
+    style.mark_origin(upper, line)
+    style.save(drawing, paths)
+
+
+def spectrum(radiance, paths, most=4):
+    """One spectrum through its slit, with its `most` brightest components.
+
+    Parameters
+    ----------
+    radiance : Dataset, contract 'spectrum' or 'radiation'
+    paths : paths of the files to write
+    most : int
+    """
+    drawing, axes = style.figure(size=(5.6, 3.2))
+    nanometre = radiance.wavelength_slit * 1e9
+    axes.semilogy(nanometre, radiance.gas_radiance_slit * 1e-6, "k-", lw=1.0, label="all", zorder=5)
+    parts = radiance.gas_radiance_component_slit
+    for one in parts.sortby(-parts.sum("wavelength_slit"))[:most]:
+        axes.semilogy(nanometre, one * 1e-6, lw=0.7, label=str(one.component.values))
+    top = float(radiance.gas_radiance_slit.max()) * 1e-6
+    if top > 0:
+        axes.set_ylim(1e-6 * top, 3 * top)
+    axes.legend(ncols=most + 1, loc="lower center")
+    axes.set(xlabel="Wavelength (vacuum) [nm]", ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]")
+    style.mark_origin(axes, radiance)
     style.save(drawing, paths)

@@ -35,3 +35,18 @@ def flags():
         "flag_values": np.array(list(MEANINGS), dtype="int8"),
         "flag_meanings": " ".join(MEANINGS.values()),
     }
+
+
+REASONS = {  # in words of a user
+    BELOW: "the ratio belongs to a temperature below what the instrument reads",
+    VALID: "",
+    ABOVE: "the ratio belongs to a temperature above what the instrument reads",
+    EXTRAPOLATED: "outside the calibration points, inside the instrument's range",
+    MISSING: "no sample was recorded",
+    NO_SIGNAL: "what is left without the gas cannot be told from zero",
+    GAS_DOMINATED: "the gas gives more than the allowed share of a signal",
+    NOT_INJECTED: "no surface in view",
+    STRADDLING: "the exposure holds a switch of the plasma",
+    SATURATED: "the detector or its converter was at its limit",
+    CONTRADICTED: "instruments, or one and its calibration, contradict each other",
+}

@@ -1,0 +1,116 @@
+"""The page of one corrected test: what contradicts itself, what came out, what was refused and why."""
+
+import json
+from functools import partial
+
+import numpy as np
+
+from plasmapyro.page.shell import SIZE, drawn, rendered, spoken
+from plasmapyro.page.tables import table
+from plasmapyro.page.words import DASH, number, without_folders
+from plasmapyro.plots.one_test import TEMPERATURES, given, panels, statuses
+from plasmapyro.record.status import REASONS, WITH_VALUE
+
+FIGURES = {  # name: title, caption, words for those who do not see it
+    "signals": (
+        "Signals",
+        "Both bands as recorded; dashed: the mean of the reference window, which is subtracted.",
+        "Signals of both bands over time with the reference window",
+    ),
+    "temperatures": (
+        "Temperature of the surface",
+        "Samples in the colours of their status; the strip below shows it for all, refused ones too.",
+        "Temperature over time with its 95 % interval and the status of each sample",
+    ),
+    "spectra": (
+        "Spectra",
+        "Grey: light of the gas in the reference. Dots: what is left without it; lines: Planck fits.",
+        "Spectral radiance of the gas and of the surface with fitted Planck curves",
+    ),
+}
+TALLER = {"temperatures": 4.2}  # [inch], for the legend below
+
+
+def write_page(test, result, findings):
+    """The page of a corrected test: one HTML text that needs nothing else, contradictions first.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test'
+    result : Dataset, contract 'correction' or 'joint_estimate', as it was stored
+    findings : list of dict
+        What the rules said, as `quality.rule.Finding.entry`, the worst first.
+
+    Returns
+    -------
+    str
+        HTML with its style and its figures (SVG) inside; user text is escaped, folders of the machine are cut
+        off; the same inputs give the same text.
+    """
+    words = without_folders(dict(result.attrs) | {"findings": findings})
+    pictures = panels(test, result)
+
+    def draw(name, alternative, data=None):
+        size = (SIZE[0], TALLER.get(name, SIZE[1]))
+        svg = drawn(partial(pictures[name], test=test, result=result), name, size)
+        return spoken(svg, alternative)
+
+    return rendered(
+        "correction.html",
+        title=words.get("title") or "A test",
+        origin=words["origin"],
+        version=words["plasmapyro_version"],
+        attributes=words,
+        findings=words["findings"],
+        key_numbers=key_numbers(result),
+        refused=refused(result),
+        figures={name: FIGURES[name] for name in pictures},
+        settings=table(
+            ("setting", "value"),
+            [(name, DASH if value is None else str(value)) for name, value in _settings(words)],
+            stacked=False,
+        ),
+        sources=table(
+            ("file", "SHA-256"), [line.split("  ")[::-1] for line in words["sources"].splitlines()]
+        ),
+        draw=draw,
+    )
+
+
+def _settings(attributes):
+    return sorted(json.loads(attributes["configuration"]).get("correct", {}).items())
+
+
+def _good(result, name):
+    return np.flatnonzero(np.isfinite(result[name].values))
+
+
+def key_numbers(result):
+    """Pairs of a value and what it is: first and highest temperature of each kind, and the share with one."""
+    boxes = []
+    for name in given(result):
+        axis, _, _, words = TEMPERATURES[name]
+        good, time = _good(result, name), result[axis].values
+        boxes.append((f"{good.size} of {time.size}", f"samples with a temperature: {words}"))
+        if good.size:
+            for place, what in ((good[0], "first"), (good[np.argmax(result[name].values[good])], "highest")):
+                value, spread = (float(result[key].values[place]) for key in (name, f"{name}_uncertainty"))
+                boxes.append(
+                    (f"{value:.0f} ± {2 * spread:.0f} K", f"{what}, at {time[place]:.4g} s: {words}")
+                )
+    return boxes
+
+
+def refused(result):
+    """Every status of each temperature: how many samples, when, whether they have a value, and why."""
+    rows = []
+    for name in given(result):
+        axis, state, _, words = TEMPERATURES[name]
+        codes, time = result[state].values, result[axis].values
+        for code, word in statuses(result[state]).items():
+            here = time[codes == code]
+            if here.size:
+                value = "given" if code in WITH_VALUE else "none"
+                when = " to ".join(number(moment, 4) for moment in dict.fromkeys(here[[0, -1]]))
+                rows.append((words, word.replace("_", " "), here.size, when, value, REASONS[code] or DASH))
+    return table(("temperature", "status", "#samples", "#first to last [s]", "value", "because"), rows)
