@@ -42,7 +42,7 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
 def merged(parts):
     """The corrections of single instruments (Datasets) as one, contract 'correction'."""
     attributes = {name: value for part in parts for name, value in part.attrs.items()}
-    whole = xr.merge(parts, combine_attrs="drop", join="exact", compat="no_conflicts")
+    whole = xr.merge(parts, combine_attrs="override", join="exact", compat="no_conflicts")
     return whole.assign_attrs(attributes)
 
 
