@@ -13,6 +13,7 @@ from plasmapyro.progress import show
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 COMMANDS = (
+    "init",
     "check",
     "calibrate",
     "correct",

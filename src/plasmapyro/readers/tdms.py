@@ -5,7 +5,6 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from plasmapyro import foreign
 from plasmapyro.readers.columns import to_si
 from plasmapyro.readers.text import quote, refuse, regular_file
 
@@ -43,12 +42,7 @@ def read_tdms(path, columns, joined=False):
     path = regular_file(path, LARGEST)
     # npTDMS trusts what the file says about itself: a damaged one can raise anything.
     try:
-        with (
-            foreign.memory_for(path),
-            _complaints() as complaints,
-            open(path, "rb") as stream,
-            TdmsFile.open(stream) as file,
-        ):
+        with _complaints() as complaints, open(path, "rb") as stream, TdmsFile.open(stream) as file:
             channels = {f"{group.name}/{c.name}": c for group in file.groups() for c in group.channels()}
             absent = [column.header for column in columns.values() if column.header not in channels]
             if not absent and all(len(channels[c.header]) <= MOST_SAMPLES for c in columns.values()):
@@ -59,8 +53,6 @@ def read_tdms(path, columns, joined=False):
                 found = None
     except ImportError:
         raise
-    except MemoryError:
-        refuse(path, "asks for more memory than its size allows", "export it again from LabVIEW")
     except Exception as reason:  # noqa: BLE001
         if type(reason).__module__.startswith("plasmapyro"):
             raise
@@ -77,6 +69,32 @@ def read_tdms(path, columns, joined=False):
     if found is None:
         refuse(path, f"a channel holds more than {MOST_SAMPLES} samples", "cut it to the test")
     return _joined(path, found) | ({} if start is None else {"start": start})
+
+
+def channels(path):
+    """Channels of a TDMS file: 'group/channel' -> (unit or None, whether it carries times).
+
+    Raises
+    ------
+    Refusal
+        As `read_tdms`.
+    """
+    try:
+        from nptdms import TdmsFile
+    except ImportError:
+        refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
+    try:
+        with _complaints(), TdmsFile.read_metadata(regular_file(path, LARGEST)) as file:
+            return {
+                f"{group.name}/{c.name}": (
+                    str(c.properties.get("unit_string", "")).strip() or None,
+                    "wf_increment" in c.properties,
+                )
+                for group in file.groups()
+                for c in group.channels()
+            }
+    except Exception as reason:  # noqa: BLE001  as in `read_tdms`
+        refuse(path, f"is not a readable TDMS file ({quote(reason)})", "export it again from LabVIEW")
 
 
 @contextmanager
