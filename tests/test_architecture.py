@@ -129,6 +129,20 @@ def test_a_step_of_the_diagnosis_imports_only_steps_below(path):
     assert found <= set(STEPS[: STEPS.index(step)]) | ({step} if path.parent.name == step else set())
 
 
+def test_the_steps_of_the_diagnosis_stand_on_six_levels_with_few_arrows():
+    arrows = {}
+    for path in diagnosis_files():
+        step = path.relative_to(PACKAGE / "diagnosis").parts[0].removesuffix(".py")
+        below = {name.split(".")[2] for name in imports(path) if name.startswith("plasmapyro.diagnosis.")}
+        arrows.setdefault(step, set()).update(below - {step})
+
+    def level(step):
+        return 1 + max((level(below) for below in arrows.get(step, ())), default=0)
+
+    assert level("command") <= 6
+    assert sum(map(len, arrows.values())) < 20
+
+
 @pytest.mark.parametrize("path", diagnosis_files(), ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_only_the_command_of_the_diagnosis_knows_files(path):
     parts = {name.removeprefix("plasmapyro.").split(".")[0] for name in imports(path)}

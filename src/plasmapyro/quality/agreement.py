@@ -183,6 +183,16 @@ def level_against_ratio(case, limit):
     return None
 
 
+def _apparent(result, most):
+    """Times, apparent emittances and their relative errors (n,) of the valid spectra, errors below `most`."""
+    time, values, errors = (
+        result[name].values[result.spectrum_status.values == status.VALID]
+        for name in ("spectrum_time", "apparent_emittance", "apparent_emittance_uncertainty")
+    )
+    known = errors < most * values
+    return time[known], values[known], errors[known] / values[known]
+
+
 @rule(
     "emittance_of_spectra",
     looks_at="emittance that the fitted scale of the spectra gives",
@@ -196,24 +206,18 @@ def level_against_ratio(case, limit):
     " were used",
 )
 def emittance_of_spectra(case, limit):
-    good = case.result.spectrum_status.values == status.VALID
-    values, errors = (
-        case.result[name].values[good] for name in ("apparent_emittance", "apparent_emittance_uncertainty")
-    )
-    known = np.isfinite(values) & np.isfinite(errors) & (errors < 0.3 * values)
-    if known.sum() < 3:
+    _, values, errors = _apparent(case.result, 0.3)
+    if values.size < 3:
         return None
     attrs = case.test.attrs
-    found, stated = float(np.median(values[known])), attrs["emittance"]
-    own = 3 * np.hypot(
-        float(np.median(errors[known] / values[known])), attrs["emittance_uncertainty"] / stated
-    )
+    found, stated = float(np.median(values)), attrs["emittance"]
+    own = 3 * np.hypot(float(np.median(errors)), attrs["emittance_uncertainty"] / stated)
     width = max(own, np.log(limit)) - np.log(attrs["window_transmittance_spectrometer"])
     if abs(np.log(found / stated)) <= width:
         return None
     return {
         "found": found,
-        "count": int(known.sum()),
+        "count": values.size,
         "stated": stated,
         "error": attrs["emittance_uncertainty"],
     }
@@ -234,12 +238,7 @@ def emittance_of_spectra(case, limit):
     severity=DOUBT,
 )
 def emittance_jumps(case, limit):
-    values, errors, time = (
-        case.result[name].values[case.result.spectrum_status.values == status.VALID]
-        for name in ("apparent_emittance", "apparent_emittance_uncertainty", "spectrum_time")
-    )
-    known = np.isfinite(errors) & (errors < 0.2 * values)
-    values, errors, time = values[known], (errors / values)[known], time[known]
+    time, values, errors = _apparent(case.result, 0.2)
     jump = np.abs(np.diff(np.log(values)))
     far = np.flatnonzero(jump > np.maximum(limit, 5 * np.hypot(errors[1:], errors[:-1])))
     if not far.size:

@@ -4,6 +4,7 @@ import numpy as np
 
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.quality.series import SIGMA
 
 
 @rule(
@@ -79,7 +80,7 @@ def source_dark(case, limit):
     net = case.exposures.exposure_counts.values - case.exposures.exposure_dark.values
     for number, row in enumerate(net, 1):
         row = row[np.isfinite(row)]
-        noise = 1.4826 * np.median(np.abs(np.diff(row))) if row.size > 1 else 0.0
+        noise = SIGMA * np.median(np.abs(np.diff(row))) if row.size > 1 else 0.0
         if np.median(row) < -limit * noise / np.sqrt(row.size):
             return {"number": number, "share": float(np.mean(row < 0))}
     return None

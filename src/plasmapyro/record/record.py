@@ -108,7 +108,6 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
     first = [float(test[axis].values[0]) for axis in ("time", "spectrum_time") if axis in test.variables]
     injection = float(attributes["injection_time"]) if plasma else min(first)
     present = [name for name in inputs.instruments(test) if name in calibrations]
-    instruments = {"pyrometer": _pyrometer, "spectrometer": _spectrometer}
     return Record(
         injection,
         float(attributes["plasma_off_time"]) - injection if plasma else -np.inf,
@@ -117,7 +116,7 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
         float(attributes["emittance_uncertainty"]),
         float(attributes.get("emittance_slope", 1.0)),
         float(attributes.get("emittance_slope_uncertainty", 0.0)),
-        tuple(instruments[name](test, injection, calibrations[name], saturation_counts) for name in present),
+        tuple(_instrument(name, test, injection, calibrations[name], saturation_counts) for name in present),
         {
             name: (test.time.values - injection, test[name].values)
             for name in ACCOMPANYING
@@ -127,22 +126,29 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
     )
 
 
-def _pyrometer(test, injection, _, __):
+def _instrument(name, test, injection, calibration, saturation_counts):
+    """One `Instrument`: what both kinds say of a test alike, and what each makes of its samples."""
+    axis, made = {"pyrometer": ("time", _bands), "spectrometer": ("spectrum_time", _pixels)}[name]
+    value, flag, own = made(test, calibration, saturation_counts)
+    flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
+    return Instrument(
+        name,
+        test[axis].values - injection,
+        float(test.attrs[f"{name}_integration_time"]),
+        value,
+        flag,
+        float(test.attrs[f"window_transmittance_{name}"]),
+        **own,
+    )
+
+
+def _bands(test, _, __):
     value = np.stack([test[f"signal_{band}"].values for band in BANDS]).astype(float).T
     limits = [test.attrs.get(f"signal_saturation_{band}", np.inf) for band in BANDS]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
     flag[value >= np.array(limits)] |= flags.SATURATED
     flag[flags.clipped(value) | flags.rounded(value, gas_of(test, value))] |= flags.CLIPPED
-    flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
-    return Instrument(
-        "pyrometer",
-        test.time.values - injection,
-        float(test.attrs["pyrometer_integration_time"]),
-        value,
-        flag,
-        float(test.attrs["window_transmittance_pyrometer"]),
-        band=BANDS,
-    )
+    return value, flag, {"band": BANDS}
 
 
 def gas_of(test, value):
@@ -151,32 +157,23 @@ def gas_of(test, value):
         return np.zeros_like(value)
     facts, time = test.attrs, test.time.values
     inside = (time >= facts["reference_window"][0]) & (time <= facts["reference_window"][1])
+    inside &= np.isfinite(value).all(axis=1)
+    if not inside.any():
+        return np.full(value.shape, np.nan)
     shining = phases(time, facts["injection_time"], facts["plasma_off_time"])[1]
-    return np.where(shining[:, None], np.nanmean(value[inside], axis=0), 0.0)
+    return np.where(shining[:, None], value[inside].mean(axis=0), 0.0)
 
 
-def _spectrometer(test, injection, calibration, saturation_counts):
+def _pixels(test, calibration, saturation_counts):
     radiance, status, saturated = calibrated_radiance(test, calibration, saturation_counts)
     unusable = np.broadcast_to(status != USABLE, radiance.shape)
     flag = np.where(np.isnan(radiance) & ~saturated & ~unusable, flags.LOST, 0).astype("uint8")
     flag[saturated] |= flags.SATURATED
     flag[unusable] |= flags.MASKED
-    flag[flags.stuck(radiance, inputs.has_plasma(test))] |= flags.STUCK
-    factor = None
+    own = {"wavelength": test.wavelength.values, "channel_status": status}
     if "spectral_radiance" not in test.variables:
         exposure = float(test.attrs["spectrometer_integration_time"])
-        factor = calibration["calibration_factor"].values / exposure
-    return Instrument(
-        "spectrometer",
-        test.spectrum_time.values - injection,
-        float(test.attrs["spectrometer_integration_time"]),
-        radiance,
-        flag,
-        float(test.attrs["window_transmittance_spectrometer"]),
-        wavelength=test.wavelength.values,
-        channel_status=status,
-        factor=factor,
-        factor_uncertainty=None
-        if calibration is None
-        else np.nan_to_num(calibration["calibration_factor_uncertainty"].values),
-    )
+        own["factor"] = calibration["calibration_factor"].values / exposure
+    if calibration is not None:
+        own["factor_uncertainty"] = np.nan_to_num(calibration["calibration_factor_uncertainty"].values)
+    return radiance, flag, own

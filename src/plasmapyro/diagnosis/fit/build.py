@@ -126,17 +126,33 @@ def of_given(terms):
             yield Parameter(f"{effect.id}.{name}", f"{effect.name}: {what}", sigma, unit, centre)
 
 
-def _pyrometer(bands, off, calibration, response, library, edges):
-    bands = binning.thinned(bands, off, MOST_SAMPLES)
-    time, half = bands.time, bands.integration_time / 2
-    nodes = observation.nodes_of(bands.integration_time)
-    index = binning.membership(time - half, time + half, edges, 0.0, off)
-    raw = np.ascontiguousarray(bands.sound)
-    index = observation.without_lost(index, raw)
-    moment, count = observation.instants(time - half, time + half, index, edges.size - 1, nodes)
-    value, number = binning.mean_in_bins(raw, index, edges.size - 1)
+def _on_bins(one, raw, index, bins):
+    """Fields of an `Instrument` from samples (t, C) in bins: means, and instants that stand for them."""
+    half, nodes = one.integration_time / 2, observation.nodes_of(one.integration_time)
+    moment, count = observation.instants(one.time - half, one.time + half, index, bins, nodes)
+    value, number = binning.mean_in_bins(raw, index, bins)
     kept = count > 0
     renumber = np.where(kept, np.cumsum(kept) - 1, -1)
+    return {
+        "moment": moment[kept],
+        "value": value[kept],
+        "number": number[kept],
+        "raw": raw,
+        "raw_moment": one.time[:, None] + half / UNIFORM * nodes,
+        "raw_bin": np.where(index >= 0, renumber[index], -1),
+        "raw_clean": np.isfinite(raw),
+    }
+
+
+def _membership(one, edges, off):
+    half = one.integration_time / 2
+    return binning.membership(one.time - half, one.time + half, edges, 0.0, off)
+
+
+def _pyrometer(bands, off, calibration, response, library, edges):
+    bands = binning.thinned(bands, off, MOST_SAMPLES)
+    raw = np.ascontiguousarray(bands.sound)
+    index = observation.without_lost(_membership(bands, edges, off), raw)
     axis, curves = response
     places, centres = observation.band_nodes(axis, curves)
     weight = np.zeros((2, 2 * centres.size))
@@ -148,9 +164,6 @@ def _pyrometer(bands, off, calibration, response, library, edges):
         maps.append(observation.band_gas_map(places, library.wavelength, axis, curve))
     return Instrument(
         kind="pyrometer",
-        moment=moment[kept],
-        value=value[kept],
-        number=number[kept],
         wavelength=np.tile(centres, 2),
         weight=weight,
         gain=calibration["absolute_sensitivity"].values.astype(float),
@@ -158,21 +171,15 @@ def _pyrometer(bands, off, calibration, response, library, edges):
         node_edges=places,
         factor=None,
         pixel_edges=None,
-        raw=raw,
-        raw_moment=time[:, None] + half / UNIFORM * nodes,
-        raw_bin=np.where(index >= 0, renumber[index], -1),
-        raw_clean=np.isfinite(raw),
         gas_error=np.full(2, FREE_GAS),
         pattern=np.zeros(2),
         dark=np.zeros(2),
+        **_on_bins(bands, raw, index, edges.size - 1),
     )
 
 
 def _spectrometer(frames, off, library, edges, fwhm):
     frames = binning.thinned(frames, off, MOST_SPECTRA)
-    time, half = frames.time, frames.integration_time / 2
-    nodes = observation.nodes_of(frames.integration_time)
-    index = binning.membership(time - half, time + half, edges, 0.0, off)
     wavelength, radiance = frames.wavelength, frames.sound
     saturated = frames.flagged(flags.SATURATED)
     factor = np.ones(wavelength.size) if frames.factor is None else frames.factor
@@ -200,20 +207,14 @@ def _spectrometer(frames, off, library, edges, fwhm):
     in_bin = number_of_pixels.max(axis=0)
     # The mean of some pixels of a bin is that of another wavelength.
     raw = np.where(number_of_pixels == in_bin, raw, np.nan)
-    index = observation.without_lost(index, np.where(saturated[:, chosen], 0.0, radiance))
+    lost = np.where(saturated[:, chosen], 0.0, radiance)
+    index = observation.without_lost(_membership(frames, edges, off), lost)
     raw = np.where(observation.beside_saturation(saturated[:, chosen], index, pixels), np.nan, raw)
-    moment, count = observation.instants(time - half, time + half, index, edges.size - 1, nodes)
-    value, number = binning.mean_in_bins(raw, index, edges.size - 1)
-    kept = count > 0
-    renumber = np.where(kept, np.cumsum(kept) - 1, -1)
     centres, _ = observation.in_pixel_bins(wavelength, pixels)
     binned_factor, _ = observation.in_pixel_bins(factor, pixels)
     pattern, _ = observation.in_pixel_bins(relative, pixels)
     return Instrument(
         kind="spectrometer",
-        moment=moment[kept],
-        value=value[kept],
-        number=number[kept],
         wavelength=centres,
         weight=None,
         gain=np.ones(centres.size),
@@ -221,13 +222,10 @@ def _spectrometer(frames, off, library, edges, fwhm):
         node_edges=None,
         factor=binned_factor,
         pixel_edges=pixels,
-        raw=raw,
-        raw_moment=time[:, None] + half / UNIFORM * nodes,
-        raw_bin=np.where(index >= 0, renumber[index], -1),
-        raw_clean=np.isfinite(raw),
         gas_error=np.full(centres.size, FREE_GAS),
         pattern=PATTERN_MARGIN * np.maximum(pattern, 1e-4) / np.sqrt(in_bin),
         dark=np.full(centres.size, DARK_COUNTS) * binned_factor / np.sqrt(in_bin),
+        **_on_bins(frames, raw, index, edges.size - 1),
     )
 
 

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
+from scipy.special import ndtr
 
 from plasmapyro.radiation.bandsignal import respond
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.record import binning
 
 NODE = 6e-9  # [m] of the quadrature over a band
@@ -178,3 +180,12 @@ def time_bins(record):
 def side_by_side(maps):
     """One matrix (M, K) out of those of the bands."""
     return sparse.csr_array(sparse.vstack(maps))
+
+
+def line_shapes(centre, fwhm):
+    """Shapes (C, b) of single lines behind a slit, at channels (C,) and between, and where they are (b,)."""
+    edges = np.concatenate([centre[:1], (centre[1:] + centre[:-1]) / 2, centre[-1:]])
+    where = np.sort(np.concatenate([centre, edges[1:-1]]))
+    sigma = fwhm / FWHM_PER_SIGMA
+    mean = np.diff(ndtr((edges[:, None] - where) / sigma), axis=0) / np.diff(edges)[:, None]
+    return mean / mean.max(axis=0), where

@@ -4,10 +4,9 @@ import numpy as np
 
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report import show
-from plasmapyro.diagnosis.report.findings import VISIBLE
 from plasmapyro.diagnosis.report.kelvin import fitted_shift
 from plasmapyro.diagnosis.report.sentences import candidate_sentence
-from plasmapyro.diagnosis.select.screen import angles, best_by_id, linear_evidence
+from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id, linear_evidence
 
 SHOWN = 12  # candidates in the report besides those named
 JUST_SEEN = 5.0  # standard deviations
@@ -31,7 +30,7 @@ def candidates(findings):
             amplitude, error, shape = _as_fitted(findings, fitted[candidate.id])
         else:
             amplitude, error, shape = _as_linearised(screen, index)
-        others = [j for j in order if screen.candidates[j].id != candidate.id and screen.left[j] > VISIBLE]
+        others = [j for j in order if screen.candidates[j].id != candidate.id and screen.left[j] > LEAST_LEFT]
         nearest = min(others, key=lambda j: angle[index, j]) if others else None
         paper, when = findings.paper_shift(effect, amplitude, shape)
         linear = effect.linear_of(amplitude)
@@ -95,7 +94,7 @@ def _as_linearised(screen, index):
     """Amplitude, standard error and shape of a candidate alone, by its column."""
     candidate = screen.candidates[index]
     effect, shape = candidate.effect, {name: float(value) for name, value in candidate.shape.items()}
-    if screen.left[index] <= VISIBLE:
+    if screen.left[index] <= LEAST_LEFT:
         return 0.0, float(UNSEEN_ERROR * effect.sigma), shape
     amplitude = float(screen.amplitudes()[index])
     error = float(1 / np.sqrt(screen.information[index, index]))
@@ -115,7 +114,7 @@ def limits(findings):
     rows = []
     for identity, index in best.items():
         effect = screen.candidates[index].effect
-        seen = screen.left[index] > VISIBLE
+        seen = screen.left[index] > LEAST_LEFT
         just_seen = effect.amplitude_of(JUST_SEEN / np.sqrt(information[index])) if seen else np.inf
         per_unit, _ = findings.paper_shift(effect, effect.step, screen.candidates[index].shape)
         per_unit /= effect.linear_of(effect.step)

@@ -10,7 +10,7 @@ from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
 from plasmapyro.diagnosis.select.held_out import Gain
 from plasmapyro.diagnosis.select.probability import honest
-from plasmapyro.diagnosis.select.screen import best_by_id, linear_evidence
+from plasmapyro.diagnosis.select.screen import LEAST_LEFT, best_by_id, linear_evidence
 from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.diagnosis.select.selection import Selection
 from plasmapyro.diagnosis.simulation.compare import Comparison
@@ -18,7 +18,6 @@ from plasmapyro.experiment.correction import Reading
 
 PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
 LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it
-VISIBLE = 1e-5  # [1], of the information of a direction: what the base model must leave of it
 BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
 EVEN = 0.5  # probability of nothing beyond which no extension is applied
 NULL_AHEAD = 1.0  # log weight of nothing above all others where nothing is found
@@ -146,7 +145,7 @@ class Findings:
         log = {"none": np.log(PRIOR_NONE)}
         share = np.log((1 - PRIOR_NONE - PRIOR_UNKNOWN) / len(self.effects))
         for index in best_by_id(screen.candidates, evidence):
-            if screen.left[index] > VISIBLE:
+            if screen.left[index] > LEAST_LEFT:
                 log[screen.candidates[index].id] = share + float(evidence[index])
         for identity, value in trials.items():
             log[identity] = share + value + 0.5 * self.base.solution.objective

@@ -10,7 +10,10 @@ from plasmapyro.diagnosis.fit.inference import gram, own_patterns
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.select.structures import structures_of
 
-LEAST_LEFT = 1e-6  # [1], of the information of a direction that the base parameters must leave
+# What the base parameters must leave [1] of the information of a direction for it to be seen, in gains,
+# names, probabilities and words alike: at less its amplitude errs a thousand times as much as beside a
+# known base, and what is left is as small as the error of the linearised fit.
+LEAST_LEFT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -165,7 +168,7 @@ def linear_evidence(screen):
     own = np.diag(screen.information)[: screen.count]
     sigma2 = np.array([candidate.effect.sigma**2 for candidate in screen.candidates])
     score = screen.score[: screen.count]
-    usable = screen.left[: screen.count] > 1e-6
+    usable = screen.left[: screen.count] > LEAST_LEFT
     value = -0.5 * np.log1p(sigma2 * own) + 0.5 * score**2 / (own + 1 / sigma2)
     return np.where(usable, value, -np.inf)
 

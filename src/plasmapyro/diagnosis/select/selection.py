@@ -7,13 +7,12 @@ from plasmapyro.diagnosis.fit.inference import Solution
 from plasmapyro.diagnosis.select.alternatives import by_pair
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import walk
-from plasmapyro.diagnosis.select.screen import angles, best_by_id
+from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
 
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 SAME_ANGLE, ALIKE_ANGLE = 15.0, 45.0  # [degree] below which two are one class, or may explain the same
-VISIBLE = 1e-6  # [1], of the information of a direction: what the base model must leave of it
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def _alike(step, identity):
         return (identity,)
     angle = angles(screen.information[: screen.count, : screen.count])[mine]
     alike = (angle < SAME_ANGLE) | (gains[mine] - gains < ALIKE) & (angle < ALIKE_ANGLE)
-    alike &= screen.left[: screen.count] > VISIBLE
+    alike &= screen.left[: screen.count] > LEAST_LEFT
     return (identity, *(screen.candidates[i].id for i in order if i != mine and alike[i]))
 
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
 
-from plasmapyro.radiation.slit import FWHM_PER_SIGMA
+from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.record.phases import during
 
 MAP_WAVES = 8
@@ -193,15 +192,6 @@ def _fringes(model, place):
 
 def _shapes(model, place):
     return line_shapes(model.instruments[place].wavelength, model.library.slit_fwhm)[0]
-
-
-def line_shapes(centre, fwhm):
-    """Shapes (C, b) of single lines behind a slit, at channels (C,) and between, and where they are (b,)."""
-    edges = np.concatenate([centre[:1], (centre[1:] + centre[:-1]) / 2, centre[-1:]])
-    where = np.sort(np.concatenate([centre, edges[1:-1]]))
-    sigma = fwhm / FWHM_PER_SIGMA
-    mean = np.diff(ndtr((edges[:, None] - where) / sigma), axis=0) / np.diff(edges)[:, None]
-    return mean / mean.max(axis=0), where
 
 
 def _common_walk(instruments, off):

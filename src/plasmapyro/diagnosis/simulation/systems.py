@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plasmapyro.diagnosis.select.structures import line_shapes
+from plasmapyro.diagnosis.fit.observation import line_shapes
 
 FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
 BEYOND = 3.0  # standard deviations from which a system is off
