@@ -31,6 +31,15 @@ try:
     )
     TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
+    LEVELS = {}  # changes of level temperatures, by condition
+    if any(
+        "effects" in case for case in (*CONDITIONS.values(), *TESTS.values())
+    ):  # the import takes a second
+        from plasmapyro.commands import terms
+
+        terms.check_effects(TESTS, "test", config["tests"]["folder"])
+        terms.check_effects(CONDITIONS, "condition", config["conditions"]["folder"])
+        CONDITIONS, LEVELS = terms.with_effects(CONDITIONS)
     configuration.check_together(config, CONDITIONS, TESTS)
     CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
     if CFD_CONDITIONS:  # the import takes 0.1 s, in every job

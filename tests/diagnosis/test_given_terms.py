@@ -7,7 +7,8 @@ import yaml
 
 from plasmapyro import contracts
 from plasmapyro.commands.correct import widen
-from plasmapyro.commands.terms import OF_TEST, read_terms
+from plasmapyro.commands.terms import OF_TEST, check_effects, read_terms, with_effects
+from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import Setting
@@ -140,3 +141,20 @@ def test_a_file_of_terms_is_read_whole_or_refused(tmp_path):
         path.write_text(text)
         with pytest.raises(ValueError, match=str(path)):
             read_terms(path)
+
+
+def test_files_of_tests_and_conditions_hold_the_effects_that_act_there():
+    check_effects({"a": {}, "b": {"effects": [WINDOW]}}, "test", "config/tests")
+    with pytest.raises(ConfigurationError, match=r"config/tests/b.yaml:\n  effects.0.id: unknown"):
+        check_effects({"b": {"effects": [{"id": "power", "amplitude": 0.1}]}}, "test", "config/tests")
+    with pytest.raises(ConfigurationError, match="valid: power, T_exc, T_vib"):
+        check_effects({"c": {"effects": [WINDOW]}}, "condition", "config/conditions")
+
+
+def test_effects_of_a_condition_act_on_its_power_and_its_levels():
+    effects = [{"id": "power", "amplitude": 0.1}, {"id": "T_vib", "amplitude": -0.08}]
+    conditions, levels = with_effects({"80kW": {"numerical_power_kw": 80, "effects": effects}, "one": {}})
+    assert conditions["80kW"]["numerical_power_kw"] == 88.0
+    assert levels == {"80kW": {"vibration": -0.08}}
+    nothing = {"90kW": {"numerical_power_kw": 90, "effects": [{"id": "power", "amplitude": 0}]}}
+    assert with_effects(nothing) == (nothing, {})

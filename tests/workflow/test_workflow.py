@@ -106,6 +106,16 @@ def test_a_test_may_hold_one_instrument_and_ready_radiances(project):
     assert jobs["pyrometer_correction"] == jobs["figures_pyrometer"] == jobs["figures_both"] == 1
 
 
+def test_effects_that_a_test_states_are_taken_out_before_its_corrections(project):
+    for file, entry in (("tests/csic_160kW", "winE"), ("conditions/80kW", "power")):
+        path = project / f"config/{file}.yaml"
+        path.write_text(f"{path.read_text()}\neffects: [{{id: {entry}, amplitude: 0.05}}]\n")
+    run = snakemake(project, "--dry-run", "results/diagnosis/csic_160kW/diagnosis.json")
+    assert planned(run)["restored_test"] == 1
+    read = re.findall(r"rule pyrometer_correction:\n *input: (.*)", run.stdout)
+    assert [words.split(",")[0] for words in read] == ["results/experiment/csic_160kW/restored_test.nc"]
+
+
 def test_a_folder_of_raw_files_is_read_first(project):
     (project / "config/tests/mine.yaml").write_text(
         "data_folder: mydata\ninstruments: [pyrometer]\ncalibrated_spectra: true\n"
@@ -187,6 +197,12 @@ def test_minimal_takes_two_conditions(project):
         ("config/config.yaml", "sightline:", "sightline: [", "config/config.yaml: not readable as YAML"),
         ("config/conditions/90kW.yaml", "emittance:", "emittance: !!int ''\nx:", "90kW.yaml: not readable"),
         ("config/tests/csic_160kW.yaml", "data_folder: ", "data_folder: a{b}/", "holds braces"),
+        (
+            "config/tests/csic_160kW.yaml",
+            "data_folder:",
+            "effects: [{id: winF, amplitude: 0.05}]\ndata_folder:",
+            "config/tests/csic_160kW.yaml:\n  effects.0.id: unknown; did you mean 'winE'?",
+        ),
     ],
 )
 def test_a_wrong_configuration_stops_before_the_first_job(project, file, old, new, message):

@@ -62,11 +62,13 @@ rule diagnosis:
         residual_map="results/diagnosis/{test}/residual_map.nc",
         temperature="results/diagnosis/{test}/temperature.nc",
         page="results/diagnosis/{test}/index.html",
+        terms="results/diagnosis/{test}/terms.yaml",
     log:
         "results/logs/diagnosis_{test}.log",
     benchmark:
         "results/benchmarks/diagnosis_{test}.tsv"
     params:
+        effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
         draws=config["diagnosis"]["draws"],
         seed=config["diagnosis"]["seed"],
         without=config["diagnosis"]["without"],

@@ -32,14 +32,42 @@ rule read_test:
         "../scripts/read_test.py"
 
 
+def usable_test(wildcards):
+    """The test that corrections start from: without the effects that its file takes as given."""
+    given = TESTS[wildcards.test].get("effects")
+    return f"results/experiment/{wildcards.test}/restored_test.nc" if given else test_file(wildcards)
+
+
 def spectrometer_calibration_of(wildcards):
     calibrated = TESTS[wildcards.test]["calibrated_spectra"]
     return [] if calibrated else "results/instrument/spectrometer_calibration.nc"
 
 
-rule pyrometer_correction:
+# Only for a test whose file states effects: the model of the diagnosis, fitted to it, takes them out.
+rule restored_test:
     input:
         test=test_file,
+        radiation=lambda wildcards: expand("results/radiation/{condition}.nc", condition=LADDERS),
+        variations=lambda wildcards: expand("results/radiation_variations/{condition}.nc", condition=VARIED),
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+    output:
+        "results/experiment/{test}/restored_test.nc",
+    log:
+        "results/logs/restored_test_{test}.log",
+    benchmark:
+        "results/benchmarks/restored_test_{test}.tsv"
+    params:
+        effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
+        saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
+    script:
+        "../scripts/restored_test.py"
+
+
+rule pyrometer_correction:
+    input:
+        test=usable_test,
         calibration="results/instrument/calibration.nc",
     output:
         "results/experiment/{test}/pyrometer_correction.nc",
@@ -55,7 +83,7 @@ rule pyrometer_correction:
 
 rule spectrometer_correction:
     input:
-        test=test_file,
+        test=usable_test,
         calibration=spectrometer_calibration_of,
     output:
         "results/experiment/{test}/spectrometer_correction.nc",
@@ -71,7 +99,7 @@ rule spectrometer_correction:
 
 rule joint_estimate:
     input:
-        test=test_file,
+        test=usable_test,
         response="results/instrument/response.nc",
         calibration="results/instrument/calibration.nc",
         spectrometer=lambda wildcards: (

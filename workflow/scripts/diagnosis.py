@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from plasmapyro import io
+from plasmapyro.commands.terms import given_terms
 from plasmapyro.diagnosis import command
 
 io.log_to(snakemake.log[0])
@@ -17,6 +18,7 @@ result = command.diagnose_test(
     seed=keys.seed,
     saturation_counts=keys.saturation_counts,
     limits=keys.limits,
+    given=given_terms(keys.effects, paths.get("terms")),
     others=list(paths.others),
     findings=json.loads(io.read_text(paths.findings)),
 )

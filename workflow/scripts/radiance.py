@@ -5,11 +5,12 @@ from plasmapyro.quantities import in_si
 from plasmapyro.radiation.stage import line_of_sight_radiance
 
 io.log_to(snakemake.log[0])
-settings = in_si(snakemake.params)
+keys = {name: value for name, value in snakemake.params.items() if value != {}}
+settings = in_si(keys)
 result = line_of_sight_radiance(
     io.read(snakemake.input.sightline, "sightline"),
     io.read(snakemake.input.response, "response"),
     wavelength_range=settings.pop("wavelength"),
     **settings,
 )
-io.write(result, snakemake.output[0], "radiation", sources=snakemake.input, config=dict(snakemake.params))
+io.write(result, snakemake.output[0], "radiation", sources=snakemake.input, config=keys)

@@ -59,3 +59,44 @@ def check_effects(cases, owner, folder):
             faults.append(f"{folder}/{name}.yaml:\n  {fault}")
     if faults:
         raise configuration.ConfigurationError("\n".join(faults))
+
+
+def given_terms(entries, path=None):
+    """Terms of a test: those of its file, or of a file terms.yaml."""
+    return read_terms(path) if path else terms_of(entries, OF_TEST)
+
+
+def with_effects(conditions):
+    """Conditions at the powers that their effects give them, and the levels that these change.
+
+    Parameters
+    ----------
+    conditions : mapping name -> values of a file, with effects that fit
+
+    Returns
+    -------
+    conditions : dict of the same form, powers with at most six digits
+    levels : dict name -> mapping as `levels_of` returns it, of conditions that have one
+    """
+    found, levels = {}, {}
+    for name, case in conditions.items():
+        terms = terms_of(case.get("effects", []), OF_CONDITION)
+        change = amplitude_of(terms, "power")
+        found[name] = case
+        if change:
+            power = f"{case['numerical_power_kw'] * (1 + change):.6g}"
+            found[name] = case | {"numerical_power_kw": float(power)}
+        if changed := levels_of(terms):
+            levels[name] = changed
+    return found, levels
+
+
+def levels_of(terms):
+    """Terms of a condition as `radiation.stage.line_of_sight_radiance` takes them; empty for no change."""
+    changes = {"excitation": amplitude_of(terms, "T_exc"), "vibration": amplitude_of(terms, "T_vib")}
+    return {name: change for name, change in changes.items() if change}
+
+
+def amplitude_of(terms, identity):
+    """Amplitude of the term of an id, 0 without one."""
+    return next((term.setting.amplitude for term in terms if term.setting.id == identity), 0.0)

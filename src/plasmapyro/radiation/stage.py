@@ -15,6 +15,7 @@ from plasmapyro.radiation.bandsignal import (
     responsivities,
 )
 from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.levels import departures
 from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance, require_any_resolution
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
@@ -23,7 +24,9 @@ from plasmapyro.tables import weakest
 REFLECTIONS = ("specular", "diffuse")
 
 
-def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_points, slit_fwhm):
+def line_of_sight_radiance(
+    sightline, band_response, *, wavelength_range, grid_points, slit_fwhm, levels=None
+):
     r"""Radiance of the gas along a sight line, by component, as seen from its far end.
 
     Parameters
@@ -38,6 +41,8 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         Of the logarithmic wavenumber grid; refused when too few for the Doppler widths.
     slit_fwhm : float [m]
         Of the Gaussian slit function of the coarse view.
+    levels : mapping with `excitation` or `vibration` [1], optional
+        Relative changes of level temperatures, see `levels.departures`.
 
     Returns
     -------
@@ -55,7 +60,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
     Notes
     -----
     Source: Fagnani et al., sec. 4.2, second term of eq. 2.
-    ASSUME: local thermal equilibrium.
+    ASSUME: local thermal equilibrium, but for `levels`.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
@@ -68,6 +73,7 @@ def line_of_sight_radiance(sightline, band_response, *, wavelength_range, grid_p
         sightline["temperature"].values,
         density,
         excitation_temperature=None if excitation is None else excitation.values,
+        departures=departures(sightline["temperature"].values, **levels or {}),
     )
     # What needs no lines is refused before they are made, which takes seconds.
     wavelength = grid.wavelength[::-1]

@@ -4,12 +4,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import fftconvolve
 
-from plasmapyro.constants import BOLTZMANN, SECOND_RADIATION
+from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.levels import VIBRATION, vibrational
 from plasmapyro.radiation.opacity import boltzmann_population, line_emission
 from plasmapyro.radiation.path import Continuum, gas_path
 from plasmapyro.radiation.planck import blackbody_radiance
@@ -19,8 +20,6 @@ BIN = 0.03e-9  # [m] of the histogram of lines, a tenth of the standard deviatio
 CONTINUUM_GRID = 4000  # points; the continua are smooth
 NODE_RANGE = (1500.0, 13000.0)  # [K], colder gas does not shine here
 NODES = 48
-VIBRATION = "N2 1P"  # the system whose vibrational temperature is varied
-LEVEL_STEP = 10.0  # [m-1] energies of one vibrational level agree to this
 
 
 class GasEmission:
@@ -85,7 +84,7 @@ class GasEmission:
                 self._fill(emission, row, (excited_lines(lines, *pair) for pair in pairs))
             if lines.component == VIBRATION and vibration != 1:
                 plain = (self.path.emission(lines, node) for node in range(NODES))
-                factors = (_vibrational(lines, temperature, vibration) for temperature in self.temperature)
+                factors = (vibrational(lines, temperature, vibration) for temperature in self.temperature)
                 self._fill(emission, row, (one * factor for one, factor in zip(plain, factors, strict=True)))
         return emission
 
@@ -97,16 +96,6 @@ def excited_lines(lines, temperature, density):
         lines.upper_energy, lines.upper_degeneracy, temperature, density, partition
     )
     return line_emission(lines, population)
-
-
-def _vibrational(lines, temperature, vibration):
-    """Factors (L,) that give the vibrational levels of the upper state another temperature."""
-    energy = lines.upper_energy - lines.upper_rotation
-    energy = energy - energy.min()
-    levels = np.unique(np.round(energy / LEVEL_STEP)) * LEVEL_STEP
-    change = SECOND_RADIATION / temperature * (1 - 1 / vibration)
-    whole = np.exp(-SECOND_RADIATION * levels / temperature)
-    return np.exp(change * energy) * whole.sum() / np.sum(whole * np.exp(change * levels))
 
 
 class SlitHistogram:
