@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from plasmapyro import foreign
 from plasmapyro.readers.columns import to_si
 from plasmapyro.readers.text import quote, refuse, regular_file
 
@@ -42,7 +43,12 @@ def read_tdms(path, columns, joined=False):
     path = regular_file(path, LARGEST)
     # npTDMS trusts what the file says about itself: a damaged one can raise anything.
     try:
-        with _complaints() as complaints, open(path, "rb") as stream, TdmsFile.open(stream) as file:
+        with (
+            foreign.memory_for(path),
+            _complaints() as complaints,
+            open(path, "rb") as stream,
+            TdmsFile.open(stream) as file,
+        ):
             channels = {f"{group.name}/{c.name}": c for group in file.groups() for c in group.channels()}
             absent = [column.header for column in columns.values() if column.header not in channels]
             if not absent and all(len(channels[c.header]) <= MOST_SAMPLES for c in columns.values()):
@@ -53,6 +59,8 @@ def read_tdms(path, columns, joined=False):
                 found = None
     except ImportError:
         raise
+    except MemoryError:
+        refuse(path, "asks for more memory than its size allows", "export it again from LabVIEW")
     except Exception as reason:  # noqa: BLE001
         if type(reason).__module__.startswith("plasmapyro"):
             raise
