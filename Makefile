@@ -4,7 +4,10 @@
 # make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 # make fuzz: COUNT damaged configurations, data files and flow files each; a traceback, a hang or a warning fails.
-PYTHON ?= python3
+# make lock: both lock files anew from pyproject.toml, kept versions kept (needs uv; --upgrade-package NAME moves one).
+PYTHONS := python3.11 python3.12 python3.13 python3.14 python3
+SUITABLE := -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))'
+PYTHON ?= $(firstword $(foreach each,$(PYTHONS),$(shell $(each) $(SUITABLE) 2>/dev/null && echo $(each))))
 BIN := .venv/bin
 CORES ?= 2
 SEED ?= $(shell git rev-parse HEAD 2>/dev/null || echo blind)
@@ -14,7 +17,10 @@ COUNT ?= 10000
 FUZZERS := tests/test_configuration_fuzz.py tests/readers/test_reading_fuzz.py tests/cfd/test_flow_fuzz.py
 SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz clean
+PIP := $(BIN)/pip install --quiet --disable-pip-version-check
+LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --custom-compile-command "make lock"
+
+.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -25,9 +31,10 @@ minimal: .venv/installed
 report: .venv/installed
 	$(SNAKEMAKE) results/report.html
 
-test: .venv/installed
+test: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 	$(BIN)/pytest --numprocesses $(CORES)
 
@@ -35,27 +42,38 @@ blind: .venv/installed
 	$(SNAKEMAKE) results/radiation_variations/60kW.nc results/radiation_variations/80kW.nc $(foreach power,50 70 90 100 110 120 130,results/radiation/$(power)kW.nc)
 	$(BIN)/python workflow/blind/run.py --seed $(SEED) $(CASES) --share $(SHARE) --publish docs/scoreboard
 
-reproduce: .venv/installed
+reproduce: .venv/tested
 	$(BIN)/python workflow/reproduce.py
 
-compare: figures report
+compare: figures report .venv/tested
 	$(BIN)/python workflow/reproduce.py --results results
 	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report
 
-slurm: figures
+slurm: figures .venv/tested
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py
 
-faults: .venv/installed
+faults: .venv/tested
 	$(BIN)/python workflow/faults.py
 
-fuzz: .venv/installed
+fuzz: .venv/tested
 	PLASMAPYRO_FUZZ=$(COUNT) $(BIN)/pytest -q --numprocesses $(CORES) $(FUZZERS)
 
 .venv/installed: environment.lock pyproject.toml
+	@$(or $(PYTHON),false) $(SUITABLE) 2>/dev/null || { echo "make: no Python 3.11, 3.12, 3.13 or 3.14 found" \
+	  "(tried: $(or $(PYTHON),$(PYTHONS))); install one with its venv module, or name it: make PYTHON=/path/to/python"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --requirement environment.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(PIP) --require-hashes --requirement environment.lock
+	$(PIP) --no-deps --no-build-isolation --editable .
 	touch $@
+
+.venv/tested: .venv/installed environment-test.lock
+	$(PIP) --require-hashes --requirement environment.lock --requirement environment-test.lock
+	touch $@
+
+lock:
+	$(LOCK) --extra workflow --extra build --output-file environment.lock
+	$(LOCK) --extra test --constraints environment.lock --output-file environment-test.lock \
+	  $$(sed -n 's/^\([a-z0-9-]*\)==.*/--no-emit-package \1/p' environment.lock)
 
 clean:
 	rm -rf results

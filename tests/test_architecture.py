@@ -53,6 +53,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "report": set(),
     "cfd": {"gas", "sightline", "readers", "configuration", "io"},  # files of other programs in, ours out
     "commands": {  # behind the command line
+        "cli",
         "analysis",
         "quality",
         "diagnosis",
@@ -149,9 +150,9 @@ def test_only_the_command_of_the_diagnosis_knows_files(path):
     assert not parts & FILES or path.name == "command.py"
 
 
-def test_io_imports_only_the_base_contracts_and_workspace():
+def test_io_imports_only_the_base_contracts_and_seals():
     found = {name.split(".")[1] for name in imports(PACKAGE / "io.py") if name.startswith("plasmapyro.")}
-    assert found <= {"contracts", "foreign", "progress", "tables", "versions", "workspace"}
+    assert found <= {"contracts", "foreign", "progress", "seals", "tables", "versions"}
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "workflow/scripts").glob("*.py")), ids=lambda p: p.name)

@@ -1,8 +1,12 @@
 """Files that others wrote: which may be opened, what they may refer to, how much memory one may take."""
 
-import resource
 from contextlib import contextmanager
 from pathlib import Path
+
+try:
+    import resource
+except ImportError:  # Windows sets no such limits
+    resource = None
 
 ANY_FILE = 500_000_000  # [byte] of memory that reading any file may take, ...
 PER_BYTE = 15  # ... and so many for each of its own: words of a text take some ten, unpacked blocks a few
@@ -72,6 +76,8 @@ def memory_for(path):
     try:
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     except OSError:
+        pages = None
+    if None in (pages, resource):
         yield
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)

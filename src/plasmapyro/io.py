@@ -10,7 +10,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts, foreign, progress, workspace
+from plasmapyro import contracts, foreign, progress, seals
 from plasmapyro.tables import ORIGINS, weakest
 from plasmapyro.versions import told, versions
 
@@ -76,9 +76,9 @@ def intact(path, largest=LARGEST):
     """
     if found := foreign.unfit(path, largest):
         raise contracts.ContractError(f"{path}: {'; '.join(found)}")
-    noted = workspace.noted(path)
+    noted = seals.noted(path)
     if noted is not None:
-        _require_noted(path, workspace.digest(path), noted)
+        _require_noted(path, seals.digest(path), noted)
     return noted is not None
 
 
@@ -187,7 +187,7 @@ def store(path, writer):
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         writer(part)
-        workspace.unseal(path)
+        seals.unseal(path)
         os.replace(part, path)
     except StorageError:
         raise
@@ -196,7 +196,7 @@ def store(path, writer):
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
-    workspace.seal(path)
+    seals.seal(path)
 
 
 def store_folder(folder, writer):
@@ -221,7 +221,7 @@ def store_folder(folder, writer):
         writer(part)
         if folder.exists():
             for path in folder.iterdir():
-                workspace.unseal(path)
+                seals.unseal(path)
             os.rename(folder, aside)
         try:
             os.rename(part, folder)
@@ -238,7 +238,7 @@ def store_folder(folder, writer):
         if folder.exists():
             shutil.rmtree(aside, ignore_errors=True)
     for path in sorted(folder.iterdir()):
-        workspace.seal(path)
+        seals.seal(path)
 
 
 def _reason(fault, path):
@@ -307,8 +307,8 @@ def _origin(path):
 
 def digest(path):
     """SHA-256 of a file, in hexadecimal; a result must still have the one that was noted (see `intact`)."""
-    found = workspace.digest(path)
-    _require_noted(path, found, workspace.noted(path) or found)
+    found = seals.digest(path)
+    _require_noted(path, found, seals.noted(path) or found)
     return found
 
 

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from plasmapyro.api.calibration import RESPONSE
 from test_workflow import project, snakemake  # noqa: F401 (a fixture)
 
-from plasmapyro import contracts, foreign, io, workspace
-from plasmapyro.commands.calibrate import RESPONSE
+from plasmapyro import contracts, foreign, io, seals, workspace
 from plasmapyro.instrument.stage import band_response
 
 
@@ -179,7 +179,7 @@ def test_a_bit_flipped_between_two_jobs_of_one_run_stops_it_and_the_next_run_rep
 
 def test_a_path_beside_the_results_is_not_noted(results, tmp_path):
     io.write_text("x", tmp_path / "elsewhere.md")
-    assert workspace.noted(tmp_path / "elsewhere.md") is None
+    assert seals.noted(tmp_path / "elsewhere.md") is None
     assert foreign.unfit(tmp_path / "elsewhere.md", 10) is None
 
 

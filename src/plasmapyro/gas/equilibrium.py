@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import cantera as ct
 import numpy as np
 
 from plasmapyro.checks import positive, within
@@ -31,6 +30,8 @@ def phase(reference_pressure=REFERENCE_PRESSURE):
     Deviation: Cantera's `airNASA9.yaml` states no reference pressure and Cantera then takes 1 atm,
     which makes every dissociation constant 1.3 % too large. The species are rebuilt at 1 bar.
     """
+    import cantera as ct  # half a second, and no part of what corrects and diagnoses a test
+
     species = {one.name: one for one in ct.Species.list_from_file("airNASA9.yaml")}
     for one in species.values():
         data = one.thermo
