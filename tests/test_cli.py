@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import plasmapyro
 from plasmapyro import cli, io, progress
 from plasmapyro.commands import radiance
 from plasmapyro.gas.equilibrium import number_density
@@ -263,3 +264,59 @@ def test_a_command_runs_on_one_thread_whatever_the_environment_says():
     environment = os.environ | dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "3")
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
     assert ended.stdout == "1\n"
+
+
+HEAVY = set("numpy scipy xarray yaml netCDF4 h5py matplotlib cantera jinja2 importlib.metadata".split())
+
+
+def called(*words, then="print(*sys.modules)"):
+    """Lines that a call of the command writes in a process of its own."""
+    code = f"import sys; from plasmapyro import cli\ntry: cli.main({list(words)})\nexcept SystemExit: pass\n"
+    ended = subprocess.run([sys.executable, "-c", code + then], capture_output=True, text=True, check=True)
+    return ended.stdout.splitlines()
+
+
+def test_help_loads_nothing_that_computes_and_says_what_the_commands_say():
+    *said, loaded = called("--help")
+    assert not set(loaded.split()) & HEAVY
+    assert "\n".join(said) == "\n".join(called("--help", then=""))
+    assert cli.parser(()).format_help() == cli.parser().format_help()
+
+
+def test_check_loads_neither_pictures_nor_what_an_extra_brings():
+    loaded = set(called("check", "none")[-1].split())
+    assert not loaded & {"matplotlib", "jinja2", "cantera", "h5py", "snakemake"}
+
+
+def test_a_shell_completes_commands_and_options():
+    script = "\n".join(called("completion", "bash", then=""))
+    asked = "".join(
+        f'COMP_WORDS=({words}); COMP_CWORD={place}; _plasmapyro; echo "${{COMPREPLY[@]}}"\n'
+        for words, place in (("plasmapyro correct --est", 2), ("plasmapyro cal", 1))
+    )
+    ended = subprocess.run(["bash"], input=f"{script}\n{asked}", capture_output=True, text=True, check=True)
+    assert ended.stdout.splitlines() == ["--estimator", "calibrate"]
+
+
+def test_the_version_is_that_of_the_installed_package(capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(["--version"])
+    assert end.value.code == 0
+    assert capsys.readouterr().out == f"plasmapyro {plasmapyro.__version__}\n"
+
+
+def test_it_runs_as_a_module():
+    words = [sys.executable, "-m", "plasmapyro", "check", "none"]
+    ended = subprocess.run(words, capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (2, "") and "no such folder" in ended.stderr
+
+
+def test_what_an_extra_would_bring_is_named(folder, capsys, monkeypatch):
+    def missing(*arguments, **keywords):
+        raise ModuleNotFoundError("No module named 'meshio'", name="meshio")
+
+    monkeypatch.setattr(radiance, "line_of_sight_radiance", missing)
+    assert run(folder, "path.nc", "--out", "x.nc") == 2
+    assert (
+        'this needs meshio, which is not installed: pip install "plasmapyro[cfd]"' in capsys.readouterr().err
+    )

@@ -8,32 +8,49 @@ import traceback
 import warnings
 from importlib import import_module
 
-from plasmapyro import __doc__ as PACKAGE
+import plasmapyro
 from plasmapyro.progress import show
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-COMMANDS = (
-    "init",
-    "check",
-    "calibrate",
-    "correct",
-    "correct-reading",
-    "diagnose",
-    "trust",
-    "sightline",
-    "radiance",
-)
+COMMANDS = {  # the words of each command, which need not be loaded for the help of all
+    "init": "describe a folder of raw files for the first time",
+    "check": "say everything that is wrong with a data folder",
+    "calibrate": "calibrate pyrometer and spectrometer from raw files",
+    "correct": "corrected surface temperatures of one test",
+    "correct-reading": "surface temperatures from logged readings, through the gas of a computed condition",
+    "diagnose": "what a simulation gets wrong",
+    "trust": "from which temperature, and how long after injection, a pyrometer can be trusted",
+    "sightline": "line of sight through a flow field of another program",
+    "radiance": "spectral radiance of the gas along a sight line",
+    "completion": "what bash or zsh needs to complete commands and options",
+}
+EXTRAS = {  # what a light installation leaves out: package -> extra
+    **dict.fromkeys(("netgen", "pymetis", "skfem"), "flow"),
+    **dict.fromkeys(("cantera", "meshio"), "cfd"),
+}
 # As in the jobs of the workflow: small matrices wait for threads longer than they take, and bytes may depend
 # on their number.
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
+class _Version(argparse.Action):
+    """Looked up when it is asked for: the list of installed packages takes longer than the help."""
+
+    def __call__(self, *_):
+        sys.stdout.write(f"plasmapyro {plasmapyro.__version__}\n")
+        sys.exit(DONE)
+
+
 def parser(names=COMMANDS):
-    """The argument parser of the named subcommands; each sets `run`, a function of the options."""
-    top = argparse.ArgumentParser(prog="plasmapyro", description=PACKAGE)
+    """The argument parser with the options of the named subcommands; each of them sets `run`."""
+    top = argparse.ArgumentParser(prog="plasmapyro", description=plasmapyro.__doc__)
+    top.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name in names:
-        import_module(f"plasmapyro.commands.{name.replace('-', '_')}").add(commands)
+    for name, words in COMMANDS.items():
+        if name in names:
+            import_module(f"plasmapyro.commands.{name.replace('-', '_')}").add(commands)
+        else:
+            commands.add_parser(name, help=words)
     return top
 
 
@@ -54,7 +71,7 @@ def main(arguments=None):
         warnings.simplefilter("ignore", RuntimeWarning)
     arguments = sys.argv[1:] if arguments is None else arguments
     os.environ.update(ONE_THREAD)  # before a command loads numpy
-    options = parser(arguments[:1] if set(arguments[:1]) & set(COMMANDS) else COMMANDS).parse_args(arguments)
+    options = parser(arguments[:1]).parse_args(arguments)
     # What the library logs, the commands say in their own words.
     logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
     show(sys.stderr)
@@ -66,7 +83,12 @@ def main(arguments=None):
     except KeyboardInterrupt:
         sys.stderr.write("plasmapyro: stopped; nothing was written\n")
         return INTERRUPTED
-    except Exception:
+    except Exception as fault:
+        missing = fault.name if isinstance(fault, ModuleNotFoundError) else None
+        if missing in EXTRAS:
+            remedy = f'pip install "plasmapyro[{EXTRAS[missing]}]"'
+            sys.stderr.write(f"plasmapyro: this needs {missing}, which is not installed: {remedy}\n")
+            return BAD_INPUT
         traceback.print_exc()
         sys.stderr.write("plasmapyro: this is a fault of the program, not of your input; please report it\n")
         return FAULT_OF_OURS
