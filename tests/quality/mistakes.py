@@ -592,3 +592,319 @@ def a_pixel_range_masked_that_is_lit(folder):
         lambda v: v["spectrometer"].update(masked_pixels=list(range(100, 150))),
         "calibration/calibration.yaml",
     )
+
+
+# Exports, spreadsheets and folders -----------------------------------------------------------------
+
+
+def lines(folder, change, name="my_test/pyrometer.csv"):
+    """Change a text file line by line: list in, list out."""
+    path = folder / name
+    path.write_text("\n".join(change(path.read_text().splitlines())) + "\n")
+
+
+def both(rows, change, where=slice(None)):
+    """Rows with both signals changed alike."""
+    return column(column(rows, 1, change, where), 2, change, where)
+
+
+@family("missing samples of one band written as {}", minus_9999=-9999.0, nought=0.0, plus_9999999=9.999999e9)
+def sentinel(folder, value):
+    table(folder, lambda rows: column(rows, 2, lambda s: 0 * s + value, np.arange(len(rows)) % 10 == 7))
+
+
+@family(
+    "a cell says {}",
+    OVER="OVER",
+    VALUE="#VALUE!",
+    a_time="0:00:12",
+    inf="inf",
+    thousands="1,234.5",
+    E="1,2E+3",
+)
+def odd_cell(folder, words):
+    def change(rows):
+        cells = rows[120].split(";")
+        return [*rows[:120], ";".join([cells[0], words, cells[2]]), *rows[121:]]
+
+    lines(folder, change)
+
+
+@mistake
+def decimal_commas_in_the_second_half_of_the_log(folder):
+    lines(folder, lambda rows: rows[:130] + [row.replace(".", ",") for row in rows[130:]])
+
+
+@mistake
+def decimal_commas_stripped_by_a_spreadsheet(folder):
+    lines(folder, lambda rows: [rows[0]] + [row.replace(".", "") for row in rows[1:]])
+
+
+@mistake
+def header_and_rows_of_a_second_log_pasted_below(folder):
+    lines(folder, lambda rows: rows + rows)
+
+
+@mistake
+def a_row_of_units_below_the_header(folder):
+    lines(folder, lambda rows: ["Time;S1;S2", "s;nA;nA", *rows[1:]])
+
+
+@mistake
+def merged_cells_of_time(folder):
+    lines(
+        folder,
+        lambda rows: (
+            rows[:1] + [r if i % 4 == 0 else ";" + r.split(";", 1)[1] for i, r in enumerate(rows[1:])]
+        ),
+    )
+
+
+@mistake
+def utf_16_without_its_mark(folder):
+    path = folder / "my_test/pyrometer.csv"
+    path.write_bytes(path.read_text().encode("utf-16-le"))
+
+
+@family(
+    "time of the log {}",
+    in_days_of_a_spreadsheet=1 / 86400,
+    of_another_sampling_rate=0.8,
+    in_half_seconds=2.0,
+)
+def wrong_time(folder, factor):
+    table(folder, lambda rows: column(rows, 0, lambda t: t * factor))
+
+
+@mistake
+def lost_rows_closed_up_and_the_time_made_anew(folder):
+    def change(rows):
+        kept = rows[(rows[:, 0] < 20) | (rows[:, 0] >= 25)]
+        kept[:, 0] = rows[: len(kept), 0]
+        return kept
+
+    table(folder, change)
+
+
+@family("one band pasted {} lower", one_row=1, four_rows=4, twenty_rows=20)
+def pasted_lower(folder, count):
+    table(folder, lambda rows: column(rows, 2, lambda s: np.r_[s[:1].repeat(count), s[:-count]]))
+
+
+@mistake
+def one_column_sorted_alone(folder):
+    table(folder, lambda rows: column(rows, 2, np.sort))
+
+
+@mistake
+def ratio_in_the_place_of_a_band(folder):
+    table(folder, lambda rows: column(rows, 2, lambda s: rows[:, 1] / s))
+
+
+@mistake
+def temperatures_in_the_place_of_signals(folder):
+    table(folder, lambda rows: both(rows, lambda s: 700 + 90 * np.log(s / s.min())))
+
+
+@mistake
+def peak_picker_left_on(folder):
+    def hold(s):
+        return np.array([s[max(i - 20, 0) : i + 1].max() for i in range(s.size)])
+
+    table(folder, lambda rows: both(rows, hold))
+
+
+@family("response time of the pyrometer {}", two_seconds=2.0, five_seconds=5.0)
+def slow(folder, tau):
+    def follow(s):
+        out, step = s.copy(), 1 - np.exp(-0.25 / tau)
+        for i in range(1, s.size):
+            out[i] = out[i - 1] + step * (s[i] - out[i - 1])
+        return out
+
+    table(folder, lambda rows: both(rows, follow))
+
+
+@mistake
+def moving_average_of_ten_seconds(folder):
+    def smooth(s):
+        return np.convolve(np.pad(s, 20, mode="edge"), np.ones(41) / 41, mode="valid")
+
+    table(folder, lambda rows: both(rows, smooth))
+
+
+@family("zero of one amplifier drifts by {} of its highest signal", a_twentieth=0.05, a_tenth=0.1)
+def drift(folder, share):
+    table(folder, lambda r: column(r, 2, lambda s: s + share * s.max() * np.linspace(0, 1, s.size)))
+
+
+@mistake
+def converter_wraps_around(folder):
+    table(folder, lambda r: column(r, 1, lambda s: np.where(s > 0.5 * s.max(), s - s.max(), s)))
+
+
+@mistake
+def hum_of_the_mains_in_one_band(folder):
+    table(folder, lambda r: column(r, 2, lambda s: s + 0.05 * s.max() * np.sin(2.1 * np.arange(s.size))))
+
+
+@mistake
+def soft_saturation_of_one_band(folder):
+    table(folder, lambda r: column(r, 1, lambda s: 0.8 * s.max() * np.tanh(s / (0.8 * s.max()))))
+
+
+@mistake
+def all_of_the_log_one_sample(folder):
+    table(folder, lambda rows: both(rows, lambda s: 0 * s + s[100]))
+
+
+@mistake
+def few_digits(folder):
+    table(folder, lambda rows: both(rows, lambda s: np.round(s / s.max() * 40) / 40 * s.max()))
+
+
+@mistake
+def reference_window_in_ms(folder):
+    attributes(folder, reference_window=[0.0, 5000.0])
+
+
+@mistake
+def plasma_off_time_counted_from_the_begin_of_the_record(folder):
+    attributes(folder, plasma_off_time=54.0)
+
+
+@mistake
+def sign_of_the_zero_turned_over(folder):
+    described(folder, lambda v: v["pyrometer"].update(zero=-4.0))
+
+
+# More of spectra -----------------------------------------------------------------------------------
+
+
+@mistake
+def spectra_of_two_tests_in_one_folder(folder):
+    for number, path in enumerate(spectra(folder)):
+        shutil.copy(path, path.with_name(f"spectrum_{number + 15:03d}.txt"))
+
+
+@mistake
+def every_other_spectrum_of_another_test(folder):
+    paths = spectra(folder)
+    for path, other in list(zip(paths[1::2], paths[3::2], strict=False)):
+        counts(path, lambda c, other=other: np.array(list(read_spectrum(other).columns.values())[0]) + 0 * c)
+
+
+@mistake
+def spectra_in_the_order_of_their_modification(folder):
+    paths = spectra(folder)
+    words = [path.read_text() for path in paths]
+    order = np.random.default_rng(4).permutation(len(paths))
+    for path, index in zip(paths, order, strict=True):
+        path.write_text(words[index])
+
+
+@mistake
+def a_copy_of_a_file_left_in_the_folder(folder):
+    path = spectra(folder)[5]
+    shutil.copy(path, path.with_name("spectrum_005 (1).txt"))
+
+
+@family("integration time of the spectra {}", in_ms_in_a_field_of_us="500", ten_times_too_long="5000000")
+def integration(folder, words):
+    for path in [*spectra(folder), folder / "my_test/dark.txt"]:
+        path.write_text(path.read_text().replace("500000", words))
+
+
+@mistake
+def dark_taken_off_by_the_program_as_well(folder):
+    dark = list(read_spectrum(folder / "my_test/dark.txt").columns.values())[0]
+    for path in spectra(folder):
+        counts(path, lambda c: c - dark)
+
+
+@mistake
+def room_light_in_the_dark(folder):
+    counts(folder / "my_test/dark.txt", lambda c: c + 200 * np.exp(-(np.linspace(-1, 1, c.size) ** 2)))
+
+
+@mistake
+def ten_scans_summed(folder):
+    for path in spectra(folder):
+        counts(path, lambda c: 10 * c)
+
+
+@family("dead pixels of spectra written as {}", minus_9999=-9999.0, nought=0.0)
+def dead(folder, value):
+    for path in spectra(folder):
+        counts(path, lambda c: np.where(np.arange(c.size) % 12 == 5, value, c))
+
+
+@mistake
+def a_filter_before_the_test_that_the_calibration_lacked(folder):
+    edge = 1 / (1 + np.exp(-(np.linspace(750, 1030, 150) - 850) / 30))
+    for path in spectra(folder):
+        counts(path, lambda c: 2000 + (c - 2000) * edge)
+
+
+@mistake
+def gain_of_the_detector_drifts_by_a_fifth_over_the_pixels(folder):
+    for path in spectra(folder):
+        counts(path, lambda c: 2000 + (c - 2000) * np.linspace(1.0, 1.2, c.size))
+
+
+def shifted(path, change):
+    """Change the wavelengths of a spectrum file."""
+    head, body, tail = re.match(r"(.*Data<<<<<\n)(.*?)(>>>>>End.*)", path.read_text(), re.DOTALL).groups()
+    rows = [row.split() for row in body.splitlines()]
+    path.write_text(head + "".join(f"{change(float(w)):.3f}\t{c}\n" for w, c in rows) + tail)
+
+
+@mistake
+def wavelengths_of_another_grating_in_the_test(folder):
+    for path in [*spectra(folder), folder / "my_test/dark.txt"]:
+        shifted(path, lambda w: 750 + 1.5 * (w - 750))
+
+
+@mistake
+def wavelengths_of_another_grating_in_all_files(folder):
+    for path in [*folder.glob("*/*.txt"), *spectra(folder)]:
+        shifted(path, lambda w: 750 + 0.8 * (w - 750))
+
+
+# More of the calibration ---------------------------------------------------------------------------
+
+
+@mistake
+def points_in_fahrenheit(folder):
+    table(folder, lambda rows: column(rows, 0, lambda t: t * 1.8 + 32), "calibration/points.csv")
+
+
+@mistake
+def first_points_read_before_the_source_was_warm(folder):
+    table(folder, lambda r: both(r, lambda s: 0.85 * s, slice(0, 3)), "calibration/points.csv")
+
+
+@mistake
+def temperatures_and_signals_of_the_points_in_opposite_order(folder):
+    table(folder, lambda rows: column(rows, 0, lambda t: t[::-1].copy()), "calibration/points.csv")
+
+
+@mistake
+def light_of_the_source_saturated(folder):
+    counts(folder / "calibration/long.txt", lambda c: np.minimum(c, 0.5 * c.max() + np.arange(c.size) % 3))
+
+
+@family("black body of the spectrometer {}", fifty_kelvin_too_low=1650, in_fahrenheit=2600)
+def black_body(folder, value):
+    described(
+        folder,
+        lambda v: v["spectrometer"]["source"].update(temperature_k=value),
+        "calibration/calibration.yaml",
+    )
+
+
+@mistake
+def sensitivity_of_another_pyrometer(folder):
+    table(
+        folder, lambda r: column(r, 1, lambda s: s * np.linspace(1.0, 1.1, s.size)), "calibration/points.csv"
+    )

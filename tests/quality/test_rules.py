@@ -97,6 +97,10 @@ PYROMETER = {
         lambda t, p: p * np.where(t == 2.5, 2.0, 1.0),
         "signal_wide has 1 samples in the reference window",
     ),
+    "scatter_of_signals": (
+        lambda t, p: p * np.stack([1 + 0.04 * np.cos(np.pi * np.arange(t.size)), np.ones(t.size)]),
+        "signal_wide scatters by 9.",
+    ),
     "dark_reference": (
         lambda t, p: p * np.where(t < 5.5, 1e-5, 1.0),
         "in the reference window the signals are 4",
@@ -123,6 +127,7 @@ SMALL = {  # just inside the limits: nothing is said of them
     "unexplained_step": lambda t, p: p * np.where(t >= 35, [[1.015], [1.0]], 1.0),
     "negative_signal": lambda t, p: p * np.where(at(t, 30, 35.75), -1, 1),
     "unit_of_signals": lambda t, p: p * 470,
+    "scatter_of_signals": lambda t, p: p * (1 + 0.01 * np.cos(np.pi * np.arange(t.size))),
     "dark_reference": lambda t, p: p * np.where(t < 5.5, 0.3, 1.0),
 }
 
@@ -145,6 +150,10 @@ def test_signals_of_few_digits_are_neither_stuck_nor_clipped(sound):
 def test_rules_of_spectra_say_what_they_saw(sound):
     repeated = with_spectra(sound, lambda c: times(c, 9, c[8]))
     assert "the spectra at 17 and 19 s are equal" in said(repeated)["repeated_spectrum"]
+    exchanged = with_spectra(sound, lambda c: c[[*range(8), 20, *range(9, 20), 8, *range(21, len(c))]])
+    assert (
+        "3 spectra do not lie between their neighbours, the first at 17 s" in said(exchanged)["lone_spectrum"]
+    )
     summed = with_spectra(sound, lambda c: c * 10)
     assert "more than a 16-bit converter gives" in said(summed)["nonlinear_end"]
 

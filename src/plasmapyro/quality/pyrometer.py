@@ -268,6 +268,29 @@ def spikes(case, limit):
 
 
 @rule(
+    "scatter_of_signals",
+    looks_at="scatter of the brightest samples from one to the next, relative",
+    needs=("pyrometer",),
+    limit=0.03,
+    unit="1",
+    reason="a correction takes each signal as known to 1 % (`--signal-uncertainty`); a surface does not"
+    " flicker, hum of the mains and loose contacts do",
+    says="signal_{band} scatters by {share:.1%} from sample to sample where it is brightest",
+    remedy="see whether hum or a loose contact is in it, or state a larger --signal-uncertainty",
+)
+def scatter_of_signals(case, limit):
+    for band, row in zip(BANDS, case.pair, strict=True):
+        bright = row[row > BRIGHT * np.nanmax(row)] if np.isfinite(row).any() else row[:0]
+        if bright.size < 20:
+            continue
+        rest = (bright[1:-1] - (bright[:-2] + bright[2:]) / 2) / bright[1:-1]
+        share = float(SIGMA * np.median(np.abs(rest)) / np.sqrt(1.5))
+        if share > limit:
+            return {"band": band, "share": share}
+    return None
+
+
+@rule(
     "dark_reference",
     looks_at="light in the reference window over the dark before the record's first light",
     needs=("pyrometer", "plasma"),

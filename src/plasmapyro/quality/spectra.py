@@ -6,6 +6,7 @@ from datetime import timedelta
 import numpy as np
 
 from plasmapyro.quality.rule import DOUBT, rule
+from plasmapyro.quality.series import SIGMA
 from plasmapyro.radiation.planck import blackbody_radiance
 
 NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
@@ -14,7 +15,7 @@ NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
 def _scatter(row):
     """Noise of one pixel from the differences of neighbours."""
     steps = np.diff(row[np.isfinite(row)])
-    return float(1.4826 * np.median(np.abs(steps - np.median(steps))) / np.sqrt(2)) if steps.size else 0.0
+    return float(SIGMA * np.median(np.abs(steps - np.median(steps))) / np.sqrt(2)) if steps.size else 0.0
 
 
 def _numbers(names):
@@ -142,6 +143,35 @@ def repeated_spectrum(case, limit):
         time = case.test.spectrum_time.values
         return {"first": float(time[index]), "second": float(time[index + 1])}
     return None
+
+
+@rule(
+    "lone_spectrum",
+    looks_at="light of a spectrum over that of the one before and of the one after",
+    needs=("spectrometer", "plasma"),
+    limit=0.2,
+    unit="1",
+    reason="a surface heats or cools; a spectrum brighter, or darker, than both its neighbours by a fifth was"
+    " taken at another moment",
+    says="{count} spectra do not lie between their neighbours, the first at {moment:g} s ({share:+.0%} or"
+    " more)",
+    remedy="see whether the files are in the order in which they were taken, and all of this test",
+)
+def lone_spectrum(case, limit):
+    time, attrs = case.test.spectrum_time.values, case.test.attrs
+    if time.size < 5 or not (case.light > 0).all():
+        return None
+    step = np.diff(np.log(case.light))
+    # At the injection and the end of the plasma light may come and go within an exposure.
+    cycle = np.median(np.diff(time))
+    switch = [np.abs(time - attrs[name]) <= cycle for name in ("injection_time", "plasma_off_time")]
+    off = np.where((step[:-1] * step[1:] < 0) & ~np.any(switch, axis=0)[1:-1], step[:-1], 0.0)
+    far = np.flatnonzero(np.minimum(np.abs(off), np.abs(step[1:])) > limit)
+    if not far.size:
+        return None
+    first = far[0]
+    least = np.sign(off[first]) * min(abs(off[first]), abs(step[first + 1]))
+    return {"count": far.size, "moment": float(time[first + 1]), "share": float(np.expm1(least))}
 
 
 @rule(
