@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from correlations import fay_riddell, goulard_factor, homann_factor
 
 from plasmapyro.constants import BOLTZMANN
-from plasmapyro.facility.correlations import fay_riddell, goulard_factor, homann_factor
 from plasmapyro.facility.jet import Jet, potential_edge
 from plasmapyro.facility.kinetics import MOLAR_MASS
 from plasmapyro.facility.probes import Calorimeter, density, enthalpy, heat_flux, pitot_pressure

@@ -160,6 +160,19 @@ def test_a_channel_that_saturates_softly_is_flagged_from_where_it_bends(channel)
     assert lost[high].min() > 0.03 and lost[~high].max() < 0.15
 
 
+@pytest.mark.parametrize(("slope", "flagged"), [(0.9, False), (0.8, True)])
+def test_a_bend_is_one_from_a_slope_of_85_per_cent_on(slope, flagged):
+    """ln S of one channel rises with the other's as 1, and as `slope` in its upper third."""
+    level = np.repeat(np.linspace(0, 3, 301), 2)
+    bent = np.minimum(level, 2.0) + slope * np.maximum(level - 2.0, 0)
+    found = flags.rounded(np.exp(np.stack([level, bent], axis=1)), np.zeros((602, 2)))
+    assert found[:, 1].any() == flagged and not found[:, 0].any()
+    if flagged:  # known to a tenth, the width of a bin, and two more that a mean spans
+        assert 2.0 < level[found[:, 1]].min() < 2.3
+    level[:] = 1.0  # one that hangs
+    assert not flags.rounded(np.exp(np.stack([level, bent], axis=1)), np.zeros((602, 2))).any()
+
+
 def test_a_stated_slope_is_taken_out_of_the_ratio():
     def steeper(signals):
         return np.stack([1.03 * signals[0], signals[1]])

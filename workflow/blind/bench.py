@@ -12,7 +12,7 @@ from powers import ladder
 from twin import campaign, hidden, incident, liars
 from twin.gas import Gas, Spectra, spectra
 from twin.plasma import Plasma
-from twin.sample import Sample, history
+from twin.sample import Sample
 from twin.sensors import Spectrometer
 
 CONDITION = "80kW"
@@ -214,8 +214,3 @@ def apply(scene, gas, effects, noise=None):
     for one in effects:
         scene = hidden.hide(scene, one["effect"], one["amplitude"], gas, one.get("shape"))
     return liars.lie(scene, noise) if noise else scene
-
-
-def true_temperature(base, scene, time):
-    """Surface temperature (t,) [K]."""
-    return history(scene.sample, np.asarray(time), scene.plasma_off_time)

@@ -515,7 +515,6 @@ OUTSIDE = {
 }
 EFFECTS = CATALOGUE | OUTSIDE
 # Spectra that need the profile along the sight line besides the radiance.
-NEEDS_PROFILE = ("P_eff", "T_exc", "T_vib", "ripple")
 
 
 def hide(scene: Scene, effect: str, amplitude: float, gas: Gas, shape: dict | None = None) -> Scene:

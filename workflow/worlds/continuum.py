@@ -102,9 +102,6 @@ def detachment(wavenumber, temperature, electrons, oxygen):
     return absorption * planck_wavenumber(wavenumber, temperature)
 
 
-FAMILIES = ("ion", "neutral", "bound", "detachment")
-
-
 def families(wavenumber, temperature, n):
     """The four continua (4, s) at one temperature, `n` a dict of number densities."""
     ions = sum(value for name, value in n.items() if name.endswith("+"))

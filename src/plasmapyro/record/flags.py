@@ -127,8 +127,8 @@ def rounded(values, gas):
         if len(rows) < 4 * SPAN:
             continue
         height, width = (np.array(rows)[SPAN:] - np.array(rows)[:-SPAN]).T
-        slope = height / width / np.median(height / width)
-        if slope[-1] < LEAST_SLOPE:
-            last = np.flatnonzero(slope >= SOUND_SLOPE)[-1]
+        slope, usual = height / width, np.median(height / width)
+        if slope[-1] < LEAST_SLOPE * usual:
+            last = np.flatnonzero(slope >= SOUND_SLOPE * usual)[-1]
             result[good, channel] = level > rows[last + SPAN][0]
     return result

@@ -26,10 +26,6 @@ POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper an
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
 BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
 FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the data are to say what it is
-SMOOTH_CALIBRATION = (
-    0.004  # [1] of the calibration of a spectrometer besides its lamp: certificate, order overlap,
-)
-SMOOTH_LENGTH = 60e-9  # [m] over which it persists
 BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is held into
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
