@@ -18,6 +18,7 @@ COMMANDS = {  # the words of each command, which need not be loaded for the help
     "calibrate": "calibrate pyrometer and spectrometer from raw files",
     "correct": "corrected surface temperatures of one test",
     "correct-reading": "surface temperatures from logged readings, through the gas of a computed condition",
+    "live": "temperature and alarms while a test is running",
     "diagnose": "what a simulation gets wrong",
     "trust": "from which temperature, and how long after injection, a pyrometer can be trusted",
     "sightline": "line of sight through a flow field of another program",

@@ -1,0 +1,183 @@
+"""`plasmapyro live`: corrected temperature and alarms while a test is running."""
+
+import argparse
+import json
+import sys
+import time
+from collections import deque
+from pathlib import Path
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.commands.joint import SETTINGS
+from plasmapyro.commands.options import positive
+from plasmapyro.estimate.live import Filter
+from plasmapyro.readers import description, follow, parts
+from plasmapyro.readers.text import Refusal
+from plasmapyro.record import status
+from plasmapyro.record.emittance import tilt
+from plasmapyro.record.inputs import attribute_faults
+from plasmapyro.record.record import Record
+
+STUCK = 10  # samples equal to the last digit in both bands, as in `record.flags`
+OFTEN, APART = 50, 3.0  # samples, and the root mean square of their residuals [sd] that contradicts the model
+
+DESCRIPTION = """\
+Follow the log of a pyrometer while it grows, or JSON lines on standard input, and write one JSON line per
+sample: the temperature of the surface without the light of the gas, its 95 % interval, a status and alarms.
+
+FOLDER holds test.yaml (docs/your-own-data.md): the facts of the test, and for a log its columns.
+plasma_off_time may be left out as long as the plasma burns. The model is that of `correct --estimator joint`,
+as a filter: what comes later does not improve what was said before."""
+EXAMPLE = """\
+example:
+  plasmapyro live my_test --instrument lab --alarm-above-k 1550 --stop-after-s 1
+
+exit status: 0 the log or the input has ended, 2 bad input or usage, 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "live",
+        help="temperature and alarms while a test is running",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("folder", metavar="FOLDER", help="holds test.yaml and the log that it names")
+    command.add_argument(
+        "--instrument", required=True, metavar="FOLDER", help="holds calibration.nc and response.nc"
+    )
+    command.add_argument("--stdin", action="store_true", help="read JSON lines instead of the log")
+    command.add_argument(
+        "--like", metavar="FILE.nc", help="an earlier joint estimate: its temperature bent as fast"
+    )
+    command.add_argument("--alarm-above-k", type=positive, default=np.inf, metavar="X", help="alarm above it")
+    command.add_argument(
+        "--alarm-silence-s",
+        type=positive,
+        default=np.inf,
+        metavar="X",
+        help="alarm when nothing came so long",
+    )
+    command.add_argument(
+        "--stop-after-s", type=positive, default=np.inf, metavar="X", help="end when the log rests so long"
+    )
+
+
+def run(options):
+    """Run `plasmapyro live`: samples in, JSON lines out."""
+    path, folder = Path(options.folder) / "test.yaml", Path(options.instrument)
+    faults = []
+    top = description.Section(description.load(path), path, "", faults)
+    facts = parts.attributes(top.section("attributes"))
+    known = {"plasma_off_time": 1e9, "window_transmittance_pyrometer": 1.0, "pyrometer_integration_time": 1.0}
+    stated = type("Test", (), {"attrs": known | facts})
+    faults += [f"{path}: {what}" for what in attribute_faults(stated, ["pyrometer"])]
+    if faults:
+        raise Refusal(faults)
+    if options.stdin:
+        samples = follow.samples_of_json(line.decode("utf-8", "replace") for line in _lines(sys.stdin.buffer))
+    else:
+        section = top.section("pyrometer")
+        log = path.parent / (section.file("file", "pyrometer.csv") or "pyrometer.csv")
+        samples = follow.samples_of_table(log, section, follow.growing(log, options.stop_after_s))
+    calibration = io.read(folder / "calibration.nc", "calibration")
+    response = io.read(folder / "response.nc", "response")
+    dynamics = None
+    if options.like:
+        earlier = io.read(options.like, "joint_estimate").attrs
+        dynamics = {name: float(earlier[f"dynamics_{name}"]) for name in ("quiet", "bending", "memory")}
+    record = record_of(facts)
+    filtered = Filter(
+        record, calibration, response, SETTINGS, dynamics, tilt(record.emittance_slope, response)
+    )
+    limits = [facts.get(f"signal_saturation_{band}", np.inf) for band in ("wide", "narrow")]
+    for line in readings(samples, filtered, record.injection, limits, options):
+        sys.stdout.write(json.dumps(line) + "\n")
+        sys.stdout.flush()
+
+
+def _lines(stream):
+    while line := stream.readline(follow.LONGEST):
+        yield line
+
+
+def record_of(facts):
+    """The facts of a test as a Record without data; the end of the plasma may be unknown."""
+    injection = facts["injection_time"]
+    return Record(
+        injection,
+        facts.get("plasma_off_time", np.inf) - injection,
+        tuple(moment - injection for moment in facts["reference_window"]),
+        facts["emittance"],
+        facts["emittance_uncertainty"],
+        facts.get("emittance_slope", 1.0),
+        facts.get("emittance_slope_uncertainty", 0.0),
+        (),
+    )
+
+
+def readings(samples, filtered, injection, limits, options):
+    """One mapping for JSON per sample, fault or silence.
+
+    Parameters
+    ----------
+    samples : iterable as of `readers.follow`
+    filtered : Filter
+    injection : float [s] on the clock of the samples; an event may set it anew
+    limits : (2,) floats [A], signals from here on are saturated
+    options : Namespace with `alarm_above_k`, `alarm_silence_s`
+    """
+    last, silent, before, equal, pair = time.monotonic(), False, -np.inf, 0, None
+    residuals = deque(maxlen=OFTEN)
+    for sample in samples:
+        if sample is None:
+            if not silent and time.monotonic() - last > options.alarm_silence_s:
+                silent = True
+                yield {"alarms": ["silent"]}
+            continue
+        last, silent = time.monotonic(), False
+        if isinstance(sample, str):
+            yield {"alarms": ["unreadable"], "because": sample}
+        elif "event" in sample:
+            if sample["event"] == "plasma_off":
+                filtered.off = sample["time"] - injection
+            elif filtered.started:
+                yield {"alarms": ["unreadable"], "because": "the injection has been"}
+            else:
+                injection = sample["time"]
+        elif sample["time"] <= before:
+            yield {"time": sample["time"], "alarms": ["unreadable"], "because": "the time does not rise"}
+        else:
+            before, earlier, pair = sample["time"], pair, [sample[name] for name in parts.SIGNALS]
+            equal = equal + 1 if pair == earlier else 0
+            saturated = any(value >= limit for value, limit in zip(pair, limits, strict=True))
+            kept = [np.nan] * 2 if saturated or equal >= STUCK else pair
+            reading = filtered.step(before - injection, kept)
+            if np.isfinite(reading.residual).all():
+                residuals.extend(np.square(reading.residual))
+            apart = len(residuals) == OFTEN and np.mean(residuals) > APART**2
+            alarms = {
+                "above_limit": reading.temperature > options.alarm_above_k,
+                "saturated": saturated,
+                "stuck": equal >= STUCK,
+                "contradiction": bool(apart),
+            }
+            low, high = reading.interval
+            yield {
+                "time": before,
+                **{
+                    name: None if value != value else round(value, 2)
+                    for name, value in (
+                        ("temperature", reading.temperature),
+                        ("low", float(low)),
+                        ("high", float(high)),
+                    )
+                },
+                "status": status.MEANINGS[status.SATURATED if saturated else reading.state],
+                "alarms": [name for name, rung in alarms.items() if rung],
+            }

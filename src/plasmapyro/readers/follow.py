@@ -1,0 +1,134 @@
+"""Samples of a pyrometer as they come: from a text table that grows, or as JSON lines."""
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+from plasmapyro.readers import clock, columns, parts
+from plasmapyro.readers.text import Refusal, number, quote, refuse
+
+POLL = 0.005  # [s] between two looks at a file: a tenth of the delay that is promised
+LONGEST = 65_536  # [byte] of one line
+EVENTS = ("injection", "plasma_off")
+
+
+def growing(path, patience=np.inf, poll=POLL):
+    """Lines of a file as they are completed; None at each look that finds no more.
+
+    Parameters
+    ----------
+    path : path of a text file, UTF-8 or Latin-1
+    patience : float [s]
+        Ends when nothing has come for so long.
+    poll : float [s]
+
+    Raises
+    ------
+    Refusal
+        If the file shrinks, or a line has no end.
+    """
+    with open(path, "rb") as file:
+        rest, last = b"", time.monotonic()
+        while time.monotonic() - last <= patience:
+            more = file.read(1 << 20)
+            if more:
+                *lines, rest = (rest + more).split(b"\n")
+                yield from (_decoded(line) for line in lines)
+                last = time.monotonic()
+                if len(rest) > LONGEST:
+                    refuse(path, f"holds a line of more than {LONGEST} bytes", "log one sample per line")
+            else:
+                if Path(path).stat().st_size < file.tell():
+                    refuse(path, "has become shorter", "start again: the log was replaced")
+                yield None
+                time.sleep(poll)
+
+
+def _decoded(line):
+    try:
+        return line.decode("utf-8-sig").rstrip("\r")
+    except UnicodeDecodeError:
+        return line.decode("latin-1").rstrip("\r")
+
+
+def samples_of_table(path, section, lines):
+    """Samples of a table that a section `pyrometer` of test.yaml describes.
+
+    Yields
+    ------
+    dict of 'time' [s] and both signals [A], NaN where a cell is missing; a str that says why a line is none;
+    or None where no line has come
+    """
+    section.file("file", "pyrometer.csv")
+    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
+    decimal = section.text("decimal", choices=(".", ","))
+    wanted = columns.wanted(section, ("time", *parts.SIGNALS, *parts.TUNNEL))
+    form = wanted["time"].format if "time" in wanted else None
+    zero = section.text("zero", "", needed=True) if form else section.number("zero", 0.0)
+    absent = {"time", *parts.SIGNALS} - wanted.keys()
+    if absent or section.faults:
+        raise Refusal(section.faults or [f"{path}: test.yaml names no column {', '.join(sorted(absent))}"])
+    wanted = {name: wanted[name] for name in ("time", *parts.SIGNALS)}
+    sought = {**wanted, columns.CLOCK: wanted["time"].clock} if wanted["time"].clock else wanted
+    start = clock.seconds(zero, form) if form else zero
+    if start is None:
+        refuse(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it")
+    above, header, before, nights = [], None, -np.inf, 0.0
+    for line in lines:
+        if line is None:
+            yield None
+        elif header is None:
+            above.append(line)
+            try:
+                header = columns._header(path, above, sought, delimiter)
+            except Refusal:
+                if len(above) >= columns.HEADER_LINES:
+                    raise
+        elif line.strip() and not line.lstrip().startswith(columns.COMMENT):
+            _, mark, places, stated = header
+            cells = columns.split(line, mark)
+            if len(cells) <= max(places.values()):
+                yield f"{len(cells)} cells, column {max(places.values()) + 1} is needed"
+                continue
+            found = {}
+            for name in parts.SIGNALS:
+                value = number(cells[places[name]], decimal or ("," if "," in cells[places[name]] else "."))
+                value = np.nan if value is None else value
+                found[name] = float(columns.to_si(path, wanted[name], value, stated[name]))
+            word = cells[places["time"]]
+            if form:
+                word = f"{word} {cells[places[columns.CLOCK]]}" if wanted["time"].clock else word
+                moment = clock.seconds(word, form)
+            else:
+                moment = number(word, decimal or ("," if "," in word else "."))
+                moment = (
+                    moment if moment is None else columns.to_si(path, wanted["time"], moment, stated["time"])
+                )
+            if moment is None or moment != moment:
+                yield f"{quote(word)} is no time"
+                continue
+            if form and not clock.has_day(form) and moment + nights < before - clock.DAY / 2:
+                nights += clock.DAY
+            before = moment + nights
+            yield found | {"time": float(before - start)}
+
+
+def samples_of_json(lines):
+    """Samples and events of JSON lines: {"time": 0.01, "signal_wide": 1e-7, "signal_narrow": 5e-8}, in SI, or
+    {"event": "plasma_off", "time": 50.0}; yields as `samples_of_table`, and the events as they are."""
+    for line in lines:
+        if line is None:
+            yield None
+            continue
+        try:
+            found = json.loads(line[:LONGEST])
+            event = found.get("event")
+            names = ("time",) if event else ("time", *parts.SIGNALS)
+            values = {name: float("nan" if found[name] is None else found[name]) for name in names}
+            if (event and event not in EVENTS) or not np.isfinite(values["time"]):
+                raise ValueError
+            yield values | ({"event": event} if event else {})
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            yield f"{quote(line)} is no sample"
