@@ -4,6 +4,8 @@
 # make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 # make fuzz: COUNT damaged configurations, data files and flow files each; a traceback, a hang or a warning fails.
+# make simulations: what the package brings along, from the results of a run.
+# make light: the built wheel alone in a clean environment of each Python there is: size, time, example to page.
 # make lock: both lock files anew from pyproject.toml, kept versions kept (needs uv; --upgrade-package NAME moves one).
 PYTHONS := python3.11 python3.12 python3.13 python3.14 python3
 SUITABLE := -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))'
@@ -20,7 +22,7 @@ SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --custom-compile-command "make lock"
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock clean
+.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations light clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -47,7 +49,8 @@ reproduce: .venv/tested
 
 compare: figures report .venv/tested
 	$(BIN)/python workflow/reproduce.py --results results
-	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report
+	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report \
+	  tests/test_public_functions.py::test_the_shipped_simulations_are_those_of_a_run
 
 slurm: figures .venv/tested
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py
@@ -69,6 +72,13 @@ fuzz: .venv/tested
 .venv/tested: .venv/installed environment-test.lock
 	$(PIP) --require-hashes --requirement environment.lock --requirement environment-test.lock
 	touch $@
+
+simulations: .venv/installed
+	$(SNAKEMAKE) results/analysis/gas_signal.nc $(foreach power,50 60 70 80 90 100 110 120 130,results/radiation_variations/$(power)kW.nc)
+	$(BIN)/python workflow/ship.py
+
+light: .venv/installed
+	workflow/light_check.sh $(BIN)/python $(PYTHONS)
 
 lock:
 	$(LOCK) --extra workflow --extra build --output-file environment.lock

@@ -37,6 +37,7 @@ FILES = {  # contract -> where a run leaves it; "" for files that only commands 
     "spectrometer_correction": "results/experiment/{test}/spectrometer_correction.nc",
     "joint_estimate": "results/experiment/{test}/joint_estimate.nc",
     "correction": "",
+    "simulations": "",
     "residual_map": "results/diagnosis/{test}/residual_map.nc",
     "diagnosis_temperature": "results/diagnosis/{test}/temperature.nc",
     "gas_spectra": "results/design/gas_spectra.nc",

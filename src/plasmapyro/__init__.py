@@ -1,10 +1,22 @@
 """Two-colour pyrometry through a radiating plasma: from torch flow to corrected surface temperature."""
 
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING
 
-def __getattr__(name: str) -> str:
-    """`__version__`, looked up when it is asked for."""
+if TYPE_CHECKING:
+    from plasmapyro.api import calibrate, check, correct, diagnose, radiance, read, save, simulations
+
+__all__ = ["calibrate", "check", "correct", "diagnose", "radiance", "read", "save", "simulations"]
+
+
+def __getattr__(name: str) -> object:
+    """The public functions, imported when they are asked for: jobs and `--help` need none of them."""
     if name == "__version__":
-        from importlib.metadata import version
-
-        return version("plasmapyro")
+        return _import_module("importlib.metadata").version("plasmapyro")
+    if name in __all__:
+        return getattr(_import_module("plasmapyro.api"), name)
     raise AttributeError(f"module 'plasmapyro' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -17,6 +17,7 @@ from plasmapyro.versions import told, versions
 REMEDY = "free space or give write permission and call again: finished files are kept"
 LICENCE = "BSD-3-Clause"  # of a result, unless the data it was made from bring a `license` of their own
 LARGEST, LARGEST_TEXT = 2_000_000_000, 200_000_000  # [byte] of a netCDF file, packed or not, and of a text
+SMALL = 1000  # numbers; not worth packing
 NETCDF_SIGNATURES = {b"\x89HDF", b"CDF\x01", b"CDF\x02", b"CDF\x05"}
 
 
@@ -115,9 +116,13 @@ def write_together(datasets, *, sources=(), config=None):
     sources, config : as in `write`
     """
     ready = [
-        (path, _labelled(dataset, contract, sources, config))
-        for contract, (dataset, path) in datasets.items()
+        (path, labelled(dataset, contract, sources, config)) for contract, (dataset, path) in datasets.items()
     ]
+    write_labelled(ready)
+
+
+def write_labelled(ready):
+    """Store labelled datasets, all of them or none: list of (path, Dataset as `labelled` returns it)."""
 
     def store_from(index):
         path, dataset = ready[index]
@@ -132,8 +137,20 @@ def write_together(datasets, *, sources=(), config=None):
     store_from(0)
 
 
-def _labelled(dataset, contract, sources, config):
-    """A checked copy of a dataset with the attributes of a stage file."""
+def write_packed(dataset, path, contract, *, bits, sources=()):
+    """Store a stage file for shipping: spectra compressed, in single precision, mantissas rounded to `bits`.
+
+    A number of theirs moves by at most 2**-(bits + 1) of itself; see `write`.
+    """
+    dataset = labelled(dataset, contract, sources)
+    for variable in (one for one in dataset.data_vars.values() if one.size > SMALL):
+        packed = {"dtype": "f4", "zlib": True, "complevel": 9, "shuffle": True}
+        variable.encoding |= packed | {"significant_digits": bits, "quantize_mode": "BitRound"}
+    write_labelled([(path, dataset)])
+
+
+def labelled(dataset, contract, sources=(), config=None):
+    """A checked copy of a dataset with the attributes of a stage file, as `write` stores it."""
     dataset = contracts.check(contracts.label(dataset, contract), contract)
     origins = [dataset.attrs.get("origin", "modelled"), *(_origin(source) for source in sources)]
     dataset.attrs = {

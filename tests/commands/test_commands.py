@@ -181,7 +181,7 @@ def test_spectra_alone_judge_the_window_as_well(tmp_path, shelf, capsys):
     ("test", "words", "message"),
     [
         ("both.nc", ["--instrument", "nowhere"], "nowhere: no such folder"),
-        ("both.nc", ["--instrument", "raw"], "calibration.nc: no such file"),
+        ("both.nc", ["--instrument", str(ROOT / "docs")], "calibration.nc: no such file"),
         ("both.nc", ["--out", "lab/x.nc"], "lies in a folder that is read"),
         ("both.nc", ["--out", "both.nc"], "is an input or another output"),
         ("absent", [], "absent: no such folder"),

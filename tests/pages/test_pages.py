@@ -36,6 +36,7 @@ RUN_ELSEWHERE = {  # box after box, as they stand
     page: where
     for page, where in {
         "your-own-data.md": "tests/readers/test_own_data_page.py",
+        "python.md": "tests/test_public_functions.py",
         "large-studies.md": "tests/study/test_large_studies_page.py",
     }.items()
     if (ROOT / where).exists()

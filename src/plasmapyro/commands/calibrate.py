@@ -114,20 +114,40 @@ def add(commands):
 def run(options):
     """Run `plasmapyro calibrate`: folder in, files out, and a summary."""
     out = Path(options.out)
+    names = {"pyrometer": ["response.nc", "calibration.nc"], "spectrometer": ["spectrometer_calibration.nc"]}
+    files = [] if check_calibration(options.folder) else instruments(options.folder)
+    outputs = [out / name for instrument in files for name in names[instrument]]
+    outputs += [options.plot] * bool(options.plot)
+    require_writable(outputs, [options.folder, options.response])
+    results, lines = calibrated(options), []
+    io.write_labelled([(out / f"{name}.nc", dataset) for name, dataset in results.items()])
+    if "calibration" in results:
+        lines += _of_pyrometer(results["calibration"])
+    if "spectrometer_calibration" in results:
+        lines += _of_spectrometer(results["spectrometer_calibration"])
+        lines += _of_lines(read_line_lamp(options.folder))
+    if options.plot:
+        from plasmapyro.plots import instrument as plots  # matplotlib, which only pictures need
+
+        if "calibration" in results:
+            plots.calibration(results["calibration"], [options.plot])
+        else:
+            plots.spectrometer_factor(results["spectrometer_calibration"], [options.plot])
+    sys.stdout.write("\n".join(lines) + "\n")
+    progress.say("done")
+
+
+def calibrated(options):
+    """The calibrations that options of the command ask for: mapping of contract -> Dataset, labelled."""
     for name in ("fit_range_nm", "instrument_range_k"):
         low, high = getattr(options, name) or (0, 1)
         if not low < high:
             raise ValueError(f"--{name.replace('_', '-')} must rise; got {low:g} {high:g}")
-    names = {"pyrometer": ["response.nc", "calibration.nc"], "spectrometer": ["spectrometer_calibration.nc"]}
     progress.say(f"reading {options.folder}")
     found = check_calibration(options.folder)
     if found:
         raise ValueError("\n".join(found))
-    present = instruments(options.folder)
-    files = [name for instrument in present for name in names[instrument]]
-    outputs = [out / name for name in files] + [options.plot] * bool(options.plot)
-    require_writable(outputs, [options.folder, options.response])
-    results, lines = {}, []
+    results, present = {}, instruments(options.folder)
     if "pyrometer" in present:
         response = io.read(options.response, "response") if options.response else band_response(**RESPONSE)
         points = read_points(options.folder)
@@ -140,18 +160,15 @@ def run(options):
         )
         result.attrs["origin"] = weakest([result.attrs["origin"], points.attrs["origin"]])
         results |= {"response": response, "calibration": result}
-        lines += _of_pyrometer(result)
     if "spectrometer" in present:
         exposures = read_exposures(options.folder)
-        result = calibrate_exposures(
+        results["spectrometer_calibration"] = calibrate_exposures(
             exposures,
             saturation_counts=options.saturation_counts,
             least_net_counts=options.least_net_counts,
             noise_block=50,
             fit_range=[edge * 1e-9 for edge in options.fit_range_nm] if options.fit_range_nm else None,
         ).assign_attrs(origin=exposures.attrs["origin"])
-        results["spectrometer_calibration"] = result
-        lines += _of_spectrometer(result) + _of_lines(read_line_lamp(options.folder))
     said = [
         words
         for words in calibration_findings(options.folder, results.get("response"), results.get("calibration"))
@@ -165,20 +182,8 @@ def run(options):
         k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response", "plot")
     }
     read = [*sources(options.folder), *([options.response] if options.response else [])]
-    io.write_together(
-        {name: (dataset, out / f"{name}.nc") for name, dataset in results.items()},
-        sources=read,
-        config={"calibrate": settings},
-    )
-    if options.plot:
-        from plasmapyro.plots import instrument as plots  # matplotlib, which only pictures need
-
-        if "calibration" in results:
-            plots.calibration(results["calibration"], [options.plot])
-        else:
-            plots.spectrometer_factor(results["spectrometer_calibration"], [options.plot])
-    sys.stdout.write("\n".join(lines) + "\n")
-    progress.say("done")
+    config = {"calibrate": settings}
+    return {name: io.labelled(dataset, name, read, config) for name, dataset in results.items()}
 
 
 def calibration_findings(folder, response=None, result=None):

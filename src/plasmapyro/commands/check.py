@@ -8,6 +8,7 @@ import numpy as np
 from plasmapyro import progress
 from plasmapyro.commands.calibrate import calibration_findings
 from plasmapyro.commands.correct import trial
+from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
@@ -63,22 +64,34 @@ def run(options):
         present = " and ".join(instruments_calibrated(options.test))
         sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
         return
-    try:
-        reading = read_with_files(options.test)
-    except Refusal as refusal:
-        _refuse(options.test, refusal.messages)
-    test = reading.test
-    tried, failed = {}, None
-    if options.instrument:
-        try:
-            tried = trial(test, options.instrument)
-        except ValueError as reason:  # what the data themselves say may be why
-            failed = reason
-    for finding in of_test(options.test, reading, **tried):
+    test, found, failed = checked(options.test, options.instrument)
+    for finding in found:
         progress.warn(finding.words)
     if failed:
         raise failed
     sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
+
+
+def checked(place, instrument=None):
+    """A test, what contradicts itself in it, and the ValueError that its trial correction ended in, or None.
+
+    Raises
+    ------
+    ValueError
+        The test cannot be processed; one line per fault.
+    """
+    try:
+        reading = read_with_files(place)
+    except Refusal as refusal:
+        _refuse(place, refusal.messages)
+    tried, failed = {}, None
+    if instrument:
+        try:
+            with calibration_of(place, instrument) as folder:
+                tried = trial(reading.test, folder)
+        except ValueError as reason:  # what the data themselves say may be why
+            failed = reason
+    return reading.test, of_test(place, reading, **tried), failed
 
 
 def _refuse(place, messages):

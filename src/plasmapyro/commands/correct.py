@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import io, progress
+from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import count, option, plot_option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
@@ -66,12 +67,14 @@ def add(commands):
     command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
     command.add_argument(
         "--instrument",
-        required=True,
         metavar="FOLDER",
         help="holds calibration.nc (needed for pyrometer signals) and spectrometer_calibration.nc (needed for"
-        " counts), as results/instrument or the --out of `plasmapyro calibrate`",
+        " counts), as results/instrument or the --out of `plasmapyro calibrate`; or raw files with"
+        " calibration.yaml (default: the folder `calibration` in the test's or beside it)",
     )
-    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the temperatures go")
+    command.add_argument(
+        "--out", metavar="FILE.nc", help="where the temperatures go (default: TEST_temperature.nc, here)"
+    )
     command.add_argument(
         "--html", metavar="FILE", help="where the page of the test goes (default: --out with .html)"
     )
@@ -105,7 +108,9 @@ def add(commands):
         " of the diagnosis fitted to this test; its uncertainty joins that of the temperatures",
     )
     known.add_argument(
-        "--radiance", metavar="FOLDER", help="spectra of all conditions, {condition}.nc; needed by --with"
+        "--radiance",
+        metavar="FOLDER",
+        help="spectra of all conditions, {condition}.nc, for --with (default: those shipped)",
     )
     number = command.add_argument_group("what is uncertain (standard, relative)")
     option(number, "--signal-uncertainty", share, 0.01, "of one pyrometer signal")
@@ -146,13 +151,34 @@ def add(commands):
 
 def run(options):
     """Run `plasmapyro correct`: test in, file out, and a summary."""
-    folder = Path(options.instrument)
-    page = None if options.no_html else options.html or Path(options.out).with_suffix(".html")
-    require_writable([path for path in (options.out, page, options.plot) if path], [options.test, folder])
-    if not folder.is_dir():
-        raise ValueError(f"{folder}: no such folder; name the one that holds {PYROMETER}.nc")
-    if options.given and not options.radiance:
-        raise ValueError("--with needs --radiance: the model of the gas that effects act in")
+    out = options.out or f"{Path(options.test).resolve().stem}_temperature.nc"
+    page = None if options.no_html else options.html or Path(out).with_suffix(".html")
+    places = [path for path in (out, page, options.plot) if path]
+    require_writable(places, [options.test, options.instrument])
+    test, result, said = corrected(options)
+    progress.say(f"writing {out}")
+    io.write_labelled([(out, result)])
+    if page:
+        from plasmapyro.page.correction import write_page  # matplotlib, which only pictures need
+
+        progress.say(f"writing {page}")
+        io.write_text(write_page(test, result, [finding.entry for finding in said]), page)
+    if options.plot:
+        from plasmapyro.plots import one_test
+
+        one_test.picture(test, result, [options.plot])
+    sys.stdout.write("\n".join(summary(result)) + "\n")
+    progress.say("done")
+
+
+def corrected(options):
+    """What options of the command ask for: test, result (Dataset, labelled) and findings; they are said."""
+    with calibration_of(options.test, options.instrument) as folder:
+        return _corrected(argparse.Namespace(**vars(options) | {"instrument": folder}))
+
+
+def _corrected(options):
+    folder = options.instrument
     given = read_terms(options.given) if options.given else ()
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
@@ -180,26 +206,8 @@ def run(options):
     for finding in said:
         progress.warn(finding.words)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
-    progress.say(f"writing {options.out}")
-    io.write(
-        result,
-        options.out,
-        contract,
-        sources=[*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)],
-        config={"correct": _settings(options)},
-    )
-    result = io.read(options.out, contract)
-    if page:
-        from plasmapyro.page.correction import write_page  # matplotlib, which only pictures need
-
-        progress.say(f"writing {page}")
-        io.write_text(write_page(test, result, [finding.entry for finding in said]), page)
-    if options.plot:
-        from plasmapyro.plots import one_test
-
-        one_test.picture(test, result, [options.plot])
-    sys.stdout.write("\n".join(summary(result)) + "\n")
-    progress.say("done")
+    read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
+    return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
 
 
 def _with_given(test, given, estimator, calibrations, options):
@@ -243,7 +251,7 @@ def trial(test, folder):
     """
     parser = argparse.ArgumentParser()
     add(parser.add_subparsers())
-    words = ["correct", "", "--instrument", str(folder), "--out", "", "--draws", "50"]
+    words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
     result = by_reference(test, calibrations, parser.parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}

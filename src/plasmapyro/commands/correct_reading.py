@@ -6,12 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import io, shipped
 from plasmapyro.analysis.reading import STATUS, correct_reading
+from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.commands.options import count, not_negative, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.instrument.stage import band_response, ratio_curve
 from plasmapyro.readers import text, units
 
+CURVE = {  # of the modelled pyrometer, as in config/config.yaml
+    "sensitivity_ratio": 0.315,
+    "calibration_temperature": np.arange(300.0, 10001.0, 10.0),
+    "instrument_range": (973.0, 2073.0),
+}
 LARGEST = 96_000_000  # [byte]
 DESCRIPTION = """\
 Turn the temperatures that a two-colour pyrometer displayed through the plasma into those of the surface, with
@@ -42,7 +49,11 @@ def add(commands):
     command.add_argument("reading", metavar="READING", help="text table of time and displayed temperature")
     command.add_argument("--condition", required=True, metavar="NAME", help="power condition, such as 60kW")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="what comes out")
-    command.add_argument("--results", default="results", metavar="FOLDER", help="of the workflow")
+    command.add_argument(
+        "--results",
+        metavar="FOLDER",
+        help="of the workflow (default: the simulations that come with the package)",
+    )
     instrument = command.add_argument_group("instrument")
     option(instrument, "--slope", positive, 1.0, "slope setting, told emittance ratio wide over narrow")
     option(instrument, "--floor-k", not_negative, 0.0, "least temperature that is displayed [K]")
@@ -61,16 +72,11 @@ def add(commands):
 
 def run(options):
     """Run `plasmapyro correct-reading`: a table and the results of a workflow in, one netCDF out."""
-    folder = Path(options.results)
-    paths = {
-        "gas_signal": folder / "analysis/gas_signal.nc",
-        "response": folder / "instrument/response.nc",
-        "ratio_curve": folder / "instrument/ratio_curve.nc",
-    }
-    require_writable([options.out], [options.reading, folder])
+    require_writable([options.out], [options.reading, options.results])
+    gas, sources = gas_of(options.results)
     time, reading = read_readings(options.reading)
     result = correct_reading(
-        *(io.read(path, contract) for contract, path in paths.items()),
+        *gas,
         condition=options.condition,
         time=time,
         reading=reading,
@@ -92,10 +98,24 @@ def run(options):
         result,
         options.out,
         "corrected_reading",
-        sources=[options.reading, *paths.values()],
+        sources=[options.reading, *sources],
         config={"correct-reading": settings},
     )
     sys.stdout.write("\n".join(summary(result)) + "\n")
+
+
+def gas_of(results):
+    """Gas signals, responses and ratio curve of a run (path) or of the package, and their files."""
+    if results is None:
+        response = band_response(**RESPONSE)
+        return (shipped.stored()[0], response, ratio_curve(response, **CURVE)), []
+    places = {
+        "gas_signal": "analysis/gas_signal.nc",
+        "response": "instrument/response.nc",
+        "ratio_curve": "instrument/ratio_curve.nc",
+    }
+    paths = {contract: Path(results) / place for contract, place in places.items()}
+    return tuple(io.read(path, contract) for contract, path in paths.items()), [*paths.values()]
 
 
 def read_readings(path):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import positive, trial
+from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.outputs import require_folder
 from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
@@ -39,13 +40,16 @@ def add(commands):
     command.set_defaults(run=run)
     command.add_argument("test", metavar="TEST", help="test folder or netCDF file")
     command.add_argument(
-        "--radiance", required=True, metavar="FOLDER", help="spectra of all conditions, {condition}.nc"
+        "--radiance",
+        metavar="FOLDER",
+        help="spectra of all conditions, {condition}.nc (default: those that come with the package: air, 50"
+        " mbar, 16 g/s, 50kW to 130kW)",
     )
     command.add_argument(
         "--instrument",
-        required=True,
         metavar="FOLDER",
-        help="response.nc, calibration.nc, spectrometer_calibration.nc",
+        help="response.nc, calibration.nc, spectrometer_calibration.nc; or raw files with calibration.yaml"
+        " (default: the folder `calibration` in the test's or beside it)",
     )
     command.add_argument(
         "--variations",
@@ -53,7 +57,9 @@ def add(commands):
         help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
     )
     command.add_argument(
-        "--out", required=True, metavar="FOLDER", help="where the five files go; replaced as a whole"
+        "--out",
+        metavar="FOLDER",
+        help="where the five files go; replaced as a whole (default: TEST_diagnosis, here)",
     )
     command.add_argument(
         "--without",
@@ -91,19 +97,34 @@ def add(commands):
 
 def run(options):
     """Run `plasmapyro diagnose`: test in, five files out."""
-    out = Path(options.out)
+    out = Path(options.out or f"{Path(options.test).resolve().stem}_diagnosis")
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
     read.append(options.given)
     require_folder(out, diagnosis.NAMES, read)
+    result, sources = diagnosed(options)
+    progress.say(f"writing {out}")
+    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
+    sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
+    progress.say("done")
+    return diagnosis.exit_status(result.report, options.fail_on_finding)
+
+
+def diagnosed(options):
+    """What options of the command ask for: the diagnosis, and the files of tests that it read."""
+    with calibration_of(options.test, options.instrument) as folder:
+        return _diagnosed(options, folder)
+
+
+def _diagnosed(options, folder):
     given = read_terms(options.given) if options.given else ()
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
     others = [_read(one) for one in options.also]
-    findings = of_test(options.test, reading, **_tried(data, options.instrument))
+    findings = of_test(options.test, reading, **_tried(data, folder))
     for finding in findings:
         progress.warn(finding.words)
-    inputs = diagnosis.load_inputs(options.radiance, options.instrument, options.variations)
+    inputs = diagnosis.load_inputs(options.radiance, folder, options.variations)
     progress.say("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
     digest = io.digest(test) if test.is_file() else None
     result = diagnosis.diagnose_test(
@@ -118,12 +139,7 @@ def run(options):
     )
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
-    progress.say(f"writing {out}")
-    sources = [path for path in (test, *(path for path, _ in others)) if path.is_file()]
-    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
-    sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
-    progress.say("done")
-    return diagnosis.exit_status(result.report, options.fail_on_finding)
+    return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]
 
 
 def _read(word):

@@ -24,8 +24,8 @@ def require_writable(outputs, inputs):
         real = _real(path)
         if path.is_dir():
             raise ValueError(f"{path}: is a folder; name a file")
-        if path.exists() and not path.is_file():
-            raise ValueError(f"{path}: is a device or a pipe, not a plain file; name a file")
+        if os.path.lexists(path) and not path.is_file():
+            raise ValueError(f"{path}: is a device or a pipe, not a plain file (or a dead link); name a file")
         if real in taken:
             raise ValueError(f"{path}: is an input or another output; nothing is overwritten")
         if folders & set(real.parents):

@@ -96,9 +96,27 @@ def _grid_points(word):
 
 def run(options):
     """Run `plasmapyro radiance`: file in, files out."""
-    _check_units(options)
     outputs = [options.out, options.spectrum_text, options.line_of_sight_text, options.plot]
     require_writable([path for path in outputs if path], [options.sightline, options.response])
+    result = radiated(options)
+    progress.say(f"writing {options.out}")
+    io.write_labelled([(options.out, result)])
+    if options.spectrum_text:
+        text = compose_spectrum(result["wavelength"].values, result["gas_radiance"].values)
+        io.write_text(text, options.spectrum_text)
+    if options.line_of_sight_text:
+        io.write_text(neqair.compose(_read_sightline(options.sightline)), options.line_of_sight_text)
+    if options.plot:
+        from plasmapyro.plots import radiation as plots  # matplotlib, which only pictures need
+
+        plots.spectrum(result, [options.plot])
+    sys.stdout.write(summary(result))
+    progress.say("done")
+
+
+def radiated(options):
+    """The spectrum that options of the command ask for, labelled."""
+    _check_units(options)
     progress.say(f"reading {options.sightline}")
     sightline = _read_sightline(options.sightline)
     for finding in look(Case(options.sightline, sightline=sightline), OF_SIGHTLINE):
@@ -116,22 +134,10 @@ def run(options):
         slit_fwhm=options.slit_fwhm_nm * NANOMETRE,
     )
     result.attrs["origin"] = weakest([result.attrs["origin"], sightline.attrs.get("origin", "modelled")])
-    progress.say(f"writing {options.out}")
     sources = [path for path in (options.sightline, options.response) if path]
     settings = {name: getattr(options, name) for name in ("wavelength_nm", "grid_points", "slit_fwhm_nm")}
     contract = "radiation" if response is not None else "spectrum"
-    io.write(result, options.out, contract, sources=sources, config={"radiation": settings})
-    if options.spectrum_text:
-        text = compose_spectrum(result["wavelength"].values, result["gas_radiance"].values)
-        io.write_text(text, options.spectrum_text)
-    if options.line_of_sight_text:
-        io.write_text(neqair.compose(sightline), options.line_of_sight_text)
-    if options.plot:
-        from plasmapyro.plots import radiation as plots  # matplotlib, which only pictures need
-
-        plots.spectrum(result, [options.plot])
-    sys.stdout.write(summary(result))
-    progress.say("done")
+    return io.labelled(result, contract, sources, {"radiation": settings})
 
 
 def summary(result):

@@ -11,7 +11,7 @@ import jsonschema
 import numpy as np
 import xarray as xr
 
-from plasmapyro import contracts, io
+from plasmapyro import contracts, io, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
@@ -47,13 +47,17 @@ class Inputs:
 
 
 def load_inputs(radiance, instrument, variations=None):
-    """Read the stage files that a diagnosis compares with.
+    """Read the stage files that a diagnosis compares with: those of `gas_of` and of `with_instrument`."""
+    return with_instrument(gas_of(radiance, variations), instrument)
+
+
+def gas_of(radiance=None, variations=None):
+    """Read the spectra that a diagnosis compares with; the inputs lack an instrument.
 
     Parameters
     ----------
     radiance : folder of `{condition}.nc`, contract 'radiation', or the list of such files
-    instrument : folder with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as
-    needed
+        Those that come with the package if left out.
     variations : folder of `{condition}.nc`, contract 'gas_variations', or the list of such files; the folder
     beside `radiance` by default
 
@@ -66,10 +70,14 @@ def load_inputs(radiance, instrument, variations=None):
     ContractError
         A file that is missing or breaches its contract.
     """
+    keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
+    if radiance is None:
+        varied, digests = shipped.by_condition(), {"radiation/shipped": shipped.stored()[1]}
+        spectra = {name: one[keep].assign_attrs(one.attrs) for name, one in varied.items()}
+        return Inputs(spectra, varied, None, None, None, origin="", digests=digests)
     files = _files(radiance)
     if not files:
         raise contracts.ContractError(f"{radiance}: holds no spectra ({{condition}}.nc)")
-    keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
     spectra = {}
     for path in files:
         whole = io.read(path, "radiation")
@@ -80,16 +88,8 @@ def load_inputs(radiance, instrument, variations=None):
         for path in _files(beside if variations is None else variations)
         if path.stem in spectra
     }
-    gas = Inputs(
-        radiation=spectra,
-        variations=varied,
-        response=None,
-        calibration=None,
-        spectrometer_calibration=None,
-        origin="",
-        digests={f"radiation/{path.name}": io.digest(path) for path in files},
-    )
-    return with_instrument(gas, instrument)
+    digests = {f"radiation/{path.name}": io.digest(path) for path in files}
+    return Inputs(spectra, varied, None, None, None, origin="", digests=digests)
 
 
 def _files(place):
@@ -239,7 +239,8 @@ def remarks_on(test, inputs):
     `test`: Dataset, contract 'test'; `inputs`: Inputs that hold its condition.
     """
     condition = str(test.attrs["condition"])
-    return remarks(condition, inputs.radiation, inputs.variations.get(condition))
+    found = remarks(condition, inputs.radiation, inputs.variations.get(condition))
+    return [*found, shipped.REMARK] if "radiation/shipped" in inputs.digests else found
 
 
 def _usable(test, inputs):
