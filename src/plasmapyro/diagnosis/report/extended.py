@@ -102,7 +102,7 @@ def proposed(findings):
     found = findings.comparison.final
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     of_gas = [one for one in _terms(found.settings, errors[2:]) if one.setting.id in OF_CONDITION]
-    if not np.any([one.setting.id == "P_eff" for one in found.settings]):
+    if not any(one.id == "P_eff" for one in found.settings):
         change, error = found.power, errors[0]
     else:
         (hotter,) = (one for one in _terms(found.settings, errors[2:]) if one.setting.id == "P_eff")
