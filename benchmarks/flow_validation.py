@@ -10,7 +10,6 @@ docs/flow_validation.png, which docs/flow.md shows.
 import argparse
 import logging
 from dataclasses import dataclass, replace
-from unittest import mock
 
 import flow as bench  # first: it sets one thread
 import matplotlib
@@ -18,15 +17,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from plasmapyro.flow import problem as problem_module
 from plasmapyro.flow.balances import balances
-from plasmapyro.flow.boundary import fixed_values
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import NotConverged, Schedule, march
 from plasmapyro.flow.dataset import setup_of, state_from, to_dataset
 from plasmapyro.flow.evaluate import transfer
 from plasmapyro.flow.geometry import build_mesh
-from plasmapyro.flow.physics import LOG_TEMPERATURE
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
 from plasmapyro.sightline import sampling
@@ -57,7 +53,6 @@ POWER, PRESSURE = 141.25e3, 7e3
 CASE = {"numerical_power": POWER, "chamber_pressure": PRESSURE, "coil_frequency": 3.7e5}
 FREE_JET = {"probe_shape": "none", "chamber_length": 0.724}
 MESH = 1.7
-COLD_EDGE = 12  # power of r / radius with which the hot back wall falls to the temperature of the inlet
 GENTLE = Schedule(
     20.0, 1e5, 60, growth=1.4, velocity_tolerance=3.0, temperature_tolerance=3e-2, linear_tolerance=1e-2
 )
@@ -86,21 +81,6 @@ DRAWN = (
     "back wall at 7200 K",
     "back wall at 7200 K, viscosity +20 %, thermal conductivity +5 %",
 )
-
-
-def hot_back_wall(temperature):
-    """`boundary.fixed_values` with a back wall of another temperature [K], at its edge that of the inlet."""
-
-    def values_with_wall(space, torch, *arguments):
-        fixed, values = fixed_values(space, torch, *arguments)
-        wall = space.boundary_dofs(LOG_TEMPERATURE, ("back_wall",))
-        share = 1 - (space.points(LOG_TEMPERATURE)[1, wall] / torch.slot_inner_radius) ** COLD_EDGE
-        values[space.offsets[LOG_TEMPERATURE] + wall] = np.log(
-            bench.WALL + share * (temperature - bench.WALL)
-        )
-        return fixed, values
-
-    return values_with_wall
 
 
 @dataclass(frozen=True)
@@ -138,19 +118,18 @@ def problem_of(setup, case, gas, change):
     properties = gas_properties(
         bench.varied(gas, change.get("gas", {})), case.chamber_pressure, setup.wall_temperature
     )
-    wall = hot_back_wall(change.get("back_wall", setup.wall_temperature))
-    with mock.patch.object(problem_module, "fixed_values", wall):
-        return Problem(
-            build_mesh(setup.torch, setup.mesh_factor),
-            setup.torch,
-            properties,
-            order=2,
-            frequency=case.coil_frequency,
-            mass_flow_rate=case.mass_flow_rate,
-            wall_temperature=setup.wall_temperature,
-            probe_temperature=case.probe_temperature,
-            limiter=bench.TOLERANCES["viscosity_limiter"],
-        )
+    return Problem(
+        build_mesh(setup.torch, setup.mesh_factor),
+        setup.torch,
+        properties,
+        order=2,
+        frequency=case.coil_frequency,
+        mass_flow_rate=case.mass_flow_rate,
+        wall_temperature=setup.wall_temperature,
+        probe_temperature=case.probe_temperature,
+        back_wall_temperature=change.get("back_wall", setup.wall_temperature),
+        limiter=bench.TOLERANCES["viscosity_limiter"],
+    )
 
 
 def experiment(base, gas, change, label):

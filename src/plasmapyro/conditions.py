@@ -18,6 +18,8 @@ OF_FLOW = (  # attributes of a flow that fix its field besides the condition
     "probe_temperature",
     "swirl_angle",
     "radiation_factor",
+    "mixing",
+    "back_wall_temperature",
     "mesh_factor",
     "viscosity_limiter",
 )

@@ -5,6 +5,7 @@ import pytest
 
 from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.elements import Space
+from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.linear import Factorised
 from plasmapyro.flow.physics import (
     ROW_SCALE,
@@ -28,6 +29,32 @@ def points(space, **changes):
         **{**dict.fromkeys(names, zero), "radius": space.cells.r, "element_size": zero + 0.01, **changes},
         equal_order=0.0,
     )
+
+
+def test_mixing_is_prandtls_stress_and_carries_heat(air):
+    length, shear, slope = 0.004, 3e3, -2e5  # [m], [s-1], [K m-1]
+    gas = gas_properties(air, 5e3, 350.0)
+    zero = np.zeros((1, 1))
+    names = [name for name in Points.__dataclass_fields__ if name != "equal_order"]
+    data = {**dict.fromkeys(names, zero), "radius": zero + 0.05, "element_size": zero + 0.01}
+    inputs = [zero] * 12
+    inputs[2], inputs[6], inputs[8] = zero + shear / 100, zero + np.log(6000.0), zero + slope / 6000.0
+    lines = property_lines(gas, zero + 6000.0)
+    still, mixed = (
+        np.stack(densities(inputs, lines, Points(**data | {"mixing_length": zero + one}, equal_order=0.0)))
+        for one in (0.0, length)
+    )
+    eddy = gas.density(6000.0)[0] * length**2 * shear
+    added = ((mixed - still)[:, 0, 0] / ROW_SCALE)[[2, 8]]
+    # 1e-6: the least shear that keeps the root smooth, 1 s-2
+    assert added == pytest.approx([eddy * shear, eddy * gas.heat_capacity(6000.0)[0] / 0.7 * slope], rel=1e-6)
+
+
+def test_clearance_is_the_distance_from_the_nearest_wall(torch_lengths):
+    torch = Torch(**torch_lengths)
+    z = np.array([0.01, 0.2, 0.486, 0.486 + 0.03, torch.nose - 0.02])
+    r = np.array([0.0, 0.07, 0.0, 0.08, 0.0])
+    assert torch.wall_clearance(z, r) == pytest.approx([0.01, 0.01, 0.08, 0.03, 0.02], rel=1e-9)
 
 
 def test_weights_sum_to_the_volume_of_the_pipe(pipe):

@@ -4,9 +4,11 @@ def start_of(gas):
     return f"results/flow/start/{'reference' if gas == 'air11' else gas}.nc"
 
 
+PHYSICS = config["flow"]["physics" if config["flow"]["model"] == "paper" else "best"]
+
+
 def emission_of(gas):
-    radiates = config["flow"]["physics"]["radiation_factor"]
-    return [f"results/gas/emission/{gas}.nc"] if radiates else []
+    return [f"results/gas/emission/{gas}.nc"] if PHYSICS["radiation_factor"] else []
 
 
 def of_gas(path):
@@ -33,7 +35,7 @@ rule flow_start:
     params:
         **config["flow"]["start"],
         **config["flow"]["convergence"],
-        probe_temperature_k=config["flow"]["physics"]["probe_temperature_k"],
+        probe_temperature_k=PHYSICS["probe_temperature_k"],
         torch=config["flow"]["torch"],
     script:
         "../scripts/flow_start.py"
@@ -55,7 +57,7 @@ rule flow:
         condition=one_of(COMPUTED),
     params:
         **config["flow"]["convergence"],
-        **config["flow"]["physics"],
+        **PHYSICS,
         coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
         numerical_power_kw=lambda wildcards: CONDITIONS[wildcards.condition]["numerical_power_kw"],
         chamber_pressure_mbar=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"],

@@ -34,5 +34,7 @@ rule net_emission:
         "results/logs/net_emission_{gas}.log",
     benchmark:
         "results/benchmarks/net_emission_{gas}.tsv"
+    params:
+        absorption_radius_mm=config["flow"]["absorption_radius_mm"],
     script:
         "../scripts/net_emission.py"

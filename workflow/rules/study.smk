@@ -25,7 +25,7 @@ rule study_flow:
         lambda wildcards: f"study_flows_{STUDY.level(wildcards.flow)}"
     params:
         **{key: value for key, value in config["flow"]["convergence"].items() if key != "error_mesh_ratio"},
-        **config["flow"]["physics"],
+        **PHYSICS,
         coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
         condition=lambda wildcards: STUDY.flows[wildcards.flow],
         power_step_kw=config["flow"]["power_step_kw"],

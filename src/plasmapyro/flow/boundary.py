@@ -16,10 +16,13 @@ from plasmapyro.flow.geometry import WALLS
 from plasmapyro.flow.physics import AXIAL, LOG_TEMPERATURE, RADIAL, REFERENCE_VELOCITY
 
 OPEN = ("top", "outlet")
+COLD_EDGE = 12  # power of r with which a hot back wall falls to the temperature of the inlet at its edge
 PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the slot
 
 
-def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature, probe_temperature):
+def fixed_values(
+    space, torch, properties, mass_flow_rate, wall_temperature, probe_temperature, back_wall_temperature
+):
     """Dirichlet conditions of the four fields.
 
     Parameters
@@ -28,7 +31,8 @@ def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature, pro
     torch : Torch
     properties : GasProperties
     mass_flow_rate : float [kg s-1]
-    wall_temperature, probe_temperature : float [K]
+    wall_temperature, probe_temperature, back_wall_temperature : float [K]
+        The back wall has its own up to where it meets the inlet.
 
     Returns
     -------
@@ -47,6 +51,10 @@ def fixed_values(space, torch, properties, mass_flow_rate, wall_temperature, pro
     values[space.field(LOG_TEMPERATURE)] = np.where(
         fixed[space.field(LOG_TEMPERATURE)], np.log(wall_temperature), 0.0
     )
+    back = space.boundary_dofs(LOG_TEMPERATURE, ("back_wall",))
+    share = 1 - (space.points(LOG_TEMPERATURE)[1, back] / torch.slot_inner_radius) ** COLD_EDGE
+    excess = np.maximum(share, 0.0) * (back_wall_temperature - wall_temperature)
+    values[space.offsets[LOG_TEMPERATURE] + back] = np.log(wall_temperature + excess)
     if torch.has_probe:
         probe = space.offsets[LOG_TEMPERATURE] + space.boundary_dofs(LOG_TEMPERATURE, ("probe",))
         values[probe] = np.log(probe_temperature)

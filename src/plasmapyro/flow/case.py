@@ -56,6 +56,8 @@ def problem_of(mesh, setup, air, condition, order, limiter=0.0):
         wall_temperature=setup.wall_temperature,
         probe_temperature=condition.probe_temperature,
         swirl_angle=condition.swirl_angle,
+        mixing=condition.mixing,
+        back_wall_temperature=condition.back_wall_temperature,
         order=order,
         limiter=limiter,
     )
@@ -69,4 +71,6 @@ def moved(problem, air, condition):
         frequency=condition.coil_frequency,
         probe_temperature=condition.probe_temperature,
         swirl_angle=condition.swirl_angle,
+        mixing=condition.mixing,
+        back_wall_temperature=condition.back_wall_temperature,
     )

@@ -1,6 +1,6 @@
 """One operating condition of the torch, its distance from another, and the way between them."""
 
-from dataclasses import astuple, dataclass, fields
+from dataclasses import MISSING, astuple, dataclass, fields
 
 import numpy as np
 
@@ -14,8 +14,11 @@ UNITS = {
     "probe_temperature": "K",
     "swirl_angle": "rad",
     "radiation_factor": "1",
+    "mixing": "1",
+    "back_wall_temperature": "K",
 }
-MAY_BE_ZERO = ("swirl_angle", "radiation_factor")
+MAY_BE_ZERO = ("swirl_angle", "radiation_factor", "mixing")
+COLD_BACK_WALL = 350.0  # [K]
 LARGEST_SWIRL_ANGLE = np.radians(80.0)
 # Largest change per part of the way: of ln(value) for what is positive by nature, else of the value.
 # The power has a second step, given by the caller in watts.
@@ -27,6 +30,8 @@ STEP = {
     "probe_temperature": 0.7,
     "swirl_angle": np.radians(5.0),
     "radiation_factor": 0.5,
+    "mixing": 0.03,
+    "back_wall_temperature": 1.0,
 }
 
 
@@ -35,7 +40,8 @@ class Condition:
     """What may change from one solution to the next on one mesh; SI.
 
     `numerical_power`: Joule power; `probe_temperature`: of the probe wall; `swirl_angle`: between the gas
-    that enters and the axis; `radiation_factor`: multiplies the net emission of the gas, 0 for no loss.
+    that enters and the axis; `radiation_factor`: multiplies the net emission of the gas, 0 for no loss;
+    `mixing`: mixing length over the torch radius, see `physics`; `back_wall_temperature`: of the torch.
     """
 
     numerical_power: float
@@ -45,6 +51,8 @@ class Condition:
     probe_temperature: float
     swirl_angle: float = 0.0
     radiation_factor: float = 0.0
+    mixing: float = 0.0
+    back_wall_temperature: float = COLD_BACK_WALL
 
     def __post_init__(self):
         for name, unit in UNITS.items():
@@ -56,12 +64,12 @@ class Condition:
     @classmethod
     def of(cls, dataset):
         """The condition of a flow dataset; ValueError if it does not say."""
-        missing = [name for name in UNITS if name not in dataset and name not in dataset.attrs]
+        known = {name: dataset[name] for name in UNITS if name in dataset}
+        known |= {name: dataset.attrs[name] for name in UNITS if name in dataset.attrs}
+        missing = [one.name for one in fields(cls) if one.default is MISSING and one.name not in known]
         if missing:
             raise ValueError(f"the flow solution lacks {', '.join(missing)}; compute it again")
-        return cls(
-            **{name: float(dataset[name] if name in dataset else dataset.attrs[name]) for name in UNITS}
-        )
+        return cls(**{name: float(value) for name, value in known.items()})
 
     def parts_to(self, other, power_step):
         """Number of parts (a real number) of the way to `other`, the largest over the quantities."""
@@ -85,11 +93,15 @@ class Condition:
 
     def describe(self):
         """The condition in a few words, in the units of the configuration."""
-        power, pressure, flow, frequency, probe, swirl, radiation = astuple(self)
+        power, pressure, flow, frequency, probe, swirl, radiation, mixing, back = astuple(self)
         text = f"{power / 1e3:.4g} kW, {pressure / 100:.4g} mbar, {flow * 1e3:.4g} g/s"
         extra = [f"{frequency / 1e3:.4g} kHz", f"probe {probe:.4g} K"]
         if swirl:
             extra.append(f"swirl {np.degrees(swirl):.3g} deg")
         if radiation:
             extra.append(f"radiation x {radiation:.3g}")
+        if mixing:
+            extra.append(f"mixing {mixing:.3g}")
+        if back != COLD_BACK_WALL:
+            extra.append(f"back wall {back:.4g} K")
         return f"{text} ({', '.join(extra)})"

@@ -100,6 +100,8 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
             "probe_temperature": condition.probe_temperature,
             "swirl_angle": condition.swirl_angle,
             "radiation_factor": condition.radiation_factor,
+            "mixing": condition.mixing,
+            "back_wall_temperature": condition.back_wall_temperature,
             "mesh_factor": setup.mesh_factor,
             "viscosity_limiter": problem.limiter,
             "stagnation_point_z": setup.torch.nose,

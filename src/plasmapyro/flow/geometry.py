@@ -110,6 +110,12 @@ class Torch:
             return "chamber_wall"
         return "probe"
 
+    def wall_clearance(self, z, r):
+        """Distance from the walls of torch and probe [m], for points in the flow."""
+        lip = np.hypot(z - self.length, r - self.radius)
+        tube = np.where(z < self.length, np.minimum(z, self.radius - r), lip)
+        return np.maximum(np.minimum(tube, self.probe_clearance(z, r)), 0.0)
+
     def probe_clearance(self, z, r):
         """Distance from the probe surface [m], for points outside the probe."""
         if not self.has_probe:

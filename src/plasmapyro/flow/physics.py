@@ -15,8 +15,8 @@ q is the Joule heating, F the Lorentz (and centrifugal) force per volume, q_rad(
 kappa, c_p are functions of T at the chamber pressure (ASSUME: low Mach; with rho ~ p the temperatures change
 by 2 K, the Mach number is 0.1 in the plasma). kappa holds the reactive part and c_p the heat of reaction, so
 the energy equation needs no source for them; the term div(kappa grad T) itself is in `conduction`, only the
-conduction that the limiter adds is here. ASSUME: radiation leaves the gas where it
-is emitted (optically thin); without a table of net emission nothing is lost.
+conduction that the limiter adds is here. What radiation takes is the net emission,
+self-absorption in it; without a table nothing is lost.
 
 The unknown is theta = ln T, not T: upwind undershoots at the cold sheath then stay positive, and ln rho ~
 -theta is nearly linear. The pseudo-time derivative of rho stays in R_c: without it the step freezes T in the
@@ -32,6 +32,14 @@ streamline upwinding  (tau_m rho u . grad v, R_m)  and, with rho c_p and kappa i
 (tau_T rho c_p u . grad w, R_T);  (rho |u| h/2 R_c, div v)  on continuity; for equal-order elements also
 (tau_m rho grad q, R_m). The term  (w, h_T rho R_c)  with the enthalpy h_T makes the energy equation
 conservative: without it the global balance is off by 2-7 % on the meshes in use.
+
+Mixing that a steady flow lacks is an eddy viscosity with Prandtl's mixing length l: a number C (the free one,
+0 for none) times the radius of the torch, at most 0.41 times the distance from the nearest wall:
+
+.. math:: \mu_t = \rho\,l^2\sqrt{2 S:S}, \qquad \kappa_t = c_p \mu_t/0.7
+
+(B. E. Launder, D. B. Spalding, Mathematical Models of Turbulence (1972): l of a round jet is 0.075 of its
+width, turbulent Prandtl number 0.7). Neither its memory nor what density does to it is modelled.
 
 Source: Fagnani et al., sec. 4.1 (LTE CF-ICP model, same equations); SUPG/PSPG
 after Tezduyar, Adv. Appl. Mech. 28 (1991) 1. Deviation: finite elements for VKI's finite
@@ -51,6 +59,8 @@ REFERENCE_PRESSURE = 100.0  # [Pa]: unit of the gauge-pressure unknown
 ROW_SCALE = np.repeat([1e-1, 1e-1, 1e-6, 1e2], 3)
 SMALL_SPEED = 0.1  # [m/s]: smooths |u| at rest, so that its derivative exists
 LIMITER_ONSET = 0.3  # excess of C Re over 1 at which the limiter adds half of it
+TURBULENT_PRANDTL = 0.7  # of a round jet (Launder and Spalding 1972)
+LEAST_SHEAR = 1.0  # [s-2]: the root has a slope in gas at rest
 IMAGINARY_STEP = 1e-30
 PROPERTY_NAMES = (
     "density",
@@ -67,8 +77,8 @@ class Points:
     """What the equations need at each quadrature point besides the unknowns; arrays (E, Q), SI.
 
     `inverse_step`: 1/(pseudo-time step), zero for the steady residual; `old_*`: state at the start of the
-    step; `viscosity_limiter`: C blended to zero inside the torch, see `limited_viscosity`; `equal_order`: 1
-    for P1 pressure with P1 velocity, 0 for Taylor-Hood.
+    step; `viscosity_limiter`: C blended to zero inside the torch, see `limited_viscosity`;
+    `mixing_length` [m]; `equal_order`: 1 for P1 pressure with P1 velocity, 0 for Taylor-Hood.
     """
 
     radius: np.ndarray
@@ -81,6 +91,7 @@ class Points:
     force_axial: np.ndarray
     force_radial: np.ndarray
     viscosity_limiter: np.ndarray
+    mixing_length: np.ndarray
     equal_order: float
 
     def part(self, elements):
@@ -149,8 +160,10 @@ def densities(inputs, lines, points):
     h, rate, radius = points.element_size, points.inverse_step, points.radius
     speed = np.sqrt(uz * uz + ur * ur + SMALL_SPEED**2)
     added = limited_viscosity(points.viscosity_limiter, h, density, speed, viscosity)
-    viscosity = viscosity + added
-    added_conductivity = added * heat_capacity
+    shear = (uz_r + ur_z) ** 2 + 2 * (uz_z**2 + ur_r**2 + (ur / radius) ** 2)
+    eddy = density * points.mixing_length**2 * np.sqrt(shear + LEAST_SHEAR)
+    viscosity = viscosity + added + eddy
+    added_conductivity = (added + eddy / TURBULENT_PRANDTL) * heat_capacity
 
     divergence = uz_z + ur_r + ur / radius
     acceleration_z = (uz - points.old_axial) * rate + uz * uz_z + ur * uz_r

@@ -35,6 +35,7 @@ from plasmapyro.flow.swirl import Swirl
 
 CHUNK = 1000  # elements per pass: the temporaries of the pointwise physics stay in the cache
 SIGNAL_SPEED = 200.0  # [m/s]: added to |u| in the local pseudo-time step
+VON_KARMAN = 0.41  # growth of the mixing length with the distance from a wall
 LIMITER_RAMP = 0.04  # [m] behind the torch exit over which the viscosity limiter sets in
 
 
@@ -53,6 +54,10 @@ class Problem:
         Of the probe wall; `wall_temperature` if not given.
     swirl_angle : float [rad]
         Between the gas that enters and the axis.
+    mixing : float [1]
+        Mixing length over the radius of the torch (`physics`); 0 for a laminar flow.
+    back_wall_temperature : float [K]
+        Of the torch; `wall_temperature` if not given.
     limiter : float [1]
         Coefficient C of the viscosity limiter in the chamber (`physics.limited_viscosity`); 0 for none.
     order : int
@@ -73,6 +78,8 @@ class Problem:
         limiter=0.0,
         probe_temperature=None,
         swirl_angle=0.0,
+        mixing=0.0,
+        back_wall_temperature=None,
     ):
         self.torch, self.order, self.limiter = torch, order, limiter
         self.wall_temperature = wall_temperature
@@ -82,6 +89,10 @@ class Problem:
         self.induction = Induction(mesh, frequency, coil, order)
         self.swirl_angle = swirl_angle
         self.probe_temperature = wall_temperature if probe_temperature is None else probe_temperature
+        self.mixing = mixing
+        self.back_wall_temperature = (
+            wall_temperature if back_wall_temperature is None else back_wall_temperature
+        )
         self._set_gas(properties, mass_flow_rate)
         self.free = np.flatnonzero(~self.fixed)
         self._open = self.space.facets(OPEN)
@@ -92,6 +103,7 @@ class Problem:
         # Edge of the equilateral triangle of the same area, halved where a quadratic element resolves half
         # of it.
         self._size = np.repeat((np.sqrt(4 * area / np.sqrt(3)) / order)[:, None], cells.z.shape[1], axis=1)
+        self._clearance = torch.wall_clearance(cells.z, cells.r)
         ramp = np.clip((cells.z - torch.length) / LIMITER_RAMP, 0, 1)
         self._limiter_blend = ramp * ramp * (3 - 2 * ramp)
 
@@ -104,6 +116,7 @@ class Problem:
             mass_flow_rate,
             self.wall_temperature,
             self.probe_temperature,
+            self.back_wall_temperature,
         )
         self._outside = (
             float(properties.density(self.wall_temperature)[0]),
@@ -111,11 +124,22 @@ class Problem:
             self.wall_temperature,
         )
 
-    def at(self, properties, *, mass_flow_rate, frequency, probe_temperature, swirl_angle):
+    def at(
+        self,
+        properties,
+        *,
+        mass_flow_rate,
+        frequency,
+        probe_temperature,
+        swirl_angle,
+        mixing,
+        back_wall_temperature,
+    ):
         """The same problem at another condition; mesh, bases and orderings are shared."""
         other = copy(self)
         other.induction = self.induction.at_frequency(frequency)
         other.probe_temperature, other.swirl_angle = probe_temperature, swirl_angle
+        other.mixing, other.back_wall_temperature = mixing, back_wall_temperature
         other._set_gas(properties, mass_flow_rate)
         return other
 
@@ -202,6 +226,9 @@ class Problem:
             force_axial=coupling.force_axial,
             force_radial=coupling.force_radial,
             viscosity_limiter=self.limiter * self._limiter_blend,
+            mixing_length=np.minimum(self.mixing * self.torch.radius, VON_KARMAN * self._clearance)
+            if self.mixing
+            else np.zeros_like(self._clearance),
             equal_order=1.0 if self.order == 1 else 0.0,
         )
 

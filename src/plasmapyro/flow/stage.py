@@ -9,7 +9,7 @@ from plasmapyro.checks import non_negative, positive
 from plasmapyro.flow.balances import balances
 from plasmapyro.flow.boundary import inlet_mach_number
 from plasmapyro.flow.case import Air, Case, moved, problem_of
-from plasmapyro.flow.condition import Condition
+from plasmapyro.flow.condition import COLD_BACK_WALL, Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, Unbalanced, march
 from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from, to_dataset
 from plasmapyro.flow.evaluate import transfer
@@ -118,7 +118,12 @@ def cold_start(
         float(positive("mesh_factor", mesh_factor, "1")),
     )
     reference = Condition(
-        numerical_power, chamber_pressure, mass_flow_rate, coil_frequency, probe_temperature
+        numerical_power,
+        chamber_pressure,
+        mass_flow_rate,
+        coil_frequency,
+        probe_temperature,
+        back_wall_temperature=setup.wall_temperature,
     )
     power = reference.numerical_power
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
@@ -167,6 +172,8 @@ def condition(
     probe_temperature,
     swirl_angle,
     radiation_factor,
+    mixing=0.0,
+    back_wall_temperature=COLD_BACK_WALL,
     viscosity_limiter,
     power_step,
     error_mesh_ratio,
@@ -198,6 +205,10 @@ def condition(
         Between the gas that enters and the axis.
     radiation_factor : float [1]
         Multiplies the net emission; 0 for no loss.
+    mixing : float [1]
+        Mixing length over the radius of the torch; 0 for a laminar flow.
+    back_wall_temperature : float [K]
+        Of the torch.
     power_step : float [W]
     error_mesh_ratio : float [1]
         Ratio of the cell sizes of the meshes of the error estimate, > 1; 0 for no estimate.
@@ -223,6 +234,8 @@ def condition(
         probe_temperature,
         swirl_angle,
         radiation_factor,
+        mixing,
+        back_wall_temperature,
     )
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     power_step = float(positive("power_step", power_step, "W"))
