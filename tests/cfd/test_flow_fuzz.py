@@ -5,7 +5,6 @@
 
 import os
 import shutil
-import signal
 import tempfile
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import cfd_samples as samples
 import numpy as np
 import pytest
 import yaml
-from accidents import LONGEST, damage, no_hang  # noqa: F401 (a fixture)
+from accidents import bounded, damage, no_hang  # noqa: F401 (a fixture)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -66,16 +65,14 @@ LONGEST_MESSAGE = 4000
 
 def ends_well(work, path):
     """What `work` returns, or None after one message that names the file or says what is wrong."""
-    signal.alarm(LONGEST)
     try:
-        return work()
+        with bounded():
+            return work()
     except ValueError as refusal:
         words = str(refusal)
         assert words and len(words) < LONGEST_MESSAGE and words.replace("\n", "").isprintable(), words
         assert not isinstance(refusal, contracts.ContractError) or str(path.parent) in words, words
         return None
-    finally:
-        signal.alarm(0)
 
 
 @pytest.mark.parametrize("name", FIELDS)

@@ -7,7 +7,6 @@ A clean dataset is corrected as well, so that what the readers let through canno
 import contextlib
 import io as streams
 import os
-import signal
 import tempfile
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 import samples
 import xarray as xr
-from accidents import LONGEST, damage, no_hang  # noqa: F401 (a fixture)
+from accidents import bounded, damage, no_hang  # noqa: F401 (a fixture)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -60,10 +59,8 @@ KINDS = {  # name -> (parts of test.yaml, files that may be damaged)
 def said(place):
     """Exit status and messages of `plasmapyro check`; no other end is allowed."""
     out, err = streams.StringIO(), streams.StringIO()
-    signal.alarm(LONGEST)
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), bounded():
         code = cli.main(["check", str(place)])
-    signal.alarm(0)
     assert code in (0, 2), err.getvalue()
     messages = err.getvalue().strip().split("\n") if err.getvalue() else []
     assert all(words.isprintable() and len(words) < LONGEST_MESSAGE for words in messages), messages
