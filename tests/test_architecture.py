@@ -31,6 +31,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "experiment": {"record", "instrument", "radiation"},
     "estimate": {"record", "instrument", "radiation"},
     "quality": {"record", "instrument", "radiation"},
+    "identification": set(),  # names of lines
     "readers": {  # files in, datasets out: the one group that knows files
         "contracts",
         "io",
@@ -68,6 +69,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "plots",
         "cfd",
         "experiment",
+        "identification",
         "instrument",
         "radiation",
         "readers",

@@ -1,0 +1,138 @@
+"""`plasmapyro identify`: which species a spectrum shows."""
+
+import argparse
+import csv
+import io as text
+import sys
+
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.commands.options import option, plot_option, positive
+from plasmapyro.commands.outputs import require_writable
+from plasmapyro.identification.identify import identify
+from plasmapyro.readers.spectrum import read_frames
+from plasmapyro.refraction import air_wavelength
+
+NANOMETRE = 1e-9
+LEAST_FRAMES = 5  # that tell their own noise
+SHOWN = 12  # peaks without a name, strongest first
+DESCRIPTION = """\
+Name the atoms, ions and molecules whose lines or bands a spectrum shows: all lines of a species together, at
+a free temperature of excitation and optical depth, with an error of the wavelength scale fitted along. Lines
+that must be there and are not speak against a species; peaks that fit by chance count for nothing.
+
+SPECTRUM is a text file: wavelength [nm], then the signal in one or more columns (frames, averaged), or a
+file of SpectraSuite, OceanView or Jaz."""
+EXAMPLE = """\
+example:
+  plasmapyro identify lamp.csv --plot lamp.png --out lamp_species.csv
+
+The table has a row per species: probability, natural logarithm of the Bayes factor, peaks that speak for it,
+temperature of excitation that suits them (a rough one), strongest lines [nm], and what would explain the same
+peaks about as well. What is left without a name is listed last.
+
+Not in the tables: Kr, Xe, Br, I, and elements beyond Pb but Bi, Th, U; see docs/your-own-data.md.
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+COLUMNS = ("species", "probability", "log_bayes", "peaks", "temperature_k", "lines_nm", "or_else")
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "identify",
+        help="atoms, ions and molecules whose lines a spectrum shows",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("spectrum", metavar="SPECTRUM", help="text file of one spectrum")
+    command.add_argument("--dark", metavar="FILE", help="spectrum without light, subtracted")
+    command.add_argument(
+        "--vacuum", action="store_true", help="its wavelengths are those in vacuum, not in air"
+    )
+    command.add_argument(
+        "--calibrated", action="store_true", help="the signal is proportional to radiance at all wavelengths"
+    )
+    command.add_argument(
+        "--fwhm-nm",
+        type=positive,
+        metavar="X",
+        help="width of a sharp line (default: from the sharpest peaks)",
+    )
+    option(command, "--least-probability", positive, 0.5, "from which a species is listed")
+    command.add_argument("--out", metavar="FILE.csv", help="write the table there too")
+    plot_option(command, "the spectrum with the names of its lines")
+
+
+def run(options):
+    """Run `plasmapyro identify`: one spectrum in, names out."""
+    inputs = [options.spectrum, options.dark]
+    require_writable([path for path in (options.out, options.plot) if path], inputs)
+    axis, frames = read_frames(options.spectrum)
+    if options.dark:
+        dark_axis, dark = read_frames(options.dark)
+        if dark_axis.shape != axis.shape or np.abs(dark_axis - axis).max() > 1e-12:
+            raise ValueError(f"{options.dark}: has other wavelengths than {options.spectrum}; take it again")
+        frames = frames - dark.mean(axis=0)
+    if options.vacuum:
+        axis = air_wavelength(axis)
+    noise = frames.std(axis=0, ddof=1) / np.sqrt(len(frames)) if len(frames) >= LEAST_FRAMES else None
+    noise = None if noise is None else np.maximum(noise, np.median(noise))
+    answer = identify(
+        axis,
+        frames.mean(axis=0),
+        noise,
+        options.fwhm_nm and options.fwhm_nm * NANOMETRE,
+        options.calibrated,
+    )
+    rows = [row(one, answer) for one in answer.named if one.probability >= options.least_probability]
+    if options.out:
+        table = text.StringIO()
+        csv.writer(table, lineterminator="\n").writerows([COLUMNS, *rows])
+        io.write_text(table.getvalue(), options.out)
+    if options.plot:
+        from plasmapyro.plots.identification import draw  # matplotlib, which only pictures need
+
+        draw(answer, options.least_probability, [options.plot])
+    sys.stdout.write(words(answer, rows))
+
+
+def row(one, answer):
+    """What is said of a named species, in the order of `COLUMNS`."""
+    at = answer.peaks.wavelength[one.fit.matched]
+    strongest = np.sort(at[np.argsort(-answer.peaks.light[one.fit.matched], kind="stable")[:4]])
+    return (
+        one.species.name,
+        f"{one.probability:.3f}",
+        f"{one.fit.log_bayes:.1f}",
+        at.size,
+        f"{one.fit.temperature:.0f}",
+        " ".join(f"{value / NANOMETRE:.2f}" for value in strongest),
+        " ".join(one.rivals).replace(" I", "_I"),
+    )
+
+
+def words(answer, rows):
+    """The page for the terminal."""
+    if not answer.peaks.wavelength.size:
+        return "no line or band stands out of the noise\n"
+    middle = (answer.peaks.axis[0] + answer.peaks.axis[-1]) / 2
+    lines = [
+        f"{answer.peaks.wavelength.size} peaks from {answer.peaks.axis[0] / NANOMETRE:.0f} to"
+        f" {answer.peaks.axis[-1] / NANOMETRE:.0f} nm; the wavelength scale is"
+        f" {float(answer.scale(middle)) / NANOMETRE:+.2f} nm off in the middle",
+    ]
+    if rows:
+        table = [COLUMNS, *([str(cell) for cell in one] for one in rows)]
+        widths = [max(len(one[k]) for one in table) for k in range(len(COLUMNS))]
+        lines += ["  ".join(c.ljust(w) for c, w in zip(one, widths, strict=True)).rstrip() for one in table]
+    else:
+        lines.append("no known species explains them")
+    left = answer.unexplained[np.argsort(-answer.peaks.snr[answer.unexplained], kind="stable")]
+    if left.size:
+        shown = " ".join(f"{value / NANOMETRE:.2f}" for value in answer.peaks.wavelength[left[:SHOWN]])
+        lines.append(f"no known line: {left.size} peaks, strongest at {shown} nm")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,237 @@
+r"""Evidence for a species: its lines among the peaks of a spectrum, against chance.
+
+Peaks that have nothing to do with a species lie anywhere (:math:`\rho` per metre, as many as there are
+around) and have any strength. A line of a species that is there gives a peak at its place, within its error,
+as strong as the Boltzmann distribution makes it within a factor :math:`e^{\pm s}`, or none where it would not
+stand out. For the peaks :math:`k` of its lines and the lines :math:`l` without a peak
+
+.. math:: \ln B = \ln \left\langle \prod_k \frac{\rho\,f(\ln h_k) + N(\lambda_k; \lambda, s_\lambda)\,
+   N(\ln h_k; \ln m_k, s)}{\rho f(\ln h_k)} \prod_l P(h < h_{min} | m_l) \right\rangle
+
+averaged over amount, temperature of excitation and optical depth. What species already named explain of a
+peak belongs to the chance side, so that all are judged together.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from scipy.special import log_ndtr, logsumexp
+
+TEMPERATURES = (2500.0, 4500.0, 8000.0, 13000.0)  # [K]
+DEPTHS = (0.1, 10.0, 200.0)  # of the line of most optical depth
+SETTINGS = tuple(product(TEMPERATURES, DEPTHS))
+STEP, ABOVE = 0.7, 3.0  # of ln(amount), and the span above the strongest peak
+REGION = 60e-9  # [m] over which the response of an instrument hardly changes
+LOST = 0.02  # share of lines that are missing against expectation: wrong probability, dead pixels
+TOLERANCE = 0.7  # scatter of ln(strength) of a line about its expectation
+ODD, ODD_WIDER = 0.15, 3.0  # share of lines, and of chance peaks, with a scatter so many times larger
+STARK = 0.2  # shift of a line broadened by electrons, of its width; Griem has 0.1 to 0.5
+SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
+AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
+FAINT = 1e-3  # lines below this share of the strongest of their species are left out
+
+
+@dataclass(frozen=True)
+class Explained:
+    """What a species makes of the peaks: expected light (P,) and the place [m] it expects them at."""
+
+    light: np.ndarray
+    place: np.ndarray
+
+
+NOTHING = Explained(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Evidence of a species, and the best of its settings.
+
+    Attributes
+    ----------
+    log_bayes : float
+        Natural logarithm of the Bayes factor for it.
+    temperature, depth : float
+        Those of most likelihood [K], [1].
+    explained : Explained
+        Of the peaks, at these.
+    matched : ndarray of int
+        Peaks of its lines, those that speak for it.
+    shift : ndarray [m]
+        Peak less line, for each of these.
+    """
+
+    log_bayes: float
+    temperature: float
+    depth: float
+    explained: Explained
+    matched: np.ndarray
+    shift: np.ndarray
+
+
+class Scene:
+    """Peaks, what is chance among them, and where and how strong lines are expected.
+
+    Parameters
+    ----------
+    peaks : Peaks
+    response : float [1]
+        Standard deviation of ln(response of the instrument) from one `REGION` to another.
+    shift : callable
+        Wavelength (n,) [m] -> what the scale of the spectrum is too high by [m] there.
+    place : float [1]
+        Error of a position in widths of a sharp line.
+    settings : sequence of (temperature [K], optical depth)
+    """
+
+    def __init__(self, peaks, response, shift, place, settings=SETTINGS):
+        self.peaks, self.response, self.shift, self.settings = peaks, response, shift, settings
+        at = peaks.wavelength
+        self.log = np.log(peaks.light)
+        near = np.abs(at[:, None] - at) < AROUND
+        count = near.sum(axis=1)
+        slit = np.interp(at, peaks.axis, peaks.slit)
+        reach = np.minimum(at + AROUND, peaks.axis[-1]) - np.maximum(at - AROUND, peaks.axis[0])
+        density = np.maximum(count / reach, SPREAD / slit)
+        wide = [self.log[np.abs(at - one) < REGION] for one in at]
+        middle = np.array([np.median(some) for some in wide])
+        scatter = [1.48 * np.median(np.abs(some - m)) for some, m in zip(wide, middle, strict=True)]
+        self.chance = density * self._tailed(self.log - middle, np.maximum(scatter, 1.0))
+        self.error = np.hypot(place * slit, STARK * (peaks.width - slit))
+        self.expected = {}  # of species: what does not depend on the others
+
+    def without(self, explained):
+        """Density of the peaks (P,) by chance or by what is explained [m-1]."""
+        if explained is NOTHING:
+            return self.chance
+        own = self._strength(self.log, explained.light)
+        return self.chance + own * _normal(self.peaks.wavelength, explained.place, self.error)
+
+    def _strength(self, log, expected):
+        """Density of ln(strength) of lines about their expectation."""
+        with np.errstate(divide="ignore"):
+            off = log - np.log(expected)
+        return self._tailed(off, TOLERANCE)
+
+    @staticmethod
+    def _tailed(off, sigma):
+        """Density of a logarithm of strength off its middle, with tails."""
+        return (1 - ODD) * _normal(off, 0.0, sigma) + ODD * _normal(off, 0.0, ODD_WIDER * sigma)
+
+    def fit(self, species, others=NOTHING):
+        """Evidence of a species, given what others explain.
+
+        Parameters
+        ----------
+        species : Species
+            Its lines of the range of the spectrum.
+        others : Explained
+
+        Returns
+        -------
+        Fit or None
+            None where no line lies beside a peak.
+        """
+        if species not in self.expected:
+            self.expected[species] = self._expect(species)
+        expected = self.expected[species]
+        if expected is None:
+            return None
+        peaks, groups, own, place, (lost, absent) = self.peaks, *expected
+        before = (0.0, 0.0) if others is NOTHING else (others.light[groups], others.place[groups])
+        total = own + before[0]
+        centre = (own * place + before[0] * before[1]) / np.maximum(total, 1e-300)
+        sigma = np.hypot(self.error[groups], species.error)
+        there = self._strength(self.log[groups], total) * _normal(peaks.wavelength[groups], centre, sigma)
+        gain = np.log((self.chance[groups] + (1 - LOST) * there) / self.without(others)[groups])
+        regions = (np.concatenate([peaks.wavelength[groups], lost]) / REGION).astype(int)
+        score, best = self._over_regions(regions, np.concatenate([gain, absent], axis=2))
+        a, s = np.unravel_index(score.argmax(), score.shape)
+        rows = np.array([best[one][a, s] for one in regions[: groups.size]])
+        own, gain = own[rows, s, np.arange(groups.size)], gain[rows, s, np.arange(groups.size)]
+        for_it = gain > 0.5
+        full, where = np.zeros((2, peaks.light.size))
+        full[groups], where[groups] = own, place[s]
+        return Fit(
+            float(logsumexp(score) - np.log(score.size)),
+            *self.settings[s],
+            Explained(full, where),
+            groups[for_it],
+            (peaks.wavelength[groups] - place[s])[for_it],
+        )
+
+    def _expect(self, species):
+        """Peaks of a species (G,), its light (amounts, settings, G) and place of it (settings, G) in them,
+        and log probability (amounts, settings, M) that lines without a peak are not seen; or None."""
+        peaks = self.peaks
+        light = np.array([species.light(*setting) for setting in self.settings])
+        keep = (light > FAINT * light.max(axis=1, keepdims=True)).any(axis=0)
+        line, light = species.wavelength[keep], light[:, keep]
+        line = line + self.shift(line)
+        nearest = _nearest(peaks.wavelength, line)
+        away = np.abs(line - peaks.wavelength[nearest])
+        hit = away < 3 * np.hypot(self.error[nearest], species.error)
+        if not hit.any():
+            return None
+        groups, index = np.unique(nearest[hit], return_inverse=True)
+        sums, place = np.zeros((2, len(light), groups.size))
+        np.add.at(sums.T, index, light[:, hit].T)
+        np.add.at(place.T, index, (light[:, hit] * line[hit]).T)
+        place = np.where(sums > 1e-250, place / np.maximum(sums, 1e-250), peaks.wavelength[groups])
+        where, blind, missed = self._unseen(line[~hit], light[:, ~hit])
+        highest = np.log(peaks.light.max()) + ABOVE
+        lowest = np.log(np.quantile(peaks.light, 0.1)) - 1
+        amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
+        with np.errstate(divide="ignore"):
+            short = np.log(blind) - np.log(amount * missed)
+        seen = np.logaddexp(
+            np.log1p(-ODD) + log_ndtr(short / TOLERANCE),
+            np.log(ODD) + log_ndtr(short / (ODD_WIDER * TOLERANCE)),
+        )
+        absent = np.minimum(np.logaddexp(np.log(LOST), np.log1p(-LOST) + seen), 0.0)
+        return groups, amount * sums, place, (where, absent)
+
+    def _over_regions(self, regions, parts):
+        """Sum (amounts, settings) of log probabilities (amounts, settings, lines), each region with a
+        response of its own; and by region the row of the likeliest amount times response."""
+        rows = np.arange(parts.shape[0])
+        apart = (rows[:, None] - rows) * STEP / self.response
+        weight = -(apart**2) / 2 - np.log(self.response / STEP * np.sqrt(2 * np.pi))
+        total, best = 0.0, {}
+        for one in np.unique(regions):
+            own = parts[:, :, regions == one].sum(axis=2)
+            top = own.max()
+            total = total + top + np.log(np.maximum(np.exp(weight) @ np.exp(own - top), 1e-300))
+            best[one] = (weight[:, :, None] + own).argmax(axis=1)
+        return total, best
+
+    def _unseen(self, line, light):
+        """Places (M,), limits (M,) and light (settings, M) of lines without a peak, one for each width."""
+        if not line.size:
+            return np.zeros(0), np.ones(0), np.zeros((len(light), 0))
+        width = np.interp(line, self.peaks.axis, self.peaks.slit)
+        group = np.cumsum(np.concatenate([[0], np.diff(line) > 0.7 * width[1:]])).astype(int)
+        sums = np.zeros((len(light), group[-1] + 1))
+        np.add.at(sums.T, group, light.T)
+        limits = np.zeros(group[-1] + 1)
+        np.maximum.at(limits, group, np.interp(line, self.peaks.axis, self.peaks.limit))
+        return line[np.searchsorted(group, np.arange(limits.size))], limits, sums
+
+
+def together(explained):
+    """What several species explain, as one."""
+    explained = list(explained)
+    if not explained:
+        return NOTHING
+    light = sum(part.light for part in explained)
+    place = sum(part.light * part.place for part in explained) / np.maximum(light, 1e-300)
+    return Explained(light, place)
+
+
+def _normal(value, mean, sigma):
+    return np.exp(-(((value - mean) / sigma) ** 2) / 2) / (np.sqrt(2 * np.pi) * sigma)
+
+
+def _nearest(sorted_values, wanted):
+    right = np.clip(np.searchsorted(sorted_values, wanted), 1, sorted_values.size - 1)
+    return right - (wanted - sorted_values[right - 1] < sorted_values[right] - wanted)

@@ -1,0 +1,221 @@
+"""Which species a spectrum shows: named one after the other, judged together."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.identification.evidence import NOTHING, Fit, Scene, together
+from plasmapyro.identification.peaks import Peaks, find
+from plasmapyro.identification.species import AIR, catalogue
+
+COMMON = tuple("H C N O Na K Li Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
+PRIOR, PRIOR_COMMON, PRIOR_AIR, PRIOR_OTHER_STAGE = 0.005, 0.1, 0.5, 0.3  # that a species shows lines
+NAMED = 0.9  # probability from which a species is named
+LEAST = np.log(NAMED / (1 - NAMED))
+SHARED = 0.5  # least share of the peaks of a species that a rival explains too
+ALIKE = 3.0  # difference of log evidence below which two species are not told apart
+CALIBRATED, UNCALIBRATED = 0.2, 1.2  # scatter of ln(response) between regions of a spectrum
+QUICK = ((4000.0, 5.0), (9000.0, 50.0))
+SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a line
+PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
+PLACE = 0.12  # and after
+SEEN = 1.5  # log evidence from which a species tells the scale
+NEIGHBOURS = 40e-9  # [m] over which the error of a wavelength scale changes
+
+
+@dataclass(frozen=True)
+class Named:
+    """A species with its probability.
+
+    Attributes
+    ----------
+    species : Species
+    probability : float
+    fit : Fit
+        Given all others that are named.
+    rivals : tuple of str
+        Species that would explain the same peaks about as well ("one of these").
+    """
+
+    species: object
+    probability: float
+    fit: Fit
+    rivals: tuple
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a spectrum shows.
+
+    Attributes
+    ----------
+    named : tuple of Named
+        Strongest evidence first.
+    peaks : Peaks
+    unexplained : ndarray of int
+        Peaks that no named species explains.
+    scale : Scale
+        What the wavelengths are too high by.
+    """
+
+    named: tuple
+    peaks: Peaks
+    unexplained: np.ndarray
+    scale: object
+
+    def elements(self):
+        """Elements and molecules named, with the probability that any of their species shows."""
+        chance = {}
+        for one in self.named:
+            chance[one.species.element] = chance.get(one.species.element, 1.0) * (1 - one.probability)
+        return {element: 1 - value for element, value in chance.items()}
+
+
+def identify(axis, signal, noise=None, slit=None, calibrated=False):
+    """Name the species whose lines or bands a spectrum shows.
+
+    Parameters
+    ----------
+    axis : ndarray (N,) [m]
+        Wavelengths in air, ascending.
+    signal, noise, slit
+        See `peaks.find`.
+    calibrated : bool
+        Whether the signal is proportional to radiance at all wavelengths.
+
+    Returns
+    -------
+    Answer
+    """
+    peaks = find(axis, signal, noise, slit)
+    if peaks.wavelength.size < 2:
+        return Answer((), peaks, np.arange(peaks.wavelength.size), Scale(0.0))
+    response = CALIBRATED if calibrated else UNCALIBRATED
+    margin = 2 * peaks.slit.max()
+    inside = [one.between(axis[0] + margin, axis[-1] - margin) for one in catalogue()]
+    inside = [one for one in inside if one is not None]
+    anchors = [one for one in inside if one.element in COMMON + AIR]
+    scale = _offset(peaks, response, anchors)
+    for place in PLACES:
+        scene = Scene(peaks, response, scale, place, QUICK)
+        scale = scale.refined(scene, _named(scene, anchors, _evidence, least=SEEN))
+    scene = Scene(peaks, response, scale, PLACE)
+    return _answer(scene, inside, _named(scene, inside))
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Error of a wavelength scale: that of the lines around, and `mean` [m] where there are none.
+
+    Attributes
+    ----------
+    mean : float [m]
+    wavelength, off, error : ndarray (n,) [m]
+        Of lines that were found.
+    """
+
+    mean: float
+    wavelength: np.ndarray = ()
+    off: np.ndarray = ()
+    error: np.ndarray = ()
+
+    def __call__(self, wavelength):
+        if not len(self.off):
+            return np.full(np.shape(wavelength), self.mean)
+        distance = (np.asarray(wavelength)[..., None] - self.wavelength) / NEIGHBOURS
+        weight = np.exp(-(distance**2) / 2) / np.square(self.error)
+        least = 1 / np.median(self.error) ** 2  # as much as one line
+        return (least * self.mean + weight @ self.off) / (least + weight.sum(axis=-1))
+
+    def refined(self, scene, fits):
+        """The scale from the lines of named species; those off by three deviations are left out."""
+        if not fits:
+            return self
+        at = np.concatenate([scene.peaks.wavelength[fit.matched] for fit in fits.values()])
+        off = np.concatenate([fit.shift for fit in fits.values()])
+        error = np.concatenate([np.hypot(scene.error[f.matched], one.error) for one, f in fits.items()])
+        if at.size < 3:
+            return self
+        off = off + self(at)
+        for _ in range(3):
+            found = Scale(float(np.median(off)), at, off, error)
+            close = np.abs(off - found(at)) < 3 * error
+            at, off, error = at[close], off[close], error[close]
+        return found
+
+
+def _offset(peaks, response, species):
+    """The constant shift under which species together find most lines, as a Scale."""
+    width = np.median(peaks.slit)
+    scales = [Scale(shift * width) for shift in SHIFTS]
+    score = []
+    for scale in scales:
+        scene = Scene(peaks, response, scale, PLACES[0], QUICK)
+        fits = [scene.fit(one) for one in species]
+        score.append(sum(max(fit.log_bayes - 3.0, 0.0) for fit in fits if fit))
+    return scales[int(np.argmax(np.array(score) - SHIFTS**2 / 2))]
+
+
+def _log_odds(one, fit, fits):
+    """Logarithm of the odds of a species beside those named."""
+    chance = PRIOR_COMMON if one.element in COMMON else PRIOR
+    if one.element in AIR:
+        chance = PRIOR_AIR
+    elif any(other.element == one.element and other is not one for other in fits):
+        chance = PRIOR_OTHER_STAGE
+    return fit.log_bayes + np.log(chance / (1 - chance)) if fit else -np.inf
+
+
+def _evidence(_one, fit, _fits):
+    """Log odds without a prior, to find the scale by."""
+    return fit.log_bayes
+
+
+def _named(scene, species, log_odds=_log_odds, least=LEAST):
+    """Species named one after the other: species -> fit, each given the others."""
+    fits = {}
+    waiting = list(species)
+    while waiting:
+        others = together(fit.explained for fit in fits.values())
+        odds = {}
+        for one in waiting:
+            fit = scene.fit(one, others)
+            odds[one] = (log_odds(one, fit, fits) if fit else -np.inf, fit)
+        waiting = [one for one in waiting if odds[one][0] > -4.0]  # explained peaks only take evidence away
+        best = max(waiting, key=lambda one: odds[one][0], default=None)
+        if best is None or odds[best][0] < least:
+            return fits
+        fits[best] = odds[best][1]
+        waiting.remove(best)
+        for one in list(fits):  # again, each beside the others
+            others = together(fit.explained for other, fit in fits.items() if other is not one)
+            fits[one] = scene.fit(one, others)
+            if log_odds(one, fits[one], fits) < least:
+                del fits[one]
+    return fits
+
+
+def _answer(scene, species, fits):
+    """Probabilities, rivals and what remains."""
+    named = []
+    for one, fit in fits.items():
+        others = together(
+            other for key, other in ((k, f.explained) for k, f in fits.items()) if key is not one
+        )
+        own = _log_odds(one, fit, fits)
+        beside = {}
+        for other in species:
+            if other.element != one.element and other not in fits:
+                rival = scene.fit(other, others)
+                same = np.isin(fit.matched, rival.matched).mean() if rival and fit.matched.size else 0.0
+                if same >= SHARED:
+                    beside[other.name] = _log_odds(other, rival, fits)
+        rivals = tuple(name for name, odds in beside.items() if odds > max(own - ALIKE, 0.0))
+        weights = np.logaddexp.reduce([0.0, own, *(beside[name] for name in rivals)])
+        named.append(Named(one, float(np.exp(own - weights)), fit, rivals))
+    named.sort(key=lambda item: -item.fit.log_bayes)
+    light = together(fit.explained for fit in fits.values())
+    seen = np.zeros(scene.peaks.wavelength.size, bool)
+    if light is not NOTHING:
+        seen = scene.without(light) > 2 * scene.chance
+    return Answer(tuple(named), scene.peaks, np.flatnonzero(~seen), scene.shift)
