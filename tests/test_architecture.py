@@ -41,6 +41,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     },
     "diagnosis": {
         "gas",
+        "identification",
         "radiation",
         "instrument",
         "record",

@@ -126,6 +126,7 @@ def report(**changes):
             "log_bayes": 1.2,
             "per_class": [{"id": "smooth", "name": "smooth map", "log_bayes": 1.2}],
             "rank1": None,
+            "lines": [],
         },
         "simulation": {
             "p": 0.3,

@@ -8,7 +8,7 @@ from plasmapyro.identification.evidence import NOTHING, Fit, Scene, together
 from plasmapyro.identification.peaks import Peaks, find
 from plasmapyro.identification.species import AIR, catalogue
 
-COMMON = tuple("H C N O Na K Li Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
+COMMON = tuple("H C N O Na K Li Rb Cs Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
 PRIOR, PRIOR_COMMON, PRIOR_AIR, PRIOR_OTHER_STAGE = 0.005, 0.1, 0.5, 0.3  # that a species shows lines
 NAMED = 0.9  # probability from which a species is named
 LEAST = np.log(NAMED / (1 - NAMED))

@@ -8,12 +8,15 @@ from plasmapyro import tables
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.diagnosis.effects.effect import BURNING, EXPOSED, PAPER, Amplitude, effect
 from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST
+from plasmapyro.identification.species import catalogue
+from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.planck import planck
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.refraction import vacuum_wavelength
 
 OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
 RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
+LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
 CONTINUUM_TEMPERATURE = 6000.0  # [K]
 WAVES = 9  # free values of a brightness that wanders
@@ -229,6 +232,29 @@ argon = in_jet("Ar", "argon in the jet", measurement="a spectrum without a sampl
 )
 
 
+def lines_of(name):
+    """The effect 'lines <species>': lines of any species of the table of lines, in the jet.
+
+    It is not in the catalogue, which would name the nearest of hundreds: the lines that are left choose it.
+
+    Raises
+    ------
+    KeyError
+        Not a species of the table.
+    """
+    by_name = {one.name: one for one in catalogue()}
+    decorate = in_jet(
+        f"{LINES} {by_name[name].name}", f"lines of {name}", measurement="a spectrum of fine resolution"
+    )
+    return decorate(foreign(name))
+
+
+def proposed(identity):
+    """The effect of an id that `lines_of` gave, else None."""
+    kind, _, name = str(identity).partition(" ")
+    return lines_of(name) if kind == LINES and name in {one.name for one in catalogue()} else None
+
+
 def _release(scene, growth):
     """Release (n, 2), 1 at 1600 K: Arrhenius with the exponent `growth` there."""
     exponent = np.clip(growth * (1 - HOTTEST / scene.temperature), -60.0, 2.0)
@@ -248,6 +274,11 @@ def _lines(species, temperature):
         * np.exp(-SECOND_RADIATION * table["upper_energy"][chosen] / temperature)
     )
     names = table["species"][chosen]
+    for one in catalogue():
+        one = one.between(*TABLE_RANGE) if one.name in set(species) - set(names) else None
+        if one:
+            air, names = np.append(air, one.wavelength), np.append(names, [one.name] * one.wavelength.size)
+            strength = np.append(strength, one.light(temperature, THIN))
     for name in set(names):  # each species as bright as the other: their amounts are unknown
         strength[names == name] /= strength[names == name].sum() * len(set(names))
     return vacuum_wavelength(air), strength

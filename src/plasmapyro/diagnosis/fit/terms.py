@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isfinite
 
+from plasmapyro.diagnosis.effects.gas import proposed
 from plasmapyro.diagnosis.fit.setting import Setting
 
 KEYS = ("id", "amplitude", "uncertainty", "shape", "shape_uncertainty")
@@ -67,7 +68,7 @@ def terms_of(entries, effects, where="effects"):
             faults.append(f"{at}: must be a mapping with an id and an amplitude; got {entry!r}")
             continue
         faults += [_unknown(f"{at}.{key}", key, KEYS) for key in entry if key not in KEYS]
-        effect = effects.get(entry["id"])
+        effect = effects.get(entry["id"]) or proposed(entry["id"])
         if effect is None:
             faults.append(_unknown(f"{at}.id", entry["id"], effects))
             continue

@@ -6,6 +6,7 @@ from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
 from plasmapyro.diagnosis.report.extended import extension, worth
 from plasmapyro.diagnosis.report.line_hump import line_against_hump
+from plasmapyro.diagnosis.report.lines import lines_left
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
@@ -222,6 +223,7 @@ def _discrepancy(findings):
             for structure, value in classes
         ],
         "rank1": show.leading_pattern(findings.model, findings.residuals[1]) if unknown else None,
+        "lines": lines_left(findings),
     }
 
 

@@ -1,0 +1,52 @@
+"""Names of lines that a model leaves, and effects that can be kept."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.effects.gas import lines_of
+from plasmapyro.diagnosis.fit.terms import terms_of
+from plasmapyro.diagnosis.report.lines import species_left
+
+FWHM = 1.0  # [nm]
+RUBIDIUM = [(780.027, 1.0), (794.760, 0.5), (775.765, 0.02), (775.944, 0.03)]  # air [nm], resonance lines
+
+
+def gaussians(axis, lines, strength):
+    return strength * sum(b * np.exp(-4 * np.log(2) * ((axis - a * 1.000275) / FWHM) ** 2) for a, b in lines)
+
+
+@pytest.fixture(scope="module")
+def library():
+    axis = np.arange(740.0, 1040.0, 0.2)
+    base = gaussians(axis, [(777.194, 1.0), (777.417, 0.7), (777.539, 0.4)], 1e9)
+    return SimpleNamespace(wavelength=axis * 1e-9, base=base, slit_fwhm=FWHM * 1e-9)
+
+
+def test_lines_that_are_left_get_a_name_and_an_effect_that_reads_back(library):
+    axis = np.arange(745.0, 1035.0, 0.5)
+    sigma = np.full(axis.size, 1e5)
+    noise = np.random.default_rng(4).normal(0, 1e5, axis.size)
+    found = species_left(axis * 1e-9, gaussians(axis, RUBIDIUM, 1e7) + noise, sigma, library)
+    assert [one["species"] for one in found] == ["Rb I"]
+    effect = found[0]["effect"]
+    (term,) = terms_of([effect], CATALOGUE)
+    assert term.setting.effect.id == "lines Rb I"
+    # light of both lines over a tenth of the triplet's; Rb I has 3 % of its light elsewhere in the range
+    assert effect["amplitude"] == pytest.approx(1e7 * 1.55 / (0.1 * 1e9 * 2.1), rel=0.15)
+    assert 0 < effect["uncertainty"] < 0.05 * effect["amplitude"]
+
+
+def test_noise_that_is_left_gets_none(library):
+    axis = np.arange(745.0, 1035.0, 0.5)
+    noise = np.random.default_rng(5).normal(0, 1e5, axis.size)
+    assert species_left(axis * 1e-9, noise, np.full(axis.size, 1e5), library) == []
+
+
+def test_a_species_without_lines_in_the_table_is_no_effect():
+    with pytest.raises(KeyError):
+        lines_of("Xx I")
+    with pytest.raises(ValueError, match="unknown"):
+        terms_of([{"id": "lines Xx I", "amplitude": 1.0}], CATALOGUE)
