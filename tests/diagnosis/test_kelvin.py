@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plasmapyro import contracts
-from plasmapyro.diagnosis.report.kelvin import PaperShift, fitted_shift, paper_temperature
+from plasmapyro.diagnosis.report.kelvin import PaperShift, fitted_shift, judged_span, paper_temperature
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.instrument.stage import pyrometer_calibration
 from plasmapyro.record import status
@@ -88,23 +88,53 @@ def test_a_shift_is_looked_for_where_the_surface_is_warm_and_in_the_span():
     assert fitted_shift(model, solution, found, 0, 2.0, (3.0, 5.0)) == (140.0, 5.0)
 
 
-def test_a_term_that_brightens_the_wide_band_costs_kelvin_upwards(laboratory_record):
+def test_judged_is_from_when_the_surface_is_warm_and_gives_half_of_the_light():
+    time = np.arange(-1.0, 9.0)
+    kelvin = np.where(time < 3, 800.0, 1200.0)
+    share = np.select([time < 5, time < 8], [0.49, 0.5], 0.1)
+    model = SimpleNamespace(
+        instruments=[SimpleNamespace(time=time)], history=SimpleNamespace(basis=lambda t: np.eye(t.size))
+    )
+    predicted = np.ones((time.size, 2))
+    gas = [predicted * (1 - share[:, None])]
+    state = SimpleNamespace(knots=kelvin)
+    solution = SimpleNamespace(gas=gas, prediction=[predicted], state=state)
+    assert judged_span(model, solution) == (5.0, 7.0)
+    state.knots = kelvin - 350.0
+    assert judged_span(model, solution) == (np.inf, -np.inf)
+
+
+def shift_of(laboratory_record, wide):
+    """Shift by a term that changes the wide band (factors (4,)): in the window, hot twice, hardly there."""
     record, reading, surface, gas = laboratory_record
-    moment = np.array([2.0, 30.0, 40.0])  # one in the reference window, two of a hot surface
+    moment = np.array([2.0, 30.0, 40.0, 45.0])
 
     def evaluate(which, knots, values, settings, gas_error):
-        seen = surface * [0, 1, 1] + gas
-        return (seen * (1 + np.array([[0.02], [0.0]]) * bool(settings) * (moment == 30))).T
+        seen = surface[:, :1] * [0, 1, 1, 1e-3] + gas
+        return (seen * (1 + np.array([[1.0], [0.0]]) * bool(settings) * wide)).T
 
     model = SimpleNamespace(
-        instruments=[SimpleNamespace(kind="pyrometer", time=moment, number=np.ones((3, 2)))],
+        instruments=[SimpleNamespace(kind="pyrometer", time=moment, number=np.ones((4, 2)))],
         record=record,
         evaluate=evaluate,
     )
     solution = SimpleNamespace(state=SimpleNamespace(knots=None, values=None, lines=[0.0]))
-    shift = PaperShift(model, solution, reading)
+    return PaperShift(model, solution, reading)
+
+
+def test_a_term_that_brightens_the_wide_band_costs_kelvin_upwards(laboratory_record):
+    shift = shift_of(laboratory_record, np.array([0, 0.02, 0, 0.5]))
     effect = SimpleNamespace(instruments=("pyrometer",), bounds=(-1.0, 1.0))
     change, worst = shift(effect, 0.02, None)
     # The ratio rises by 0.08 per unit of ln S, ln S by 9.4 per unit of ln T: 2 % are 2.7 % of 1500 K, 40 K.
     assert worst == 30.0 and 25.0 < change < 45.0
     assert shift(SimpleNamespace(instruments=("spectrometer",)), 0.02, None) == (0.0, 0.0)
+    # Beyond its bounds a term is taken at the bound and scaled.
+    bounded = SimpleNamespace(instruments=("pyrometer",), bounds=(-0.01, 0.01))
+    assert shift(bounded, 0.02, None)[0] == pytest.approx(2 * change, rel=1e-12)
+
+
+def test_a_term_may_lead_out_of_the_range_of_the_instrument(laboratory_record):
+    shift = shift_of(laboratory_record, np.array([0, 0.6, 0, 0]))
+    change, worst = shift(SimpleNamespace(instruments=("pyrometer",), bounds=(-1.0, 1.0)), 0.6, None)
+    assert worst == 30.0 and change > 2073.0 - KELVIN

@@ -58,6 +58,12 @@ def test_a_tunnel_file_is_asked_for_at_the_times_of_the_pyrometer_only(tmp_path)
     # 60 g/min twice are 2 g/s; the zero of the tunnel is one second later.
     np.testing.assert_allclose(test.mass_flow_rate[:5], [0.002, 0.003, 0.004, 0.005, 0.006], rtol=1e-12)
     assert np.isnan(test.mass_flow_rate[5:]).all()
+    late = read_test(
+        samples.folder(
+            tmp_path / "late", parts, pyrometer__csv=samples.table(), tunnel__csv="t,m\n3,60\n9,180\n"
+        )
+    )
+    assert np.isnan(late.mass_flow_rate[:2]).all() and late.mass_flow_rate[2] == pytest.approx(0.002)
 
 
 def test_a_table_of_spectra_is_sorted_by_wavelength_and_its_dark_averaged(tmp_path):

@@ -1,9 +1,11 @@
 """Every unit that a laboratory may write, with its size in SI as definitions and prefixes give it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from plasmapyro.readers import units
+from plasmapyro.readers import columns, units
 
 RTOL = 1e-15  # powers of ten and one product each
 SIZES = {  # variable -> unit as written -> value of 1 in SI, written out
@@ -40,6 +42,12 @@ CASES = [(name, unit, size) for name, sizes in SIZES.items() for unit, size in s
 def test_one_of_each_unit_is_this_much_in_si(name, unit, size):
     np.testing.assert_allclose(units.factor(unit, name), size, rtol=RTOL)
     assert units.offset(unit) == (273.15 if unit in ("degC", "C", "\u00b0C") else 0.0)
+
+
+def test_a_scale_acts_before_the_zero_of_celsius():
+    """Tenths of a degree Celsius: 12000 are 1200 degC, 1473.15 K."""
+    stated = SimpleNamespace(name="source_temperature", header="T", unit="degC", scale=0.1)
+    assert columns.to_si("points.csv", stated, np.array([12000.0]), None) == pytest.approx(1473.15, rel=RTOL)
 
 
 def test_no_unit_is_left_out_here():

@@ -97,3 +97,13 @@ def test_few_or_missing_samples_give_no_verdict():
 def test_signals_without_noise_are_judged_too():
     assert onset.verdict(TIME, made(noise=0.0, surface=0), (0, 6)).word == onset.CLEAN
     assert onset.verdict(TIME, made(noise=0.0), (0, 6)).word == onset.SHOWS
+
+
+def test_a_bias_is_harmless_only_where_both_bands_have_little():
+    """A surface of 0.4 and 1.0 over a gas of 2 and 1 grows as u^3, whose mean is 1/4."""
+    for size, word in ((3e-3, onset.HARMLESS), (1.2e-2, onset.SHOWS)):
+        signals = GAS + size * SURFACE * (TIME / 10) ** 3
+        found = onset.attributes("pyrometer", TIME, signals, (0.0, 10.0), 10.0)
+        wide, narrow = found["pyrometer_reference_bias"]
+        assert narrow == pytest.approx(size / 4, rel=0.02) and wide < onset.LEAST_BIAS
+        assert found["pyrometer_reference_verdict"] == word

@@ -198,6 +198,21 @@ def test_bins_of_a_short_exposure_are_short():
     np.testing.assert_allclose(np.diff(edges[(edges >= 0) & (edges <= 4)]), 0.2)
 
 
+def test_no_bin_holds_a_sample_beside_a_switch():
+    """The second before the injection and the quarter after the plasma are in no bin, nor straddlers."""
+    begin = np.array([-1.9, -1.4, -0.4, 0.0, 8.5, 9.5, 9.95, 10.2, 10.25])
+    found = binning.membership(begin, begin + 0.5, np.arange(-2.0, 13.0), 0.0, 10.0)
+    np.testing.assert_array_equal(found, [0, -1, -1, 2, 10, 11, -1, -1, 12])
+
+
+def test_a_mean_stands_at_the_mean_time_of_its_samples():
+    bands = record_of(made(), {"pyrometer": None}).instrument("pyrometer")
+    short = binning.thinned(bands, 50.0, 100)
+    group = binning.groups(bands.time, (0.0, 50.0), 100)
+    for one in (0, 50, group.max()):
+        assert short.time[one] == pytest.approx(bands.time[group == one].mean(), abs=1e-9)
+
+
 def test_a_mean_over_a_saturated_sample_is_saturated_and_one_over_a_lost_sample_is_not():
     bands = record_of(made(), {"pyrometer": None}).instrument("pyrometer")
     flag = bands.flag.copy()
