@@ -103,7 +103,7 @@ def test_each_kind_hides_what_it_says():
 
 def test_hidden_effect_has_the_size_it_was_asked_for(workbench, metric):
     """A matched filter on noisy data finds the SNR, with the scatter of one that it must have."""
-    found = {0.0: [], 20.0: []}
+    found, metric = {0.0: [], 20.0: []}, metric.thermometer
     scene = workbench.scene(metric.base)
     exposure, device = scene.spectrometer_integration_time, scene.spectrometer
     sized = make._sized(metric, "gas_drift", 20.0, 1, {})

@@ -37,7 +37,10 @@ def compare(truth, report, temperature):
         name: float(np.sqrt(np.nanmean((temperature[f"{name}_temperature"].values - true)[judged] ** 2)))
         for name in ("base", "extended")
     }
-    assert report["extended"]["applied"] and rms["extended"] < rms["base"] / 3
+    # What wanders within the instruments' own errors moves the base fit little: that was 5 K wrong without.
+    assert report["extended"]["applied"] and rms["extended"] < rms["base"] and rms["extended"] < 1.0
+    low, high = (temperature[f"extended_temperature_{end}"].values for end in ("low", "high"))
+    assert np.mean(((low <= true) & (true <= high))[judged]) > 0.9
 
 
 def test_effects_hidden_in_the_default_test_are_named_sized_and_cured(small_results):

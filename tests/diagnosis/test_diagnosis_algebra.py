@@ -5,7 +5,7 @@ import pytest
 from scipy.special import i0
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.fit.inference import FULL, Noise, Weigher, gram, whitened
+from plasmapyro.diagnosis.fit.inference import FULL, Noise, Weigher, gram
 from plasmapyro.diagnosis.fit.noise import FLICKER_MARGIN, NoiseModel, on_bins
 from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.diagnosis.gas.templates import GasLibrary, line_groups, widened
@@ -24,44 +24,36 @@ def random():
 
 @pytest.fixture
 def block(random):
-    """Three bins of four channels: noise, gas, dense covariance."""
+    """Three bins of four channels: noise, gas and value, dense covariance."""
     variance = random.uniform(0.5, 2.0, (3, 4))
-    gas = random.normal(size=(3, 4))
-    flicker = np.array([0.3, 0.0, 2.0])
+    gas, value = random.normal(size=(2, 3, 4))
+    flicker, gain = np.array([[0.3, 0.0, 2.0], [0.7, 1.1, 0.0]])
     dense = np.zeros((12, 12))
-    for bin_, (v, u, f) in enumerate(zip(variance, gas, flicker, strict=True)):
-        part = slice(4 * bin_, 4 * bin_ + 4)
-        dense[part, part] = np.diag(v) + f * np.outer(u, u)
-    return Noise(variance, flicker), gas, dense
+    for at in range(3):
+        part, one, other = slice(4 * at, 4 * at + 4), gas[at], value[at]
+        dense[part, part] = np.diag(variance[at])
+        dense[part, part] += flicker[at] * np.outer(one, one) + gain[at] * np.outer(other, other)
+    return Noise(variance, flicker, gain), (gas, value), dense
 
 
 def test_weights_are_the_inverse_of_the_covariance(block, random):
-    noise, gas, dense = block
+    noise, shared, dense = block
     rows = random.normal(size=(3, 4, 2))
     expected = np.linalg.solve(dense, rows.reshape(12, 2))
-    assert np.allclose(Weigher(noise, gas)(rows).reshape(12, 2), expected, rtol=FLOAT_RTOL)
-    assert np.allclose(Weigher(noise, gas)(rows[..., 0]).ravel(), expected[:, 0], rtol=FLOAT_RTOL)
-    root = Weigher(noise, gas).root(rows)
+    assert np.allclose(Weigher(noise, *shared)(rows).reshape(12, 2), expected, rtol=FLOAT_RTOL)
+    assert np.allclose(Weigher(noise, *shared)(rows[..., 0]).ravel(), expected[:, 0], rtol=FLOAT_RTOL)
+    root = Weigher(noise, *shared).root(rows)
     assert np.allclose(root.T @ root, rows.reshape(12, 2).T @ expected, rtol=FLOAT_RTOL)
 
 
-def test_whitened_residuals_have_the_chi_squared_of_the_covariance(block, random):
-    noise, gas, dense = block
-    residual = random.normal(size=(3, 4))
-    z = whitened(residual, noise, gas)
-    assert np.sum(z**2) == pytest.approx(
-        residual.ravel() @ np.linalg.solve(dense, residual.ravel()), rel=FLOAT_RTOL
-    )
-
-
 def test_a_pattern_counts_as_one_column_per_channel(block, random):
-    noise, gas, dense = block
+    noise, shared, dense = block
     columns, row, residual = (
         random.normal(size=(3, 4, 2)),
         random.normal(size=(3, 4)),
         random.normal(size=(3, 4)),
     )
-    matrix, vector = gram([columns], [(0, row)], [Weigher(noise, gas)], [residual])
+    matrix, vector = gram([columns], [(0, row)], [Weigher(noise, *shared)], [residual])
     pattern = (row[..., None] * np.eye(4)).reshape(12, 4)
     whole = np.concatenate([columns.reshape(12, 2), pattern], axis=1)
     assert np.allclose(matrix, whole.T @ np.linalg.solve(dense, whole), rtol=1e-7, atol=1e-9)

@@ -10,7 +10,7 @@ from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.gas.library import NEED_VARIATIONS, gas_library, remarks, rungs
 
-LOSS = 0.03  # of window E at the end, some 20 standard deviations
+LOSS = 0.08  # of window E at the end, some 20 standard deviations of a gain that wanders by 0.3 %
 
 
 def worst(dataset, name):
@@ -33,8 +33,9 @@ def test_the_interval_is_as_wide_as_the_error(diagnosed):
     hot = (time > 20) & (time < OFF - 3)
     width = (temperature["base_temperature_high"] - temperature["base_temperature_low"]).values[hot] / 3.92
     error = temperature["base_temperature"].values[hot] - temperature_of(time)[hot]
-    # Errors of neighbours are alike, so the mean square is no better known than within a factor of a few.
-    assert 0.1 < np.mean((error / width) ** 2) < 6.0
+    # Errors of neighbours are alike, so the mean square is no better known than within a factor of a few; the
+    # calibration of this laboratory has no error, but the interval allows for one.
+    assert 0.005 < np.mean((error / width) ** 2) < 6.0
 
 
 def test_a_deposit_on_a_window_is_named_with_its_size(diagnosed):

@@ -14,6 +14,10 @@ from blind.bench import EMITTANCE_ERROR, LINE_ERROR, LINES, POWER_ERROR, SYSTEM_
 
 FLICKER = 0.012  # of the brightness, from frame to frame
 GAIN_ERROR, BAND_ERROR, BRIGHTNESS_ERROR = 0.03, 0.01, 0.3
+# Gains wander linearly between knots; the scale of the spectrometer errs by waves of half periods 1 to 8.
+WANDER, WANDER_KNOTS, SMOOTH, WAVES = (2e-3, 1e-3, 3e-3), 8, 0.005, 8
+FREE = 0.3  # of the light of the gas in every pixel and band, before and after injection apart
+STEADY = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "contin", "Cu", "Ar", "wshift", "lsf", "second")
 # Surface temperature is free at these times [s] and linear between them: dense where it changes fast, and
 # every 8 s later. ASSUME: no analysis may take a steadier surface for granted. 0.04 K in a swing of 37 s, by
 # a heat flux that varies by 1.4e-4, look like 2.3e-4 of a gain, 12 standard deviations of the spectra.
@@ -55,8 +59,10 @@ class Metric:
     r"""Whitened data of one base, with what any analysis must leave free projected out.
 
     Free are: the temperature (piecewise linear through `KNOTS`), emittance, gain of each band and of the
-    spectrometer, brightness of the gas before and after injection and in each frame, its power and the
-    strengths of its systems and multiplets, all but the first with their prior uncertainty:
+    spectrometer and their wandering, the shape of its scale, brightness of the gas before and after injection
+    and in each frame, its power and the strengths of its systems and multiplets, all but the first with
+    their prior uncertainty. For all but `STEADY` effects, which are a spectrum of the gas and nothing else,
+    the gas is free in every pixel and band as well:
 
     .. math:: G = e^T (I - N (N^T N + 1)^{-1} N^T) e
 
@@ -65,8 +71,8 @@ class Metric:
     act as the factors that they are: a doubled line is not sixteen steps of 6 % but nine of them in a row.
     """
 
-    def __init__(self, bench, base, power_prior=POWER_ERROR):
-        self.bench, self.base, self.gas = bench, base, bench.gas(base)
+    def __init__(self, bench, base, power_prior=POWER_ERROR, *, free=False):
+        self.bench, self.base, self.gas, self.free = bench, base, bench.gas(base), free
         self.scene = bench.scene(base)
         # Flicker is kept, so that base and changed scene differ by the effect alone.
         self.reference = bench.clean(self.scene, self.gas, base)
@@ -103,8 +109,10 @@ class Metric:
     def _flat(self, parts):
         """Vector of the usable data with flicker and the fixed patterns of the pixels taken out."""
         signals, rates = parts[0][:, self.usable[0]], parts[1][self.usable[1]]
-        rates = self._without_pattern(self._deflicker(rates, 1))
-        return np.concatenate([self._deflicker(signals, 0).ravel(), rates.ravel()])
+        signals, rates = self._deflicker(signals, 0), self._without_pattern(self._deflicker(rates, 1))
+        if self.free:
+            signals, rates = self._without_gas(signals, 0), self._without_gas(rates, 1)
+        return np.concatenate([signals.ravel(), rates.ravel()])
 
     def _without_pattern(self, rates):
         """Take out what the noise of lamp and dark scans, the same in all frames (S, W), can explain."""
@@ -129,8 +137,20 @@ class Metric:
         shrink = (1 - 1 / np.sqrt(1 + value)) / value
         return columns, np.einsum("wik,wk,wjk->wij", vector, shrink, vector)
 
+    @cached_property
+    def thermometer(self):
+        """The metric with a free gas."""
+        return self if self.free else Metric(self.bench, self.base, self.power_prior, free=True)
+
+    def _for(self, *effects):
+        """The metric that tells of all of some effects."""
+        return self if set(effects) <= set(STEADY) else self.thermometer
+
     def signature(self, effects):
         """Whitened signature of effects with the base parameters projected out, and its size."""
+        return self._for(*(one["effect"] for one in effects))._signature(effects)
+
+    def _signature(self, effects):
         scene = apply(self.scene, self.gas, effects)
         change = self.whiten(self.bench.clean(scene, self.gas, self.base))
         vector = self.project(change)
@@ -201,7 +221,7 @@ class Metric:
             if effect not in hidden.EFFECTS:
                 return 90.0
             plain = {"effect": effect, "amplitude": 0.2 * hidden.EFFECTS[effect].unit}
-            lengths.append(self.signature([(known or {}).get(effect, plain)]))
+            lengths.append(self._for(one, other)._signature([(known or {}).get(effect, plain)]))
         (a, size_a), (b, size_b) = lengths
         if size_a == 0 or size_b == 0:
             return 90.0
@@ -218,14 +238,14 @@ class Metric:
 
         block is (2, t) for the signals (axis 0 is the band) or (S, W) for the spectra (axis 1 the pixels).
         """
-        pattern = self._gas_pattern[axis]
-        gain = (block * pattern).sum(axis=axis, keepdims=True)
-        size = (pattern**2).sum(axis=axis, keepdims=True)
-        prior = 1 / FLICKER**2
-        # 1 - (1 - size/(size+prior))^(1/2): the same square root of the projector as above, for one column.
-        with np.errstate(invalid="ignore", divide="ignore"):
-            share = np.where(size > 0, (1 - np.sqrt(prior / (size + prior))) / size, 0.0)
-        return block - pattern * gain * share
+        return _without(block, self._gas_pattern[axis], FLICKER, axis)
+
+    def _without_gas(self, block, which):
+        """Take out, pixel by pixel or in each band, what a gas unknown to `FREE` can explain."""
+        time, axis = (self.time, self.frames)[which][self.usable[which]], 1 - which
+        early = (time < 0) if axis else (time < 0)[:, None]
+        pattern = self._gas_pattern[which]
+        return _without(_without(block, pattern * early, FREE, axis), pattern * ~early, FREE, axis)
 
     @cached_property
     def _gas_light(self):
@@ -285,6 +305,7 @@ class Metric:
                 1.7 * 1.438776877e-2 / (pixels * 1773.0**2) * whole[1],
             ]
         )
+        rows += self._persistent(whole)
         before = [np.where(time < 0, 1.0, 0.0) for time in both]
         for mask in (before, [1 - part for part in before]):
             rows.append(
@@ -298,6 +319,20 @@ class Metric:
             ]
             rows.append([lit[0] * factors[0][:, None], lit[1] * factors[1]])
         return np.stack([self._flat(row) for row in rows])
+
+    def _persistent(self, whole):
+        """Rows of gains that wander and of a scale that is smoothly wrong over wavelength."""
+        none, rows = [np.zeros_like(part) for part in whole], []
+        places = np.linspace(self.scene.start, self.scene.end, WANDER_KNOTS)
+        for hat in np.eye(WANDER_KNOTS):
+            bands, frames = (np.interp(time, places, hat) for time in (self.time, self.frames))
+            rows.append([WANDER[0] * whole[0] * bands, none[1]])
+            rows.append([WANDER[1] * whole[0] * bands * np.array([[0.5], [-0.5]]), none[1]])
+            rows.append([none[0], WANDER[2] * whole[1] * frames[:, None]])
+        place = np.linspace(0, np.pi, whole[1].shape[1])
+        return rows + [
+            [none[0], SMOOTH / order * whole[1] * np.cos(order * place)] for order in range(1, WAVES + 1)
+        ]
 
     def _hats(self):
         """Linear hats over the knots of temperature, at the readings and at the frames."""
@@ -327,3 +362,13 @@ class Metric:
             changed = gas.radiance.copy()
             changed[names.index(system), inside] *= 1 + LINE_ERROR
             yield changed
+
+
+def _without(block, pattern, size, axis):
+    """A block less what a multiple of a pattern along an axis, unknown to some size, can explain."""
+    gain = (block * pattern).sum(axis=axis, keepdims=True)
+    square, prior = (pattern**2).sum(axis=axis, keepdims=True), 1 / size**2
+    # 1 - (1 - square/(square+prior))^(1/2): the square root of the projector for one column.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(square > 0, (1 - np.sqrt(prior / (square + prior))) / square, 0.0)
+    return block - pattern * gain * share

@@ -141,11 +141,12 @@ def model_with(model, instruments):
         instruments,
         model.library,
         model.history,
-        model.parameters,
+        model.own,
         model.record,
         model.slope,
         model.response,
         model.lamp,
+        model.persistent,
         model.given,
     )
 

@@ -5,8 +5,10 @@ import logging
 import numpy as np
 
 from plasmapyro.diagnosis.fit import observation
-from plasmapyro.diagnosis.fit.model import History, Model, Parameter, knots
+from plasmapyro.diagnosis.fit.model import History, Model, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
+from plasmapyro.diagnosis.fit.parameter import Parameter
+from plasmapyro.diagnosis.fit.persistent import persistent
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.radiation.bandsignal import responsivities
@@ -67,7 +69,10 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
     history = History(knots(edges, 0.0, record.off, end), record.off)
     parameters = (*base_parameters(record, calibration), *of_given(given))
     slope = tilt(record.emittance_slope, response)
-    return Model(instruments, library, history, parameters, record, slope, response_arrays, lamp, given)
+    errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
+    return Model(
+        instruments, library, history, parameters, record, slope, response_arrays, lamp, errors, given
+    )
 
 
 def _sufficient(instruments, off):

@@ -20,68 +20,66 @@ FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and that of the
-    brightness of the gas common to the channels of a bin, `flicker` (n,) [1]."""
+    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and what the
+    channels of a bin share, (n,) [1]: that of the brightness of the gas, `flicker`, of all light, `gain`."""
 
     variance: np.ndarray
     flicker: np.ndarray
+    gain: np.ndarray | float = 0.0
 
 
 class Weigher:
-    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + f u u^T` per bin.
+    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + U U^T` per bin.
+
+    The columns of U are what the channels of a bin share: the gas (n, C) times the root of its flicker, and
+    the value (n, C) times that of the gain, if this has any.
 
     Notes
     -----
-    Source: Sherman-Morrison formula.
+    Source: Woodbury's formula.
     """
 
-    def __init__(self, noise, gas):
+    def __init__(self, noise, gas, value=None):
         self.weight = 1 / noise.variance
-        self.gas = self.weight * gas
-        self.common = noise.flicker / (1 + noise.flicker * np.sum(self.gas * gas, axis=1))
+        shared = [np.sqrt(noise.flicker)[:, None] * gas]
+        if np.any(noise.gain):
+            shared.append(np.sqrt(noise.gain)[:, None] * value)
+        shared = np.stack(shared, axis=1)
+        self.shared = self.weight[:, None] * shared  # (n, r, C)
+        self.size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)
+        self.core = np.linalg.inv(np.eye(len(self.size[0])) + self.size)
 
     def __call__(self, rows):
         """Rows (n, C) or (n, C, k) weighted."""
         if rows.ndim == 2:
-            inner = np.sum(self.gas * rows, axis=1)
-            return self.weight * rows - self.gas * (self.common * inner)[:, None]
-        inner = np.matmul(self.gas[:, None, :], rows)
-        return self.weight[..., None] * rows - self.gas[..., None] * (self.common[:, None, None] * inner)
+            return self(rows[..., None])[..., 0]
+        inner = self.core @ (self.shared @ rows)
+        return self.weight[..., None] * rows - self.shared.transpose(0, 2, 1) @ inner
 
     def of(self, chosen):
         """The same for some of the bins (n,)."""
         part = object.__new__(Weigher)
-        part.weight, part.gas, part.common = self.weight[chosen], self.gas[chosen], self.common[chosen]
+        for name, values in vars(self).items():
+            setattr(part, name, values[chosen])
         return part
 
     def root(self, rows):
-        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k)."""
+        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k); of residuals, chi-squared is
+        then the sum of squares."""
         scale = np.sqrt(self.weight)
         result = rows * scale[..., None]
-        unit = self.gas / np.where(scale > 0, scale, 1.0)  # Sigma_d^-1/2 u
-        length = np.sum(unit * unit, axis=1)
-        # (I + f u u^T)^-1/2 = I - (1 - 1/sqrt(1 + f |u|^2)) u u^T / |u|^2
-        safe = np.where(length > 0, length, 1.0)
-        share = (1 - np.sqrt(np.maximum(1 - self.common * length, 0.0))) / safe
-        inner = np.matmul(unit[:, None, :], result)
-        inner *= share[:, None, None]
-        result -= unit[..., None] * inner
+        unit = self.shared / np.where(scale > 0, scale, 1.0)[:, None]  # (Sigma_d^-1/2 U)^T
+        # (I + U U^T)^-1/2 = I - U Q (1 - 1/sqrt(1 + l)) / l Q^T U^T with U^T U = Q l Q^T
+        value, vector = np.linalg.eigh(self.size)
+        share = -np.expm1(-0.5 * np.log1p(np.maximum(value, 0.0))) / np.maximum(value, 1e-300)
+        inner = (vector * share[:, None]) @ vector.transpose(0, 2, 1) @ (unit @ result)
+        result -= unit.transpose(0, 2, 1) @ inner
         return flat(result)
 
 
 def flat(rows):
     """Rows (n, C, k) as (n C, k), also for k = 0: bins that no column touches."""
     return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
-
-
-def whitened(residual, noise, gas):
-    """Residuals (n, C) over their standard deviations, the common flicker of each bin taken out."""
-    root = np.sqrt(1 / noise.variance)
-    z, u = root * residual, root * gas
-    length = np.sum(u * u, axis=1)
-    share = np.where(length > 0, 1 - 1 / np.sqrt(1 + noise.flicker * length), 0.0)
-    along = np.sum(u * z, axis=1) / np.where(length > 0, length, 1.0)
-    return z - (share * along)[:, None] * u
 
 
 @dataclass(frozen=True)
@@ -147,26 +145,27 @@ def gram(columns, patterns, weighers, residuals, products=None):
         rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
         square, score = np.zeros((count, count)), np.zeros(count)
         cross = np.zeros((residual.shape[1], len(mine), count))
-        along = np.zeros((len(residual), count))
+        along = np.zeros((len(residual), weigher.shared.shape[1], count))
         for chosen, live, part in _parts(column, rows_of_products):
             some = weigher.of(chosen)
             root = some.root(part)
             square[_square(live)] += root.T @ root
             score[live] += flat(part).T @ weighted[chosen].ravel()
             if mine:
-                along[chosen, live] = np.matmul(some.gas[:, None, :], part)[:, 0] * some.common[:, None]
+                along[chosen, :, live] = some.core @ (some.shared @ part)
                 scaled = rows[:, chosen] * some.weight
                 cross[..., live] += np.matmul(scaled.transpose(2, 0, 1), part.transpose(1, 0, 2))
         matrix[:k, :k] += fold(fold(square).T)
         vector[:k] += fold(score)
         cross, along = fold(cross), fold(along)
         for at, (block, row) in enumerate(mine):
-            gas = row * weigher.gas
-            part = cross[:, at] - gas.T @ along
+            shared = weigher.shared * row[:, None]
+            part = cross[:, at] - np.tensordot(shared, along, axes=((0, 1), (0, 1)))
             matrix[block, :k], matrix[:k, block] = part, part.T
             vector[block] = np.sum(row * weighted, axis=0)
             for other, second in mine:
-                both = -gas.T @ (weigher.common[:, None] * second * weigher.gas)
+                others = weigher.core @ (weigher.shared * second[:, None])
+                both = -np.tensordot(shared, others, axes=((0, 1), (0, 1)))
                 both[np.diag_indices_from(both)] += np.sum(row * second * weigher.weight, axis=0)
                 matrix[block, other] = both
     return matrix, vector
@@ -251,6 +250,7 @@ class _Place:
     columns: list
     gas: list
     rows: list  # of the errors of the gas
+    weighers: tuple
     chi2: float
     objective: float
 
@@ -292,12 +292,14 @@ class Fitter:
         for which, (_, slope, value) in enumerate(predicted):
             free = free_numbers(settings)
             others = np.empty((*value.shape, self.sigma.size + len(free)))
-            for j, sigma in enumerate(self.sigma):
+            for j, sigma in enumerate(self.sigma[: len(self.model.own)]):
                 values = state.values.copy()
                 step = 1e-3 * sigma
                 values[j] += step
                 changed = self.model.evaluate(which, state.knots, values, now, gas_error=state.lines[which])
                 others[..., j] = (changed - value) / step
+            others[..., len(self.model.own) : self.sigma.size] = 0.0
+            others[..., self.model.places[which]] = self.model.persistent_columns(which, value)
             for j, number in enumerate(free):
                 numbers = state.amplitudes.copy()
                 numbers[j] += number.step
@@ -333,14 +335,14 @@ class Fitter:
         matrix[own, own] = 1 / np.concatenate([self.sigma, [number.sigma for number in free]]) ** 2
         return matrix
 
-    def objective(self, state, settings, predicted, gas):
+    def weighers(self, gas, values):
+        """`Weigher` of each instrument about the signals (n, C) of the gas and the values of all light."""
+        return tuple(Weigher(*three) for three in zip(self.noise, gas, values, strict=True))
+
+    def objective(self, state, settings, predicted, weighers):
         """Chi-squared of the data and the whole objective."""
         chi2 = 0.0
-        for (value, _, _), measured, noise, own in zip(
-            predicted, self.measured, self.noise, gas, strict=True
-        ):
-            residual = np.where(np.isfinite(measured), measured - value, 0.0)
-            weigher = Weigher(noise, own)
+        for residual, weigher in zip(self.residuals(predicted), weighers, strict=True):
             chi2 += float(np.sum(residual * weigher(residual)))
         penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
         penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
@@ -417,14 +419,15 @@ class Fitter:
         gas = self.gas_of(columns)
         predicted = self.predict(state, settings)
         rows = self.gas_rows(state, settings, predicted)
-        return _Place(predicted, columns, gas, rows, *self.objective(state, settings, predicted, gas))
+        weighers = self.weighers(gas, [p[0] for p in predicted])
+        objective = self.objective(state, settings, predicted, weighers)
+        return _Place(predicted, columns, gas, rows, weighers, *objective)
 
     def _tried(self, state, settings, here, damping, climb):
         """Next state, its objective, the damping used and whether the step was not cut; a step that climbs
         only if `climb`, and None for the state if no step improves."""
-        weighers = [Weigher(noise, own) for noise, own in zip(self.noise, here.gas, strict=True)]
         rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows)
-        matrix, vector = gram(here.columns, rows, weighers, self.residuals(here.predicted))
+        matrix, vector = gram(here.columns, rows, here.weighers, self.residuals(here.predicted))
         prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
         k = prior.shape[0]
         self._pull(matrix, vector, state, settings, prior)
@@ -439,7 +442,7 @@ class Fitter:
             step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
             scale = self._limit(step)
             trial = self._moved(state, scale * step, k, self._patterns(state), free)
-            _, objective = self.objective(trial, settings, self.predict(trial, settings), here.gas)
+            _, objective = self.objective(trial, settings, self.predict(trial, settings), here.weighers)
             better = objective <= here.objective + 1e-9 * abs(here.objective)
             if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
                 return trial, objective, damping, scale == 1.0
@@ -504,12 +507,11 @@ class Fitter:
 
     def _solution(self, state, settings, here, converged):
         prior, columns, predicted, gas = self.prior(settings), here.columns, here.predicted, here.gas
-        weighers = tuple(Weigher(noise, own) for noise, own in zip(self.noise, gas, strict=True))
         residuals = self.residuals(predicted)
         matrix, score = gram(
             columns,
             own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows),
-            weighers,
+            here.weighers,
             residuals,
         )
         k = prior.shape[0]
@@ -538,7 +540,7 @@ class Fitter:
             factor=factor,
             score=score,
             jacobian=tuple(columns),
-            weighers=weighers,
+            weighers=here.weighers,
         )
 
 

@@ -1,6 +1,5 @@
 """The base model of a test on bins, with any effects of the catalogue added."""
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,17 +18,9 @@ CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature ju
 CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
 CURVATURE_TIME = 15.0  # [s] which falls off with this time
 CURVATURE_FLOOR = 0.002  # [K s-2] to this
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One number of the base model, 0 in the middle of its prior."""
-
-    id: str
-    name: str
-    sigma: float
-    unit: str = "1"
-    centre: float = 0.0
+ROOT = 20.0  # [K s-1/2] besides, a quarter of T over the root of the time: a slab cools so, by 80 K in 1 s,
+ROOT_TIME = 60.0  # [s] until its back feels it,
+SHORTEST = 0.2  # [s] from when on
 
 
 class History:
@@ -76,7 +67,8 @@ class History:
                 row = np.zeros(self.knots.size)
                 row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
                 since = self.knots[middle] - start
-                rows.append(row / (bend * np.exp(-since / CURVATURE_TIME) + CURVATURE_FLOOR))
+                root = ROOT * max(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
+                rows.append(row / (bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR))
         first = np.zeros(self.knots.size)
         first[0] = 1 / INITIAL_UNCERTAINTY
         return np.array([*rows, first])
@@ -94,9 +86,13 @@ def knots(edges, injection, off, end):
 class Model:
     """Signals of all instruments by the knots of the temperature, parameters and effects."""
 
-    def __init__(self, instruments, library, history, parameters, record, slope, response, lamp, given=()):
+    def __init__(
+        self, instruments, library, history, parameters, record, slope, response, lamp, persistent, given=()
+    ):
+        """`parameters` of the base model; `persistent` errors of each instrument, whose numbers follow."""
         self.instruments, self.library, self.history = instruments, library, history
-        self.parameters, self.record, self.given = parameters, record, given
+        self.own, self.persistent, self.given, self.record = tuple(parameters), persistent, given, record
+        self.parameters = (*parameters, *(one for errors in persistent for one in errors.parameters))
         self.off, self.emittance = record.off, record.emittance
         self.slope, self.response, self.lamp = slope, response, lamp
         # (M,) of each instrument, over the stated emittance; a number for a grey surface.
@@ -105,6 +101,11 @@ class Model:
         ]
         self.bases = [history.basis(instrument.moment) for instrument in instruments]
         self.index = {parameter.id: place for place, parameter in enumerate(parameters)}
+        ends = np.cumsum([len(parameters), *(len(errors.parameters) for errors in persistent)])
+        self.places = [slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True)]
+        self.errors = [
+            errors.basis(instrument.time) for errors, instrument in zip(persistent, instruments, strict=True)
+        ]
         self._weights = {}
         self._glows = {}
         self._power = {}
@@ -197,7 +198,8 @@ class Model:
         gas = self._gas(instrument, scene, gas_error)
         light = scene.path * (scene.emittance * scene.glow + gas + scene.added)
         weight = self._channel_weight(instrument, scene)
-        gain = self._gain(which, values)
+        time, channel = self.errors[which]
+        gain = self._gain(which, values) * np.exp((time * values[self.places[which]]) @ channel.T)
         value = gain * self._channels(light.mean(axis=1), weight)
         detecting = [setting for setting in ordered if setting.effect.output is not None]
         if detecting:
@@ -217,8 +219,13 @@ class Model:
             return value
         by_knot = scene.path * scene.emittance * slope
         by_knot = np.broadcast_to(by_knot, scene.glow.shape) / scene.glow.shape[1]
-        by_knot = gain * self._channels(by_knot, weight)
+        by_knot = gain[:, None] * self._channels(by_knot, weight)
         return value, np.matmul(by_knot.transpose(0, 2, 1), basis)
+
+    def persistent_columns(self, which, value):
+        """Change (n, C, m) of values (n, C) of an instrument per unit of each of its persistent errors."""
+        time, channel = self.errors[which]
+        return value[..., None] * time[:, None] * channel
 
     def _gas(self, instrument, scene, error=0.0):
         """Light of the gas (n, 2, M), with an error (C,) of each channel over its simulated light."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import nnls
 
+from plasmapyro.diagnosis.fit.coloured import Coloured, coloured
 from plasmapyro.diagnosis.fit.inference import Noise
 from plasmapyro.record import binning
 
@@ -21,16 +22,23 @@ LEAST_MEMORY = 0.04  # smaller ones count as none
 FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
 FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
 LEAST_NOISE = 1e-6  # [1] of a value: no sample is exact
+LONGEST_LAG = (
+    6.0  # [s] over which a gain is told from the temperature: the bins of the steady state are 8 s long
+)
+LONGEST_FLICKER = 20.0  # [s] over which the gas flickers, not drifts
+SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
+OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
 START_CONSTANT = 0.05  # [1] and of the gas
 START_FLICKER = 0.01
+START_GAIN = 3e-3  # with less, the temperature follows the gain, and no residual shows it
 
 
 @dataclass(frozen=True)
 class NoiseModel:
     r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
-    from sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `tail`:
-    samples beyond 4 standard deviations over what a normal law has."""
+    from sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `gain` of
+    all light; `tail`: samples beyond 4 standard deviations over what a normal law has."""
 
     constant: float
     linear: float
@@ -39,6 +47,7 @@ class NoiseModel:
     flicker: float
     flicker_memory: float
     tail: float
+    gain: Coloured = Coloured()
 
 
 def first_guess(model, gas):
@@ -48,7 +57,8 @@ def first_guess(model, gas):
         level = np.median(own[own.max(axis=1) > 0], axis=0)  # some bin is lit: see `build`
         variance = (START_RELATIVE * np.nan_to_num(instrument.value)) ** 2 + (START_CONSTANT * level) ** 2
         variance = np.where(np.isfinite(instrument.value), variance, np.inf)
-        result.append(Noise(variance, np.full(instrument.value.shape[0], START_FLICKER**2)))
+        bins = instrument.value.shape[0]
+        result.append(Noise(variance, np.full(bins, START_FLICKER**2), np.full(bins, START_GAIN**2)))
     return result
 
 
@@ -98,26 +108,41 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     )
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.kind == "pyrometer":
-        law, memory, flicker, flicker_memory, left = _two_bands(residual, prediction, gas, used, same)
+        law, memory, flicker, flicker_memory, gain, left = _two_bands(
+            residual, prediction, gas, used, phase, period_of(instrument)
+        )
     else:
-        law, memory, flicker, flicker_memory, left = _many(
-            instrument, residual, prediction, gas, used, same, factor, pixels, other_flicker
+        law, memory, flicker, flicker_memory, gain, left = _many(
+            instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker
         )
     one, _, place = differences(left, used)
     level = prediction[place]
     sigma = np.sqrt(np.maximum(sample_variance(*law, level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
     tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
-    return NoiseModel(*law, memory, flicker, flicker_memory, float(tail)), left
+    return NoiseModel(*law, memory, flicker, flicker_memory, float(tail), gain), left
 
 
-def _two_bands(residual, prediction, gas, used, same):
-    """Law of the noise of a pyrometer: where the gas is bright, from what its two bands do not share."""
+def period_of(instrument):
+    """Time [s] from sample to sample."""
+    return float(np.median(np.diff(instrument.raw_moment[:, 0])))
+
+
+def _unchanged(phase):
+    """(t,) bool: samples in the phase of the one before."""
+    return np.append(False, phase[1:] == phase[:-1])
+
+
+def _two_bands(residual, prediction, gas, used, phase, period):
+    """Law of the noise of a pyrometer, from what its two bands do not share, and what they do."""
+    same = _unchanged(phase)
     share = gas / np.maximum(prediction, 1e-30)
     relative = residual / np.maximum(prediction, 1e-30)
     bright = used & (share.min(axis=1) > 0.6)
     clear = used & (share.max(axis=1) < 0.02)
     rows, variances, memories = [], [], []
+    logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
+    gain = coloured(*logarithm.T, np.zeros(used.size), clear, phase, period, LONGEST_LAG)
     one, two, place = differences(relative, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
@@ -125,27 +150,24 @@ def _two_bands(residual, prediction, gas, used, same):
             inverse = np.zeros(2)
             inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
             rows.append((*inverse, 1.0))
-            variances.append(clipped_variance(one[group, band]) / 2)
-    if own.sum() > 20:
+            own_part = clipped_variance(one[group, band]) / 2 - gain.between(period)
+            variances.append(max(own_part, OWN * gain.between(period)))
+    if own.sum() > 20 and not gain.variance:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     flicker, flicker_memory = 0.0, 0.0
     apart = relative[:, 0] / np.maximum(share[:, 0], 1e-9) - relative[:, 1] / np.maximum(share[:, 1], 1e-9)
-    total = (
-        relative[:, 0] / np.maximum(share[:, 0], 1e-9) + relative[:, 1] / np.maximum(share[:, 1], 1e-9)
-    ) / 2
     one, two, place = differences(apart, bright)
     own = same[place + 1]
     if own.sum() >= 8:
         inverse = np.mean(prediction[place[own]] ** -2.0, axis=0)
         rows.append((*inverse, 2.0))
         variances.append(clipped_variance(one[own]) / 2)
-        whole, _, _ = differences(total, bright)
-        first = max(clipped_variance(whole[own]) - clipped_variance(one[own]) / 4, 1e-12)
-        spread = max(_spread(total, bright, same) - clipped_variance(one[own]) / 8, first / 2)
-        flicker_memory = float(np.clip(1 - first / (2 * spread), 0.0, LARGEST_MEMORY))
-        flicker = float(spread)
+        each = (relative / np.maximum(share, 1e-9)).T
+        light = coloured(*each, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
+        flicker = light.total
+        flicker_memory = light.variance / max(flicker, 1e-300) * np.exp(-period / light.time)
     if not rows:  # too few samples of either kind, or none
-        return (0.0, 0.0, START_RELATIVE**2), 0.0, flicker, flicker_memory, residual
+        return (0.0, 0.0, START_RELATIVE**2), 0.0, flicker, flicker_memory, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
     # One constant for both bands: the two columns are one.
     rows = np.stack([rows[:, 0] + rows[:, 1], rows[:, 2]], axis=1)
@@ -158,21 +180,7 @@ def _two_bands(residual, prediction, gas, used, same):
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
     swell = 1 / (1 - memory)
-    return (constant * swell, 0.0, quadratic * swell), memory, flicker, flicker_memory, residual
-
-
-def _spread(level, chosen, same):
-    """Variance about a straight line within each phase of the chosen samples."""
-    squares, count = 0.0, 0
-    label = np.cumsum(~same)
-    for phase in np.unique(label[chosen]):
-        place = np.flatnonzero(chosen & (label == phase))
-        if place.size >= 6:
-            trend = np.polynomial.Polynomial.fit(place, level[place], 1)
-            left = level[place] - trend(place)
-            kept = np.abs(left) <= CLIP * 1.4826 * np.median(np.abs(left))
-            squares, count = squares + np.sum(left[kept] ** 2), count + kept.sum() - 2
-    return squares / max(count, 1)
+    return (constant * swell, 0.0, quadratic * swell), memory, flicker, flicker_memory, gain, residual
 
 
 def _least_memory(count):
@@ -192,13 +200,14 @@ def _level_groups(level, chosen):
             yield group
 
 
-def _many(instrument, residual, prediction, gas, used, same, factor, pixels, other_flicker):
-    """Law of the noise of a spectrometer, the brightness of the gas of each frame taken out."""
+def _many(instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker):
+    """Law of the noise of a spectrometer, the brightness of gas and of all light of each frame taken out."""
+    same, gain = _unchanged(phase), Coloured()
     law = np.array([1.0, 0.0, 0.0])
     left, flicker, memory = residual, 0.0, 0.0
     flicker_memory = 0.0
     exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
-    period = float(np.median(np.diff(instrument.raw_moment[:, 0])))
+    period = period_of(instrument)
     for last in range(ROUNDS):
         one, _, place = differences(left, used)
         whole = same[place + 1]
@@ -208,16 +217,32 @@ def _many(instrument, residual, prediction, gas, used, same, factor, pixels, oth
         variance = sample_variance(*law, prediction, factor, pixels) / (1 - memory)
         if last < ROUNDS - 1:
             weight = np.where(np.isfinite(residual), 1 / np.maximum(variance, 1e-300), 0.0)
-            information = np.sum(weight * gas**2, axis=1)
-            level = np.sum(weight * gas * np.nan_to_num(residual), axis=1) / np.maximum(information, 1e-300)
-            error = 1 / np.maximum(information, 1e-300)
+            shared = np.stack([gas, prediction], axis=1)
+            size = (shared * weight[:, None]) @ shared.transpose(0, 2, 1)  # (t, 2, 2)
+            pull = np.sum(shared * (weight * np.nan_to_num(residual))[:, None], axis=2)
+            # Each with the other as uncertain as was found in the round before.
+            level, error = _beside(size, pull, 0, gain.total)
             flicker = _frame_flicker(level, error, used & (error < 0.03**2), same)
             if other_flicker is not None:
                 flicker, flicker_memory = _pooled(flicker, other_flicker, exposure, period)
-            shrunk = flicker[0] / (flicker[0] + error)
-            left = residual - (shrunk * level)[:, None] * gas
+            level, error = _beside(size, pull, 1, flicker[0])
+            seen = used & (error < SEEN_GAIN**2)
+            whole = prediction @ np.median((weight * prediction)[seen], axis=0) if seen.any() else level
+            level = np.log(np.maximum(whole, 1e-300)) + level
+            gain = coloured(level, level, error, seen, phase, period, LONGEST_LAG)
+            inner = np.linalg.inv(size + np.diag(1 / np.maximum([flicker[0], gain.total], 1e-12)))
+            pair = inner @ pull[..., None]
+            left = residual - (pair.transpose(0, 2, 1) @ shared)[:, 0]
     swell = 1 / (1 - memory)
-    return tuple(law * swell), memory, flicker[0], flicker_memory, left
+    return tuple(law * swell), memory, flicker[0], flicker_memory, gain, left
+
+
+def _beside(size, pull, which, variance):
+    """Level (t,) of one of two factors common to a frame and its error, the other one of some variance."""
+    other = 1 - which
+    there = size[:, other, other] + 1 / max(variance, 1e-12)
+    information = np.maximum(size[:, which, which] - size[:, 0, 1] ** 2 / there, 1e-300)
+    return (pull[:, which] - size[:, 0, 1] / there * pull[:, other]) / information, 1 / information
 
 
 def _frame_flicker(level, error, chosen, same):
@@ -240,7 +265,7 @@ def _pooled(own, other, exposure, period):
     2 (T_c/T) [1 - (T_c/T)(1 - e^(-T/T_c))] of its variance.
     """
     variance, memory, step = other
-    time = step / -np.log(np.clip(memory, 1e-3, 0.99))
+    time = step / -np.log(np.clip(memory, 1e-3, 1 - 1e-6))
     ratio = time / exposure
     share = min(2 * ratio * (1 - ratio * -np.expm1(-1 / ratio)), 1.0)
     expected = variance * share
@@ -319,7 +344,8 @@ def on_bins(model_noise, instrument, prediction):
     n = mean_samples
     shared = (1 + memory) / (1 - memory) - 2 * memory * (1 - memory**n) / (n * (1 - memory) ** 2)
     flicker = FLICKER_MARGIN * model_noise.flicker / n * shared
-    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker)
+    gain = model_noise.gain.of_mean(n, period_of(instrument)) if model_noise.gain.total else np.zeros(n.size)
+    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker, FLICKER_MARGIN * gain)
 
 
 def slow_part(scaled, chosen, phase):

@@ -86,9 +86,7 @@ class Findings:
     @cached_property
     def residuals(self):
         """Whitened residuals (n, C) per instrument of the base and of the extended fit."""
-        return tuple(
-            show.residuals(self.model, self.base.fitter, fit) for fit in (self.base.solution, self.final)
-        )
+        return tuple(show.residuals(self.model, fit) for fit in (self.base.solution, self.final))
 
     @cached_property
     def paper_shift(self):

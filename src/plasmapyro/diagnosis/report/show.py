@@ -3,7 +3,6 @@
 import numpy as np
 from scipy import stats
 
-from plasmapyro.diagnosis.fit.inference import whitened
 from plasmapyro.diagnosis.select.screen import best_by_id
 
 LINES = ((777.6, "O I 777"), (844.9, "O I 845"), (868.3, "N I 868"), (822.0, "N I 822"), (926.9, "O I 927"))
@@ -63,13 +62,13 @@ def _settled(model, solution):
     return float(knots[np.flatnonzero(away)[-1] + 1]) if away.any() else 0.0
 
 
-def residuals(model, fitter, solution):
+def residuals(model, solution):
     """Whitened residuals (n, C) per instrument, NaN where nothing was measured."""
     result = []
-    for instrument, residual, noise, gas in zip(
-        model.instruments, solution.residual, fitter.noise, solution.gas, strict=True
+    for instrument, residual, weigher in zip(
+        model.instruments, solution.residual, solution.weighers, strict=True
     ):
-        z = whitened(residual, noise, gas)
+        z = weigher.root(residual[..., None]).reshape(residual.shape)
         result.append(np.where(np.isfinite(instrument.value), z, np.nan))
     return result
 

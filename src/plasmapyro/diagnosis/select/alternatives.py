@@ -1,5 +1,6 @@
-"""Another way to the effects than one by one: by two at once."""
+"""Other ways to the effects than one by one: by two at once, or by the other window."""
 
+from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.select import prices
 from plasmapyro.diagnosis.select.rounds import PAIR_PRICE, walk
 from plasmapyro.diagnosis.select.screen import best_pairs
@@ -7,6 +8,7 @@ from plasmapyro.diagnosis.select.search import setting_of
 
 PAIRS = 3  # of effects, fitted from the start, of those
 NEARLY = 0.95  # that promise as much of what the best pair does
+OTHER = {"winD": "winE", "winE": "winD", "winD_sl": "winE_sl", "winE_sl": "winD_sl"}
 
 
 def by_pair(search, steps, unknown):
@@ -64,3 +66,20 @@ def _pairs(search, first, last):
 def _worth(search, step, unknown):
     """Log evidence of a round; what is left unknown counts as explained, but for `ENOUGH`."""
     return search.evidence(step.solution) + (prices.ENOUGH * float(step.unknown.max()) if unknown else 0.0)
+
+
+def by_other_window(search, steps):
+    """Rounds that end with a loss of the other window where one was found to grow clearer, if that explains
+    as much: beside a change of the emittance the two are each other's opposite.
+    """
+    last = steps[-1]
+    for place, one in enumerate(last.settings):
+        other = search.effects.get(OTHER.get(one.id, ""))
+        if other is None or one.amplitude >= 0 or other.id in {setting.id for setting in last.settings}:
+            continue
+        settings = list(last.settings)
+        settings[place] = Setting(other, -one.amplitude, one.shape)
+        fit = search.fit(last.solution, tuple(settings))
+        if search.evidence(fit) > search.evidence(last.solution):
+            return [*steps[:-1], search.look(search.pruned(fit))]
+    return steps

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from plasmapyro import progress
 from plasmapyro.diagnosis.fit.inference import Solution
-from plasmapyro.diagnosis.select.alternatives import by_pair
+from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
@@ -54,6 +54,7 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
     steps, unknown = walk(search, [first], trials)
     if steps[-1].settings or unknown:
         steps, unknown = by_pair(search, steps, unknown)
+        steps = by_other_window(search, steps)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.build import POWER_SIGMA
-from plasmapyro.diagnosis.fit.model import Model, Parameter
+from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.diagnosis.fit.parameter import Parameter
 
 JUST_AFTER = 1e-3  # [s] after injection: the gas as it then is, in front of a cold surface
 FAINTER, BRIGHTER = 0.1, 10.0  # [1], over the simulated light: beyond, its relative error says nothing
@@ -35,11 +36,12 @@ class Simulated:
             instruments,
             model.library,
             model.history,
-            (*model.parameters, power),
+            (*model.own, power),
             model.record,
             model.slope,
             model.response,
             model.lamp,
+            model.persistent,
         )
         self.measured, self.effects = measured, effects
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])

@@ -1,0 +1,14 @@
+"""A number of the base model."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of the base model, 0 in the middle of its prior; those of a family share id and name."""
+
+    id: str
+    name: str
+    sigma: float
+    unit: str = "1"
+    centre: float = 0.0

@@ -1,0 +1,69 @@
+"""Errors of instruments that persist: gains that wander, a scale that is smoothly wrong over wavelength."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit.parameter import Parameter
+
+WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplifiers, fibre and window warm up
+    "pyrometer": 2e-3,
+    "ratio": 1e-3,
+    "spectrometer": 3e-3,
+}
+KNOTS = 10  # of each gain over the record
+MEMORY = 0.25  # [1], of the record: correlation time of the gains
+SMOOTH = 0.004  # [1] of the scale of a spectrometer besides its lamp: certificate, fit, overlap of orders
+SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
+LEAST = 0.01  # [1], of the largest: variance of modes over wavelength that are left out
+
+
+@dataclass(frozen=True)
+class Persistent:
+    r"""Relative errors :math:`\sum_j v_j T_j(t) S_j(\lambda)` of one instrument, v standard normal times
+    `sizes` (m,).
+
+    `time` (K, m) at the knots, constant beyond them, and `channel` (C, m).
+    """
+
+    knots: np.ndarray  # (K,) [s]
+    time: np.ndarray
+    channel: np.ndarray
+    parameters: tuple
+
+    def basis(self, time):
+        """T (n, m) at the times (n,) [s] and S (C, m)."""
+        rows = [np.interp(time, self.knots, column) for column in self.time.T]
+        return np.array(rows).reshape(len(rows), -1).T, self.channel
+
+
+def persistent(instrument, start, end):
+    """Persistent errors of an instrument of a record from `start` to `end` [s].
+
+    Gains are Ornstein-Uhlenbeck processes, linear between knots; the scale over wavelength is a Gaussian
+    process, by the modes of its covariance.
+
+    Notes
+    -----
+    Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006), eq. 4.9 and B.29.
+    """
+    knots = np.linspace(start, end, KNOTS)
+    root = np.linalg.cholesky(np.exp(-np.abs(np.subtract.outer(knots, knots)) / (MEMORY * (end - start))))
+    kinds = {"pyrometer": [1.0, 1.0], "ratio": [0.5, -0.5]}
+    if instrument.kind == "spectrometer":
+        kinds = {"spectrometer": np.ones(instrument.channels)}
+    time, channel, parameters = [], [], []
+    for kind, row in kinds.items():
+        time.append(root)
+        channel.append(np.outer(row, np.ones(KNOTS)))
+        name = f"wandering gain of the {kind}" if kind != "ratio" else "wandering ratio of the bands"
+        parameters += [Parameter(f"wander_{kind}", name, WANDER[kind])] * KNOTS
+    if instrument.kind == "spectrometer":
+        apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
+        value, vector = np.linalg.eigh(sum(np.exp(-0.5 * (apart / one) ** 2) for one in SMOOTH_LENGTHS))
+        kept = value > LEAST * value.max()
+        time.append(np.ones((KNOTS, kept.sum())))
+        channel.append(vector[:, kept] * np.sqrt(value[kept]))
+        name = "scale of the spectrometer over wavelength"
+        parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
+    return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))

@@ -1,0 +1,92 @@
+"""Errors with a memory: their simulated records, and the covariance that the base model gives them."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.fit import persistent
+from plasmapyro.diagnosis.fit.coloured import Coloured, coloured
+
+PERIOD, TIME, SIZE, WHITE = 0.1, 0.8, 2e-3, 1e-3
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(11)
+
+
+def remembering(random, count):
+    """An Ornstein-Uhlenbeck record, step by step."""
+    keep = np.exp(-PERIOD / TIME)
+    value = np.empty(count)
+    value[0] = random.standard_normal()
+    for at in range(1, count):
+        value[at] = keep * value[at - 1] + np.sqrt(1 - keep**2) * random.standard_normal()
+    return SIZE * value
+
+
+def test_two_bands_tell_what_they_share_below_the_heating_and_beside_their_own_noise(random):
+    count, bins = 4000, 80
+    heating = 5 * -np.expm1(-np.arange(count) * PERIOD / 100)
+    chosen, phase, found = np.ones(count, dtype=bool), np.zeros(count, dtype=int), []
+    for _ in range(9):
+        shared = remembering(random, count) + WHITE * random.standard_normal(count)
+        bands = heating + shared + 3e-3 * random.standard_normal((2, count))
+        one = coloured(*bands, np.zeros(count), chosen, phase, PERIOD, 6.0)
+        found.append(one.of_mean(np.array([bins]), PERIOD)[0])
+    # Of the mean of 8 s, by the formula that the next test but one checks. One record knows it to 40 %.
+    expected = Coloured(WHITE**2, SIZE**2, TIME).of_mean(np.array([bins]), PERIOD)[0]
+    assert np.median(found) == pytest.approx(expected, rel=0.4)
+
+
+def test_no_common_noise_is_found_where_there_is_none(random):
+    one, other = 3e-3 * random.standard_normal((2, 2000))
+    whole = np.ones(2000, dtype=bool)
+    found = coloured(one, other, np.zeros(2000), whole, np.zeros(2000, dtype=int), PERIOD, 6.0)
+    assert found.total < 0.15 * 3e-3**2  # the products of 700 independent differences scatter by 4 %
+
+
+def test_variance_of_a_mean_is_that_of_the_simulated_record(random):
+    record = remembering(random, 200_000)
+    for number in (1, 8, 80):
+        means = record[: 200_000 // number * number].reshape(-1, number).mean(axis=1)
+        expected = Coloured(0.0, SIZE**2, TIME).of_mean(np.array([number]), PERIOD)[0]
+        # 12500 memories long: 1 % twice over; the formula takes the record as continuous, 6 % at a sample.
+        assert means.var() == pytest.approx(expected, rel=0.08)
+
+
+@pytest.fixture
+def spectrometer():
+    return SimpleNamespace(kind="spectrometer", channels=90, wavelength=np.linspace(7e-7, 1e-6, 90))
+
+
+def covariance_of(errors, time, sizes):
+    """Covariance of the errors of all (time, channel), of independent numbers of the given sizes."""
+    rows, channel = errors.basis(time)
+    return np.einsum("tm,cm,m,sm,dm->tcsd", rows, channel, sizes**2, rows, channel)
+
+
+def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(spectrometer):
+    errors = persistent.persistent(spectrometer, 0.0, 360.0)
+    sizes = np.array([parameter.sigma for parameter in errors.parameters])
+    time = errors.knots[[2, 5]]
+    found = covariance_of(errors, time, sizes)
+    wander = persistent.WANDER["spectrometer"] ** 2
+    decay = np.exp(-(time[1] - time[0]) / (persistent.MEMORY * 360.0))
+    # The scale over wavelength is the same at both times and drops out of the difference.
+    assert found[0, 40, 0, 40] - found[0, 40, 1, 40] == pytest.approx(wander * (1 - decay), rel=1e-9)
+    apart = spectrometer.wavelength[60] - spectrometer.wavelength[20]
+    smooth = sum(np.exp(-0.5 * (apart / one) ** 2) for one in persistent.SMOOTH_LENGTHS)
+    expected = wander + persistent.SMOOTH**2 * smooth
+    assert found[0, 20, 0, 60] == pytest.approx(
+        expected, rel=0.02
+    )  # modes of 1 % of the variance are left out
+
+
+def test_bands_wander_together_and_apart():
+    errors = persistent.persistent(SimpleNamespace(kind="pyrometer", channels=2), -20.0, 340.0)
+    sizes = np.array([parameter.sigma for parameter in errors.parameters])
+    found = covariance_of(errors, errors.knots[:1], sizes)[0, :, 0]
+    assert found[0, 0] + found[1, 1] - 2 * found[0, 1] == pytest.approx(persistent.WANDER["ratio"] ** 2)
+    assert (found.sum()) / 4 == pytest.approx(persistent.WANDER["pyrometer"] ** 2)
