@@ -16,6 +16,7 @@ FLICKER = 0.012  # of the brightness, from frame to frame
 GAIN_ERROR, BAND_ERROR, BRIGHTNESS_ERROR = 0.03, 0.01, 0.3
 # Gains wander linearly between knots; the scale of the spectrometer errs by waves of half periods 1 to 8.
 WANDER, WANDER_KNOTS, SMOOTH, WAVES = (2e-3, 1e-3, 3e-3), 8, 0.005, 8
+RESPONSES = (("edge1", 1.0), ("edge2", 1.0), ("resp_long", 0.02))  # nm, nm, 1: tolerances of what is stated
 FREE = 0.3  # of the light of the gas in every pixel and band, before and after injection apart
 STEADY = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "contin", "Cu", "Ar", "wshift", "lsf", "second")
 # Surface temperature is free at these times [s] and linear between them: dense where it changes fast, and
@@ -306,6 +307,10 @@ class Metric:
             ]
         )
         rows += self._persistent(whole)
+        for effect, size in RESPONSES:
+            seen = apply(self.scene, self.gas, [{"effect": effect, "amplitude": size}])
+            changed = self.bench.clean(seen, self.gas, self.base)
+            rows.append([(n - o) / s for n, o, s in zip(changed, self.reference, self.sigma, strict=True)])
         before = [np.where(time < 0, 1.0, 0.0) for time in both]
         for mask in (before, [1 - part for part in before]):
             rows.append(

@@ -5,7 +5,7 @@ import logging
 import numpy as np
 
 from plasmapyro.diagnosis.fit import observation
-from plasmapyro.diagnosis.fit.model import History, Model, knots
+from plasmapyro.diagnosis.fit.model import TAIL, History, Model, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
 from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.diagnosis.fit.persistent import persistent
@@ -29,6 +29,8 @@ GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
 BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
 FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the data are to say what it is
 BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is held into
+EDGE = 1.0  # [nm] ASSUME: of the stated edges of a band; filters are cut to 1 or 2 nm and drift by 0.02 nm/K
+TAIL_ERROR = 0.02  # [1] ASSUME: of silicon at its long-wave end, 1 % per kelvin
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
@@ -67,7 +69,10 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
     instruments = _sufficient(instruments, record.off)
     end = max(instrument.moment.max() for instrument in instruments)
     history = History(knots(edges, 0.0, record.off, end), record.off)
-    parameters = (*base_parameters(record, calibration), *of_given(given))
+    parameters = base_parameters(record, calibration)
+    if "pyrometer" in lamp:
+        parameters += _responses(calibration, response_arrays)
+    parameters = (*parameters, *of_given(given))
     slope = tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
     return Model(
@@ -105,15 +110,36 @@ def base_parameters(record, calibration):
     source = 3.0 / UNIFORM
     return (
         Parameter("emittance", "emittance", max(record.emittance_uncertainty / record.emittance, EXACT)),
-        Parameter("gain_pyrometer", "throughput of the pyrometer", GAIN_SIGMA),
-        Parameter("gain_spectrometer", "throughput of the spectrometer", GAIN_SIGMA),
-        Parameter("ratio", "sensitivity ratio", ratio),
+        Parameter("gain_pyrometer", "throughput of the pyrometer", GAIN_SIGMA, instrument="pyrometer"),
+        Parameter(
+            "gain_spectrometer", "throughput of the spectrometer", GAIN_SIGMA, instrument="spectrometer"
+        ),
+        Parameter("ratio", "sensitivity ratio", ratio, instrument="pyrometer"),
         Parameter("lamp", "temperature of the calibration source", source, "K"),
         Parameter("gas", "brightness of the gas (logarithm)", GAS_SIGMA),
         Parameter(
             "before_injection", "gas before over after injection (logarithm)", BEFORE[1], "1", BEFORE[0]
         ),
         Parameter("before_power", "gas before injection, as if of another power", BEFORE_POWER_SIGMA),
+    )
+
+
+def _responses(calibration, response):
+    """Errors of the stated responses of the two bands, which their calibration saw as well."""
+    wavelength, (wide, narrow) = response
+    source, shift = calibration["source_temperature"].values, 1e-9
+    rise = 1 + np.clip((wavelength - TAIL[0]) / np.ptp(TAIL), 0, 1)
+
+    def change(axis, curve, plain):
+        signals = (blackbody_signal(source, *one) for one in ((axis, curve), (wavelength, plain)))
+        return float(np.mean(np.log(np.divide(*signals))))
+
+    moved = [change(wavelength + shift, curve, curve) for curve in (wide, narrow)]
+    grown = [change(wavelength, curve * rise, curve) for curve in (wide, narrow)]
+    return (
+        Parameter("edge_wide", "edges of the wide band", EDGE, "nm", 0.0, "pyrometer", (moved[0], 0.0)),
+        Parameter("edge_narrow", "edges of the narrow band", EDGE, "nm", 0.0, "pyrometer", (0.0, moved[1])),
+        Parameter("tail", "long-wave tail of the responses", TAIL_ERROR, "1", 0.0, "pyrometer", tuple(grown)),
     )
 
 

@@ -292,13 +292,15 @@ class Fitter:
         for which, (_, slope, value) in enumerate(predicted):
             free = free_numbers(settings)
             others = np.empty((*value.shape, self.sigma.size + len(free)))
-            for j, sigma in enumerate(self.sigma[: len(self.model.own)]):
+            others[..., : self.sigma.size] = 0.0
+            for j, (sigma, parameter) in enumerate(zip(self.sigma, self.model.own, strict=False)):
+                if parameter.instrument not in (None, self.model.instruments[which].kind):
+                    continue
                 values = state.values.copy()
                 step = 1e-3 * sigma
                 values[j] += step
                 changed = self.model.evaluate(which, state.knots, values, now, gas_error=state.lines[which])
                 others[..., j] = (changed - value) / step
-            others[..., len(self.model.own) : self.sigma.size] = 0.0
             others[..., self.model.places[which]] = self.model.persistent_columns(which, value)
             for j, number in enumerate(free):
                 numbers = state.amplitudes.copy()

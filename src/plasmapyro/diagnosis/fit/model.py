@@ -12,6 +12,7 @@ from plasmapyro.record.emittance import relative_emittance
 
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
 STEP = 1e-4  # of finite differences, in units of the prior
+TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
 CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after the injection,
@@ -160,6 +161,8 @@ class Model:
             library=self.library,
             power=float(self.value(values, "power")),
             more_gas=self._before(instrument, values, before),
+            response_shift=tuple(1e-9 * self.value(values, name) for name in ("edge_wide", "edge_narrow")),
+            response_tail=self.value(values, "tail"),
             history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
         )
         return scene, slope * injected, basis
@@ -267,7 +270,7 @@ class Model:
         weight = np.zeros_like(instrument.weight)
         for band, (shift, row) in enumerate(zip(scene.response_shift, responses, strict=True)):
             part = slice(band * half, (band + 1) * half)
-            tail = 1 + scene.response_tail * np.clip((wavelength - 1.05e-6) / 0.08e-6, 0, 1)
+            tail = 1 + scene.response_tail * np.clip((wavelength - TAIL[0]) / (TAIL[1] - TAIL[0]), 0, 1)
             plain = band_weights(edges, wavelength, row)
             other = band_weights(edges, wavelength + shift, row * tail)
             # The nodes of the gas hold means over the unchanged response: change by what the change does.
@@ -284,6 +287,9 @@ class Model:
         logarithm = self.value(values, f"gain_{instrument.kind}")
         if instrument.kind == "pyrometer":
             logarithm = logarithm + np.array([self.value(values, "ratio"), 0.0])
+            for place, parameter in enumerate(self.own):
+                if parameter.calibrated:
+                    logarithm = logarithm - values[place] * np.array(parameter.calibrated)
         return (
             instrument.gain
             * np.exp(logarithm)

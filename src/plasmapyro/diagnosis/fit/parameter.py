@@ -5,10 +5,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of the base model, 0 in the middle of its prior; those of a family share id and name."""
+    """One number of the base model, 0 in the middle of its prior; those of a family share id and name.
+
+    `instrument` that it is of, None for all; `calibrated` (2,): relative change of the signals of the two
+    bands per unit that their calibration has taken up.
+    """
 
     id: str
     name: str
     sigma: float
     unit: str = "1"
     centre: float = 0.0
+    instrument: str | None = None
+    calibrated: tuple = ()

@@ -4,23 +4,24 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.stats import chi2
 
 from plasmapyro.diagnosis.fit.base import Base
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
 from plasmapyro.diagnosis.select.held_out import Gain
-from plasmapyro.diagnosis.select.probability import honest
+from plasmapyro.diagnosis.select.probability import PRIOR_NONE, PRIOR_UNKNOWN, honest, prior_share
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, best_by_id, linear_evidence
 from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.diagnosis.select.selection import Selection
+from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.simulation.compare import Comparison
 from plasmapyro.experiment.correction import Reading
 
-PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
 LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it
 BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
 EVEN = 0.5  # probability of nothing beyond which no extension is applied
-NULL_AHEAD = 1.0  # log weight of nothing above all others where nothing is found
+AHEAD = 1.0  # log weight of what the verdict says above all others
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,16 @@ class Findings:
         return self.gained is not None and bool(self.gained.improves) and none < EVEN
 
     @cached_property
+    def p_value(self):
+        """Probability of a misfit as large as the final fit's, priors included, by its noise alone."""
+        return float(chi2.sf(self.final.objective, self.final.count))
+
+    @cached_property
+    def unknown(self):
+        """Instrument and axis of what no effect explains, None where nothing is left."""
+        return None if self.selection.unknown_class is None else seen_by(self.selection.unknown_class)
+
+    @cached_property
     def times(self):
         """Middles of all bins (t,) [s], of whichever instrument."""
         return np.unique(np.concatenate([instrument.time for instrument in self.model.instruments]))
@@ -134,42 +145,51 @@ class Findings:
     @cached_property
     def probability(self):
         """Probability {answer: p}, and that of the first answer before it was made honest."""
-        return honest(self._log_weights(), self.status)
+        return honest(self._log_weights(), self.selection.status)
 
     def _log_weights(self):
         """Logarithms of the weights of ids, none and unknown."""
         screen, trials = self.first.screen, self.selection.trials
         evidence = linear_evidence(screen)
         log = {"none": np.log(PRIOR_NONE)}
-        share = np.log((1 - PRIOR_NONE - PRIOR_UNKNOWN) / len(self.effects))
+        share = prior_share(len(self.effects))
         for index in best_by_id(screen.candidates, evidence):
             if screen.left[index] > LEAST_LEFT:
                 log[screen.candidates[index].id] = share + float(evidence[index])
         for identity, value in trials.items():
             log[identity] = share + value + 0.5 * self.base.solution.objective
+        for identity in [setting.id for setting in self.final.settings][:1]:
+            log[identity] = max(log.get(identity, -np.inf), share + self.selection.evidence)
         log["unknown"] = np.log(PRIOR_UNKNOWN) + float(self.first.unknown.max())
         if self.final.settings and self.selection.status != "named+unknown":
             log["unknown"] = min(log["unknown"], max(log.values()) + BESIDE_NAMES)
-        if self.selection.status == "null":
-            log["none"] = max(log["none"], max(log.values()) + NULL_AHEAD)
+        # What the verdict says comes first: evidence by tangents and of single effects is not the last word.
+        named = self.final.settings[0].id if self.final.settings else None
+        stated = {"null": "none", "unknown": "unknown"}.get(self.selection.status, named)
+        log[stated] = max(log[stated], max(value for key, value in log.items() if key != stated) + AHEAD)
         return log
 
 
 def pulls(model, solution):
-    """Entries of the parameters of the base model against what was known of them, after a fit."""
-    rows = []
+    """Entries of the parameters of the base model against what was known of them, after a fit; of a family
+    the root mean square."""
+    families, values = {}, {}
     for parameter, value in zip(model.parameters, solution.state.values, strict=True):
-        change = float(value - parameter.centre)
-        pull = change / parameter.sigma
+        families[parameter.id] = parameter
+        values.setdefault(parameter.id, []).append(float(value - parameter.centre))
+    rows = []
+    for identity, parameter in families.items():
+        several = values[identity]
+        change = several[0] if len(several) == 1 else float(np.sqrt(np.mean(np.square(several))))
         rows.append(
             {
-                "id": parameter.id,
+                "id": identity,
                 "name": parameter.name,
                 "value": change,
                 "sigma": float(parameter.sigma),
-                "pull": float(pull),
+                "pull": float(change / parameter.sigma),
                 "unit": parameter.unit,
-                "finding": bool(abs(pull) > PULL),
+                "finding": bool(abs(change) > PULL * parameter.sigma),
             }
         )
     return rows

@@ -48,6 +48,7 @@ def report_of(findings, temperature):
         "thresholds": _thresholds(findings.selection.thresholds),
         "candidates": entries,
         "verdict": _verdict(findings, entries, hidden, shift),
+        "checks": _checks(findings),
         "discrepancy": _discrepancy(findings),
         "simulation": simulation(findings),
         "extended": extension(findings),
@@ -191,11 +192,13 @@ def _verdict(findings, entries, hidden, shift):
         "probability": probability,
         "uncalibrated": uncalibrated,
         "p_base": p_base,
+        "unknown": findings.unknown,
         "temperature_shift": shift,
         "sentences": verdict_sentences(
             findings.status,
             {entry["id"]: entry for entry in entries},
-            named,
+            [setting.id for setting in findings.final.settings],
+            [setting.id for setting in findings.comparison.final.settings],
             p_base,
             _name_of_unknown(findings),
             findings.gained,
@@ -209,6 +212,14 @@ def _verdict(findings, entries, hidden, shift):
 def _name_of_unknown(findings):
     names = {structure.id: structure.name for structure in findings.first.screen.structures}
     return names.get(findings.selection.unknown_class)
+
+
+def _checks(findings):
+    """Of the final model: its p-value, and chi-squared by phase and kind of channel."""
+    return {
+        "p": findings.p_value,
+        "by_phase": show.phase_table(findings.model, findings.final, findings.residuals[1]),
+    }
 
 
 def _discrepancy(findings):

@@ -1,19 +1,20 @@
 """The verdict in words."""
 
-from plasmapyro.diagnosis.select.held_out import ENOUGH
+from plasmapyro.diagnosis.select.held_out import SURE
 
 LEAST = 0.5  # [K] below which a cost is not worth a sentence
 NOTHING = "0 K"
 
 
-def verdict_sentences(status, candidates, named, p_value, unknown_name, gained, limits, unsure):
+def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, gained, limits, unsure):
     """Sentences of a verdict; the first stands alone.
 
     Parameters
     ----------
     status : str
     candidates : mapping id -> entry of the report
-    named : list of ids
+    named, of_gas : lists of ids
+        What the thermometer asks for, and what the spectrum of the gas asks of the simulation.
     p_value : float
     unknown_name : str or None
         Of the structure that remains.
@@ -23,28 +24,29 @@ def verdict_sentences(status, candidates, named, p_value, unknown_name, gained, 
         Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
-    lines = []
-    if status == "null":
-        lines.append("The data agree with the base model: nothing that the program knows of is needed.")
-    elif status == "not-adequate":
-        lines.append("The base model does not fit well enough to judge single causes.")
-    elif status == "unknown":
-        lines.append(
-            f"Something is wrong ({p}) that no single cause of the catalogue explains: {unknown_name}."
-        )
+    names, gas = (" and ".join(candidates[identity]["name"] for identity in ids) for ids in (named, of_gas))
+    if status == "not-adequate":
+        lines = ["The base model does not fit well enough to judge single causes."]
+    elif named:
+        lines = [f"The data reject the base model ({p}); the best explanation: {names}."]
+    elif unknown_name:
+        lines = [f"Something is wrong ({p}) that no single cause of the catalogue explains: {unknown_name}."]
     else:
-        names = " and ".join(candidates[identity]["name"] for identity in named)
-        lines.append(f"The data reject the base model ({p}); the best explanation: {names}.")
-        for identity in named:
-            lines.append(candidates[identity]["sentence"])
-        if status == "named+unknown" and unknown_name:
-            lines.append(f"Something else remains that the catalogue does not explain: {unknown_name}.")
+        lines = ["The data agree with the base model: nothing that the program knows of is needed."]
+        if gas:
+            lines = [f"Surface, path and instruments agree with the base model; the gas differs: {gas}."]
+    if gas and (named or unknown_name) and status != "not-adequate":
+        lines.append(f"The spectrum of the gas differs from the simulated one as if by: {gas}.")
+    if status != "not-adequate":
+        lines += [candidates[identity]["sentence"] for identity in (*named, *of_gas)]
+    if named and unknown_name:
+        lines.append(f"Something else remains that the catalogue does not explain: {unknown_name}.")
     lines += unsure
     if gained is not None:
         word = "better" if gained.improves else "not significantly better"
         lines.append(
             f"Held-out data are predicted {word} with it: the logarithm of their probability changes by"
-            f" {gained.total:+.0f} ± {gained.standard_error:.0f} ({ENOUGH:+.0f} are odds of 20)."
+            f" {gained.total:+.0f} ± {gained.standard_error:.0f} (asked for: {SURE:.0f} standard errors)."
         )
     hidden = [row for row in limits if row["invisible"] and row["temperature_prior"] >= LEAST][:3]
     if hidden:

@@ -5,6 +5,9 @@ import xarray as xr
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded
 from plasmapyro.diagnosis.report.kelvin import COLDEST, paper_temperature
+from plasmapyro.diagnosis.select.search import PULL
+
+OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light that is measured
 
 
 def temperatures(findings):
@@ -48,6 +51,7 @@ def _interval(findings, solution, unsure=0.0):
     model, times = findings.model, findings.times
     basis, size, lamp = model.history.basis(times), model.size, model.index["lamp"]
     mean, covariance = basis @ solution.state.knots, solution.covariance
+    unsure = np.hypot(unsure, strained(model, solution, basis))
     variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
     # What the model leaves of the data beyond their noise is in the interval as well.
     misfit = max(solution.objective / max(solution.count - findings.fitted, 1), 1.0)
@@ -58,6 +62,24 @@ def _interval(findings, solution, unsure=0.0):
         model.parameters[lamp].sigma,
     )
     return [np.where(times >= 0, values, np.nan) for values in (mean, mean - spread, mean + spread)]
+
+
+def strained(model, solution, basis):
+    r"""Shift (t,) [K] of the temperature by parameters that the fit moved out of their priors.
+
+    .. math:: \Delta T^2 = \sum_{|\theta| > 3\sigma} \left[\frac{\mathrm{cov}(T, \theta)}
+              {\mathrm{var}(\theta)}\,\theta\right]^2
+
+    What the temperature would be with each of them where it was known to be: the model errs in one of them,
+    or in what moved it. The light of the gas is free anyway.
+    """
+    total = np.zeros(len(basis))
+    for place, (parameter, value) in enumerate(zip(model.parameters, solution.state.values, strict=True)):
+        change, at = value - parameter.centre, model.size + place
+        if abs(change) > PULL * parameter.sigma and parameter.id not in OF_GAS:
+            slope = basis @ solution.covariance[: model.size, at] / solution.covariance[at, at]
+            total += (slope * change) ** 2
+    return np.sqrt(total)
 
 
 def _paper(findings):

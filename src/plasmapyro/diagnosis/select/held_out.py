@@ -21,6 +21,8 @@ BLOCKS = (  # shares of the exposure: dense where the sample heats
 )
 AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
 ENOUGH = 3.0  # log score by which held-out data must improve: odds of 20
+SURE = 3.0  # standard errors of it
+TOLD = 1.0  # log score of a block from which on it tells of an effect: others are no test of its steadiness
 CALIBRATED = ("ratio", "lamp")  # parameters of the base model that the calibration measured
 
 
@@ -36,12 +38,8 @@ class Gain:
 
     @property
     def improves(self):
-        """Whether held-out data speak for the effects by more than `ENOUGH`.
-
-        The standard error, from the scatter of the blocks, is reported, not asked for: an effect that acts in
-        one phase gains in few blocks, and the scatter is then as large as the gain.
-        """
-        return self.total > ENOUGH
+        """Whether held-out data speak for the effects by more than `ENOUGH` and `SURE` standard errors."""
+        return self.total > max(ENOUGH, SURE * self.standard_error)
 
 
 def blocks_of(start, off, end):
@@ -205,7 +203,10 @@ def gain(model, base, extended):
             continue
         found.append((start, end, difference(log_score, chosen)))
     values = np.array([row[2] for row in found])
-    spread = float(np.std(values, ddof=1) * np.sqrt(values.size)) if values.size > 1 else float("inf")
+    told = values[np.abs(values) > TOLD]
+    spread = (
+        float(np.std(told, ddof=1) * np.sqrt(told.size)) if told.size > 1 else float(np.sum(np.abs(values)))
+    )
     cross = None
     if len(model.instruments) == 2:
         chosen = [

@@ -5,10 +5,16 @@ from scipy.optimize import brentq
 
 from plasmapyro import tables
 
+PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares the rest
 TABLE = "diagnosis/stated_probability"
 FLATTEST, STEEPEST = 1e-4, 1e3  # power of the weights
 LEAST = 1e-6  # probabilities below are not reported
 CERTAIN = 0.9999  # nothing is stated as surer: no set of simulated cases could show it
+
+
+def prior_share(count):
+    """Logarithm of the probability of one of `count` effects before the data."""
+    return float(np.log((1 - PRIOR_NONE - PRIOR_UNKNOWN) / count))
 
 
 def measured_share(status, stated):

@@ -35,7 +35,7 @@ def walk(search, steps, trials):
         names = frozenset((setting.id, *sorted(setting.shape)) for setting in steps[-1].settings)
         if names in seen:  # effects drive each other out in a circle: the best of them stand for all
             steps.append(min(steps, key=lambda step: step.solution.objective))
-            return steps, _left(search, steps[-1])
+            return steps, left(search, steps[-1])
         seen.add(names)
         price = prices.needed(search, steps)
         if steps[-1].settings and not np.any(steps[-1].gains > price):
@@ -47,7 +47,7 @@ def walk(search, steps, trials):
     return steps, None
 
 
-def _left(search, step):
+def left(search, step):
     """Id of the unknown structure that a round leaves, or None."""
     return step.structure if step.unknown.max() > search.thresholds.unknown else None
 
@@ -61,7 +61,7 @@ def _next(search, step, price, trials):
         chosen = search.best_refit(step, wanted, trials if first else None)
     if chosen is None or not prices.holds(step, chosen, price):
         wandering = _wandering(search, step) if log_bayes > limits.unknown else None
-        return (None, _left(search, step)) if wandering is None else (search.look(wandering), None)
+        return (None, left(search, step)) if wandering is None else (search.look(wandering), None)
     best = best_by_id(step.screen.candidates, wanted)[0]
     evidence = search.evidence_of(step)[best]
     pair = best_pairs(step.screen, step.gains) if first else []

@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from plasmapyro import progress
 from plasmapyro.diagnosis.fit.inference import Solution
 from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
+from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import reserve
-from plasmapyro.diagnosis.select.rounds import walk
+from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
@@ -28,6 +31,7 @@ class Selection:
     thresholds: Thresholds
     effects: dict  # that were looked for
     reserve: str = ""  # why the names are not certain, see `reserve`
+    evidence: float = 0.0  # log Bayes factor of the final over the base fit
 
 
 def select(base, effects, *, thresholds=None, draws=2000, seed=1):
@@ -55,11 +59,31 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
     if steps[-1].settings or unknown:
         steps, unknown = by_pair(search, steps, unknown)
         steps = by_other_window(search, steps)
+    if steps[-1].settings and not unknown and not _likelier(search, first, steps[-1]):
+        steps, unknown = [first], left(search, first)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
     status = _status(final, unknown or doubt, sets)
-    return Selection(tuple(steps), final, sets, trials, status, unknown, search.thresholds, effects, doubt)
+    return Selection(
+        tuple(steps),
+        final,
+        sets,
+        trials,
+        status,
+        unknown,
+        search.thresholds,
+        effects,
+        doubt,
+        search.evidence(final) - search.evidence(first.solution),
+    )
+
+
+def _likelier(search, first, last):
+    """Whether the effects of a round are likelier than nothing: thresholds ask what chance may reach, this
+    how probable an effect was before the data."""
+    evidence = search.evidence(last.solution) - search.evidence(first.solution)
+    return evidence + prior_share(len(search.effects)) > np.log(PRIOR_NONE)
 
 
 def _alike(step, identity):

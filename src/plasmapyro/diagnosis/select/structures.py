@@ -73,6 +73,22 @@ class _Classes:
         self.add(identity, name, size)
 
 
+def seen_by(identity):
+    """{"instrument", "axis"} of a class of structures by its id."""
+    words = set(identity.split("_"))
+    if "gas" in words and "walk" in words:
+        return {"instrument": "both", "axis": "time"}
+    if words & {"pyrometer", "ratio", "wide", "narrow"}:
+        return {"instrument": "pyrometer", "axis": "time"}
+    if words & {"walk", "wave"}:
+        return {"instrument": "spectrometer", "axis": "time"}
+    if words & {"surface", "released"}:
+        return {"instrument": "spectrometer", "axis": "temperature"}
+    if identity == "smooth":
+        return {"instrument": "spectrometer", "axis": "time and wavelength"}
+    return {"instrument": "spectrometer", "axis": "wavelength"}
+
+
 def structures_of(model, solution):
     """Unknown structures: columns per instrument as products, patterns over the channels, and their classes.
 
