@@ -65,13 +65,14 @@ def restored(test, record, base, moved=None):
 def _change(base, which, moment, values):
     """Signals (t, C) of an instrument at instants (t, q) with the given effects over those without."""
     model, state = base.model, base.solution.state
+    mine = np.concatenate([values[: len(model.own)], values[model.places[which]]])
     found = []
     for first in range(0, len(moment), BLOCK):
         one = replace(model.instruments[which], moment=moment[first : first + BLOCK])
-        rest = model.library, model.history, model.parameters, model.record, model.slope, model.response
+        rest = model.library, model.history, model.own, model.record, model.slope, model.response, model.lamp
         both = [
-            Model([one], *rest, model.lamp, given).evaluate(
-                0, state.knots, values, gas_error=state.lines[which]
+            Model([one], *rest, [model.persistent[which]], given).evaluate(
+                0, state.knots, mine, gas_error=state.lines[which]
             )
             for given in (model.given, ())
         ]
