@@ -47,16 +47,25 @@ LADDERS = sorted(
 )
 
 
+MODEL = dict(  # what the model of a test is made of, besides the test
+    radiation=expand("results/radiation/{condition}.nc", condition=LADDERS),
+    variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),
+    response="results/instrument/response.nc",
+    calibration="results/instrument/calibration.nc",
+    spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+)
+LIMITS = {  # of the paper's correction
+    name: config["experiment"]["pyrometer"][name]
+    for name in ["signal_uncertainty", "gas_variation", "detection_level", "least_surface_share"]
+}
+
+
 rule diagnosis:
     input:
+        **MODEL,
         test=test_file,
         findings="results/experiment/{test}/findings.json",
         others=other_tests,
-        radiation=expand("results/radiation/{condition}.nc", condition=LADDERS),
-        variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),
-        response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
-        spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
     output:
         report="results/diagnosis/{test}/diagnosis.json",
         residual_map="results/diagnosis/{test}/residual_map.nc",
@@ -73,12 +82,27 @@ rule diagnosis:
         seed=config["diagnosis"]["seed"],
         without=config["diagnosis"]["without"],
         saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
-        limits={
-            name: config["experiment"]["pyrometer"][name]
-            for name in ["signal_uncertainty", "gas_variation", "detection_level", "least_surface_share"]
-        },
+        limits=LIMITS,
     script:
         "../scripts/diagnosis.py"
+
+
+# Only for a test whose file states effects: the model of the diagnosis, fitted to it, takes them out.
+rule restored_test:
+    input:
+        **MODEL,
+        test=test_file,
+    output:
+        "results/experiment/{test}/restored_test.nc",
+    log:
+        "results/logs/restored_test_{test}.log",
+    benchmark:
+        "results/benchmarks/restored_test_{test}.tsv"
+    params:
+        effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
+        saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
+    script:
+        "../scripts/restored_test.py"
 
 
 # Simulations as weak as the efficiency of the published experiment implies (published.EFFICIENCY); the first is taken.

@@ -43,28 +43,6 @@ def spectrometer_calibration_of(wildcards):
     return [] if calibrated else "results/instrument/spectrometer_calibration.nc"
 
 
-# Only for a test whose file states effects: the model of the diagnosis, fitted to it, takes them out.
-rule restored_test:
-    input:
-        test=test_file,
-        radiation=lambda wildcards: expand("results/radiation/{condition}.nc", condition=LADDERS),
-        variations=lambda wildcards: expand("results/radiation_variations/{condition}.nc", condition=VARIED),
-        response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
-        spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
-    output:
-        "results/experiment/{test}/restored_test.nc",
-    log:
-        "results/logs/restored_test_{test}.log",
-    benchmark:
-        "results/benchmarks/restored_test_{test}.tsv"
-    params:
-        effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
-        saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
-    script:
-        "../scripts/restored_test.py"
-
-
 rule pyrometer_correction:
     input:
         test=usable_test,

@@ -41,6 +41,17 @@ rule flow_start:
         "../scripts/flow_start.py"
 
 
+FLOW = dict(  # settings of the flow of a condition
+    **config["flow"]["convergence"],
+    **PHYSICS,
+    coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
+    numerical_power_kw=lambda wildcards: CONDITIONS[wildcards.condition]["numerical_power_kw"],
+    chamber_pressure_mbar=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"],
+    mass_flow_rate_g_s=lambda wildcards: CONDITIONS[wildcards.condition]["mass_flow_rate_g_s"],
+    power_step_kw=config["flow"]["power_step_kw"],
+)
+
+
 rule flow:
     input:
         gas=of_gas("results/gas/{gas}.nc"),
@@ -56,12 +67,6 @@ rule flow:
     wildcard_constraints:
         condition=one_of(COMPUTED),
     params:
-        **config["flow"]["convergence"],
-        **PHYSICS,
-        coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
-        numerical_power_kw=lambda wildcards: CONDITIONS[wildcards.condition]["numerical_power_kw"],
-        chamber_pressure_mbar=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"],
-        mass_flow_rate_g_s=lambda wildcards: CONDITIONS[wildcards.condition]["mass_flow_rate_g_s"],
-        power_step_kw=config["flow"]["power_step_kw"],
+        **FLOW,
     script:
         "../scripts/flow.py"

@@ -20,6 +20,7 @@ from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
+from plasmapyro.diagnosis.simulation.predicted import predicted
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.record.record import record_of
 
@@ -190,6 +191,36 @@ def without_given(test, *inputs, **settings):
     power, axes = np.linalg.eigh(np.nan_to_num(change) @ np.nan_to_num(change).T / change.shape[1])
     kept = np.flatnonzero(power > UNSEEN**2)[::-1]
     return made, moves(root @ axes[:, kept])
+
+
+def foretold(tests, calibration, spectrometer_calibration, *, limits, saturation_counts):
+    """What simulations foretell of the gas of tests.
+
+    Parameters
+    ----------
+    tests : mapping name -> (Dataset of the contract 'test', then Datasets of the contract 'radiation')
+    calibration, spectrometer_calibration : Datasets
+    limits, saturation_counts : as of `diagnose`
+
+    Returns
+    -------
+    dict name -> list of `simulation.predicted.Prediction`, one for each simulation
+    """
+    found = {}
+    for name, (test, *simulated) in tests.items():
+        reading = Reading.of(calibration, float(test.attrs.get("emittance_slope", 1.0)), **limits)
+        found[name] = [
+            predicted(
+                test,
+                radiation,
+                reading,
+                calibration,
+                spectrometer_calibration,
+                saturation_counts=saturation_counts,
+            )
+            for radiation in simulated
+        ]
+    return found
 
 
 def _crossed(base, final, other):

@@ -1,0 +1,156 @@
+# What a diagnosis proposes, taken as given: base -> diagnosis -> what it changes once more, under results/extended.
+# The graph has no circle, because nothing under results/ but that folder reads the proposal. Effects of a test act
+# on that test; those of the gas, found in the first test, on the simulation that every test is compared with.
+EXTENDED = list(COMPARED) if config["diagnosis"]["extend"] else []
+# One page needs both instruments, and a simulated flow behind the gas.
+EXTENDED = [test for test in EXTENDED if len(TESTS[test]["instruments"]) == 2 and COMPARED[test] in COMPUTED]
+RESULTS += expand("results/extended/{test}/{name}", test=EXTENDED, name=["gain.md", "joint_estimate.nc"])
+RESULTS += expand("results/extended/diagnosis/{test}/diagnosis.json", test=EXTENDED)
+
+
+use rule restored_test as extended_test with:
+    input:
+        **MODEL,
+        terms="results/diagnosis/{test}/terms.yaml",
+        test=test_file,
+    output:
+        "results/extended/{test}/test.nc",
+    log:
+        "results/logs/extended_test_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_test_{test}.tsv"
+
+
+use rule pyrometer_correction as extended_pyrometer_correction with:
+    input:
+        test="results/extended/{test}/test.nc",
+        calibration="results/instrument/calibration.nc",
+    output:
+        "results/extended/{test}/pyrometer_correction.nc",
+    log:
+        "results/logs/extended_pyrometer_correction_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_pyrometer_correction_{test}.tsv"
+
+
+use rule spectrometer_correction as extended_spectrometer_correction with:
+    input:
+        test="results/extended/{test}/test.nc",
+        calibration=spectrometer_calibration_of,
+    output:
+        "results/extended/{test}/spectrometer_correction.nc",
+    log:
+        "results/logs/extended_spectrometer_correction_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_spectrometer_correction_{test}.tsv"
+
+
+use rule joint_estimate as extended_joint_estimate with:
+    input:
+        test="results/extended/{test}/test.nc",
+        response="results/instrument/response.nc",
+        calibration="results/instrument/calibration.nc",
+        spectrometer=spectrometer_calibration_of,
+    output:
+        "results/extended/{test}/joint_estimate.nc",
+    log:
+        "results/logs/extended_joint_estimate_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_joint_estimate_{test}.tsv"
+
+
+rule extended_flow:
+    input:
+        gas=of_gas("results/gas/{gas}.nc"),
+        start=of_gas(start_of),
+        emission=of_gas(emission_of),
+        terms=[f"results/diagnosis/{test}/terms.yaml" for test in EXTENDED[:1]],
+        flow="results/flow/{condition}.nc",
+    output:
+        "results/extended/flow/{condition}.nc",
+    log:
+        "results/logs/extended_flow_{condition}.log",
+    benchmark:
+        "results/benchmarks/extended_flow_{condition}.tsv"
+    params:
+        **FLOW,
+    script:
+        "../scripts/extended_flow.py"
+
+
+use rule sightline as extended_sightline with:
+    input:
+        "results/extended/flow/{condition}.nc",
+    output:
+        "results/extended/sightline/{condition}.nc",
+    log:
+        "results/logs/extended_sightline_{condition}.log",
+    benchmark:
+        "results/benchmarks/extended_sightline_{condition}.tsv"
+
+
+rule extended_radiance:
+    input:
+        terms=[f"results/diagnosis/{test}/terms.yaml" for test in EXTENDED[:1]],
+        radiation="results/radiation/{condition}.nc",
+        sightline="results/extended/sightline/{condition}.nc",
+        response="results/instrument/response.nc",
+    output:
+        "results/extended/radiation/{condition}.nc",
+    log:
+        "results/logs/extended_radiance_{condition}.log",
+    benchmark:
+        "results/benchmarks/extended_radiance_{condition}.tsv"
+    params:
+        **config["radiation"],
+    script:
+        "../scripts/extended_radiance.py"
+
+
+use rule diagnosis as extended_diagnosis with:
+    input:
+        **MODEL,
+        terms="results/diagnosis/{test}/terms.yaml",
+        test=test_file,
+        findings="results/experiment/{test}/findings.json",
+        others=other_tests,
+    output:
+        report="results/extended/diagnosis/{test}/diagnosis.json",
+        residual_map="results/extended/diagnosis/{test}/residual_map.nc",
+        temperature="results/extended/diagnosis/{test}/temperature.nc",
+        page="results/extended/diagnosis/{test}/index.html",
+        terms="results/extended/diagnosis/{test}/terms.yaml",
+    log:
+        "results/logs/extended_diagnosis_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_diagnosis_{test}.tsv"
+
+
+rule extended_gain:
+    input:
+        reports=[
+            "results/diagnosis/{test}/diagnosis.json",
+            "results/extended/diagnosis/{test}/diagnosis.json",
+        ],
+        corrections=[
+            f"results/{stage}/{{test}}/{instrument}_correction.nc"
+            for stage in ("experiment", "extended")
+            for instrument in ("pyrometer", "spectrometer")
+        ],
+        tests=[test_file(SimpleNamespace(test=test)) for test in EXTENDED],
+        simulated=[f"results/radiation/{COMPARED[test]}.nc" for test in EXTENDED],
+        extended=[f"results/extended/radiation/{COMPARED[test]}.nc" for test in EXTENDED],
+        calibration="results/instrument/calibration.nc",
+        spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+    output:
+        "results/extended/{test}/gain.md",
+    log:
+        "results/logs/extended_gain_{test}.log",
+    benchmark:
+        "results/benchmarks/extended_gain_{test}.tsv"
+    params:
+        names=EXTENDED,
+        saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
+        limits=LIMITS,
+    script:
+        "../scripts/extended_gain.py"

@@ -1,0 +1,24 @@
+"""Rule extended_gain: what the extension of a test made better and worse, outside its fit."""
+
+import json
+
+from plasmapyro import io
+from plasmapyro.diagnosis.report.loop import loop_page
+from plasmapyro.diagnosis.stage import foretold
+
+io.log_to(snakemake.log[0])
+files, keys = snakemake.input, snakemake.params
+reports = [json.loads(io.read_text(path)) for path in files.reports]
+kinds = ["pyrometer_correction", "spectrometer_correction"] * 2
+corrections = [io.read(path, kind) for path, kind in zip(files.corrections, kinds, strict=True)]
+kinds = ("tests", "test"), ("simulated", "radiation"), ("extended", "radiation")
+read = [[io.read(path, kind) for path in files.get(name)] for name, kind in kinds]
+predictions = foretold(
+    dict(zip(keys.names, zip(*read, strict=True), strict=True)),
+    io.read(files.calibration, "calibration"),
+    io.read(files.spectrometer_calibration, "spectrometer_calibration"),
+    limits=keys.limits,
+    saturation_counts=keys.saturation_counts,
+)
+pairs = corrections[:2], corrections[2:]
+io.write_text(loop_page(snakemake.wildcards.test, *reports, pairs, predictions), snakemake.output[0])
