@@ -24,6 +24,7 @@ COMMANDS = {  # the words of each command, which need not be loaded for the help
     "trust": "from which temperature, and how long after injection, a pyrometer can be trusted",
     "sightline": "line of sight through a flow field of another program",
     "radiance": "spectral radiance of the gas along a sight line",
+    "serve": "a page on this machine for the folder of a test",
     "completion": "what bash or zsh needs to complete commands and options",
 }
 EXTRAS = {  # what a light installation leaves out: package -> extra

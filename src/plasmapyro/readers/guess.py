@@ -546,10 +546,16 @@ def _attributes(folder, read, pyrometer, kinds, questions):
             ("pyrometer_integration_time", "0.01", "? s"),
         ]
     if kinds:
-        rows += [("window_transmittance_spectrometer", "0.9", "?"), ("spectrometer_fwhm", "1.5e-9", "? m")]
-        files = kinds.get("spectrum")
-        if not files or ocean.read_spectrum(files[0][0]).integration_time is None:
-            rows.append(("spectrometer_integration_time", "0.1", "? s"))
+        width, exposure = 1.5e-9, None
+        if "spectrum" in kinds:
+            spectrum = ocean.read_spectrum(kinds["spectrum"][0][0])
+            # A slit is as wide as two pixels or more, or the maker has wasted some.
+            width, exposure = 2 * np.median(np.diff(spectrum.wavelength)), spectrum.integration_time
+        rows += [
+            ("window_transmittance_spectrometer", "0.9", "?"),
+            ("spectrometer_fwhm", f"{width:.2g}", "? m"),
+        ]
+        rows += [("spectrometer_integration_time", "0.1", "? s")] * (exposure is None)
     questions += [
         f"attributes.{name}: {words.lstrip('? ') or 'not in the files'}" for name, _, words in rows if words
     ]
