@@ -235,3 +235,14 @@ def test_missing_signal_is_refused():
     holed["signal_narrow"][3] = np.nan
     with pytest.raises(ValueError, match=r"signal_narrow must be > 0 A; got nan A at index \(3,\)"):
         pyrometer_calibration(RESPONSE, holed, **SETTINGS)
+
+
+def test_the_ends_of_the_range_are_read():
+    """1 + x / 2 with x from -1 to 1 between 1000 and 2000 K: 0.75 and 1.25 are 1250 and 1750 K exactly."""
+    temperature, status = calibration.invert_quadratic(
+        np.array([0.7499, 0.75, 1.25, 1.2501]), np.array([1.0, 0.5, 0.0]), (1000.0, 2000.0), (1250.0, 1750.0)
+    )
+    np.testing.assert_array_equal(temperature, [np.nan, 1250.0, 1750.0, np.nan])
+    np.testing.assert_array_equal(
+        status, [calibration.BELOW, calibration.VALID, calibration.VALID, calibration.ABOVE]
+    )
