@@ -34,7 +34,8 @@ streamline upwinding  (tau_m rho u . grad v, R_m)  and, with rho c_p and kappa i
 conservative: without it the global balance is off by 2-7 % on the meshes in use.
 
 Mixing that a steady flow lacks is an eddy viscosity with Prandtl's mixing length l: a number C (the free one,
-0 for none) times the radius of the torch, at most 0.41 times the distance from the nearest wall:
+0 for none) times the radius of the torch, at most 0.41 times the distance from the nearest wall, behind the
+torch exit only (with 0.01 in the torch, too, no steady discharge was found):
 
 .. math:: \mu_t = \rho\,l^2\sqrt{2 S:S}, \qquad \kappa_t = c_p \mu_t/0.7
 

@@ -226,9 +226,8 @@ class Problem:
             force_axial=coupling.force_axial,
             force_radial=coupling.force_radial,
             viscosity_limiter=self.limiter * self._limiter_blend,
-            mixing_length=np.minimum(self.mixing * self.torch.radius, VON_KARMAN * self._clearance)
-            if self.mixing
-            else np.zeros_like(self._clearance),
+            mixing_length=self._limiter_blend
+            * np.minimum(self.mixing * self.torch.radius, VON_KARMAN * self._clearance),
             equal_order=1.0 if self.order == 1 else 0.0,
         )
 
