@@ -28,6 +28,7 @@ NOT_PAGES = {
     "decisions.md",
     "scoreboard.md",
     "blind-tests.md",
+    "real-data.md",
     "radiation_cost.md",
     "paper.md",
 }  # a log, results, a map

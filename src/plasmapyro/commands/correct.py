@@ -9,17 +9,18 @@ import numpy as np
 from plasmapyro import io, progress
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
-from plasmapyro.commands.options import count, option, plot_option, positive, seed, share
+from plasmapyro.commands.options import count, not_negative, option, plot_option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
+from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.quality.catalogue import merged, of_test
 from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import status
 from plasmapyro.record.calibrated import on_same_wavelengths
-from plasmapyro.record.inputs import faults, instruments
+from plasmapyro.record.inputs import faults, has_plasma, instruments
 
 NANOMETRE = 1e-9
 PYROMETER, SPECTROMETER = "calibration", "spectrometer_calibration"  # files and contracts
@@ -34,7 +35,10 @@ The two-colour temperature follows from the ratio of the corrected signals, the 
 Planck's law to the corrected spectra. Pyrometer and spectrometer may each be absent.
 
 --estimator joint infers one temperature from both bands in absolute units, their ratio and, if present, the
-spectra, and follows the gas through the test (docs/temperature.md). It needs the pyrometer.
+spectra, and follows the gas through the test (docs/temperature.md). Without a pyrometer it is the same as
+
+--estimator emissivity: temperature and an emissivity that is smooth over wavelength and time, together, from
+the spectra alone. It is what spectra of a lamp or a furnace (condition: none) get.
 
 TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
 `plasmapyro check`."""
@@ -83,8 +87,8 @@ def add(commands):
     command.add_argument(
         "--estimator",
         choices=sorted(ESTIMATORS),
-        default="reference",
-        help="how the gas is taken out (default: reference, as in the paper)",
+        help="how the gas is taken out (default: reference, as in the paper; emissivity for spectra alone"
+        " without a plasma)",
     )
     command.add_argument(
         "--reference-window",
@@ -145,6 +149,19 @@ def add(commands):
         metavar=("LOW", "HIGH"),
         help="where the fits look (default: 600 3500)",
     )
+    spectral = command.add_argument_group("emissivity over wavelength (--estimator emissivity)")
+    spectral.add_argument(
+        "--emissivity-level",
+        type=positive,
+        metavar="X",
+        help="standard uncertainty of its level, relative (default: what the test states, or 0.1)",
+    )
+    option(spectral, "--emissivity-shape", not_negative, 0.1, "of its course over wavelength, relative")
+    option(spectral, "--emissivity-length-nm", positive, 200.0, "over which that course is smooth")
+    option(spectral, "--emissivity-memory-s", positive, 100.0, "over which its change in time is smooth")
+    option(spectral, "--stray-light", share, 0.003, "of the mean count rate, in every pixel, standard")
+    option(spectral, "--bin-nm", positive, 20.0, "over which pixels are averaged")
+    option(spectral, "--bin-uncertainty", share, 0.005, "of each of these means, relative, standard")
     option(fit, "--saturation-counts", positive, 65000.0, "raw counts from here on are saturated")
     option(fit, "--noise-block-pixels", count, 50, "pixels per estimate of the noise")
 
@@ -195,7 +212,7 @@ def _corrected(options):
         raise ValueError(
             "\n".join([*words, "choose another --reference-window, or go on with --keep-window"])
         )
-    estimator, contract = ESTIMATORS[options.estimator]
+    estimator, contract = ESTIMATORS[_estimator(test, options.estimator)]
     try:
         result = estimator(test, calibrations, options)
         if given:
@@ -316,8 +333,48 @@ def by_reference(test, calibrations, options):
     return merged(parts)
 
 
+def by_emissivity(test, calibrations, options):
+    """Temperature and smooth emissivity from spectra alone.
+
+    Returns
+    -------
+    Dataset, contract 'emissivity_estimate'
+    """
+    if "spectrometer" not in instruments(test):
+        raise ValueError("--estimator emissivity needs spectra; use --estimator reference")
+    progress.say("inferring temperature and emissivity from all spectra")
+    return estimate_emissivity(
+        test,
+        calibrations.get(SPECTROMETER),
+        level=options.emissivity_level,
+        shape=options.emissivity_shape,
+        length=options.emissivity_length_nm * NANOMETRE,
+        memory=options.emissivity_memory_s,
+        stray_light=options.stray_light,
+        bin_width=options.bin_nm * NANOMETRE,
+        bin_uncertainty=options.bin_uncertainty,
+        gas_variation=options.gas_variation,
+        least_signal_to_noise=options.least_signal_to_noise,
+        least_surface_share=options.least_surface_share,
+        saturation_counts=options.saturation_counts,
+        noise_block=options.noise_block_pixels,
+    )
+
+
+def _estimator(test, asked):
+    """Name of the estimator: the one asked for, or the one that a test without a pyrometer needs."""
+    alone = instruments(test) == ["spectrometer"]
+    if asked is None:
+        return "emissivity" if alone and not has_plasma(test) else "reference"
+    return "emissivity" if asked == "joint" and alone else asked
+
+
 # name -> function (test, calibrations, options) and the contract of what it returns
-ESTIMATORS = {"reference": (by_reference, "correction"), "joint": (by_joint_inference, "joint_estimate")}
+ESTIMATORS = {
+    "reference": (by_reference, "correction"),
+    "joint": (by_joint_inference, "joint_estimate"),
+    "emissivity": (by_emissivity, "emissivity_estimate"),
+}
 
 
 def summary(result):
@@ -327,6 +384,7 @@ def summary(result):
         ("corrected_temperature", "time", "corrected_status"),
         ("spectrometer_temperature", "spectrum_time", "spectrum_status"),
         ("surface_temperature", "time", "estimate_status"),
+        ("spectral_temperature", "spectrum_time", "spectral_status"),
     ):
         if name not in result:
             continue
@@ -344,7 +402,24 @@ def summary(result):
                 f"  first at {time[first]:g} s: {_with(result, name, first)}; highest at {time[hottest]:g} s:"
                 f" {_with(result, name, hottest)}"
             )
+            lines += _of_emissivity(result, hottest) if name == "spectral_temperature" else []
     return lines
+
+
+def _of_emissivity(result, index):
+    """The emissivity of a spectrum at the ends and the middle of its wavelengths, and what stays open."""
+    one = result.isel(spectrum_time=index)
+    places = [0, one.sizes["emissivity_wavelength"] // 2, -1]
+    words = ", ".join(
+        f"{value:.3f} ({low:.3f} to {high:.3f}) at {wavelength * 1e9:.0f} nm"
+        for wavelength, value, low, high in zip(
+            one.emissivity_wavelength.values[places],
+            one.emissivity.values[places],
+            *one.emissivity_interval.values[:, places],
+            strict=True,
+        )
+    )
+    return [f"  emissivity there: {words}", f"  {result.attrs['degenerate']}"]
 
 
 def _with(result, name, index):

@@ -521,6 +521,17 @@ DATASETS = {
         "estimated_emittance": (),
         "estimated_emittance_uncertainty": (),
     },
+    "emissivity_estimate": {
+        "spectrum_time": ("spectrum_time",),
+        "emissivity_wavelength": ("emissivity_wavelength",),
+        "spectral_temperature": ("spectrum_time",),
+        "spectral_temperature_uncertainty": ("spectrum_time",),
+        "spectral_temperature_interval": ("bound", "spectrum_time"),
+        "spectral_status": ("spectrum_time",),
+        "emissivity": ("spectrum_time", "emissivity_wavelength"),
+        "emissivity_interval": ("bound", "spectrum_time", "emissivity_wavelength"),
+        "spectral_residual": ("spectrum_time", "emissivity_wavelength"),
+    },
     "spectrometer_correction": {
         "spectrum_time": ("spectrum_time",),
         "wavelength": ("wavelength",),

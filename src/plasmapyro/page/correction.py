@@ -22,6 +22,11 @@ FIGURES = {  # name: title, caption, words for those who do not see it
         "Samples in the colours of their status; the strip below shows it for all, refused ones too.",
         "Temperature over time with its 95 % interval and the status of each sample",
     ),
+    "emissivity": (
+        "Emissivity",
+        "With its 95 % interval: what light cannot tell from temperature is in both.",
+        "Emissivity over wavelength at a few moments with its interval",
+    ),
     "spectra": (
         "Spectra",
         "Grey: light of the gas in the reference. Dots: what is left without it; lines: Planck fits.",

@@ -13,6 +13,7 @@ DECADES = 1e5  # of a spectrum that are shown
 TEMPERATURES = {  # name: axis, status, colour, words
     "surface_temperature": ("time", "estimate_status", WIDE, "joint estimate"),
     "corrected_temperature": ("time", "corrected_status", WIDE, "pyrometer, corrected"),
+    "spectral_temperature": ("spectrum_time", "spectral_status", SPECTRUM, "spectra, with emissivity"),
     "spectrometer_temperature": ("spectrum_time", "spectrum_status", SPECTRUM, "spectrometer"),
 }
 
@@ -166,10 +167,25 @@ def spectra(axes, test, result):
     axes.legend(ncols=2)
 
 
+def emissivities(axes, test, result):
+    """Emissivity over wavelength with its 95 % interval, at a few moments."""
+    wavelength = result.emissivity_wavelength.values * NANO
+    good = np.flatnonzero(np.isfinite(result.spectral_temperature.values))
+    places = good[np.unique(np.linspace(0, good.size - 1, SHOWN).round().astype(int))] if good.size else good
+    for place, colour in zip(places, style.case_colours(max(len(places), 1)), strict=False):
+        one = result.isel(spectrum_time=place)
+        axes.fill_between(wavelength, *one.emissivity_interval.values, color=colour, alpha=0.15, lw=0)
+        axes.plot(wavelength, one.emissivity, color=colour, lw=1.2, label=f"{float(one.spectrum_time):.4g} s")
+    axes.set(xlabel="wavelength, vacuum [nm]", ylabel="emissivity [1]")
+    axes.legend(ncols=2)
+
+
 def panels(test, result):
     """Drawing functions for what a test holds, by name."""
     found = {"signals": signals} if "signal_wide" in test else {}
     found["temperatures"] = temperatures
+    shown = "emissivity" in result and np.isfinite(result.emissivity).any()
+    found |= {"emissivity": emissivities} if shown else {}
     return found | ({"spectra": spectra} if "corrected_radiance" in result else {})
 
 

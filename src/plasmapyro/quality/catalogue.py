@@ -19,7 +19,7 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
     ----------
     place : path of the test, for the messages
     reading : `readers.stage.Reading`
-    results : Datasets, contracts 'correction', or its two parts, and 'joint_estimate'
+    results : Datasets, contracts 'correction', or its two parts, 'joint_estimate', 'emissivity_estimate'
     rules : iterable of Rule
     calibrations : Datasets by the names of `Case`; None where there is none
 
@@ -27,13 +27,14 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
     -------
     list of Finding, the worst first
     """
-    parts = [one for one in results if "surface_temperature" not in one]
+    estimates = [one for one in results if {"surface_temperature", "spectral_temperature"} & set(one)]
+    parts = [one for one in results if not any(one is other for other in estimates)]
     case = Case(
         Path(place),
         reading.test,
         reading.files.get("spectrometer", {}),
         result=merged(parts) if parts else None,
-        estimate=next((one for one in results if "surface_temperature" in one), None),
+        estimate=next(iter(estimates), None),
         **calibrations,
     )
     return look(case, rules)

@@ -9,9 +9,10 @@ from plasmapyro import contracts
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument.raw_counts import certified_source
 from plasmapyro.radiation.planck import blackbody_radiance
-from plasmapyro.readers import columns, description, ocean
+from plasmapyro.readers import andor, columns, description, ocean
 from plasmapyro.readers.parts import require_alike, vacuum
 from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.record.emittance import mean_emittance
 from plasmapyro.tables import ORIGINS
 
 NAME = "calibration.yaml"
@@ -131,6 +132,8 @@ def read_exposures(folder):
     medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
     column = section.text("column")
     detector = _detector(section)
+    kind = section.text("format", "ocean", choices=("ocean", "andor"))
+    read = {"ocean": ocean.read_spectrum, "andor": andor.mean_spectrum}[kind]
     source = _source(section.section("source")) if "source" in section else None
     if source is None:
         section.used.add("source")
@@ -145,7 +148,7 @@ def read_exposures(folder):
     spectra, lights, darks, times = [], [], [], []
     for exposure in exposures:
         try:
-            pair = [ocean.read_spectrum(folder / exposure[key]) for key in ("light", "dark")]
+            pair = [read(folder / exposure[key]) for key in ("light", "dark")]
             times.append(_integration_time(folder, exposure, pair))
             rows = [
                 ocean.column_of(folder / exposure[key], one, settings)
@@ -317,7 +320,9 @@ def _source(section):
     if "temperature_k" in section or "certificate" not in section:
         found["temperature"] = section.number("temperature_k", above=200, needed=True)
         found["temperature_uncertainty"] = section.number("temperature_uncertainty_k", needed=True)
-        found["emittance"] = _share(section, "emittance", 1.0)
+        found |= section.emittance() or {"emittance": 1.0}
+        if not 0 < found["emittance"] <= 1:
+            section.blame("emittance", f"must lie in (0, 1]; got {found['emittance']:g}", "correct it")
         if found["temperature"] is not None and found["temperature"] > 1e4:
             section.blame("temperature_k", "must be at most 10000 K", "correct it")
         if (found["temperature_uncertainty"] or 0) < 0:
@@ -345,15 +350,18 @@ def _exposures(section):
     found = []
     for index, values in enumerate(words):
         one = description.Section(values, section.path, f"spectrometer.exposures[{index}]", section.faults)
-        found.append({key: one.file(key, needed=True) for key in ("light", "dark")})
+        dark = "baseline" if "baseline" in one else "dark"
+        found.append({"light": one.file("light", needed=True), "dark": one.file(dark, needed=True)})
+        found[-1]["baseline"] = dark == "baseline"
         found[-1]["integration_time"] = one.number("integration_time", above=0)
         one.close()
     return found
 
 
 def _integration_time(folder, exposure, pair):
-    """Integration time [s] of an exposure and its dark; they must agree."""
-    stated = {exposure["integration_time"], *(one.integration_time for one in pair)} - {None}
+    """Integration time [s] of an exposure and its dark; they must agree, but for a mere baseline."""
+    asked = pair[:1] if exposure["baseline"] else pair
+    stated = {exposure["integration_time"], *(one.integration_time for one in asked)} - {None}
     path = folder / exposure["light"]
     if not stated:
         refuse(path, "its header states no integration time", "state `integration_time` [s] of the exposure")
@@ -377,7 +385,7 @@ def _radiance_of(folder, source, wavelength):
     if "temperature" in source:
         kelvin = source["temperature"]
         slope = SECOND_RADIATION / (wavelength * kelvin**2)
-        radiance = source["emittance"] * blackbody_radiance(wavelength, kelvin)
+        radiance = mean_emittance(source, wavelength) * blackbody_radiance(wavelength, kelvin)
         uncertainty = slope * source["temperature_uncertainty"]
         return np.where(uncertainty < 1, radiance, np.nan), np.minimum(uncertainty, 1.0)
     path = folder / source["certificate"]

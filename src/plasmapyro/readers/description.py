@@ -3,6 +3,7 @@
 from difflib import get_close_matches
 from pathlib import PurePath
 
+import numpy as np
 import yaml
 
 from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
@@ -136,6 +137,25 @@ class Section:
             self.blame(key, f"{rule}; got {quote(value)}", "correct it")
             return default
         return found
+
+    def emittance(self):
+        """Attributes of `emittance`: a number, or pairs [nm, value] over wavelength; {} if absent."""
+        words = self.raw("emittance")
+        if words is None or isinstance(words, str):
+            value = self.number("emittance")
+            return {} if value is None else {"emittance": value}
+        lists = [pair for pair in words if isinstance(pair, list) and len(pair) == 2]
+        pairs = [[number(word) for word in pair if isinstance(word, str)] for pair in lists]
+        values = np.array([pair for pair in pairs if len(pair) == 2 and None not in pair], dtype=float).T
+        if len(words) < 2 or values.shape != (2, len(words)) or not (np.diff(values[0]) > 0).all():
+            what = "must be a number, or pairs [nm, emittance] of rising wavelengths"
+            self.blame("emittance", f"{what}; got {quote(words)}", "correct it")
+            return {}
+        if not (values[0, 0] > 0 and (values[1] > 0).all() and (values[1] <= 1).all()):
+            self.blame("emittance", "must lie above 0 and up to 1, at wavelengths above 0", "correct it")
+            return {}
+        table = {"emittance_wavelength": (values[0] * 1e-9).tolist(), "emittance_table": values[1].tolist()}
+        return {"emittance": float(np.exp(np.log(values[1]).mean())), **table}
 
     def file(self, key, default=None, needed=False):
         """Name of a file in the folder: relative, and not leading out of it."""

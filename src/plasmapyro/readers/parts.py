@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro.readers import burst, clock, columns, ocean, tdms, units
+from plasmapyro.readers import andor, burst, clock, columns, ocean, tdms, units
 from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
 from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
@@ -24,8 +24,8 @@ REPORTED = 10
 
 def attributes(section):
     """Attributes of the contract 'test': numbers in SI, the reference window, words."""
-    found = {}
-    for name in NUMBERS:
+    found = section.emittance()
+    for name in [name for name in NUMBERS if name != "emittance"]:
         value = section.number(name)
         if value is not None:
             found[name] = value
@@ -110,9 +110,10 @@ def spectrometer(folder, section):
     medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
     limit = section.number("saturation_counts", above=0)
     settings = {"quantity": quantity, "medium": medium, "saturation": limit}
+    settings["format"] = section.text("format", "csv", choices=("csv", "andor"))
     if tables:
         settings |= {
-            "unit": section.text("unit", needed=True),
+            "unit": section.text("unit", needed=True) if settings["format"] == "csv" else "count",
             "wavelength_unit": section.text("wavelength_unit", "nm"),
             "time_unit": section.text("time_unit", "s"),
             "delimiter": section.text("delimiter", choices=tuple(columns.DELIMITERS)),
@@ -397,9 +398,20 @@ def vacuum(path, wavelength, medium):
 
 def _tables(paths, folder, settings):
     """Tables with a row per spectrum: time in the first column, wavelengths in the header of the others."""
-    parts = []
+    parts, attrs = [], {}
+    background = Path(folder) / settings["background"] if settings["background"] else None
+
+    def read(path):
+        if settings["format"] == "csv":
+            return columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+        series = andor.read_series(path)
+        if attrs.setdefault("spectrometer_integration_time", series.exposure) != series.exposure:
+            if path != background:  # a dark of another exposure holds the baseline, if little dark current
+                refuse(path, f"other exposure than {paths[0].name}", "put each exposure in a test of its own")
+        return series.time, series.wavelength * 1e9, series.counts
+
     for path in paths:
-        time, pixels, values = columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+        time, pixels, values = read(path)
         if parts and not np.array_equal(pixels, parts[0]["pixels"]):
             refuse(path, f"other wavelengths than {paths[0].name}", "join only files of one instrument", 1)
         factor = units.factor(settings["time_unit"], "spectrum_time")
@@ -415,16 +427,14 @@ def _tables(paths, folder, settings):
         "spectrum_time": whole["time"],
         "wavelength": vacuum(paths[0], wavelength, settings["medium"]),
     }
-    background = Path(folder) / settings["background"] if settings["background"] else None
-    attrs, files = {}, {"place": paths[0], "background": background}
+    files = {"place": paths[0], "background": background}
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)
-        if settings["background"]:
-            dark_path = Path(folder) / settings["background"]
-            _, dark_pixels, dark = columns.read_matrix(dark_path, settings["delimiter"], settings["decimal"])
+        if background:
+            _, dark_pixels, dark = read(background)
             if dark_pixels.shape != pixels.shape or not np.array_equal(dark_pixels, pixels):
                 refuse(
-                    dark_path,
+                    background,
                     f"other wavelengths than {paths[0].name}",
                     "use a dark of the same instrument",
                     1,

@@ -40,3 +40,14 @@ def tilt(slope, response):
 def relative_emittance(wavelength, tilt):
     """Emittance (...) at wavelengths (...) [m] over the stated one, see `tilt`."""
     return 1 + tilt * (np.asarray(wavelength) - PIVOT)
+
+
+def mean_emittance(attributes, wavelength):
+    """Emittance (...) [1] that a test or a source states, at wavelengths (...) [m]: one number, or a table.
+
+    Between the points of a table its logarithm is straight; beyond its ends it stays.
+    """
+    if "emittance_wavelength" not in attributes:
+        return np.full(np.shape(wavelength), float(attributes["emittance"]))
+    points, values = (np.asarray(attributes[f"emittance_{one}"]) for one in ("wavelength", "table"))
+    return np.exp(np.interp(wavelength, points, np.log(values)))

@@ -1,0 +1,295 @@
+r"""Temperature and emissivity together, from light in any number of channels.
+
+.. math:: y_c = \int R_c(\lambda)\,\varepsilon(\lambda)\,B_\lambda(T)\,d\lambda + \sum_m z_m g_{mc}, \qquad
+          \ln\varepsilon(\lambda) = \ln\bar\varepsilon(\lambda) + \sum_k a_k \phi_k(\lambda)
+
+The coefficients have a unit normal prior each; 1/T has none. In Wien's limit an emissivity that changes as
+:math:`\exp(c_2\delta/\lambda)` and a temperature with 1/T larger by :math:`\delta` give the same light: along
+that direction only the prior decides, and `Posterior` says how much of the uncertainty that is.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from plasmapyro.radiation.planck import planck_and_slope
+
+KEPT = 1e-7  # of the largest variance: shapes of the emissivity of less are left out
+STEPS = 60  # Gauss-Newton steps allowed; 5 to 10 suffice
+LARGEST_STEP = 0.1  # relative, of 1/T in one of them
+CONVERGED = 1e-6  # relative, of 1/T: 1 mK
+UNIT = 1000.0  # [K] over T is what a state begins with: near Wien's limit ln(B) is straight in it
+CHUNK = 2_000_000  # numbers held at once per array
+FIRST_DAMPING = 1e-3  # of the diagonal, after a step that made it worse (Levenberg and Marquardt)
+NO_WAY_DOWN = 1e6  # damping at which only rounding is left
+ROUNDING = 1e-12  # relative, of the objective
+TINY = 1e-12  # of the unit variance of a coefficient, so that a constant keeps an inverse
+TRIALS = (250.0, 6000.0, 400)  # [K], [K] and number of the temperatures among which a fit begins
+
+
+class Channels(NamedTuple):
+    """What C channels see of B wavelengths: `weight` (C, B) signal per radiance; None: each is a pixel."""
+
+    wavelength: np.ndarray  # (B,) [m]
+    weight: np.ndarray | None = None
+
+    def detect(self, radiance):
+        """Signals (..., C) of radiances (..., B)."""
+        return radiance if self.weight is None else radiance @ self.weight.T
+
+    def slopes(self, radiance, basis):
+        """Signals (..., C, K) of radiances (..., B) times each of K shapes (B, K)."""
+        if self.weight is None:
+            return radiance[..., None] * basis
+        tensor = self.weight.T[:, :, None] * basis[:, None, :]
+        flat = radiance @ tensor.reshape(len(basis), -1)
+        return flat.reshape(*radiance.shape[:-1], *tensor.shape[1:])
+
+
+class Prior(NamedTuple):
+    """What is known of the emissivity before the light is seen."""
+
+    logarithm: np.ndarray  # (B,) of its mean
+    basis: np.ndarray  # (B, K) change of ln(emissivity) per unit of each coefficient
+
+
+class Posterior(NamedTuple):
+    """What is known afterwards, for n samples; the state is (1000 K/T, a, z)."""
+
+    state: np.ndarray  # (n, 1 + K + M)
+    covariance: np.ndarray  # (n, 1 + K + M, 1 + K + M)
+    residual: np.ndarray  # (n, C) in standard deviations of the noise, NaN where there was no signal
+    noise_only: np.ndarray  # (n,) relative standard uncertainty of T with all coefficients known
+    converged: np.ndarray  # (n,) bool
+
+    @property
+    def temperature(self):
+        """(n,) [K]."""
+        return UNIT / self.state[:, 0]
+
+    @property
+    def relative_uncertainty(self):
+        """(n,) relative standard uncertainty of T."""
+        return np.sqrt(self.covariance[:, 0, 0]) / self.state[:, 0]
+
+
+def smooth_prior(wavelength, mean, *, level, shape, length):
+    r"""Prior of an emissivity that is smooth over wavelength: a Gaussian process in its logarithm.
+
+    .. math:: \mathrm{cov}(\ln\varepsilon_i, \ln\varepsilon_j) = u_0^2
+              + u_1^2 \exp[-(\lambda_i - \lambda_j)^2 / 2\ell^2]
+
+    Parameters
+    ----------
+    wavelength : (B,) array [m]
+    mean : (B,) array or float [1], > 0
+    level, shape : float [1]
+        Standard deviations u0 of the level as a whole, and u1 of the shape over wavelength.
+    length : float [m]
+        l, over which the shape changes.
+
+    Returns
+    -------
+    Prior
+        In the eigenvectors of the covariance: few, since it is smooth.
+
+    Notes
+    -----
+    Source: Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), eq. 4.9 and sec. 4.3.
+    """
+    wavelength = np.asarray(wavelength, dtype=float)
+    distance = (wavelength[:, None] - wavelength) / length
+    variance, vectors = np.linalg.eigh(level**2 + shape**2 * np.exp(-(distance**2) / 2))
+    kept = variance > KEPT * variance[-1]
+    basis = (vectors * np.sqrt(np.maximum(variance, 0.0)))[:, kept][:, ::-1]
+    return Prior(np.log(np.broadcast_to(mean, wavelength.shape)), basis)
+
+
+def infer(channels, prior, signal, noise, linear=None, known=None, start=None):
+    """Temperature and coefficients of the largest posterior density, each sample by itself.
+
+    Parameters
+    ----------
+    channels : Channels
+    prior : Prior
+    signal, noise : (n, C) arrays, same unit
+        Standard uncertainty independent between channels; NaN in either: the channel is left out.
+    linear : (n, C, M) array, optional
+        Light g of unit coefficients z that adds: what is left of the gas, stray light.
+    known : pair of (n, K + M) mean and (n, K + M, K + M) precision, optional
+        Of the coefficients, instead of unit normals.
+    start : (n,) array [K], optional
+
+    Returns
+    -------
+    Posterior
+        NaN for samples without two channels.
+    """
+    signal, noise = (np.asarray(one, dtype=float) for one in (signal, noise))
+    count = prior.basis.shape[1] + (0 if linear is None else linear.shape[-1])
+    size = max(1, CHUNK // (signal.shape[1] * (1 + count) + channels.wavelength.size))
+    parts = []
+    for first in range(0, len(signal), size):
+        part = slice(first, first + size)
+        parts.append(
+            _infer(
+                channels,
+                prior,
+                signal[part],
+                noise[part],
+                np.zeros((*signal[part].shape, 0)) if linear is None else linear[part],
+                None if known is None else tuple(one[part] for one in known),
+                None if start is None else start[part],
+            )
+        )
+    return Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+
+
+def _infer(channels, prior, signal, noise, linear, known, start):
+    rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1]
+    good = np.isfinite(signal) & np.isfinite(noise) & (noise > 0)
+    weight = np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
+    signal = np.where(good, signal, 0.0)
+    linear = np.where(good[..., None], linear, 0.0)
+    mean, precision = known or (np.zeros((rows, count)), np.broadcast_to(np.eye(count), (rows, count, count)))
+    state = np.concatenate([np.zeros((rows, 1)), mean], axis=1)
+    state[:, 0] = UNIT / (_beginning(channels, prior, signal, weight) if start is None else start)
+    shapes = prior.basis.shape[1]
+    full = np.zeros((rows, 1 + count, 1 + count))
+    full[:, 1:, 1:] = precision
+
+    def look(state):
+        """Objective (n,), Jacobian and residuals, both in standard deviations."""
+        body, by_kelvin = planck_and_slope(channels.wavelength, UNIT / state[:, 0])
+        emissivity = np.exp(prior.logarithm + state[:, 1 : 1 + shapes] @ prior.basis.T)
+        own = channels.detect(emissivity * body) + np.einsum("ncm,nm->nc", linear, state[:, 1 + shapes :])
+        slope = channels.detect(-emissivity * by_kelvin * UNIT / state[:, :1] ** 2)
+        parts = [slope[..., None], channels.slopes(emissivity * body, prior.basis), linear]
+        rest = (signal - own) * weight
+        off = state[:, 1:] - mean
+        objective = np.sum(rest**2, axis=1) + np.einsum("ni,nij,nj->n", off, precision, off)
+        return objective, np.concatenate(parts, axis=-1) * weight[..., None], rest
+
+    now, jacobian, rest = look(state)
+    damping, settled = np.zeros(rows), np.zeros(rows, dtype=bool)
+    for turn in range(STEPS + 1):
+        matrix = full + np.swapaxes(jacobian, 1, 2) @ jacobian
+        matrix[:, 0, 0] += np.where(matrix[:, 0, 0] > 0, 0.0, 1.0)
+        if turn == STEPS or settled.all():
+            break
+        pull = np.einsum("nck,nc->nk", jacobian, rest)
+        pull[:, 1:] -= np.einsum("nij,nj->ni", precision, state[:, 1:] - mean)
+        damped = matrix * (1 + damping[:, None, None] * np.eye(1 + count))
+        move = np.linalg.solve(damped, pull[..., None])[..., 0]
+        size = np.abs(move[:, :1] / state[:, :1])
+        # A long step in T is shortened as a whole: the coefficients belong to it.
+        move *= np.minimum(1.0, LARGEST_STEP / np.maximum(size, 1e-300))
+        trial = state + np.where(settled[:, None], 0.0, move)
+        then, slopes, left = look(trial)
+        better = ~(then > now * (1 + ROUNDING))
+        settled |= better & (size[:, 0] < CONVERGED) | (damping > NO_WAY_DOWN)
+        state = np.where(better[:, None], trial, state)
+        now, rest = np.where(better, then, now), np.where(better[:, None], left, rest)
+        jacobian = np.where(better[:, None, None], slopes, jacobian)
+        damping = np.where(better, damping / 10, np.maximum(10 * damping, FIRST_DAMPING))
+    covariance = np.linalg.inv(matrix)
+    enough = (good.sum(axis=1) >= 2) & np.isfinite(state).all(axis=1)
+    blank = np.where(enough, 1.0, np.nan)
+    return Posterior(
+        state * blank[:, None],
+        covariance * blank[:, None, None],
+        np.where(good & enough[:, None], rest, np.nan),
+        blank / np.sqrt(matrix[:, 0, 0]) / state[:, 0],
+        settled & enough,
+    )
+
+
+def _beginning(channels, prior, signal, weight):
+    """Temperature (n,) [K] at which the mean emissivity gives the signal of the clearest channel."""
+    trials = np.linspace(1 / TRIALS[1], 1 / TRIALS[0], TRIALS[2])
+    mean = np.exp(prior.logarithm)
+    curves = np.log(channels.detect(mean * planck_and_slope(channels.wavelength, 1 / trials)[0]))
+    clearest = np.argmax(signal * weight, axis=1)
+    seen = np.log(np.maximum(np.take_along_axis(signal, clearest[:, None], 1)[:, 0], 1e-300))
+    inverse = np.empty(len(signal))
+    for channel in np.unique(clearest):  # signals fall with 1/T
+        rows = clearest == channel
+        inverse[rows] = np.interp(-seen[rows], -curves[:, channel], trials)
+    return 1 / inverse
+
+
+def follow(channels, prior, time, signal, noise, linear, memory):
+    r"""As `infer`, for samples after one another: what is known of the coefficients carries over.
+
+    .. math:: a_{n+1} = r\,a_n + \sqrt{1 - r^2}\,w_n, \qquad r = e^{-\Delta t/\tau}
+
+    The temperature is free from sample to sample.
+
+    Parameters
+    ----------
+    channels, prior, signal, noise, linear : as in `infer`
+    time : (n,) array [s], rising
+    memory : (K + M,) array [s]
+        Of each coefficient: 0 for none, infinity for a constant.
+
+    Returns
+    -------
+    Posterior
+        Of each sample, given all of them.
+
+    Notes
+    -----
+    Source: extended Kalman filter, and Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965), backwards. Samples
+    that hold no light carry what is known over.
+    """
+    count = len(memory)
+    with np.errstate(divide="ignore"):
+        kept = np.exp(-np.diff(time)[:, None] / np.asarray(memory))
+    mean, covariance = np.zeros(count), np.eye(count)
+    before, parts = [], []
+    for n in range(len(time)):
+        before.append((mean, covariance))
+        known = mean[None], np.linalg.inv(covariance)[None]
+        one = slice(n, n + 1)
+        parts.append(infer(channels, prior, signal[one], noise[one], linear[one], known))
+        if parts[-1].converged[0]:
+            mean, covariance = parts[-1].state[0, 1:], parts[-1].covariance[0, 1:, 1:]
+        if n < len(kept):
+            mean = kept[n] * mean
+            covariance = kept[n][:, None] * covariance * kept[n] + np.diag(1 - kept[n] ** 2 + TINY)
+    found = Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+    later = None
+    for n in range(len(time) - 1, -1, -1):
+        if later is not None:
+            ahead, spread = before[n + 1]
+            told = found.converged[n]
+            state, own = (found.state[n], found.covariance[n]) if told else _untold(*before[n])
+            gain = own[:, 1:] * kept[n] @ np.linalg.inv(spread)
+            state = state + gain @ (later[0][1:] - ahead)
+            own = own + gain @ (later[1][1:, 1:] - spread) @ gain.T
+            if told:
+                found.state[n], found.covariance[n] = state, own
+            later = state, own
+        elif found.converged[n]:
+            later = found.state[n].copy(), found.covariance[n].copy()
+    return found
+
+
+def _untold(mean, covariance):
+    """State and covariance of a sample without light, its temperature of no meaning."""
+    return np.append(0.0, mean), np.pad(covariance, ((1, 0), (1, 0)))
+
+
+def log_emissivity(posterior, logarithm, basis):
+    """Logarithm of the emissivity (n, N) and its standard uncertainty (n, N).
+
+    Parameters
+    ----------
+    posterior : Posterior
+    logarithm, basis : (N,), (N, K) arrays
+        Of the prior, at the wavelengths wanted; coefficients beyond K are no emissivity.
+    """
+    shapes = slice(1, 1 + basis.shape[1])
+    value = logarithm + posterior.state[:, shapes] @ basis.T
+    variance = np.einsum("bk,nkl,bl->nb", basis, posterior.covariance[:, shapes, shapes], basis)
+    return value, np.sqrt(variance)

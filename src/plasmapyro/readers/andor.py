@@ -1,0 +1,88 @@
+"""Series of spectra as Andor Solis exports them: a header of 'key: value' lines, then one row per pixel."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from plasmapyro.readers.ocean import Spectrum
+from plasmapyro.readers.text import number, quote, read_lines, refuse, require_end
+
+LARGEST = 96_000_000  # [byte]
+HEADER_LINES = 200
+ROW = re.compile(r"\s*[+-]?[\d.]")
+MOST_SAMPLES = 50_000_000
+
+
+class Series(NamedTuple):
+    """Frames of one file: wavelengths as the instrument gives them, counts, and their times."""
+
+    time: np.ndarray  # (n,) [s] middle of each exposure, from the begin of the first
+    wavelength: np.ndarray  # (W,) [m]
+    counts: np.ndarray  # (n, W)
+    exposure: float  # [s]
+
+
+def read_series(path):
+    """Read an ASCII export of a kinetic series, or of a single spectrum.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Series
+
+    Raises
+    ------
+    Refusal
+        Not such a file, or incomplete: no exposure time, no rows, a row of another length, a cell that is no
+        number, wavelengths that do not rise.
+    """
+    lines, ended = read_lines(path, LARGEST)
+    require_end(path, lines, ended)
+    begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if ROW.match(line)), len(lines))
+    header = dict(line.partition(":")[::2] for line in lines[:begin])
+    exposure, cycle = (_seconds(path, header, key) for key in ("Exposure Time", "Kinetic Cycle Time"))
+    rows = [(i, line) for i, line in enumerate(lines[begin:], begin + 1) if line.strip()]
+    if exposure is None or len(rows) < 2:
+        refuse(
+            path,
+            "states no exposure time" if exposure is None else f"holds {len(rows)} pixels",
+            "export it from Andor Solis as ASCII with its header",
+        )
+    mark = next((one for one in (",", "\t", ";") if one in rows[0][1]), " ")
+    cells = [[cell.strip() for cell in line.rstrip(f" {mark}").split(mark)] for _, line in rows]
+    width = len(cells[0])
+    if width < 2 or width * len(cells) > MOST_SAMPLES:
+        refuse(path, f"{width - 1} frames of {len(cells)} pixels", "export one to as many as fit", rows[0][0])
+    for (line, _), row in zip(rows, cells, strict=True):
+        bad = [cell for cell in row if number(cell) is None or number(cell) != number(cell)]
+        if len(row) != width or bad:
+            what = f"{len(row)} cells, the first row has {width}"
+            what = f"{quote(bad[0])} is not a number" if bad else what
+            refuse(path, what, "export it again, with decimal points", line)
+    table = np.array([[float(cell) for cell in row] for row in cells])
+    if not (np.diff(table[:, 0]) > 0).all():
+        refuse(path, "the wavelengths do not rise", "export it again, calibrated in nm", rows[0][0])
+    time = exposure / 2 + (cycle or exposure) * np.arange(width - 1)
+    return Series(time, table[:, 0] * 1e-9, table[:, 1:].T, exposure)
+
+
+def mean_spectrum(path):
+    """The mean of the frames of a file (see `read_series`), as an `ocean.Spectrum` of 'counts'."""
+    series = read_series(path)
+    columns = {"counts": series.counts.mean(axis=0)}
+    return Spectrum(series.wavelength, columns, None, None, series.exposure, None, None, None, None)
+
+
+def _seconds(path, header, key):
+    """A duration [s] of the header, or None."""
+    for name, value in header.items():
+        if name.startswith(key):
+            found = number(value.strip())
+            if found is None or not found > 0:
+                refuse(path, f"{name} is {quote(value.strip())}, no number > 0", "correct the header")
+            return found
+    return None

@@ -1,0 +1,143 @@
+"""Temperature and emissivity together: analytic limits, drawn worlds, another way to the same numbers."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.estimate.emissivity import Channels, follow, infer, log_emissivity, smooth_prior
+from plasmapyro.radiation.planck import blackbody_radiance
+
+PIXELS = np.linspace(0.5e-6, 1.0e-6, 60)
+KNOWN = {"level": 0.1, "shape": 0.1, "length": 2e-7}
+
+
+def light(emissivity, kelvin, wavelength=PIXELS):
+    return emissivity * blackbody_radiance(wavelength, np.asarray(kelvin, dtype=float)[:, None])
+
+
+def test_without_noise_a_surface_as_expected_comes_out_exactly():
+    mean = 0.3 + 0.4 * (1e-6 - PIXELS) / 5e-7
+    prior = smooth_prior(PIXELS, mean, **KNOWN)
+    kelvin = np.array([700.0, 1100.0, 2400.0])
+    seen = light(mean, kelvin)
+    found = infer(Channels(PIXELS), prior, seen, 1e-3 * seen)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.temperature, kelvin, rtol=1e-6)  # the iteration ends there
+    value, _ = log_emissivity(found, prior.logarithm, prior.basis)
+    np.testing.assert_allclose(np.exp(value), np.tile(mean, (3, 1)), rtol=1e-5)
+
+
+def test_the_prior_alone_decides_along_the_direction_of_wien():
+    """In Wien's limit ln L = ln(emissivity) - c2/(lambda T) + ..: generalised least squares in 1/T.
+
+    Its standard deviation is 1/sqrt(s^T C^-1 s) with s = c2/lambda and C of emissivity and noise together.
+    """
+    kelvin, nm = 1000.0, PIXELS * 1e9
+    distance = (nm[:, None] - nm) / 200.0
+    covariance = 0.1**2 + 0.1**2 * np.exp(-(distance**2) / 2) + 1e-3**2 * np.eye(PIXELS.size)
+    shape = SECOND_RADIATION / PIXELS
+    expected = kelvin / np.sqrt(shape @ np.linalg.solve(covariance, shape))
+    seen = light(0.5, [kelvin])
+    prior = smooth_prior(PIXELS, 0.5, **KNOWN)
+    found = infer(Channels(PIXELS), prior, seen, 1e-3 * seen)
+    # 5 %: shapes of less than 1e-7 of the variance are left out.
+    assert found.relative_uncertainty[0] == pytest.approx(expected, rel=0.05)
+    assert found.noise_only[0] < 1e-2 * found.relative_uncertainty[0]
+
+
+def test_a_brighter_direction_of_wien_is_not_seen():
+    """Light of a surface 20 K hotter whose emissivity follows exp(-c2 delta/lambda): the same counts."""
+    delta = 1 / 1000.0 - 1 / 1020.0
+    emissivity = 0.5 * np.exp(-SECOND_RADIATION * delta / PIXELS)
+    np.testing.assert_allclose(light(emissivity, [1020.0]), light(0.5, [1000.0]), rtol=1e-6)
+
+
+def test_samples_after_one_another_are_one_large_fit():
+    """Two samples that share all coefficients, against a joint fit by a general optimiser."""
+    from scipy.optimize import least_squares
+
+    random = np.random.default_rng(5)
+    prior = smooth_prior(PIXELS, 0.5, **KNOWN)
+    count, kelvin = prior.basis.shape[1], np.array([1000.0, 1300.0])
+    truth = 0.5 * np.exp(prior.basis @ (0.5 * random.standard_normal(count)))
+    seen = light(truth, kelvin)
+    noise = 0.002 * seen
+    seen = seen + noise * random.standard_normal(seen.shape)
+    nothing = np.zeros((*seen.shape, 0))
+    found = follow(
+        Channels(PIXELS), prior, np.array([0.0, 1.0]), seen, noise, nothing, np.full(count, np.inf)
+    )
+
+    def rest(x):
+        model = light(0.5 * np.exp(prior.basis @ x[2:]), 1000.0 / x[:2])
+        return np.concatenate([((seen - model) / noise).ravel(), x[2:]])
+
+    best = least_squares(rest, np.append(1000.0 / kelvin, np.zeros(count)), xtol=1e-14, ftol=1e-14)
+    spread = np.sqrt(np.diag(np.linalg.inv(best.jac.T @ best.jac)))[:2] / best.x[:2]
+    # A tenth of the uncertainty: the filter does not return to the first sample's linearisation.
+    np.testing.assert_allclose(found.temperature, 1000.0 / best.x[:2], rtol=0.1 * spread.min())
+    np.testing.assert_allclose(found.relative_uncertainty, spread, rtol=0.05)
+
+
+def test_a_sample_without_light_carries_on_what_is_known():
+    prior = smooth_prior(PIXELS, 0.5, **KNOWN)
+    seen = light(0.6, [1000.0, 1000.0, 1000.0])
+    seen[1] = np.nan
+    memory = np.full(prior.basis.shape[1], np.inf)
+    found = follow(
+        Channels(PIXELS), prior, np.arange(3.0), seen, 1e-3 * seen, np.zeros((*seen.shape, 0)), memory
+    )
+    assert list(found.converged) == [True, False, True] and np.isnan(found.temperature[1])
+    np.testing.assert_allclose(found.state[0], found.state[2], atol=1e-3)
+
+
+def test_added_light_of_known_colour_is_taken_out():
+    prior = smooth_prior(PIXELS, 0.5, **KNOWN)
+    seen = light(0.5, [1000.0])
+    glow = np.broadcast_to(1e-2 * seen.max(), seen.shape)
+    found = infer(Channels(PIXELS), prior, seen + 0.7 * glow, 1e-4 * seen, glow[..., None])
+    assert found.state[0, -1] == pytest.approx(0.7, abs=0.01)  # its prior, 0 +- 1, pulls it by less
+    assert found.temperature[0] == pytest.approx(1000.0, abs=1.0)
+
+
+CENTRES = np.array([0.65, 0.75, 0.85, 0.95, 1.05]) * 1e-6
+FIVE = np.linspace(0.6e-6, 1.1e-6, 101)
+BANDS = np.abs(FIVE - CENTRES[:, None]) <= 0.03e-6
+WORLDS = ("tilted", "curved", "oxidising")
+
+
+def worlds(random, count):
+    """Emissivities (3, count, W) of 0.75 on average, by formulas that are no Gaussian process."""
+    x = (FIVE - 0.85e-6) / 0.25e-6
+    first, second, moment = random.standard_normal((3, 3, count, 1))
+    level = 0.75 * np.exp(0.08 * first)
+    metal, oxide = 0.62 - 0.17 * x, 0.88 + 0.0 * x
+    share = 1 / (1 + np.exp(-1.5 * moment[2]))
+    return np.stack(
+        [
+            level[0] * np.exp(0.12 * second[0] * x),
+            level[1] * np.exp(0.12 * second[1] * (x**2 - 0.5)),
+            level[2] / 0.75 * ((1 - share) * metal + share * oxide),
+        ]
+    )
+
+
+def test_five_bands_beat_two_grey_ones_and_know_how_well():
+    random = np.random.default_rng(12)
+    count = 400
+    emissivity = worlds(random, count)
+    kelvin = random.uniform(1100.0, 2100.0, count)
+    signal = np.einsum("wnl,nl,bl->wnb", emissivity, blackbody_radiance(FIVE, kelvin[:, None]), BANDS * 1.0)
+    signal *= 1 + 0.003 * random.standard_normal(signal.shape)
+    prior = smooth_prior(FIVE, 0.75, level=0.08, shape=0.12, length=2.5e-7)
+    trials = np.linspace(600.0, 4000.0, 20001)
+    body = blackbody_radiance(FIVE, trials[:, None])
+    curve = (body @ BANDS[3]) / (body @ BANDS[4])  # a ratio pyrometer of the two longest bands
+    for name, seen in zip(WORLDS, signal, strict=True):
+        found = infer(Channels(FIVE, BANDS * 1.0), prior, seen, 0.003 * seen)
+        assert found.converged.all()
+        error = found.temperature / kelvin - 1
+        grey = np.interp(seen[:, 3] / seen[:, 4], curve, trials) / kelvin - 1
+        assert np.sqrt(np.mean(grey**2)) >= 3 * np.sqrt(np.mean(error**2)), name
+        inside = np.abs(np.log(found.temperature / kelvin)) < 1.959964 * found.relative_uncertainty
+        assert 0.92 <= inside.mean() <= 0.98, name

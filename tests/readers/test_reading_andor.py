@@ -1,0 +1,144 @@
+"""Series of Andor's program, and an emittance over wavelength, in folders of our own making."""
+
+import numpy as np
+import pytest
+
+from plasmapyro import cli, io
+from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.readers.andor import read_series
+from plasmapyro.readers.stage import check_test, read_test
+from plasmapyro.readers.text import Refusal
+from plasmapyro.refraction import vacuum_wavelength
+
+AIR = np.linspace(520.0, 990.0, 300)  # [nm]
+VACUUM = vacuum_wavelength(AIR * 1e-9)
+TABLE = [[500, 0.60], [650, 0.52], [800, 0.38], [1000, 0.27]]
+HEADER = "Date and Time:  Mon Nov 21 20:41:16.000 2022\nData Type:  Counts\nExposure Time (secs):  {}\n"
+HEADER += "Kinetic Cycle Time (secs):  {}\nNumber in Kinetics Series:  {}\n\n"
+CALIBRATION = f"""origin: synthetic
+spectrometer:
+  format: andor
+  source: {{temperature_k: 1173.15, temperature_uncertainty_k: 1, emittance: {TABLE}}}
+  exposures:
+    - {{light: hot.asc, baseline: dark.asc}}
+"""
+TEST = """attributes:
+  condition: none
+  origin: synthetic
+  spectrometer_fwhm: 5e-9
+  emittance: {}
+  emittance_uncertainty: 0.04
+spectrometer:
+  file: light.asc
+  format: andor
+  quantity: counts
+  background: dark.asc
+"""
+
+
+def series(path, light, exposure, frames=6, seed=0):
+    """Write an export: baseline of 297 counts, shot and read noise."""
+    random = np.random.default_rng(seed)
+    counts = (
+        297 + light * exposure + random.standard_normal((frames, AIR.size)) * np.sqrt(9 + light * exposure)
+    )
+    rows = [
+        ",".join([f"{w:.5f}", *(f"{c:.0f}" for c in column), ""])
+        for w, column in zip(AIR, counts.T, strict=True)
+    ]
+    path.write_text(HEADER.format(exposure, exposure, frames) + "\n".join(rows) + "\n")
+
+
+def emissivity():
+    points, values = np.array(TABLE).T
+    return np.exp(np.interp(VACUUM, points * 1e-9, np.log(values)))
+
+
+def furnace(kelvin):
+    """Count rate of the sample: some thousand counts in 0.1 s at 1173 K."""
+    body = emissivity() * blackbody_radiance(VACUUM, kelvin)
+    return 6e4 * body / (emissivity() * blackbody_radiance(VACUUM, 1173.15)).max()
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    place = tmp_path_factory.mktemp("furnace")
+    for name in ("calibration", "test"):
+        (place / name).mkdir()
+        series(place / name / "dark.asc", 0 * AIR, 1.0, seed=1)
+    (place / "calibration/calibration.yaml").write_text(CALIBRATION)
+    series(place / "calibration/hot.asc", furnace(1173.15), 0.1, seed=2)
+    (place / "test/test.yaml").write_text(TEST.format(TABLE))
+    series(place / "test/light.asc", furnace(973.15), 1.0, seed=3)
+    assert cli.main(["calibrate", str(place / "calibration"), "--out", str(place / "lab")]) == 0
+    return place
+
+
+def correct(place, out):
+    words = ["correct", place / "test", "--instrument", place / "lab", "--out", out]
+    return cli.main([str(word) for word in words])
+
+
+def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
+    assert check_test(place / "test") == []
+    assert correct(place, tmp_path / "t.nc") == 0
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+    assert (found.spectral_status == 0).all()
+    off = found.spectral_temperature.values - 973.15
+    # What the light leaves open, some 3 K, the prior closes at the truth; 2 K: shot noise of 20 counts.
+    assert np.abs(off).max() < 2.0 and (found.spectral_temperature_uncertainty < 8).all()
+    expected = np.interp(found.emissivity_wavelength, VACUUM, emissivity())
+    low, high = found.emissivity_interval.values
+    assert ((low < expected) & (high > expected)).all()
+    said = capsys.readouterr().out
+    assert "gives the same light: what is stated of the emissivity decides" in said
+
+
+def test_light_of_a_lamp_in_the_room_is_no_temperature(place, tmp_path, capsys):
+    lamp = furnace(973.15) + 3e3 * np.exp(-(((AIR - 611) / 3) ** 2))
+    kept = (place / "test/light.asc").read_text()
+    try:
+        series(place / "test/light.asc", lamp, 1.0, seed=3)
+        assert correct(place, tmp_path / "t.nc") == 0
+    finally:
+        (place / "test/light.asc").write_text(kept)
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+    assert (found.spectral_status == 9).all() and np.isnan(found.spectral_temperature).all()
+    words = capsys.readouterr().err
+    assert "are not the light of a hot surface" in words and "more light" in words
+
+
+def test_frames_have_their_times_and_the_table_its_wavelengths(place):
+    test = read_test(place / "test")
+    np.testing.assert_allclose(test.spectrum_time, 0.5 + np.arange(6.0))
+    assert test.attrs["spectrometer_integration_time"] == 1.0
+    np.testing.assert_allclose(test.attrs["emittance_table"], [0.60, 0.52, 0.38, 0.27])
+    np.testing.assert_allclose(test.attrs["emittance_wavelength"], [5e-7, 6.5e-7, 8e-7, 1e-6])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("Exposure Time", "Exposed", "states no exposure time"),
+        ("secs):  1.0\nKin", "secs):  -1\nKin", "no number > 0"),
+        ("520.00000,", "620.00000,", "do not rise"),
+        ("\n990.00000,", "\n990.00000,3x,", "is not a number"),
+        ("\n990.00000,", "\n990.00000,3,", "cells, the first row has"),
+    ],
+)
+def test_a_damaged_series_is_refused(place, tmp_path, old, new, words):
+    text = (place / "test/light.asc").read_text()
+    assert old in text
+    (tmp_path / "x.asc").write_text(text.replace(old, new, 1))
+    with pytest.raises(Refusal, match=words):
+        read_series(tmp_path / "x.asc")
+
+
+@pytest.mark.parametrize(
+    "wrong", ["[[800, 0.4]]", "[[800, 0.4], [700, 0.5]]", "[[700, 0.4], [800, 1.5]]", "[1, 2]"]
+)
+def test_a_table_of_emittance_that_means_nothing_is_refused(place, tmp_path, wrong):
+    for name in ("light.asc", "dark.asc"):
+        (tmp_path / name).write_text((place / "test" / name).read_text())
+    (tmp_path / "test.yaml").write_text(TEST.format(wrong))
+    assert "attributes.emittance must" in "\n".join(check_test(tmp_path))
