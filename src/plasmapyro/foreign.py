@@ -14,6 +14,7 @@ SMALL = 100_000_000  # [byte] that any file may claim to hold
 LARGEST_RATIO = 20  # of what is claimed to the size of a larger file; real measurements pack to a tenth
 HDF5_SIGNATURE = b"\x89HDF"
 SHOWN = 60  # characters of a cell that a message quotes
+TOLD = 300  # characters of what a library says of a file
 PACKED = "no measurement packs so well, or it is damaged: save it again without compression"
 
 
@@ -21,6 +22,12 @@ def quote(words):
     """A piece of a file, shortened and printable, for a message."""
     words = str(words)
     return repr(words if len(words) <= SHOWN else words[:SHOWN] + "...")
+
+
+def told(reason):
+    """What a library says of a file, on one line and shortened: it may quote the file at any length."""
+    words = " ".join(str(reason).split()) or type(reason).__name__
+    return words if len(words) <= TOLD else words[:TOLD] + "..."
 
 
 def printable(words):

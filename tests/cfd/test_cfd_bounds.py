@@ -196,3 +196,14 @@ def test_only_plain_files_are_opened(tmp_path, kind):
         path.symlink_to("f.vtu" if kind == "circle" else "none.vtu")
     words = "a link that leads to no file" if kind in ("circle", "nowhere") else "not a plain file"
     refused(tmp_path, "f.vtu", words)
+
+
+def test_a_message_quotes_no_more_of_a_file_than_a_reader_can_take_in(tmp_path):
+    """meshio repeats an unknown data type of any length; found by 10 000 damaged files."""
+    text = (samples.FILES / "mixed_ascii.vtk").read_bytes()
+    (tmp_path / "f.vtk").write_bytes(text.replace(b"ASCII", b"1" * 30_000 + b"ASCII", 1))
+    (tmp_path / "m.yaml").write_text(yaml.safe_dump(samples.settings("planar")))
+    words = ["sightline", tmp_path / "f.vtk", "--map", tmp_path / "m.yaml", "--out", tmp_path / "o.nc"]
+    ending = judge(words, tmp_path)
+    require_refused(ending, "f.vtk", "cannot be read as VTK")
+    assert len(ending.message) < 1000

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 from plasmapyro.cfd.grid import DIMENSION, Zone, block_cells
-from plasmapyro.foreign import elsewhere
+from plasmapyro.foreign import elsewhere, told
 from plasmapyro.readers.text import Refusal, refuse, regular_file
 
 LARGEST = 8_000_000_000  # [byte]
@@ -56,10 +56,9 @@ def read(path):
     except (Refusal, MemoryError):
         raise
     except Exception as reason:  # a damaged file lacks nodes anywhere in its tree
-        words = " ".join(str(reason).split())
         refuse(
             path,
-            f"cannot be read as CGNS in HDF5 ({words})",
+            f"cannot be read as CGNS in HDF5 ({told(reason)})",
             "it may be cut off, or in the older ADF layout: convert it with adf2hdf",
         )
     if not zones:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 import meshio
 
 from plasmapyro.cfd.grid import OTHER_CELLS, Zone
+from plasmapyro.foreign import told
 from plasmapyro.readers.text import refuse, regular_file
 
 LARGEST = 4_000_000_000  # [byte]
@@ -36,7 +37,7 @@ def read(path):
     except Exception as reason:  # whatever a parser of other people's bytes runs into
         if isinstance(reason, KeyError) and reason.args[0] in UNREAD:
             refuse(path, f"holds cells of kind {reason.args[0]}, which are not read", OTHER_CELLS)
-        words = " ".join(str(reason).split()) or type(reason).__name__
+        words = told(reason)
         if "meshio cannot handle" in words:
             kind = words.partition("handle")[2].strip(" .")
             refuse(path, f"holds cells of a kind that is not read {kind}", OTHER_CELLS)

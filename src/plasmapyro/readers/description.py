@@ -6,6 +6,7 @@ from pathlib import PurePath
 import numpy as np
 import yaml
 
+from plasmapyro.foreign import told
 from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
 
 LARGEST = 64_000  # [byte] a description is a page of text
@@ -65,16 +66,15 @@ def load(path):
             [
                 fault(
                     path,
-                    f"not readable as YAML ({reason.problem})",
+                    f"not readable as YAML ({told(reason.problem)})",
                     "compare with docs/your-own-data.md",
                     line,
                 )
             ]
         ) from None
     except (yaml.YAMLError, ValueError) as reason:
-        first = str(reason).splitlines()[0] if str(reason) else "unknown reason"
         raise Refusal(
-            [fault(path, f"not readable as YAML ({first})", "compare with docs/your-own-data.md")]
+            [fault(path, f"not readable as YAML ({told(reason)})", "compare with docs/your-own-data.md")]
         ) from None
     if not isinstance(values, dict):
         raise Refusal([fault(path, "must hold keys and values", "compare with docs/your-own-data.md")])
