@@ -286,6 +286,7 @@ def test_help_loads_nothing_that_computes_and_says_what_the_commands_say():
 def test_check_loads_neither_pictures_nor_what_an_extra_brings():
     loaded = set(called("check", "none")[-1].split())
     assert not loaded & {"matplotlib", "jinja2", "cantera", "h5py", "snakemake"}
+    assert not loaded & {"plasmapyro.diagnosis.command", "scipy.stats"}
 
 
 def test_a_shell_completes_commands_and_options():

@@ -11,8 +11,6 @@ from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import count, not_negative, option, plot_option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
-from plasmapyro.commands.terms import read_terms
-from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.quality.catalogue import merged, of_test
@@ -196,7 +194,11 @@ def corrected(options):
 
 def _corrected(options):
     folder = options.instrument
-    given = read_terms(options.given) if options.given else ()
+    given = ()
+    if options.given:
+        from plasmapyro.commands.terms import read_terms  # all of the diagnosis, which only --with needs
+
+        given = read_terms(options.given)
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
     test = reading.test
@@ -232,6 +234,8 @@ def _with_given(test, given, estimator, calibrations, options):
 
     What is uncertain of them joins the uncertainties of the temperatures.
     """
+    from plasmapyro.diagnosis import command as diagnosis
+
     progress.say(f"fitting the model of the test with {len(given)} effects as given: some 10 s")
     inputs = diagnosis.load_inputs(options.radiance, options.instrument)
     made, moves = diagnosis.without_given(test, inputs, given, saturation_counts=options.saturation_counts)
