@@ -132,7 +132,7 @@ def correct(
     test: Test,
     calibration: Calibration | None = None,
     *,
-    estimator: str = "reference",
+    estimator: str | None = None,
     reference_window: tuple[float, float] | None = None,
     keep_window: bool = False,
     signal_uncertainty: float = 0.01,
@@ -157,7 +157,7 @@ def correct(
     calibration : path or DataTree, optional
         As from `calibrate`, the folder it was saved in, or raw files with `calibration.yaml`; the folder
         `calibration` in the test's or beside it if left out.
-    estimator : 'reference' or 'joint'
+    estimator : 'reference', 'joint' or 'emissivity'; that of the command for such data by default
         What both instruments see in the reference window is subtracted, as in the paper; or one temperature
         is inferred from all signals, and the gas followed through the test.
     reference_window : (2,) floats [s], optional

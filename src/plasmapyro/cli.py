@@ -47,7 +47,9 @@ class _Version(argparse.Action):
 def parser(names=COMMANDS):
     """The argument parser with the options of the named subcommands; each of them sets `run`."""
     top = argparse.ArgumentParser(prog="plasmapyro", description=plasmapyro.__doc__)
-    top.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
+    top.add_argument(
+        "--version", action=_Version, nargs=0, default=argparse.SUPPRESS, help="show the version and exit"
+    )
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, words in COMMANDS.items():
         if name in names:
