@@ -56,6 +56,22 @@ def test_without_its_name_the_deposit_is_something_unknown_or_a_near_relation(di
     assert verdict["status"] in ("unknown", "named+unknown") or set(verdict["named"]) & relations
 
 
+def test_what_no_name_explains_widens_the_interval(diagnosed):
+    """By what it would move the temperature: the gain of an instrument that fails for a while, unnamed."""
+    plain, unnamed = (diagnosed(window_loss=LOSS, without=names) for names in ((), ("winE", "winE_sl")))
+    temperature = unnamed.temperature
+    time = temperature["time_bin"].values
+    hot = (time > 20) & (time < OFF - 3)
+    low, high = (temperature[f"extended_temperature_{end}"].values[hot] for end in ("low", "high"))
+    true = temperature_of(time)[hot]
+    assert np.mean((low <= true) & (true <= high)) > 0.9
+    width = [
+        np.median((one["extended_temperature_high"] - one["extended_temperature_low"]).values[hot])
+        for one in (plain.temperature, temperature)
+    ]
+    assert width[1] > width[0]
+
+
 def test_a_fringe_is_something_that_the_catalogue_lacks(diagnosed):
     report = diagnosed(fringe=0.006).report
     assert report["verdict"]["status"] in ("unknown", "named+unknown")

@@ -15,6 +15,7 @@ from plasmapyro.diagnosis.select.screen import LEAST_LEFT, best_by_id, linear_ev
 from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.diagnosis.select.selection import Selection
 from plasmapyro.diagnosis.select.structures import seen_by
+from plasmapyro.diagnosis.select.unknowns import Unknowns
 from plasmapyro.diagnosis.simulation.compare import Comparison
 from plasmapyro.experiment.correction import Reading
 
@@ -83,6 +84,15 @@ class Findings:
     def p_value(self):
         """Probability of a misfit as large as the final fit's, priors included, by its noise alone."""
         return float(chi2.sf(self.final.objective, self.final.count))
+
+    @cached_property
+    def unknown_shift(self):
+        """Change (K,) [K] of the knots if what no effect explains were in the model."""
+        last, left = self.selection.steps[-1], self.selection.unknown_class
+        names = [structure.id for structure in last.screen.structures]
+        if left not in names:
+            return np.zeros(self.model.size)
+        return Unknowns(last.screen).shift(last.screen, names.index(left))
 
     @cached_property
     def unknown(self):

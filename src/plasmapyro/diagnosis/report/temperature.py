@@ -51,7 +51,7 @@ def _interval(findings, solution, unsure=0.0):
     model, times = findings.model, findings.times
     basis, size, lamp = model.history.basis(times), model.size, model.index["lamp"]
     mean, covariance = basis @ solution.state.knots, solution.covariance
-    unsure = np.hypot(unsure, strained(model, solution, basis))
+    unsure = np.hypot(np.hypot(unsure, strained(model, solution, basis)), basis @ findings.unknown_shift)
     variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
     # What the model leaves of the data beyond their noise is in the interval as well.
     misfit = max(solution.objective / max(solution.count - findings.fitted, 1), 1.0)

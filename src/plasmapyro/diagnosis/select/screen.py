@@ -42,7 +42,7 @@ class Screen:
     score: np.ndarray
     information: np.ndarray
     left: np.ndarray
-    shift: np.ndarray  # (K, candidates) [K] change of the fitted knots per amplitude that is left out
+    shift: np.ndarray  # (K, m) [K] change of the fitted knots per unit of a column that is left out
 
     @property
     def count(self):
@@ -152,7 +152,7 @@ def screen(model, solution, effects, structures=True):
     left = np.diag(projected) / np.where(plain > 0, plain, np.inf)
     # What the fit has left undone is none of the others' business.
     score = vector[rest] - carried.T @ solution.score
-    return Screen(candidates, classes, score, projected, left, carried[: model.size, : len(candidates)])
+    return Screen(candidates, classes, score, projected, left, carried[: model.size])
 
 
 def angles(information):

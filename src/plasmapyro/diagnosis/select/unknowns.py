@@ -51,21 +51,34 @@ class Unknowns:
         A structure with a Gaussian prior of its best scale joins the covariance; of a class of single columns
         the best column does.
         """
-        place, value, vector, single = self.parts[which]
-        score = screen.score[place] if vector is None else vector.T @ screen.score[place]
-        cross = screen.information[: screen.count, place]
-        cross = cross if vector is None else cross @ vector
-        worth = []
-        for scale in SCALES:
-            loss, won = np.log1p(scale**2 * value), score**2 / (value + scale**-2)
-            each = 0.5 * np.where(value > 0, won - loss, 0.0)
-            worth.append(each.max() if single else each.sum())
-        inverse = SCALES[int(np.argmax(worth))] ** -2.0
-        if single:
-            kept = int(np.argmax(np.where(value > 0, score**2 / (value + inverse), 0.0)))
-            score, value, cross = score[[kept]], value[[kept]], cross[:, [kept]]
+        score, value, inverse, columns = self._most_likely(screen, which)
+        cross = screen.information[: screen.count, self.parts[which][0]] @ columns
         own = np.diag(screen.information)[: screen.count]
         less = own - np.sum(cross**2 / (value + inverse), axis=1)
         rest = screen.score[: screen.count] - cross @ (score / (value + inverse))
         share = screen.left[: screen.count] * less / np.where(own > 0, own, np.inf)
         return gain(rest, less, share)
+
+    def shift(self, screen, which):
+        """Change (K,) [K] of the fitted knots if the unknown structure `which` were in the model."""
+        score, value, inverse, columns = self._most_likely(screen, which)
+        place = self.parts[which][0]
+        return screen.shift[:, screen.count :][:, place.start - screen.count : place.stop - screen.count] @ (
+            columns @ (score / (value + inverse))
+        )
+
+    def _most_likely(self, screen, which):
+        """Score and information (k,) of a structure along k independent columns, its inverse variance at the
+        best scale, and these columns (m, k); of a class of single columns the best one."""
+        place, value, vector, single = self.parts[which]
+        vector = np.eye(place.stop - place.start) if vector is None else vector
+        score, worth = vector.T @ screen.score[place], []
+        for scale in SCALES:
+            each = 0.5 * (score**2 / (value + scale**-2) - np.log1p(scale**2 * value))
+            each = np.where(value > 0, each, 0.0)
+            worth.append(each.max() if single else each.sum())
+        inverse = SCALES[int(np.argmax(worth))] ** -2.0
+        if single:
+            kept = [int(np.argmax(np.where(value > 0, score**2 / (value + inverse), 0.0)))]
+            score, value, vector = score[kept], value[kept], vector[:, kept]
+        return score, value, inverse, vector
