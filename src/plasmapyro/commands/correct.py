@@ -214,7 +214,8 @@ def _corrected(options):
         raise ValueError(
             "\n".join([*words, "choose another --reference-window, or go on with --keep-window"])
         )
-    estimator, contract = ESTIMATORS[_estimator(test, options.estimator)]
+    options.estimator = _estimator(test, options.estimator)  # the settings in the result name it
+    estimator, contract = ESTIMATORS[options.estimator]
     try:
         result = estimator(test, calibrations, options)
         if given:
