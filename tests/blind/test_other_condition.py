@@ -60,7 +60,8 @@ def test_the_same_window_at_another_power_is_predicted(crossed):
 
 
 def test_a_clean_window_at_another_power_speaks_against_it(crossed):
-    assert crossed(CLEAN) < -20
+    # Odds of 1 to 20 000; more would deny gains that wander by 0.3 % and a lamp known to 0.4 %.
+    assert crossed(CLEAN) < -10
 
 
 def test_without_another_test_there_is_no_score(crossed):

@@ -6,6 +6,7 @@ from pathlib import Path
 import laboratory
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 
 from plasmapyro import cli, io
@@ -220,9 +221,13 @@ def test_the_joint_estimator_gives_a_temperature_near_the_subtraction(shelf, tmp
     assert joint.attrs["origin"] == "synthetic"
 
 
-def test_the_joint_estimator_needs_the_pyrometer(shelf, tmp_path, capsys):
-    assert corrected(shelf, "spectrometer.nc", tmp_path / "j.nc", "--estimator", "joint") == 2
-    assert "use --estimator reference" in capsys.readouterr().err
+def test_the_joint_estimator_takes_spectra_alone_with_their_emissivity(shelf, tmp_path, capsys):
+    asked, same = tmp_path / "j.nc", tmp_path / "e.nc"
+    assert corrected(shelf, "spectrometer.nc", asked, "--estimator", "joint") == 0
+    assert corrected(shelf, "spectrometer.nc", same, "--estimator", "emissivity") == 0
+    with xr.open_dataset(asked) as one, xr.open_dataset(same) as other:
+        assert np.array_equal(one.spectral_temperature, other.spectral_temperature, equal_nan=True)
+        assert np.isfinite(one.spectral_temperature).any()
 
 
 def test_check_says_what_is_there(shelf, capsys):

@@ -8,8 +8,8 @@ from small_laboratory import SLIT_FWHM
 
 from plasmapyro import cli
 from plasmapyro.claims import published_experiment as published
-from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.radiation.levels import vibrational
 
 
 @pytest.fixture(scope="module")
@@ -80,11 +80,11 @@ def test_the_rule_takes_a_simulation_that_the_efficiency_implies():
 def test_another_vibrational_temperature_keeps_the_number_of_molecules():
     energy = np.array([0.0, 1.7e5, 3.4e5, 5.0e5])  # [m-1]
     lines = SimpleNamespace(upper_energy=6e6 + energy + 300.0, upper_rotation=np.full(4, 300.0))
-    factor = vary._vibrational(lines, 6000.0, 0.8)
+    factor = vibrational(lines, 6000.0, 0.8)
     population = np.exp(-1.438776877e-2 * energy / 6000.0)
     assert np.sum(population * factor) == pytest.approx(np.sum(population), rel=1e-4)
     assert (np.diff(factor) < 0).all()
-    assert np.allclose(vary._vibrational(lines, 6000.0, 1.0), 1.0, rtol=1e-12)
+    assert np.allclose(vibrational(lines, 6000.0, 1.0), 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("broken", ["test", "radiance", "out"])

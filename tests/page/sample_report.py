@@ -110,6 +110,7 @@ def report(**changes):
             "probability": {"winE": 0.91, "other": 0.07, "unknown": 0.02, "none": 0.0},
             "uncalibrated": 0.97,
             "p_base": 1e-5,
+            "unknown": {"instrument": "spectrometer", "axis": "wavelength"},
             "temperature_shift": -6.2,
             "sentences": ["The data reject the base model.", "Nothing else is needed."],
             "missing_evidence": [
@@ -248,6 +249,10 @@ def report(**changes):
             "quantiles": [{"channel": "wide", "normal": [-1.0, 1.0], "residual": [-1.1, 1.0]}],
             "profile": [{"id": "winE", "amplitude": [0.03, 0.04, 0.05], "chi2": [13.0, 0.0, 13.0]}],
             "angles": {"ids": ["winE", "other"], "degrees": [[0.0, 8.4], [8.4, 0.0]]},
+        },
+        "checks": {
+            "p": 0.4,
+            "by_phase": [{"phase": "hot", "channel": "wide", "chi2": 31.0, "count": 30, "p": 0.41}],
         },
         "assumptions": ["local thermal equilibrium"],
         "provenance": {

@@ -43,6 +43,7 @@ RUN_ELSEWHERE = {  # box after box, as they stand
     if (ROOT / where).exists()
 }
 PLACEHOLDERS = {"{test}": "csic_160kW", "FOLDER": "docs/example/my_test"}
+PLACEHOLDERS["SPECTRUM"] = "docs/example/my_test/spectrometer/spectrum_002.txt"
 OF_A_CLUSTER = ("--slurm-", "--kubernetes-", "--storage-", "--default-storage-")  # options with one value
 KINDS_OF_YAML = {"condition": "config/schema_condition.yaml", "test": "config/schema_test.yaml"}
 PYTHON = [page for page in PAGES if page.name in ("radiation.md", "file-formats.md")]
