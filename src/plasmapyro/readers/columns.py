@@ -14,7 +14,7 @@ HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
 REPORTED = 10  # bad cells named before the rest is only counted
-IN_BRACKETS = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
+IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 CLOCK = "time of day"  # key of a column that stands beside the one of the date
 COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
@@ -284,8 +284,8 @@ def _header(path, lines, columns, delimiter):
 
 
 def _label(cell):
-    match = IN_BRACKETS.match(cell)
-    return (match.group(1).strip(), match.group(2).strip()) if match else (cell, None)
+    match = IN_BRACKETS.search(cell.strip())
+    return (cell.strip()[: match.start()].strip(), match.group(1).strip()) if match else (cell, None)
 
 
 def _decimal(path, mark, cells, numbers):
