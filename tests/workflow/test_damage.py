@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from plasmapyro.api.calibration import RESPONSE
 from test_workflow import project, snakemake  # noqa: F401 (a fixture)
 
 from plasmapyro import contracts, foreign, io, seals, workspace
+from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.instrument.stage import band_response
 
 
