@@ -9,6 +9,8 @@ from test_pages import call, ids, needs_results
 COMMANDS = [one for one in all_commands("plasmapyro") if len(one.words) > 2 and needs_results(one)]
 PLACEHOLDERS = {"FOLDER": "results/twin/csic_160kW", "95kW": "90kW"}
 
+READINGS = "time [s], temperature [K]\n0, 1264\n20, 1420\n60, 1511\n160, 1559\n"
+
 
 @pytest.mark.parametrize("command", COMMANDS, ids=ids(COMMANDS))
 def test_a_command_on_results_runs(command, tmp_path, monkeypatch, capsys):
@@ -16,6 +18,7 @@ def test_a_command_on_results_runs(command, tmp_path, monkeypatch, capsys):
         pytest.skip("needs the results of the main job (make compare)")
     (tmp_path / "results").symlink_to(ROOT / os.environ["PLASMAPYRO_RESULTS"])
     (tmp_path / "config").symlink_to(ROOT / "config")
+    (tmp_path / "stag_point_temp.dat").write_text(READINGS)  # in the place of the facility's own
     monkeypatch.chdir(tmp_path)
     words = [PLACEHOLDERS.get(word, word) for word in command.words[1:]]
     assert call(words) == 0, capsys.readouterr().err
