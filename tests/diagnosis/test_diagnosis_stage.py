@@ -7,8 +7,8 @@ from small_laboratory import OFF, SLIT_FWHM, temperature_of
 
 from plasmapyro import cli, contracts, io
 from plasmapyro.diagnosis import command
-from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.gas.library import NEED_VARIATIONS, gas_library, remarks, rungs
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS
+from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
 
 LOSS = 0.08  # of window E at the end, some 20 standard deviations of a gain that wanders by 0.3 %
 

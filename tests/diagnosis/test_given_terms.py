@@ -11,9 +11,10 @@ from plasmapyro.commands.terms import OF_TEST, check_effects, read_terms, with_e
 from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.restore import without_given
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.terms import Term, terms_of, text_of
-from plasmapyro.diagnosis.stage import diagnose, without_given
+from plasmapyro.diagnosis.stage import diagnose
 
 LOSS = 0.03  # of window E at the end, as in the tests of the diagnosis
 WINDOW = {"id": "winE", "amplitude": LOSS, "uncertainty": 0.002}

@@ -9,7 +9,7 @@ from small_laboratory import gas_components
 
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.report.loop import loop_page
-from plasmapyro.diagnosis.stage import foretold
+from plasmapyro.diagnosis.simulation.predicted import foretold
 
 BRIGHTER = 1.3
 

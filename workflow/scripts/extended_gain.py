@@ -4,7 +4,7 @@ import json
 
 from plasmapyro import io
 from plasmapyro.diagnosis.report.loop import loop_page
-from plasmapyro.diagnosis.stage import foretold
+from plasmapyro.diagnosis.simulation.predicted import foretold
 
 io.log_to(snakemake.log[0])
 files, keys = snakemake.input, snakemake.params

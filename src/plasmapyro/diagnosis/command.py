@@ -14,6 +14,7 @@ import xarray as xr
 from plasmapyro import contracts, io, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit import restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.record.inputs import faults
@@ -208,7 +209,7 @@ def diagnose_test(
 
 
 def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
-    """A test without effects that are taken as given, see `stage.without_given`.
+    """A test without effects that are taken as given, see `fit.restore.without_given`.
 
     Parameters
     ----------
@@ -221,7 +222,7 @@ def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
     instrument = inputs.response, inputs.calibration, inputs.spectrometer_calibration
     settings = {"saturation_counts": saturation_counts, "given": tuple(given)}
     with np.errstate(all="ignore"):
-        return stage.without_given(test, inputs.radiation, varied, *instrument, **settings)
+        return restore.without_given(test, inputs.radiation, varied, *instrument, **settings)
 
 
 def _sentence(term):

@@ -15,6 +15,10 @@ CATALOGUE = MappingProxyType(
 )
 
 
+# Effects whose formulas take spectra of `variations`.
+NEED_VARIATIONS = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "refl", "bl", "CN")
+
+
 def without(effects, ids):
     """The effects {id: Effect} but for some.
 

@@ -5,12 +5,60 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit import observation
-from plasmapyro.diagnosis.fit.build import UNIFORM
+from plasmapyro.diagnosis.fit.build import UNIFORM, of_given
 from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.record import flags
 
 BLOCK = 2000  # samples that are modelled at once
+UNSEEN = 1e-4  # [1], rms of signals and spectra: a hundredth of what moves the ratio by 30 K
 MOST = 10.0  # [1]: a sample that effects change by more tells nothing of what it was without them
+
+
+def without_given(test, *inputs, **settings):
+    """A test without the effects that are taken as given, and how uncertain that is.
+
+    Parameters
+    ----------
+    test, *inputs, **settings : as of `fit_test`, which is called once
+
+    Returns
+    -------
+    made : function (parameters moved {name: value}, none by default) -> Dataset, contract 'test'
+    moves : list of such parameters
+        One standard error each, independent of the others, the one that changes the data most first; those
+        that change them by less than `UNSEEN` are left out.
+
+    Notes
+    -----
+    Source: principal components of the change of the data, for the covariance of the numbers after the fit.
+    """
+    base = fit_test(test, *inputs, **settings)
+    model, solution = base.model, base.solution
+    names = [one.id for one in of_given(model.given)]
+    places = [model.index[name] for name in names]
+    fitted, own = solution.state.values[places], model.size + np.array(places, dtype=int)
+
+    def made(moved=None):
+        return restored(test, model.record, base, moved)
+
+    def moves(columns):
+        return [dict(zip(names, fitted + column, strict=True)) for column in columns.T]
+
+    if not names:
+        return made, []
+    root = np.linalg.cholesky(solution.covariance[np.ix_(own, own)])
+    plain = made()
+    seen = [name for name in ("signal_wide", "signal_narrow", "spectral_radiance") if name in plain]
+    change = np.array(
+        [
+            np.concatenate([np.ravel(moved[name] / plain[name]) for name in seen]) - 1
+            for moved in map(made, moves(root))
+        ]
+    )
+    power, axes = np.linalg.eigh(np.nan_to_num(change) @ np.nan_to_num(change).T / change.shape[1])
+    kept = np.flatnonzero(power > UNSEEN**2)[::-1]
+    return made, moves(root @ axes[:, kept])
 
 
 def restored(test, record, base, moved=None):

@@ -12,9 +12,6 @@ from plasmapyro.diagnosis.gas.templates import (
 )
 from plasmapyro.diagnosis.gas.uncertainty import error_modes
 
-# Effects whose formulas take spectra of `variations`.
-NEED_VARIATIONS = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "refl", "bl", "CN")
-
 
 def gas_library(condition, radiation, variations, *, fwhm):
     """Templates of the gas for one test.

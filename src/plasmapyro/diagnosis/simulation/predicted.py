@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plasmapyro.experiment.correction import Reading
 from plasmapyro.experiment.signals import reference_signal
 from plasmapyro.record.record import record_of
 from plasmapyro.record.status import VALID
@@ -80,3 +81,33 @@ def predicted(test, radiation, reading, calibration, spectrometer_calibration, *
         np.log(sums[0][seen] / sums[1][seen]),
         np.where(valid, read[0][0] - read[1][0], np.nan),
     )
+
+
+def foretold(tests, calibration, spectrometer_calibration, *, limits, saturation_counts):
+    """What simulations foretell of the gas of tests.
+
+    Parameters
+    ----------
+    tests : mapping name -> (Dataset of the contract 'test', then Datasets of the contract 'radiation')
+    calibration, spectrometer_calibration : Datasets
+    limits, saturation_counts : as of `stage.diagnose`
+
+    Returns
+    -------
+    dict name -> list of `Prediction`, one for each simulation
+    """
+    found = {}
+    for name, (test, *simulated) in tests.items():
+        reading = Reading.of(calibration, float(test.attrs.get("emittance_slope", 1.0)), **limits)
+        found[name] = [
+            predicted(
+                test,
+                radiation,
+                reading,
+                calibration,
+                spectrometer_calibration,
+                saturation_counts=saturation_counts,
+            )
+            for radiation in simulated
+        ]
+    return found

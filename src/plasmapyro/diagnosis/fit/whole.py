@@ -1,0 +1,29 @@
+"""The base fit of a whole test: its record, the gas of its condition, the base model."""
+
+from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.record.record import record_of
+
+
+def fit_test(
+    test,
+    radiation,
+    variations,
+    response,
+    calibration=None,
+    spectrometer_calibration=None,
+    *,
+    saturation_counts,
+    given=(),
+):
+    """Base fit of a test; parameters as of `stage.diagnose`."""
+    calibrations = {"spectrometer": spectrometer_calibration}
+    if calibration is not None:
+        calibrations["pyrometer"] = calibration
+    record = record_of(test, calibrations, saturation_counts=saturation_counts)
+    if not record.instruments:
+        raise ValueError("the test holds pyrometer signals only: calibration.nc of the pyrometer is needed")
+    fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
+    library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
+    return fit_base(base_model(record, library, calibration, response, spectrometer_calibration, given))
