@@ -271,7 +271,7 @@ def test_what_is_installed_and_activated_exists():
         for package in command.words[2:]:
             extra = re.fullmatch(r"plasmapyro\[(\w+)\]", package)
             plugin = re.fullmatch(r"snakemake-(executor|storage)-plugin-\w+", package)
-            known = plugin or package == "plasmapyro"
+            known = plugin or package in ("plasmapyro", ".")
             assert known or re.search(rf"^{extra[1]} = \[", project, re.MULTILINE), command.line
     for command in all_commands("git"):
         assert command.words[1] == "clone", command.line
