@@ -1,8 +1,9 @@
-"""One thread per process for all tests: results must not depend on the number of cores. Reference tables."""
+"""One thread per process: results must not depend on the number of cores. Reference tables, a browser."""
 
 import csv
 import hashlib
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -30,3 +31,19 @@ def published():
         return [dict(zip(names, row, strict=True)) for row in rows]
 
     return load
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium, as large as a test asks for."""
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        pytest.skip("needs chromium and chromedriver (Debian: apt-get install chromium chromium-driver)")
+    selenium = pytest.importorskip("selenium.webdriver")
+    options = selenium.ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for switch in ("headless", "no-sandbox", "disable-gpu", "disable-background-networking", "no-first-run"):
+        options.add_argument(f"--{switch}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = selenium.Chrome(options, selenium.ChromeService(shutil.which("chromedriver")))
+    yield driver
+    driver.quit()

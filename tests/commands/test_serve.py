@@ -2,7 +2,6 @@
 
 import http.client
 import json
-import shutil
 import threading
 from pathlib import Path
 from urllib.parse import quote, urlsplit
@@ -129,21 +128,6 @@ def test_hostile_descriptions_end_in_words(served, content):
     status, _, said = ask(address, "POST", "check")
     assert status == 200 and b"Traceback" not in said and b"fault of the program" not in said
     assert b"plasmapyro: " in said and str(server.place).encode() not in said
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
-        pytest.skip("needs chromium and chromedriver (Debian: apt-get install chromium chromium-driver)")
-    selenium = pytest.importorskip("selenium.webdriver")
-    options = selenium.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for switch in ("headless", "no-sandbox", "disable-gpu", "disable-background-networking", "no-first-run"):
-        options.add_argument(f"--{switch}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = selenium.Chrome(options, selenium.ChromeService(shutil.which("chromedriver")))
-    yield driver
-    driver.quit()
 
 
 @pytest.mark.parametrize("width", [PHONE, DESKTOP])

@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -126,22 +125,6 @@ def test_the_page_asks_for_nothing_from_outside(page):
 def test_each_caption_and_alternative_text_says_something():
     for chapter, caption, words in FIGURES.values():
         assert chapter and len(caption) > 20 and len(words) > 20
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A headless Chromium, as large as a test asks for."""
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
-        pytest.skip("needs chromium and chromedriver (Debian: apt-get install chromium chromium-driver)")
-    selenium = pytest.importorskip("selenium.webdriver")
-    options = selenium.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for switch in ("headless", "no-sandbox", "disable-gpu", "disable-background-networking", "no-first-run"):
-        options.add_argument(f"--{switch}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = selenium.Chrome(options, selenium.ChromeService(shutil.which("chromedriver")))
-    yield driver
-    driver.quit()
 
 
 def open_page(browser, path, width):
