@@ -21,8 +21,8 @@ WARM = 18.0  # [s]
 OWN_DRIFT = 0.04
 
 
-def compare(truth, report, temperature):
-    """Hold a diagnosis against the truth: names, amplitudes, temperatures."""
+def compare(truth, report, temperature, better=3):
+    """Hold a diagnosis against the truth: names, amplitudes, temperatures `better` times better than base."""
     hidden = {one["effect"]: one for one in json.loads(truth.attrs["hidden"])}
     assert set(report["verdict"]["named"]) == set(hidden)
     found = {row["id"]: row for row in report["candidates"]}
@@ -37,8 +37,7 @@ def compare(truth, report, temperature):
         name: float(np.sqrt(np.nanmean((temperature[f"{name}_temperature"].values - true)[judged] ** 2)))
         for name in ("base", "extended")
     }
-    # What wanders within the instruments' own errors moves the base fit little: that was 5 K wrong without.
-    assert report["extended"]["applied"] and rms["extended"] < rms["base"] and rms["extended"] < 1.0
+    assert report["extended"]["applied"] and rms["extended"] < rms["base"] / better
     low, high = (temperature[f"extended_temperature_{end}"].values for end in ("low", "high"))
     assert np.mean(((low <= true) & (true <= high))[judged]) > 0.9
 
@@ -78,4 +77,5 @@ def test_the_results_of_the_main_job_agree_with_its_sealed_truth():
         pytest.skip("the main job has not run here, or hides nothing")
     truth = xr.load_dataset(ROOT / "results/twin/csic_160kW/truth.nc")
     report = json.loads((made / "diagnosis.json").read_text(encoding="utf-8"))
-    compare(truth, report, xr.load_dataset(made / "temperature.nc"))
+    # The base fit, whose gains may wander, errs by 0.9 K only (4.7 K where they could not).
+    compare(truth, report, xr.load_dataset(made / "temperature.nc"), better=2)
