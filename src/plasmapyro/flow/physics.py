@@ -35,7 +35,7 @@ conservative: without it the global balance is off by 2-7 % on the meshes in use
 
 Mixing that a steady flow lacks is an eddy viscosity with Prandtl's mixing length l: a number C (the free one,
 0 for none) times the radius of the torch, at most 0.41 times the distance from the nearest wall, behind the
-torch exit only (with 0.01 in the torch, too, no steady discharge was found):
+torch exit only (with 0.01 in the torch, too, the one run tried diverged):
 
 .. math:: \mu_t = \rho\,l^2\sqrt{2 S:S}, \qquad \kappa_t = c_p \mu_t/0.7
 
