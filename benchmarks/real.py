@@ -1,13 +1,15 @@
 """Board of real measurements: what is known, what the program says. Numbers of docs/real-data.md.
 
-    python benchmarks/real.py --furnace FOLDER [--lamp FOLDER] [--plasmatron FOLDER] [--results RESULTS]
+    python benchmarks/real.py --furnace FOLDER --elements FOLDER --lamp FOLDER --plasmatron FOLDER
 
 The folders hold public files that are not shipped (docs/real-data.md says where they come from); rows whose
-folder is not given are left out. Every row is made by the commands that a user would call.
+folder is not given are left out. Every row but those of the lamp and of mixtures is made by the commands that
+a user would call.
 """
 
 import argparse
 import contextlib
+import csv
 import io as text
 import re
 import shutil
@@ -144,8 +146,9 @@ def plasmatron(folder, work, results):
     for path in sorted(folder.rglob("stag_point_temp*.dat")):
         for condition in ("60kW", "80kW"):
             out = work / f"{path.parent.name}_{condition}_{path.stem}.nc"
-            words = ["correct-reading", path, "--condition", condition, "--out", out, "--results", results]
-            code, said = command(*words, "--floor-k", 1263, "--noise-k", 14, "--emittance", 0.9)
+            words = ["correct-reading", path, "--condition", condition, "--out", out, "--emittance", 0.9]
+            words += ["--results", results] if results else []
+            code, said = command(*words, "--floor-k", 1263, "--noise-k", 14)
             if code:
                 row("readings", f"{path.parent.name}, {condition}", "-", "-", said.strip())
                 continue
@@ -161,9 +164,24 @@ def plasmatron(folder, work, results):
             )
 
 
-def species(folder, work):
-    """Element spectra: which species. The naming of unknown lines prints its rows here."""
-    raise SystemExit("--elements: the naming of species has no row on this board yet")
+def elements(folder, work, pairs):
+    """Spectra of laser plasmas in air: what is named beside the air, alone and in mixtures."""
+    import species
+
+    for path in sorted(folder.glob("*.csv")):
+        known, out = species.known(path), work / f"{path.stem}_species.csv"
+        what = f"{path.stem}: {' '.join(known) or 'not known'}"
+        code, said = command("identify", path, "--least-probability", species.SURE, "--out", out)
+        if code:
+            row("elements", what, "-", "-", said.strip())
+            continue
+        with out.open(encoding="utf-8") as file:
+            told = [line["species"].split()[0] for line in csv.DictReader(file)]
+        beside = [one for one in dict.fromkeys(told) if one not in species.AIR]
+        row("elements", what, " ".join(beside), "-", species.verdict(known, beside) if known else "-")
+    for share, clear, hit, false, count in species.board(folder, pairs):
+        seen = f"right name in {hit} of {clear} at SNR {species.CLEAR:g}, false in {false} of {count}"
+        row("elements", f"mixtures, {share:.0%}", "-", "-", seen)
 
 
 def parser():
@@ -173,8 +191,9 @@ def parser():
     top.add_argument("--elements", type=Path, metavar="FOLDER", help="(c) CF-LIBS-improved, open")
     top.add_argument("--lamp", type=Path, metavar="FOLDER", help="(d) counts of ooacquire, GPL-2")
     top.add_argument("--plasmatron", type=Path, metavar="FOLDER", help="(e) AblaNTIS, CC BY-NC 4.0")
+    top.add_argument("--mixtures", type=int, default=20, metavar="N", help="pairs of elements for (c)")
     top.add_argument(
-        "--results", type=Path, default="results", metavar="FOLDER", help="a finished run, for (e)"
+        "--results", type=Path, metavar="FOLDER", help="a finished run for (e); default: what is shipped"
     )
     return top
 
@@ -187,7 +206,7 @@ if __name__ == "__main__":
         if options.furnace:
             furnace(options.furnace, Path(work))
         if options.elements:
-            species(options.elements, Path(work))
+            elements(options.elements, Path(work), options.mixtures)
         if options.lamp:
             lamp(options.lamp, Path(work))
         if options.plasmatron:

@@ -81,6 +81,7 @@ def correct(place, out):
 
 def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
     assert check_test(place / "test") == []
+    assert cli.main(["check", str(place / "test"), "--instrument", str(place / "lab")]) == 0
     assert correct(place, tmp_path / "t.nc") == 0
     found = io.read(tmp_path / "t.nc", "emissivity_estimate")
     assert (found.spectral_status == 0).all()

@@ -275,7 +275,8 @@ def trial(test, folder):
     add(parser.add_subparsers())
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
-    result = by_reference(test, calibrations, parser.parse_args(words))
+    estimator, _ = ESTIMATORS[_estimator(test, None)]
+    result = estimator(test, calibrations, parser.parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
 
