@@ -1,9 +1,13 @@
 """Figures of the flow: pixels hold the field, shares add up, every file is drawn and the same twice."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from plasmapyro.facility.sections import sections
+from plasmapyro.gas.stage import gas_table
 from plasmapyro.plots import flow as figures
 
 PIXEL_RTOL = 1e-12  # linear interpolation of a linear field
@@ -80,7 +84,36 @@ def test_shares_of_the_power_add_up_to_all_that_leaves():
     assert shares == pytest.approx([100 * 60 / 90, 100 * 21.9 / 90, 10.0, 0.0, -1.0], rel=1e-12)
 
 
-def test_every_figure_is_drawn_and_the_same_twice(tmp_path):
+@pytest.fixture(scope="module")
+def gas():
+    return gas_table(temperature=np.arange(300.0, 7001.0, 100.0), pressure=[5000.0])
+
+
+def in_a_tube():
+    """A tube of 40 mm with gas of 500 K at 30 m/s, 4 Pa above the chamber, heated evenly."""
+    flow = field()
+    uniform = {"temperature": 500.0, "axial_velocity": 30.0, "pressure": 5004.0, "joule_heating": 2e6}
+    flow = flow.assign(
+        {name: ("node", np.full(flow.sizes["node"], value)) for name, value in uniform.items()}
+    )
+    stated = {"wall_temperature": 300.0, "stagnation_point_z": 0.12, "torch": json.dumps({"length": 0.08})}
+    return flow.assign_attrs(stated)
+
+
+def test_sections_carry_what_a_uniform_stream_carries(gas):
+    found, area = sections(in_a_tube(), gas), np.pi * 0.04**2
+    density, enthalpy = (
+        float(np.interp(500, gas.temperature, gas[name][0])) for name in ("density", "enthalpy")
+    )
+    enthalpy -= float(gas.enthalpy[0, 0])
+    assert found["momentum"] == pytest.approx(density * 900 * area, rel=1e-3)
+    assert np.all(found["hot_momentum"] == 0)
+    assert found["pressure_force"] == pytest.approx(4 * area, rel=1e-3)
+    assert found["enthalpy"] == pytest.approx(density * 30 * enthalpy * area, rel=5e-3)
+    assert found["heating"][-1] == pytest.approx(2e6 * area * 0.12, rel=1e-3)
+
+
+def test_every_figure_is_drawn_and_the_same_twice(tmp_path, gas):
     flows = {"80kW": field(), "90kW": field()}
     for turn in ("a", "b"):
         folder = tmp_path / turn
@@ -89,7 +122,8 @@ def test_every_figure_is_drawn_and_the_same_twice(tmp_path):
         figures.fields(flows.values(), [SIGHTLINE] * 2, paths)
         figures.convergence(flows, [folder / "convergence.svg"])
         figures.balances(flows, [folder / "balances.svg"])
+        figures.budgets(in_a_tube(), sections(in_a_tube(), gas), [folder / "budgets.svg"])
     names = sorted(path.name for path in (tmp_path / "a").iterdir())
-    assert names == ["80kW.svg", "90kW.svg", "balances.svg", "convergence.svg"]
+    assert names == ["80kW.svg", "90kW.svg", "balances.svg", "budgets.svg", "convergence.svg"]
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()

@@ -46,7 +46,11 @@ FIGURES = [
             for name in ("flow_convergence", "flow_balances")
         ]
     ),
-    *drawn(["fig5a_temperature_field", *[f"flow_{name}" for name in COMPUTED]] if COMPUTED else []),
+    *drawn(
+        ["fig5a_temperature_field", "flow_budgets", *[f"flow_{name}" for name in COMPUTED]]
+        if COMPUTED
+        else []
+    ),
     *drawn(
         [
             "design_bands",
@@ -91,8 +95,10 @@ rule figures_fields:
     input:
         flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
         sightlines=expand("results/sightline/{condition}.nc", condition=COMPUTED),
+        gas=f"results/gas/{gas_key(NITROGEN.get(config['figures']['field_condition'], AIR['N2']))}.nc",
     output:
         temperature_field=drawn("fig5a_temperature_field"),
+        budgets=drawn("flow_budgets"),
         fields=drawn([f"flow_{condition}" for condition in COMPUTED]),
     log:
         "results/logs/figures_fields.log",

@@ -1,6 +1,7 @@
 """Rule figures_fields: the computed fields, one figure each (figure 5a and beyond)."""
 
 from plasmapyro import io
+from plasmapyro.facility.sections import sections
 from plasmapyro.plots import flow
 
 io.log_to(snakemake.log[0])
@@ -12,3 +13,5 @@ flows, sightlines = (
 flow.temperature_field(flows[keys.field_condition], sightlines[keys.field_condition], drawn.temperature_field)
 files = [drawn.fields[k : k + keys.formats] for k in range(0, len(drawn.fields), keys.formats)]
 flow.fields(flows.values(), sightlines.values(), files)
+found = sections(flows[keys.field_condition], io.read(snakemake.input.gas, "gas"))
+flow.budgets(flows[keys.field_condition], found, drawn.budgets)

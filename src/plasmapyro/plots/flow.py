@@ -51,8 +51,7 @@ def temperature_field(flow, sightline, paths):
     axes.legend(loc="upper left", labelcolor="0.3")
     axes.set(xlabel="Axial position $z$ [mm]", ylabel="Radial position $r$ [mm]", aspect="equal")
     axes.grid(False)
-    power = float(flow.numerical_power) / 1e3
-    axes.set_title(f"air, {flow.chamber_pressure / 100:.0f} mbar, {power:g} kW", loc="left", fontsize=8)
+    axes.set_title(_named(flow), loc="left", fontsize=8)
     style.mark_origin(axes, flow)
     style.save(drawing, paths)
 
@@ -172,9 +171,7 @@ def _field(flow, sightline, raster, paths):
     )
     _streamlines(upper, flow, raster)
     upper.legend(loc="upper left", labelcolor="0.3")
-    power = float(flow.numerical_power) / 1e3
-    current = float(flow.coil_current)
-    title = f"air, {flow.chamber_pressure / 100:.0f} mbar, {power:g} kW; coil {current:.0f} A"
+    title = f"{_named(flow)}; coil {float(flow.coil_current):.0f} A"
     upper.set_title(title, loc="left", fontsize=8)
     style.mark_origin(upper, flow)
     heating = raster.image(flow.joule_heating.values / 1e6)
@@ -293,6 +290,43 @@ def balances(flows, paths):
     lower.set_xticklabels([curve.label for curve in _curves(flows)], rotation=45)
     style.mark_origin(upper, *flows.values())
     style.save(drawing, paths)
+
+
+def budgets(flow, found, paths):
+    """Momentum and power through the sections of the torch and the jet, up to the nose of the probe.
+
+    Parameters
+    ----------
+    flow : Dataset, contract 'flow'
+    found : result of `facility.sections.sections` of it
+    paths : paths of the files to write
+    """
+    drawing, (upper, lower) = style.figure(size=(5.6, 4.2), nrows=2, sharex=True)
+    z = 1e3 * found["position"]
+    upper.plot(z, found["momentum"], color="0.1", label="momentum of all gas")
+    upper.plot(z, found["hot_momentum"], color="#d62728", label="of gas above 3000 K")
+    upper.plot(z, found["pressure_force"], color="#4e79a7", ls="--", label="pressure above chamber")
+    upper.set(ylabel="Force over a section [N]")
+    lower.plot(z, 1e-3 * found["heating"], color="#f28e2b", label="Joule heat upstream")
+    lower.plot(z, 1e-3 * found["enthalpy"], color="0.1", label="enthalpy of the gas")
+    lost = found["heating"] - found["enthalpy"]
+    lower.plot(z, 1e-3 * lost, color="#4e79a7", ls="--", label="lost upstream")
+    lower.set(ylabel="Power through a section [kW]", xlabel="Axial position $z$ [mm]")
+    exit_position = 1e3 * found["exit"]
+    for axes in (upper, lower):
+        axes.axvline(exit_position, color="0.6", lw=0.7)
+        axes.axhline(0, color="0.6", lw=0.7)
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    upper.annotate("torch exit", (exit_position + 6, 0.85 * upper.get_ylim()[1]), fontsize=7, color="0.3")
+    upper.set_title(_named(flow), loc="left", fontsize=8)
+    style.mark_origin(upper, flow)
+    style.save(drawing, paths)
+
+
+def _named(flow):
+    """Gas, pressure and power of a flow, for a title."""
+    gas, power = flow.attrs.get("gas", "air"), float(flow.numerical_power) / 1e3
+    return f"{gas}, {flow.chamber_pressure / 100:.0f} mbar, {power:g} kW"
 
 
 def _shares(flow):

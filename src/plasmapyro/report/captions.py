@@ -46,6 +46,12 @@ FIGURES = {
         "Heat flux against Pitot pressure: computed for walls of several recombination, and measured pairs.",
         "The computed curves rise together; measured pairs lie below and to the right of all but the lowest.",
     ),
+    "flow_budgets": (
+        "Flow",
+        "Momentum and power through sections of torch and jet. Nearly all momentum stays in the cold sheath.",
+        "Two panels over the axial position: momentum stays level while that of hot gas grows slowly;"
+        " Joule heat and enthalpy rise under the coil, with a constant loss behind.",
+    ),
     "flow_balances": (
         "Flow",
         "Where the power goes, and what the balances of energy and mass leave open. Parts too small to be"
