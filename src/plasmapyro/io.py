@@ -137,15 +137,19 @@ def write_labelled(ready):
     store_from(0)
 
 
-def write_packed(dataset, path, contract, *, bits, sources=()):
+def write_packed(dataset, path, contract, *, bits, bits_of=None, sources=()):
     """Store a stage file for shipping: spectra compressed, in single precision, mantissas rounded to `bits`.
 
-    A number of theirs moves by at most 2**-(bits + 1) of itself; see `write`.
+    A number of theirs moves by at most 2**-(bits + 1) of itself; `bits_of` {variable: bits} names others. See
+    `write`.
     """
     dataset = labelled(dataset, contract, sources)
-    for variable in (one for one in dataset.data_vars.values() if one.size > SMALL):
+    for name, variable in ((name, one) for name, one in dataset.data_vars.items() if one.size > SMALL):
         packed = {"dtype": "f4", "zlib": True, "complevel": 9, "shuffle": True}
-        variable.encoding |= packed | {"significant_digits": bits, "quantize_mode": "BitRound"}
+        variable.encoding |= packed | {
+            "significant_digits": (bits_of or {}).get(name, bits),
+            "quantize_mode": "BitRound",
+        }
     write_labelled([(path, dataset)])
 
 

@@ -9,7 +9,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from small_laboratory import FIT, OFF, POWERS, SLIT_FWHM, black_body, gas_components, temperature_of
+from small_laboratory import (
+    FIT,
+    OFF,
+    POWERS,
+    SLIT_FWHM,
+    black_body,
+    error_modes,
+    gas_components,
+    temperature_of,
+)
 
 
 @pytest.fixture(scope="session")
@@ -26,6 +35,7 @@ def radiation(axis):
                 "gas_radiance_slit": ("wavelength_slit", parts.sum(axis=0)),
                 "gas_radiance_component_slit": (("component", "wavelength_slit"), parts),
                 "component_uncertainty": ("component", [0.05, 0.09, 0.1]),
+                **error_modes(axis, [0.05, 0.09, 0.1]),
             },
             {"wavelength_slit": axis, "component": ["O I", "N I", "N2 1P"]},
             {"slit_fwhm": SLIT_FWHM, "origin": "synthetic", "numerical_power": power},

@@ -39,3 +39,29 @@ def gas_components(axis, power):
         atoms[row] += strength * ratio**exponent * np.exp(-(((axis - place * 1e-9) / sigma) ** 2) / 2)
     hump = 12.0 * ratio * (1 + 0.5 * np.sin(axis / 7e-9)) * np.exp(-(((axis - 1e-6) / 1.5e-7) ** 2))
     return 1e6 * np.array([atoms[0], atoms[1], hump])
+
+
+def error_modes(axis, strength):
+    """Variables of a radiance file: strengths, 5 % of each line and of the hump."""
+    rows, systems, causes = [], [], []
+
+    def add(row, system, cause):
+        rows.append(row)
+        systems.append(system)
+        causes.append(cause)
+
+    for system, size in zip(("O I", "N I", "N2 1P"), strength, strict=True):
+        add(np.full(axis.size, max(size, 0.08)), system, "strength")
+    for place, *_ in LINES:
+        near = np.abs(axis - place * 1e-9) < 3e-9
+        add(np.where(near, 0.05, 0.0), "N I" if place == 868.0 else "O I", "multiplet")
+    for length in (3e-9, 25e-9):
+        centres = np.arange(axis[0], axis[-1] + length, length)
+        bumps = np.exp(-0.5 * ((axis - centres[:, None]) / (0.7 * length)) ** 2)
+        for row in 0.05 * bumps / np.sqrt(np.sum(bumps**2, axis=0)):
+            add(row, "N2 1P", "rotation")
+    return {
+        "error_share": (("error_mode", "wavelength_slit"), np.array(rows)),
+        "error_system": ("error_mode", np.array(systems, dtype=object)),
+        "error_cause": ("error_mode", np.array(causes, dtype=object)),
+    }

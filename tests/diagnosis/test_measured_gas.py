@@ -10,7 +10,6 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.gas.library import gas_library
-from plasmapyro.diagnosis.gas.uncertainty import LEAST_STRENGTH, OF_BANDS, error_modes
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
@@ -102,14 +101,3 @@ def test_a_line_that_nobody_simulated_is_found_at_its_wavelength(fitted, record,
     other = foreign(radiation, np.array([gone, 1.0 + 0 * axis, 1.0 + 0 * axis]))
     lines = [line for line in compared(fitted(record(), other)).lines if line.strength > 0]
     assert min(abs(line.wavelength - 926.6e-9) for line in lines) < 0.8e-9  # a pixel
-
-
-def test_the_errors_that_a_simulation_states_add_up(axis):
-    """A grey band: its strength as stated, but for a floor, and at each wavelength shapes of two lengths."""
-    light = np.ones((1, axis.size))
-    strength, shape, systems = error_modes(axis, ["N2+ Meinel"], light, [0.3])
-    assert systems == ("N2+ Meinel",)
-    np.testing.assert_allclose(np.sum(strength**2, axis=0), 0.3**2, rtol=1e-12)
-    np.testing.assert_allclose(np.sum(shape**2, axis=0), 2 * OF_BANDS**2, rtol=1e-3)
-    strength, *_ = error_modes(axis, ["N2+ Meinel"], light, [0.01])
-    np.testing.assert_allclose(np.sum(strength**2, axis=0), LEAST_STRENGTH**2, rtol=1e-12)

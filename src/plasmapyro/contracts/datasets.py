@@ -12,6 +12,11 @@ PROBE_SCALARS = (
     "edge_enthalpy",
     "jet_speed",
 )
+ERROR_MODES = {
+    "error_share?": ("error_mode", "wavelength_slit"),
+    "error_system?": ("error_mode",),
+    "error_cause?": ("error_mode",),
+}
 
 DATASETS = {
     "gas": {
@@ -333,6 +338,7 @@ DATASETS = {
         "sample_emittance": ("condition",),
         "gas_signal": ("condition", "band"),
         "component_uncertainty": ("component",),
+        **ERROR_MODES,
         "variation_amplitude": ("condition", "variation", "level"),
         "gas_radiance_slit": ("condition", "wavelength_slit"),
         "gas_radiance_component_slit": ("condition", "component", "wavelength_slit"),
@@ -378,6 +384,7 @@ DATASETS = {
         "gas_radiance": ("wavelength",),
         "gas_radiance_component": ("component", "wavelength"),
         "component_uncertainty?": ("component",),
+        **ERROR_MODES,
         "optical_depth": ("wavelength",),
         "wavelength_slit": ("wavelength_slit",),
         "gas_radiance_slit": ("wavelength_slit",),

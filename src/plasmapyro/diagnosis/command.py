@@ -72,6 +72,7 @@ def gas_of(radiance=None, variations=None):
         A file that is missing or breaches its contract.
     """
     keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
+    keep += ["error_share", "error_system", "error_cause"]
     if radiance is None:
         varied, digests = shipped.by_condition(), {"radiation/shipped": shipped.stored()[1]}
         spectra = {name: one[keep].assign_attrs(one.attrs) for name, one in varied.items()}

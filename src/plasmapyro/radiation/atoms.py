@@ -219,6 +219,12 @@ def _levels(atom):
     return _Levels(table, table["upper_energy"] - table["lower_energy"], binding, orbital, labels)
 
 
+def _multiplets(table):
+    """Number of the multiplet of each line (L,): lines between the same two terms share it."""
+    words = [table[f"{side}_{what}"] for side in ("upper", "lower") for what in ("configuration", "term")]
+    return np.unique(["|".join(row) for row in zip(*words, strict=True)], return_inverse=True)[1]
+
+
 def line_uncertainty(accuracy, emission):
     """Relative uncertainty of a sum of lines, their errors taken as one: classes weighed by emission.
 
@@ -300,6 +306,8 @@ def atomic_lines(system):
             WIDTH_REFERENCE_TEMPERATURE,
         ),
         resonance_hwhm=resonance["upper"] + resonance["lower"],
+        family=_multiplets(table),
+        strength_uncertainty=np.array([ACCURACY[word] for word in table["accuracy"]]),
         origin=tables.weakest((table.origin, decay_table.origin)),
         relative_uncertainty=line_uncertainty(table["accuracy"], emission),
     )

@@ -19,7 +19,7 @@ from plasmapyro.radiation.diatomic_states import (
     system_lines,
     transition_moments,
 )
-from plasmapyro.radiation.lines import LineList
+from plasmapyro.radiation.lines import BAND, LineList
 
 # [kg], of 14N and 16O (G. Audi, A. H. Wapstra, C. Thibault, Nucl. Phys. A 729 (2003) 337) and of 12C
 ATOM_MASS = {"N": 14.0030740048 * ATOMIC_MASS, "O": 15.9949146196 * ATOMIC_MASS, "C": 12.0 * ATOMIC_MASS}
@@ -189,6 +189,7 @@ class BandSystem:
             **{name: kept[name] for name in names},
             natural_hwhm=decay[kept["upper_v"].astype(int)] / (4 * np.pi * LIGHT_SPEED),
             van_der_waals_hwhm=COLLISION_HWHM,
+            family=BAND * kept["upper_v"] + kept["lower_v"],
             origin="published",
             relative_uncertainty=self.uncertainty,
         )

@@ -10,6 +10,7 @@ from plasmapyro.constants import LIGHT_SPEED, PLANCK
 
 WIDTH_REFERENCE_TEMPERATURE = 1e4  # [K], of the Stark and van der Waals coefficients below
 VAN_DER_WAALS_EXPONENT = 0.3  # [1], mean speed to the power 3/5
+BAND = 100  # v' counts so many times in the number of a band
 ENERGY_CLOSURE = 1e-3  # [1], relative; energies and wavenumber come from rounded level tables
 
 _NUMBERS = {
@@ -26,6 +27,8 @@ _NUMBERS = {
     "resonance_hwhm": "m2",
     "upper_rotation": "m-1",
     "lower_rotation": "m-1",
+    "family": "1",
+    "strength_uncertainty": "1",
 }
 _SIGNED = ("stark_exponent", "upper_rotation", "lower_rotation")
 _POSITIVE = ("wavenumber", "upper_degeneracy", "lower_degeneracy")
@@ -69,6 +72,10 @@ class LineList:
     upper_rotation, lower_rotation : (L,) [m-1]
         Part of the level energies that follows the rotational temperature: what lies above the
         rotationless vibronic level, spin splitting included. 0 for atoms.
+    family : (L,) [1]
+        Number of the multiplet or band of the line, 0 or more; of a band (v', v''): `BAND` v' + v''.
+    strength_uncertainty : (L,) [1]
+        Relative, of the Einstein coefficient; 0 where the list knows only that of the system.
     origin : weakest origin of the tables behind the list (see `tables.ORIGINS`)
     relative_uncertainty : float [1]
         Of the strength of the whole system, one standard deviation or what its source states; NaN if unknown.
@@ -96,6 +103,8 @@ class LineList:
     resonance_hwhm: np.ndarray = 0.0
     upper_rotation: np.ndarray = 0.0
     lower_rotation: np.ndarray = 0.0
+    family: np.ndarray = 0.0
+    strength_uncertainty: np.ndarray = 0.0
     origin: str = "published"
     relative_uncertainty: float = np.nan
 

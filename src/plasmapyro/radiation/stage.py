@@ -19,6 +19,7 @@ from plasmapyro.radiation.levels import departures
 from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance, require_any_resolution
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
+from plasmapyro.radiation.uncertainty import error_modes
 from plasmapyro.tables import weakest
 
 REFLECTIONS = ("specular", "diffuse")
@@ -48,9 +49,10 @@ def line_of_sight_radiance(
     -------
     Dataset, contract 'radiation'
         `gas_radiance` and its components on the grid (the gas's own light only), the relative uncertainty of
-        each component's strength, `optical_depth`, the view through the slit, and the band signals: of the
-        spectrum, of the same spectrum without absorption (thin), and of the lines and continuum without a
-        grid (gridless). The attributes of the condition (`conditions.stated`) are those of the sight line.
+        each component's strength, the modes of its error (`uncertainty.ErrorModes`), `optical_depth`, the
+        view through the slit, and the band signals: of the spectrum, of the same spectrum without absorption
+        (thin), and of the lines and continuum without a grid (gridless). The attributes of the condition
+        (`conditions.stated`) are those of the sight line.
 
     Raises
     ------
@@ -95,6 +97,8 @@ def line_of_sight_radiance(
     ]
 
     weights = [respond(wavelength, response_wavelength, response) for response in responses]
+    stated = component_uncertainty(result.components, lists)
+    errors = error_modes(path, result.thin_lines, view, slit_fwhm, result.components, seen, stated)
 
     def signal(spectrum):
         return ("band", [band_signal(wavelength, weight, spectrum) for weight in weights])
@@ -103,7 +107,10 @@ def line_of_sight_radiance(
         {
             "gas_radiance": ("wavelength", total),
             "gas_radiance_component": (("component", "wavelength"), radiance),
-            "component_uncertainty": ("component", component_uncertainty(result.components, lists)),
+            "component_uncertainty": ("component", stated),
+            "error_share": (("error_mode", "wavelength_slit"), errors.share.astype(np.float32)),
+            "error_system": ("error_mode", np.array(errors.system, dtype=object)),
+            "error_cause": ("error_mode", np.array(errors.cause, dtype=object)),
             "optical_depth": ("wavelength", result.optical_depth[::-1]),
             "gas_radiance_slit": ("wavelength_slit", seen.sum(axis=0)),
             "gas_radiance_component_slit": (("component", "wavelength_slit"), seen),

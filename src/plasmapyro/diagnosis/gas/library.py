@@ -10,7 +10,7 @@ from plasmapyro.diagnosis.gas.templates import (
     line_groups,
     widened,
 )
-from plasmapyro.diagnosis.gas.uncertainty import error_modes
+from plasmapyro.radiation.uncertainty import LEAST_STRENGTH, STRENGTHS
 
 
 def gas_library(condition, radiation, variations, *, fwhm):
@@ -48,7 +48,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
 
     components = own["component"].values.astype(str), own["gas_radiance_component_slit"].values
     groups, light = line_groups(axis, *components)
-    strength, shape, systems = error_modes(axis, *components, own["component_uncertainty"].values)
+    strength, shape, systems = _error_modes(own)
     names = rungs(condition, radiation)
     return GasLibrary(
         condition=condition,
@@ -72,6 +72,26 @@ def gas_library(condition, radiation, variations, *, fwhm):
             np.array([seen(row) for row in variations["core_radiance"].values]),
         ),
     )
+
+
+def _error_modes(radiation):
+    """Modes (M, K) of the error of a spectrum: in strengths, in shapes; and whose strength the former are.
+
+    Spectra that do not state modes err in the strengths of their systems alone.
+    """
+    component, light = (
+        radiation["component"].values.astype(str),
+        radiation["gas_radiance_component_slit"].values,
+    )
+    if "error_share" not in radiation:
+        shines = light.any(axis=1)
+        size = np.maximum(radiation["component_uncertainty"].values[shines], LEAST_STRENGTH)
+        return size[:, None] * light[shines], np.zeros((0, light.shape[1])), tuple(component[shines])
+    system = radiation["error_system"].values.astype(str)
+    place = [list(component).index(name) for name in system]
+    modes = radiation["error_share"].values * light[place]
+    strength = np.isin(radiation["error_cause"].values.astype(str), STRENGTHS)
+    return modes[strength], modes[~strength], tuple(system[strength])
 
 
 def rungs(condition, radiation):

@@ -46,7 +46,7 @@ class GasLibrary:
     addition: dict
     weakest: np.ndarray
     systems: tuple  # (M,) names of the radiating systems of the strength modes
-    strength_modes: np.ndarray  # (M, K) errors of the simulated spectrum, see `gas.uncertainty`
+    strength_modes: np.ndarray  # (M, K) errors of the simulated spectrum, see `radiation.uncertainty`
     shape_modes: np.ndarray
     core: tuple | None = None
 

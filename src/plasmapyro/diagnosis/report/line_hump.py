@@ -4,7 +4,6 @@ import numpy as np
 
 from plasmapyro.diagnosis.fit.build import POWER_SIGMA
 from plasmapyro.diagnosis.gas.templates import BANDS_OF
-from plasmapyro.diagnosis.gas.uncertainty import LEAST_STRENGTH, OF_SEQUENCE
 from plasmapyro.diagnosis.report.findings import pulls
 from plasmapyro.diagnosis.report.show import LINE_REACH
 
@@ -104,16 +103,12 @@ def _closest(library, spectrum, explanations):
     def logarithm(values):
         return np.log(binned(values) / base)
 
-    share = np.array([binned(group) for group in library.group]) / base
-    sigma = np.array(
-        [OF_SEQUENCE if str(name).startswith(BANDS_OF) else LEAST_STRENGTH for name in library.group_name]
-    )
-    bands = share[[str(name).startswith(BANDS_OF) for name in library.group_name]].sum(axis=0)
+    errors = np.array([binned(mode) for mode in library.strength_modes]) / base
     step = POWER_SIGMA / 2
     power = logarithm(library.power_factor(step) * library.base) - logarithm(
         library.power_factor(-step) * library.base
     )
-    rows = np.concatenate([sigma[:, None] * share, [LEAST_STRENGTH * bands, power]])
+    rows = np.concatenate([errors, [power]])
     covariance = rows.T @ rows + SHAPE_SIGMA**2 * np.eye(used.size)
     white = np.linalg.inv(np.linalg.cholesky(covariance))
     measured = logarithm(spectrum)

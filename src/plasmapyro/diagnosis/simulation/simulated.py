@@ -16,9 +16,8 @@ COLD = 250.0  # [K]: a surface that does not shine
 class Simulated:
     """Light of the simulated gas in the channels of a test, over its level, and the errors of it.
 
-    `strength`, `shape` (M, C): the modes of `gas.uncertainty` in the channels, `systems` (M,) whose strength
-    they are; `group` (G, C): the light in
-    groups of lines; `effects` {id: Effect} that may act on it.
+    `strength`, `shape` (M, C): the modes of `radiation.uncertainty` in the channels, `systems` (M,) whose
+    strength they are; `group` (G, C): the light in groups of lines; `effects` {id: Effect} that may act.
     """
 
     def __init__(self, model, measured, effects):

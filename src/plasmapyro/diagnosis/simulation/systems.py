@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro.diagnosis.fit.observation import line_shapes
+from plasmapyro.radiation.uncertainty import LEAST_STRENGTH
 
 FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
 BEYOND = 3.0  # standard deviations from which a system is off
@@ -64,7 +65,7 @@ def systems_of(fitter, fit):
             continue
         light = library.group[place]
         first, last = library.wavelength[np.searchsorted(np.cumsum(light) / light.sum(), MIDDLE)]
-        stated = _stated(simulated, place)
+        stated = _stated(simulated, name, simulated.group[place])
         off = abs(ratio[place] / by_power[place] - 1)
         yield System(
             name,
@@ -80,10 +81,11 @@ def systems_of(fitter, fit):
         )
 
 
-def _stated(simulated, place):
-    """Relative error that the simulation states of the light of a group."""
-    weight = simulated.group[place] / max(float(np.sum(simulated.group[place] ** 2)), 1e-300)
-    return float(np.linalg.norm(simulated.strength @ weight))
+def _stated(simulated, name, light):
+    """Relative error that the simulation states of the light (C,) of a group: of its own system alone."""
+    own = [f"{system} " in f"{name} " for system in simulated.systems]
+    weight = light / max(float(light @ light), 1e-300)
+    return float(np.linalg.norm(simulated.strength[own] @ weight)) or LEAST_STRENGTH
 
 
 def lines_of(fitter, fit, threshold):
