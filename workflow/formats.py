@@ -36,6 +36,7 @@ FILES = {  # contract -> where a run leaves it; "" for files that only commands 
     "pyrometer_correction": "results/experiment/{test}/pyrometer_correction.nc",
     "spectrometer_correction": "results/experiment/{test}/spectrometer_correction.nc",
     "joint_estimate": "results/experiment/{test}/joint_estimate.nc",
+    "temperature": "results/experiment/{test}/temperature.nc",
     "emissivity_estimate": "",
     "correction": "",
     "simulations": "",

@@ -70,8 +70,16 @@ def test_the_true_temperature_comes_out(shelf, tmp_path, capsys, name):
         np.testing.assert_allclose(found.scaled_temperature[late], truth, rtol=2e-3)
         np.testing.assert_allclose(found.apparent_emittance[late], laboratory.EMITTANCE, rtol=0.006)
         assert "spectrometer_temperature: " in said
-    assert ("time" in found) == (name != "spectrometer.nc")
-    assert found.attrs["origin"] == "synthetic" and '"estimator": "reference"' in found.attrs["configuration"]
+    assert found.attrs["origin"] == "synthetic"
+    asked, best = ("reference", "spectra") if name == "spectrometer.nc" else ("all", "joint")
+    assert f'"estimator": "{asked}"' in found.attrs["configuration"]
+    assert found.attrs["recommended"] == best and found.attrs["recommended_because"] in said
+    best, time = found.recommended_temperature.values, found.time.values
+    late = np.isfinite(best) & (time > 20)
+    pull = (best - laboratory.temperature(time))[late] / found.recommended_temperature_uncertainty[late]
+    assert late.sum() >= 20 and float(np.abs(pull).max()) < 3
+    squares = (found.temperature_contribution**2).sum("input_quantity")[late]
+    np.testing.assert_allclose(np.sqrt(squares), found.recommended_temperature_uncertainty[late], rtol=0.01)
 
 
 @pytest.mark.parametrize(

@@ -110,6 +110,7 @@ def calibration(response):
     return xr.Dataset(
         {
             "fit_coefficient": ("fit_power", np.polynomial.polynomial.polyfit(place, ratio[between], 2)),
+            "fit_covariance": (("fit_power", "other_fit_power"), 1e-6 * np.eye(3)),
             "fit_range": ("bound", list(FIT)),
             "instrument_range": ("bound", [800.0, 2000.0]),
             "sensitivity_ratio": 0.3,

@@ -8,7 +8,10 @@ from small_laboratory import OFF, SLIT_FWHM, temperature_of
 from plasmapyro import cli, contracts, io
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS
+from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
+from plasmapyro.diagnosis.stage import diagnose
+from plasmapyro.record import budget, status
 
 LOSS = 0.08  # of window E at the end, some 20 standard deviations of a gain that wanders by 0.3 %
 
@@ -70,6 +73,53 @@ def test_what_no_name_explains_widens_the_interval(diagnosed):
         for one in (plain.temperature, temperature)
     ]
     assert width[1] > width[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "best"), [({}, "base"), ({"window_loss": LOSS}, "extended")], ids=["null", "named"]
+)
+def test_one_temperature_is_recommended_with_a_budget_that_adds_up(diagnosed, changes, best):
+    found = diagnosed(**changes).temperature
+    assert found.attrs["recommended"] == best
+    given = np.isfinite(found.recommended_temperature)
+    np.testing.assert_array_equal(found.recommended_temperature[given], found.extended_temperature[given])
+    low, high = found.recommended_temperature_interval.values[:, given]
+    np.testing.assert_allclose(low, found.extended_temperature_low[given])
+    whole = np.sqrt((found.temperature_contribution**2).sum("input_quantity"))[given]
+    np.testing.assert_allclose(whole, found.recommended_temperature_uncertainty[given], rtol=0.01)
+    # 1.96 of them are half the interval of a normal law, 1.65 of a rectangular one; the interval is made of
+    # the variance of the fit, the budget of its inputs.
+    factor = (high - low) / 2 / whole
+    assert factor.min() > 1.6 and factor.max() < 2.0
+    state, time = found.recommended_status.values, found.time_bin.values
+    assert (state[time < 0] == status.NOT_INJECTED).all()
+    assert (state[(time > 30) & (time < OFF - 3)] == status.VALID).all()
+    assert ("named effects" in found.input_group.values) == (best == "extended")
+
+
+def test_the_fit_follows_what_is_stated_as_its_budget_says(record, laboratory):
+    """The statement of the emittance moved by half its uncertainty, and all fitted again."""
+    base = fit_test(record(), *vars(laboratory).values(), saturation_counts=65000.0)
+    fitter, model, start = base.fitter, base.model, base.solution
+    place = model.index["emittance"]
+    moved = []
+    for sign in (1, -1):
+        fitter.centre[place] = sign * 0.5 * model.parameters[place].sigma
+        moved.append(fitter.fit(start.state, ()).state.knots)
+    across = start.covariance[: model.size, model.size + place]
+    row = budget.of_family("", "", across[:, None], np.array([model.parameters[place].sigma])).contribution
+    hot = start.state.knots > 1000
+    # The fit stops at 0.02 of chi-squared, the level of the light bends by some per cent.
+    np.testing.assert_allclose((moved[0] - moved[1])[hot], row[hot], atol=0.05 * np.abs(row[hot]).max())
+
+
+def test_instruments_that_contradict_each_other_leave_no_recommendation(laboratory, record):
+    settings = {"saturation_counts": 65000.0, "limits": command.LIMITS, "draws": 50}
+    known = vars(laboratory).values()
+    found = diagnose(record(), *known, **settings, against=["they differ"]).temperature
+    assert found.attrs["recommended_because"] == "No temperature is recommended: they differ."
+    assert np.isnan(found.recommended_temperature).all() and np.isfinite(found.base_temperature[-1])
+    assert (found.recommended_status[found.time_bin > 30] == status.CONTRADICTED).all()
 
 
 def test_a_fringe_is_something_that_the_catalogue_lacks(diagnosed):

@@ -11,7 +11,8 @@ from scipy.stats import multivariate_normal, norm
 from plasmapyro.estimate.banded import Factor
 from plasmapyro.estimate.dynamics import SIZE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.observations import Information, constants
-from plasmapyro.estimate.smoother import Chain, Fit, fit, marginalised
+from plasmapyro.estimate.smoother import Chain, Fit, fit, marginalised, spread_of
+from plasmapyro.record.budget import of_family, remainder
 
 TIME = np.linspace(0.0, 20.0, 60)
 QUIET = 25.0  # [K2 s-3]
@@ -136,3 +137,37 @@ def test_a_curved_signal_counts_its_change_of_slope():
     best = minimize_scalar(density, bounds=(-0.2, 0.2), method="bounded", options={"xatol": 1e-5}).x
     assert found.values[0] == pytest.approx(best, abs=0.03 * PRIOR)
     assert abs(joint.values[0] - best) > 0.3 * PRIOR
+
+
+def test_the_estimate_follows_what_is_stated_and_its_noise_as_the_budget_says():
+    random = np.random.default_rng(6)
+    truth = 30 + 8 * np.sin(TIME / 2)
+    spread = np.diag([START**2, RATE_START**2, 1e-6, 1e-4])
+    chain = Chain(TIME, (), -1.0, np.zeros(4), spread)
+    start = np.zeros((TIME.size, SIZE))
+    start[:, TEMPERATURE] = truth
+
+    def path(signal, stated=0.0):
+        gain = constants("gain", stated, PRIOR)
+        found = fit(chain, [Scaled(signal)], gain, DYNAMICS, start, np.zeros(1), 0)
+        return found, spread_of(chain, [Scaled(signal)], gain, found)
+
+    found, uncertain = path(truth)
+    row = of_family("gain", "calibration", uncertain.across, np.array([PRIOR]))
+    step = 0.05 * PRIOR
+    ends = [path(truth, sign * step)[0].path[:, TEMPERATURE] for sign in (1, -1)]
+    slope = (ends[0] - ends[1]) / (2 * step)
+    np.testing.assert_allclose(row.contribution, slope * PRIOR, rtol=0.02)  # steps end at CONVERGED
+    # The rest is noise and the smoothness of the path: Monte Carlo over both, JCGM 101.
+    rest = remainder(uncertain.path[:, TEMPERATURE, TEMPERATURE], [row])
+    draws = 300
+    paths = random.multivariate_normal(np.zeros(TIME.size), covariance(), draws)
+    signals = paths + NOISE * random.standard_normal(paths.shape)
+    held = constants("gain", 0.0, 1e-9)
+    read = [
+        fit(chain, [Scaled(one)], held, DYNAMICS, start, np.zeros(1), 0).path[:, TEMPERATURE]
+        for one in signals
+    ]
+    # With the gain known; what its fit adds to the noise is less than a tenth here.
+    known = np.std(read - paths, axis=0)
+    assert np.median(known / rest) == pytest.approx(1.0, abs=0.1 + 3 / np.sqrt(2 * draws))

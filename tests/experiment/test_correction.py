@@ -5,16 +5,19 @@ import pytest
 
 from plasmapyro.experiment.correction import (
     _ranked_temperature,
+    budget_of,
     read_corrected,
     read_measured,
     temperature_uncertainty,
 )
 from plasmapyro.instrument.calibration import quadratic_ratio, scaled
 from plasmapyro.record import status
+from plasmapyro.record.budget import combined
 
 COEFFICIENT = np.array([0.40, 0.12, -0.003])
 COVARIANCE = np.diag([1e-6, 2e-6, 2e-6])
 FIT, INSTRUMENT = np.array([973.0, 1773.0]), np.array([973.0, 2073.0])
+SLOPE_RTOL = 1e-4  # of central differences over a tenth of an uncertainty
 MONTE_CARLO_RTOL = 0.04  # 3 sigma of a spread from 10000 draws, and curvature
 
 
@@ -141,11 +144,36 @@ def linear(temperature, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covaria
     ],
     ids=["signals", "mean", "gas", "calibration", "all"],
 )
-def test_monte_carlo_agrees_with_linear_propagation(part):
+def test_monte_carlo_agrees_with_linear_propagation_and_the_budget_with_both(part):
     gas = np.array([0.2, 0.05])
     settings = {"covariance": 0 * COVARIANCE} | part
     found = spread_of(pair([1400.0]) + gas[:, None], gas[:, None], **settings)
-    assert found[0] == pytest.approx(linear(1400.0, gas, **settings), rel=MONTE_CARLO_RTOL)
+    expected = linear(1400.0, gas, **settings)
+    assert found[0] == pytest.approx(expected, rel=MONTE_CARLO_RTOL)
+    assert combined(of_parts(gas, **settings))[0] == pytest.approx(expected, rel=SLOPE_RTOL)
+
+
+def of_parts(gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, monte_carlo=None):
+    signals, known = pair([1400.0]) + gas[:, None], (1.0, 0.0, COEFFICIENT, covariance, FIT, u, variation)
+    means = np.full(signals.shape, gas_uncertainty)
+    return budget_of(signals, np.broadcast_to(gas[:, None], signals.shape), means, *known, monte_carlo)
+
+
+def test_each_input_has_its_own_row_and_a_curved_one_grows_to_monte_carlo():
+    gas = np.array([0.2, 0.05])
+    rows = {one.name: one for one in of_parts(gas, 0.002, 0.03)}
+    assert (
+        rows["signal of the wide band"].contribution[0]
+        > 0
+        > rows["signal of the narrow band"].contribution[0]
+    )
+    alone = linear(1400.0, gas, variation=0.03, u=0.0, covariance=0 * COVARIANCE)
+    found = abs(rows["brightness of the gas since the reference"].contribution[0])
+    assert found == pytest.approx(alone, rel=SLOPE_RTOL)
+    whole = combined(of_parts(gas, 0.002, 0.03))
+    for factor, expected in ((1.05, 1.0), (2.0, 2.0)):  # as validated, or not
+        grown = of_parts(gas, 0.002, 0.03, monte_carlo=factor * whole)
+        np.testing.assert_allclose(combined(grown), expected * whole, rtol=1e-12)
 
 
 def test_an_uncertain_slope_counts_as_an_uncertain_ratio():

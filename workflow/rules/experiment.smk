@@ -131,3 +131,21 @@ rule findings:
         folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
     script:
         "../scripts/findings.py"
+
+
+RESULTS += expand("results/experiment/{test}/temperature.nc", test=TESTS)
+
+
+# The one temperature to take away, with the reason and its uncertainty budget.
+rule recommended_temperature:
+    input:
+        corrections=rules.findings.input.corrections,
+        findings="results/experiment/{test}/findings.json",
+    output:
+        "results/experiment/{test}/temperature.nc",
+    log:
+        "results/logs/recommended_temperature_{test}.log",
+    benchmark:
+        "results/benchmarks/recommended_temperature_{test}.tsv"
+    script:
+        "../scripts/recommended_temperature.py"

@@ -16,24 +16,31 @@ from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
 from plasmapyro.quality.catalogue import merged, of_test
 from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
-from plasmapyro.record import status
+from plasmapyro.record import budget, status
 from plasmapyro.record.calibrated import on_same_wavelengths
 from plasmapyro.record.inputs import faults, has_plasma, instruments
+from plasmapyro.record.recommended import of_correction
 
 NANOMETRE = 1e-9
 PYROMETER, SPECTROMETER = "calibration", "spectrometer_calibration"  # files and contracts
+
+OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperature")
 
 DESCRIPTION = """\
 Take the light of the plasma out of the signals of a test and give the temperature of the surface with its
 standard uncertainty and, for each sample, whether to trust it.
 
-The method (--estimator reference) is the one of the paper: what both instruments see in the reference
-window, when the plasma shines and the sample is still dark, is subtracted until the plasma is switched off.
-The two-colour temperature follows from the ratio of the corrected signals, the spectrometer's from fits of
-Planck's law to the corrected spectra. Pyrometer and spectrometer may each be absent.
+What comes out is one temperature to take away, recommended_temperature, with the reason for it and what each
+input adds to its uncertainty; every estimate that the data allow stands beside it (--estimator all).
+
+--estimator reference is the paper's: what both instruments see in the reference window, when the plasma
+shines and the sample is still dark, is subtracted until the plasma is switched off. The two-colour
+temperature follows from the ratio of the corrected signals, the spectrometer's from fits of Planck's law to
+the corrected spectra. Pyrometer and spectrometer may each be absent.
 
 --estimator joint infers one temperature from both bands in absolute units, their ratio and, if present, the
-spectra, and follows the gas through the test (docs/temperature.md). Without a pyrometer it is the same as
+spectra, and follows the gas through the test (docs/temperature.md); it needs response.nc of the pyrometer.
+Without a pyrometer it is the same as
 
 --estimator emissivity: temperature and an emissivity that is smooth over wavelength and time, together, from
 the spectra alone. It is what spectra of a lamp or a furnace (condition: none) get.
@@ -46,6 +53,9 @@ examples:
   plasmapyro correct my_test --instrument lab --out t.nc --gas-variation 0.05 --reference-window 0 4
 
 what comes out (netCDF):
+  recommended_temperature, ..._interval            [K] to take away, with its 95 % interval, against `time`
+  temperature_contribution                         [K] what each input adds to its uncertainty
+  surface_temperature                              [K] joint estimate
   measured_temperature, corrected_temperature      [K] of the pyrometer, before and after, against `time`
   spectrometer_temperature, scaled_temperature     [K] of the spectra, against `spectrum_time`
   ..._uncertainty                                  [K] standard uncertainties (68 %)
@@ -85,7 +95,7 @@ def add(commands):
     command.add_argument(
         "--estimator",
         choices=sorted(ESTIMATORS),
-        help="how the gas is taken out (default: reference, as in the paper; emissivity for spectra alone"
+        help="how the gas is taken out (default: all that the data allow; emissivity for spectra alone"
         " without a plasma)",
     )
     command.add_argument(
@@ -215,16 +225,22 @@ def _corrected(options):
             "\n".join([*words, "choose another --reference-window, or go on with --keep-window"])
         )
     options.estimator = _estimator(test, options.estimator)  # the settings in the result name it
-    estimator, contract = ESTIMATORS[options.estimator]
-    try:
-        result = estimator(test, calibrations, options)
-        if given:
-            result = _with_given(test, given, estimator, calibrations, options)
-    except ValueError as reason:  # what the data themselves say may be why
-        raise ValueError("\n".join([str(reason), *words])) from None
-    said = of_test(options.test, reading, [result], response=_response(folder), **calibrations)
+    names, contract = ESTIMATORS[options.estimator]
+    parts, missing = [], {}
+    for name in names:
+        try:
+            part = BY_NAME[name](test, calibrations, options)
+            if given:
+                part = _with_given(test, given, BY_NAME[name], calibrations, options)
+            parts.append(part)
+        except ValueError as reason:  # what the data themselves say may be why
+            if name == names[0]:
+                raise ValueError("\n".join([str(reason), *words])) from None
+            missing[name] = str(reason).splitlines()[0]
+    said = of_test(options.test, reading, parts, response=_response(folder), **calibrations)
     for finding in said:
         progress.warn(finding.words)
+    result = with_recommended(parts, [finding.entry for finding in said], missing)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
@@ -245,8 +261,26 @@ def _with_given(test, given, estimator, calibrations, options):
     for moved in map(made, moves):
         other = estimator(moved, calibrations, quick)
         for kind in (one for one in result if one.endswith("temperature")):
-            widen(result, kind, other[kind] - result[kind])
+            change = other[kind] - result[kind]
+            widen(result, kind, change)
+            if kind in OF_BUDGET:
+                result = _with_input(result, change)
     return result
+
+
+def _with_input(result, change):
+    """The result with a further input of its budget, an effect that is taken as given."""
+    inputs = budget.inputs_of(result)
+    words = f"effect taken as given ({sum(one.group == 'named effects' for one in inputs) + 1})"
+    inputs.append(budget.Input(words, "named effects", change.fillna(0.0).values))
+    return result.drop_dims("input_quantity").assign(budget.variables(inputs))
+
+
+def with_recommended(parts, entries, missing):
+    """Results of the estimators as one, with the temperature to take away in place of their own budgets."""
+    series = of_correction(parts, entries, missing)
+    parts = [part.drop_dims("input_quantity", errors="ignore") for part in parts]
+    return merged([*parts, series.drop_attrs()]).assign_attrs(series.attrs)
 
 
 def widen(result, name, change):
@@ -370,23 +404,27 @@ def by_emissivity(test, calibrations, options):
 def _estimator(test, asked):
     """Name of the estimator: the one asked for, or the one that a test without a pyrometer needs."""
     alone = instruments(test) == ["spectrometer"]
-    if asked is None:
-        return "emissivity" if alone and not has_plasma(test) else "reference"
+    if asked in (None, "all"):
+        spectral = "reference" if has_plasma(test) else "emissivity"
+        return spectral if alone else "all" if has_plasma(test) else "reference"
     return "emissivity" if asked == "joint" and alone else asked
 
 
-# name -> function (test, calibrations, options) and the contract of what it returns
-ESTIMATORS = {
-    "reference": (by_reference, "correction"),
-    "joint": (by_joint_inference, "joint_estimate"),
-    "emissivity": (by_emissivity, "emissivity_estimate"),
+# name -> function (test, calibrations, options)
+BY_NAME = {"reference": by_reference, "joint": by_joint_inference, "emissivity": by_emissivity}
+ESTIMATORS = {  # what may be asked for -> names, of which only the first must succeed, and the contract
+    "all": (("reference", "joint"), "correction"),
+    "reference": (("reference",), "correction"),
+    "joint": (("joint",), "joint_estimate"),
+    "emissivity": (("emissivity",), "emissivity_estimate"),
 }
 
 
 def summary(result):
     """Lines that say what came out: for each instrument, how many samples of which status, and when."""
-    lines = []
+    lines = [result.attrs["recommended_because"]]
     for name, axis, state in (
+        ("recommended_temperature", "time", "recommended_status"),
         ("corrected_temperature", "time", "corrected_status"),
         ("spectrometer_temperature", "spectrum_time", "spectrum_status"),
         ("surface_temperature", "time", "estimate_status"),

@@ -104,7 +104,8 @@ def run(options):
     result, sources = diagnosed(options)
     progress.say(f"writing {out}")
     diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
-    sys.stdout.write(result.report["verdict"]["sentences"][0] + "\n")
+    said = result.report["verdict"]["sentences"][0], result.temperature.attrs["recommended_because"]
+    sys.stdout.write("\n".join(said) + "\n")
     progress.say("done")
     return diagnosis.exit_status(result.report, options.fail_on_finding)
 

@@ -18,6 +18,24 @@ ERROR_MODES = {
     "error_cause?": ("error_mode",),
 }
 
+
+def _budget(axis):
+    """What each input adds to the uncertainty of a temperature, see `record.budget`."""
+    of_input = ("quantity", "group", "unit", "law", "uncertainty", "freedom")
+    return {f"input_{name}": ("input_quantity",) for name in of_input} | {
+        "temperature_contribution": ("input_quantity", axis)
+    }
+
+
+def _recommended(axis):
+    """The temperature to take away, see `record.recommended`."""
+    return {
+        **{f"recommended_{name}": (axis,) for name in ("temperature", "temperature_uncertainty", "status")},
+        "recommended_temperature_interval": ("bound", axis),
+        **_budget(axis),
+    }
+
+
 DATASETS = {
     "gas": {
         "pressure": ("pressure",),
@@ -359,8 +377,10 @@ DATASETS = {
         "modelled_signal?": ("model", "band", "time_bin"),
         "signal_residual?": ("model", "band", "time_bin"),
     },
+    "temperature": {"time": ("time",), **_recommended("time")},
     "diagnosis_temperature": {
         "time_bin": ("time_bin",),
+        **_recommended("time_bin"),
         "paper_temperature": ("time_bin",),
         **{
             f"{kind}_temperature{end}": ("time_bin",)
@@ -499,10 +519,12 @@ DATASETS = {
         },
         "instrument_range": ("bound",),
         "fit_range": ("bound",),
+        **_budget("time"),
     },
     "joint_estimate": {
         "time": ("time",),
         "band": ("band",),
+        **_budget("time"),
         **{
             name: ("time",)
             for name in (
@@ -530,6 +552,8 @@ DATASETS = {
     },
     "emissivity_estimate": {
         "spectrum_time": ("spectrum_time",),
+        "time": ("time",),
+        **_budget("time"),
         "emissivity_wavelength": ("emissivity_wavelength",),
         "spectral_temperature": ("spectrum_time",),
         "spectral_temperature_uncertainty": ("spectrum_time",),
@@ -585,5 +609,13 @@ CONDITION = ("numerical_power", "chamber_pressure", "mass_flow_rate", "gas", "fl
 # Conditions of a study that have no flow are NaN, whatever the variable allows elsewhere.
 WITH_GAPS = {"study_signal", "study"}
 
-# What `plasmapyro correct` writes: of each instrument that the test holds.
-DATASETS["correction"] = _optional("pyrometer_correction") | _optional("spectrometer_correction")
+for _name in ("joint_estimate", "emissivity_estimate"):
+    DATASETS[_name] = _optional("temperature") | DATASETS[_name]
+# What `plasmapyro correct` writes: of each instrument that the test holds, and what to take away.
+DATASETS["correction"] = (
+    _optional("pyrometer_correction")
+    | _optional("spectrometer_correction")
+    | _optional("joint_estimate")
+    | _optional("emissivity_estimate")
+    | _optional("temperature")
+)

@@ -18,6 +18,7 @@ from plasmapyro.diagnosis.fit import restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.record.inputs import faults
+from plasmapyro.record.recommended import CONTRADICTIONS
 from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
@@ -203,6 +204,7 @@ def diagnose_test(
             provenance=provenance,
             others=pairs,
             given=given,
+            against=[entry["saw"] for entry in findings if entry["rule"] in CONTRADICTIONS],
         )
     result.report["findings"] = list(findings)
     result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])

@@ -48,6 +48,7 @@ def diagnose(
     thresholds=None,
     others=(),
     given=(),
+    against=(),
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -76,6 +77,9 @@ def diagnose(
         Tests with the same instruments, at other conditions, on which what is named is tried.
     given : sequence of Term
         Effects that are taken as given in the base model; they are not looked for.
+    against : sequence of str
+        What says that instruments contradict each other: without a confirmed cause no temperature is
+        recommended.
 
     Returns
     -------
@@ -109,7 +113,7 @@ def diagnose(
     gained = gain(base.model, base.solution, final) if named else None
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     findings = Findings(base, selection, comparison, effects, gained, crossed, reading, provenance or {})
-    temperature = temperatures(findings)
+    temperature = temperatures(findings, against)
     found = Diagnosis(
         report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)
     )

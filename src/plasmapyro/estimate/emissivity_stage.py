@@ -9,7 +9,7 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels, follow, infer, log_emissivity, smooth_prior
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
-from plasmapyro.record import flags, status
+from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import mean_emittance
 from plasmapyro.record.record import record_of
@@ -224,14 +224,28 @@ def _dataset(test, record, frames, bins, prior, smooth, found, residual, state):
             "emissivity": (across, value),
             "emissivity_interval": (("bound", *across), np.stack([value / spread, value * spread])),
             "spectral_residual": (across, residual),
+            **budget.variables(_inputs(temperature, error, found.noise_only)),
         },
-        {"spectrum_time": record.clock(frames.time), "emissivity_wavelength": middle},
+        {
+            "spectrum_time": record.clock(frames.time),
+            "time": record.clock(frames.time),
+            "emissivity_wavelength": middle,
+        },
         carried(test)
         | {
             "degenerate": _degenerate(temperature, found, middle),
             "contradictions": _contradictions(record.clock(frames.time), middle, residual, state),
         },
     )
+
+
+def _inputs(temperature, error, noise):
+    """The uncertainty budget: noise, and what calibration and emissivity leave open besides."""
+    rest = np.sqrt(np.maximum(error**2 - noise**2, 0.0))
+    return [
+        budget.Input("noise of the spectra", "noise", temperature * noise),
+        budget.Input("emissivity over wavelength, and the calibration", "emittance", temperature * rest),
+    ]
 
 
 def _degenerate(temperature, found, wavelength):

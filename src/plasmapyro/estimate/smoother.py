@@ -52,6 +52,7 @@ class Spread:
 
     path: np.ndarray  # (n, 4, 4) covariance of each state, the constants marginalised
     constants: np.ndarray  # (p, p) covariance
+    across: np.ndarray  # (n, p) covariance of each temperature with the constants
     told: np.ndarray  # (n,) [K-2] what each sample by itself says of its temperature, gas marginalised
 
 
@@ -165,7 +166,7 @@ def spread_of(chain, observations, prior_constants, found):
     effect = effect.reshape(count, SIZE, size)
     own = factor.inverse_diagonal() + effect @ covariance @ np.swapaxes(effect, 1, 2)
     told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
-    return Spread(own, covariance, told)
+    return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, told)
 
 
 def _told(matrix, gas_variance):

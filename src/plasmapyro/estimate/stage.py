@@ -9,7 +9,7 @@ from plasmapyro.estimate.dynamics import GAS, TEMPERATURE, Dynamics
 from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.radiation.bandsignal import BANDS
-from plasmapyro.record import flags, status
+from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import tilt
 from plasmapyro.record.record import record_of
@@ -21,6 +21,21 @@ START_DYNAMICS = {"quiet": 1e-2, "bending": 30.0, "memory": 15.0}  # where the s
 GAS_START = 1e-3  # [1] the gas amplitude right after injection is 1 by definition
 BEFORE_DEVIATION = 1.0  # [1] of the logarithm of the gas amplitude before injection: left to the data
 FIRST_ROUNDS = 2  # of path and dynamics, before the noise is looked at again
+# ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
+# a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
+CHANGING = 0.02  # [1] standard, of the level of the light through the test
+INPUTS = (  # name of constants, words, group, unit
+    ("log_emittance", "level of the emittance", "emittance", "1"),
+    ("source_error", "temperature of the calibration source", "calibration", "K"),
+    ("gain_error", "gain of each band", "calibration", "1"),
+    ("band_shift", "place of each band on the wavelength axis", "calibration", "m"),
+    ("scale_error", "scale of the spectrometer", "calibration", "1"),
+    ("bin_error", "shape of the spectrometer's calibration", "calibration", "1"),
+    ("gas_signal", "light of the gas in the bands", "gas", ""),
+    ("gas_radiance", "light of the gas in the spectra", "gas", ""),
+    ("gas_signal_before", "colour of the gas before injection, bands", "gas", "1"),
+    ("gas_radiance_before", "colour of the gas before injection, spectra", "gas", "1"),
+)
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
@@ -176,6 +191,37 @@ def _told(time, told, temperature, largest):
     return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
 
 
+def _inputs(record, pyrometer, fixed, found, spread):
+    """The uncertainty budget of the temperatures (n,) of the chain, see `budget.of_family`."""
+    rows = []
+    for name, words, group, unit in INPUTS:
+        places = fixed.where(name)
+        if places.size:
+            one = budget.of_family(words, group, spread.across[:, places], fixed.deviation[places], unit)
+            rows.append(one)
+    rows += _of_slope(record, fixed, rows)
+    noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], rows)
+    kelvin = found.path[:, TEMPERATURE]
+    signal, slope, _ = pyrometer.table(kelvin)
+    level = CHANGING * np.mean(signal / slope, axis=1)
+    rows.append(budget.Input("noise of the samples; flicker and drift of the gas", "noise", noise))
+    words = "emittance or windows that change through the test"
+    return [*rows, budget.Input(words, "unnamed misfit", level, CHANGING, "1")]
+
+
+def _of_slope(record, fixed, rows):
+    """Takes the slope of the emittance, which the gains of the bands hold, out of their row."""
+    slope = record.emittance_slope_uncertainty / np.sqrt(2)
+    whole = fixed.deviation[fixed.where("gain_error")[0]]
+    place = next(at for at, row in enumerate(rows) if row.name == "gain of each band")
+    share = min(slope / whole, 1.0)
+    row, rest = rows[place], np.sqrt(1 - share**2)
+    rows[place] = row._replace(contribution=row.contribution * rest, uncertainty=row.uncertainty * rest)
+    words = "emittance of the wide over the narrow band"
+    own = record.emittance_slope_uncertainty
+    return [budget.Input(words, "emittance", row.contribution * share, own, "1")]
+
+
 def _dataset(record, test, calibration, samples, observations, fixed, found, spread, limits):
     of, group = fixed.where, samples.group
     least_share, largest = limits
@@ -202,6 +248,9 @@ def _dataset(record, test, calibration, samples, observations, fixed, found, spr
     of_constants = np.sqrt(np.diag(spread.constants))
     emittance = float(np.exp(found.values[of("log_emittance")[0]]))
     gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
+    inputs = _inputs(record, observations[0], fixed, found, spread)
+    blank = np.where(known, 1.0, np.nan)
+    inputs = [one._replace(contribution=one.contribution[group] * blank) for one in inputs]
     direction = np.zeros((2, fixed.mean.size))
     direction[np.arange(2), of("gain_error")] = 1.0
     direction[:, of("source_error")[0]] = -observations[0].source_slope
@@ -228,6 +277,7 @@ def _dataset(record, test, calibration, samples, observations, fixed, found, spr
                 ("band", "time"),
                 observations[0].residual(found.path, found.values, of)[:, group],
             ),
+            **budget.variables(inputs),
         },
         {"time": test.time.values, "band": list(BANDS)},
         carried(test)

@@ -13,6 +13,7 @@ from plasmapyro.instrument.calibration import (
 )
 from plasmapyro.instrument.pyrometer import signal_ratio
 from plasmapyro.progress import step
+from plasmapyro.record.budget import Input, combined
 from plasmapyro.record.status import (
     GAS_DOMINATED,
     MISSING,
@@ -24,6 +25,8 @@ from plasmapyro.record.status import (
 
 BLOCK = 512  # samples whose draws are held at once
 LEAST_SLOPE = 0.01  # of a draw: emittances are > 0
+STEP = 0.1  # of a standard uncertainty, for slopes
+VALIDATED = 1.1  # [1] of a Monte Carlo over a linear uncertainty: a weak signal bends the curve
 
 
 def read_measured(signals, saturated, slope, coefficient, fit_range, instrument_range):
@@ -120,6 +123,7 @@ class Reading:
     gas_variation: float  # [1] relative, of the gas about the reference
     detection_level: float  # [1]
     least_surface_share: float  # [1]
+    covariance: np.ndarray | None = None  # (3, 3) of the fit
 
     @classmethod
     def of(cls, calibration, slope, **limits):
@@ -132,7 +136,7 @@ class Reading:
         """
         fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
         require_rising(*fit)
-        return cls(*fit, slope, **limits)
+        return cls(*fit, slope, **limits, covariance=calibration["fit_covariance"].values)
 
     @property
     def fit(self):
@@ -239,3 +243,86 @@ def _ranked_temperature(wide, narrow, fits, fit_range):
     temperature = invert_quadratic_freely(ratio, fits, fit_range)
     lost = np.isnan(ratio) & np.isfinite(wide) & np.isfinite(narrow)
     return np.where(lost, np.where(narrow <= 0, np.inf, -np.inf), temperature)
+
+
+def budget_of(
+    signals,
+    gas,
+    gas_uncertainty,
+    slope,
+    slope_uncertainty,
+    coefficient,
+    covariance,
+    fit_range,
+    signal_uncertainty,
+    gas_variation,
+    monte_carlo=None,
+):
+    r"""What each input adds to the uncertainty of a temperature read from two signals less those of the gas.
+
+    .. math:: T = H_c^{-1}\!\left(\frac{S_1 - g\,G_1 - o_1}{(S_2 - g\,G_2 - o_2)\,s}\right)
+
+    with the level g of the gas, an error o of its mean, and the slope s of the emittance.
+
+    Parameters
+    ----------
+    signals, gas, gas_uncertainty, slope, slope_uncertainty, coefficient, covariance, fit_range,
+    signal_uncertainty, gas_variation : as of `temperature_uncertainty`
+    monte_carlo : (t,) array [K], optional
+        What that gives; where it exceeds the linear uncertainty by more than a tenth, all contributions grow
+        in proportion.
+
+    Returns
+    -------
+    list of `record.budget.Input`
+
+    Notes
+    -----
+    Source: JCGM 100:2008, eqs. 10 and 13 (the three coefficients are correlated); 101:2008, sec. 8, for the
+    comparison with Monte Carlo.
+    """
+
+    def read(wide=0.0, narrow=0.0, level=0.0, means=(0.0, 0.0), tilt=0.0, moved=0.0):
+        pair = [
+            row * (1 + signal_uncertainty * error) - own * (1 + gas_variation * level) - spread_ * mean
+            for row, own, spread_, error, mean in zip(
+                signals, gas, gas_uncertainty, (wide, narrow), means, strict=True
+            )
+        ]
+        ratio = signal_ratio(*pair) / max(slope + slope_uncertainty * tilt, LEAST_SLOPE)
+        found = invert_quadratic_freely(ratio, coefficient + moved, fit_range)
+        return np.where(np.isfinite(found), found, np.nan)
+
+    def by(**error):
+        ends = [
+            read(**{name: sign * STEP * np.asarray(value) for name, value in error.items()})
+            for sign in (1, -1)
+        ]
+        return (ends[0] - ends[1]) / (2 * STEP)
+
+    values, vectors = np.linalg.eigh(covariance)
+    of_curve = [
+        by(moved=np.sqrt(max(value, 0.0)) * row) for value, row in zip(values, vectors.T, strict=True)
+    ]
+    means = [float(row.max()) for row in gas_uncertainty]
+    found = [
+        Input("signal of the wide band", "noise", by(wide=1.0), signal_uncertainty, "1"),
+        Input("signal of the narrow band", "noise", by(narrow=1.0), signal_uncertainty, "1"),
+        Input("mean of the reference, wide band", "gas", by(means=(1.0, 0.0)), means[0], "A"),
+        Input("mean of the reference, narrow band", "gas", by(means=(0.0, 1.0)), means[1], "A"),
+        Input("brightness of the gas since the reference", "gas", by(level=1.0), gas_variation, "1"),
+        Input(
+            "calibration curve (its source and its signals)",
+            "calibration",
+            np.sqrt(sum(np.square(of_curve))),
+        ),
+        Input(
+            "emittance of the wide over the narrow band", "emittance", by(tilt=1.0), slope_uncertainty, "1"
+        ),
+    ]
+    if monte_carlo is None:
+        return found
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = monte_carlo / combined(found)
+    excess = np.where(excess > VALIDATED, excess, 1.0)
+    return [one._replace(contribution=one.contribution * excess) for one in found]

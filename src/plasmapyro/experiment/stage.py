@@ -16,7 +16,7 @@ from plasmapyro.experiment.frame import (
 from plasmapyro.instrument.spectrometer import USABLE, local_noise
 from plasmapyro.progress import step
 from plasmapyro.radiation.bandsignal import BANDS
-from plasmapyro.record import flags, onset, status
+from plasmapyro.record import budget, flags, onset, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.calibrated import halves
 from plasmapyro.record.record import record_of
@@ -83,24 +83,26 @@ def correct_pyrometer(
         raw, saturated, record.emittance_slope, *reading.fit
     )
 
+    known = (
+        record.emittance_slope,
+        record.emittance_slope_uncertainty,
+        reading.coefficient,
+        calibration.fit_covariance.values,
+        reading.fit_range,
+        signal_uncertainty,
+        gas_variation,
+    )
+
     def monte_carlo(gas, gas_uncertainty, temperature, stream):
+        generator = np.random.default_rng([seed, stream])
         spread_of_draws = correction.temperature_uncertainty(
-            raw,
-            gas,
-            gas_uncertainty,
-            record.emittance_slope,
-            record.emittance_slope_uncertainty,
-            reading.coefficient,
-            calibration.fit_covariance.values,
-            reading.fit_range,
-            signal_uncertainty,
-            gas_variation,
-            draws,
-            np.random.default_rng([seed, stream]),
+            raw, gas, gas_uncertainty, *known, draws, generator
         )
         return np.where(np.isfinite(temperature), spread_of_draws, np.nan)
 
     nothing = np.zeros_like(raw)
+    taken = [np.where(shining, row[:, None], 0.0) for row in (reference, reference_uncertainty)]
+    corrected_uncertainty = monte_carlo(*taken, corrected_temperature, 1)
     return xr.Dataset(
         {
             "signal_wide": ("time", bands.value[:, 0]),
@@ -119,12 +121,7 @@ def correct_pyrometer(
             "corrected_temperature": ("time", corrected_temperature),
             "corrected_temperature_uncertainty": (
                 "time",
-                monte_carlo(
-                    np.where(shining, reference[:, None], 0.0),
-                    np.where(shining, reference_uncertainty[:, None], 0.0),
-                    corrected_temperature,
-                    1,
-                ),
+                corrected_uncertainty,
             ),
             "corrected_status": ("time", corrected_status, status.flags()),
             "relative_error": (
@@ -133,6 +130,7 @@ def correct_pyrometer(
             ),
             "instrument_range": calibration.instrument_range,
             "fit_range": calibration.fit_range,
+            **budget.variables(correction.budget_of(raw, *taken, *known, corrected_uncertainty)),
         },
         {"time": test.time.values, "band": list(BANDS)},
         carried(test) | _window_attributes("pyrometer", record, bands.time, sound),

@@ -52,11 +52,16 @@ def paper_temperature(signals, moment, record, reading, reference=None):
     status : (n,) int8 ndarray
     """
     if reference is None:
-        bands = record.instrument("pyrometer")
-        reference = np.array([reference_signal(bands.time, row, record.window) for row in bands.sound.T]).T
+        reference = reference_of(record)
     injected, shining = record.phases(moment)
     nowhere = np.zeros(moment.size, dtype=bool)
     return reading.corrected(signals.T, *reference, injected, shining, nowhere)[2:]
+
+
+def reference_of(record):
+    """Mean signals of the reference window and their standard uncertainties, (2, 2) [A]."""
+    bands = record.instrument("pyrometer")
+    return np.array([reference_signal(bands.time, row, record.window) for row in bands.sound.T]).T
 
 
 class PaperShift:

@@ -1,21 +1,25 @@
 """Surface temperatures of a test: of the paper, of the base model, of the extended model."""
 
 import numpy as np
-import xarray as xr
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded
-from plasmapyro.diagnosis.report.kelvin import COLDEST, paper_temperature
+from plasmapyro.diagnosis.report.kelvin import COLDEST, SURFACE, paper_temperature, reference_of
 from plasmapyro.diagnosis.select.search import PULL
+from plasmapyro.experiment.correction import budget_of
+from plasmapyro.record import budget, recommended, status
 
 OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light that is measured
+LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
 
 
-def temperatures(findings):
-    """Temperatures with 95 % intervals at the middles of all bins.
+def temperatures(findings, against=()):
+    """Temperatures with 95 % intervals at the middles of all bins, and the one to take away.
 
     Parameters
     ----------
     findings : Findings
+    against : sequence of str
+        What says that instruments contradict each other, see `record.recommended`.
 
     Returns
     -------
@@ -29,20 +33,42 @@ def temperatures(findings):
         "base": _interval(findings, base),
         "extended": _interval(findings, final if findings.applied else base, shift),
     }
-    return xr.Dataset(
-        {"paper_temperature": ("time_bin", _paper(findings))}
+    paper = _paper(findings)
+    choice = recommended.recommended(
+        recommended.Facts(
+            ("extended", "base", *(["subtraction"] if np.isfinite(paper[0]).any() else [])),
+            tuple(against),
+            verdict=findings.status,
+            applied=findings.applied,
+            strained=tuple(
+                row["name"] for row in findings.pulls if row["finding"] and row["id"] not in OF_GAS
+            ),
+        )
+    )
+    if choice.estimate == "subtraction":
+        series = recommended.series(times, *paper, axis="time_bin")
+    else:
+        fit, middle = (final if findings.applied else base), rows["extended"]
+        inputs = _inputs(findings, fit, shift)
+        state = _status(findings, fit, middle[0], budget.combined(inputs))
+        if choice.estimate is None:
+            state = np.where(np.isin(state, status.WITH_VALUE), status.CONTRADICTED, state)
+        series = recommended.series(times, middle[0], state, inputs, middle[2] - middle[0], "time_bin")
+    return series.assign(
+        {"paper_temperature": ("time_bin", paper[0])}
         | {
             f"{model}_temperature{end}": ("time_bin", values)
             for model, three in rows.items()
             for end, values in zip(("", "_low", "_high"), three, strict=True)
-        },
-        {"time_bin": times},
+        }
+    ).assign_attrs(
         {
             "title": "Surface temperature: of the paper, of the base model, of the extended model",
             "applied": int(findings.applied),
             "terms": " ".join(setting.id for setting in final.settings),
             "origin": str(findings.record.attributes.get("origin", "measured")),
-        },
+            **recommended.attributes(choice),
+        }
     )
 
 
@@ -82,17 +108,107 @@ def strained(model, solution, basis):
     return np.sqrt(total)
 
 
+def _inputs(findings, solution, shift):
+    r"""The uncertainty budget of a fit.
+
+    .. math:: \sigma_T^2 = c^T V^{-1} c + \sum_i \mathrm{cov}(T, \theta_i \mid a)^2/\sigma_i^2 + \text{noise}
+
+    with the covariance V of the numbers a of effects and theirs, c, with T: first what it costs not to know
+    a, then, a known, as much of each prior as reaches T, and the rest. Effects given come as parameters.
+    """
+    model = findings.model
+    basis, size = model.history.basis(findings.times), model.size
+    given = [size + place for place, one in enumerate(model.parameters) if "." in one.id]
+    own = [*given, *range(size + len(model.parameters), len(solution.covariance))]
+    known, variance, named = _without(solution.covariance, own, basis)
+    families = {}
+    for place, one in enumerate(model.parameters):
+        group = "emittance" if one.id == "emittance" else "gas" if one.id in OF_GAS else "calibration"
+        if size + place not in own:
+            families.setdefault((one.name, group, one.unit), []).append((place, one.sigma))
+    rows = []
+    for (words, group, unit), members in families.items():
+        places, sigmas = (np.array(row) for row in zip(*members, strict=True))
+        law = "rectangular" if places[0] == model.index["lamp"] else "normal"
+        across = basis @ known[:size, size + places]
+        rows.append(budget.of_family(words, group, across, sigmas, unit, law))
+    rest = budget.remainder(variance - named, rows)
+    rows.append(budget.Input("noise of the samples, and errors of single channels", "noise", rest))
+    effects = dict.fromkeys(
+        one.effect.name for one in (*solution.settings, *(t.setting for t in model.given))
+    )
+    if effects:
+        words = f"size of what is named: {', '.join(effects)}"
+        rows.append(budget.Input(words, "named effects", np.sqrt(named)))
+    freedom = max(solution.count - findings.fitted, 1)
+    excess = np.sqrt(max(solution.objective / freedom - 1, 0.0) * variance)
+    misfit = "unnamed misfit"
+    if np.any(shift):
+        rows.append(budget.Input("what was named and is not confirmed", "named effects", shift))
+    return [
+        *rows,
+        budget.Input("misfit beyond the noise", misfit, excess, freedom=float(freedom)),
+        budget.Input("numbers moved out of what is known", misfit, strained(model, solution, basis)),
+        budget.Input("what no known cause explains", misfit, basis @ findings.unknown_shift),
+    ]
+
+
+def _without(covariance, own, basis):
+    """The covariance if the numbers at `own` were known, the variance of T (t,), and what they add to it."""
+    size = basis.shape[1]
+    variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
+    if not own:
+        return covariance, variance, np.zeros_like(variance)
+    gain = np.linalg.solve(covariance[np.ix_(own, own)], covariance[own])
+    known = covariance - covariance[:, own] @ gain
+    left = np.einsum("tk,kl,tl->t", basis, known[:size, :size], basis)
+    return known, variance, np.maximum(variance - left, 0.0)
+
+
+def _status(findings, solution, kelvin, deviation):
+    """Status (t,) of the temperatures of a fit, see `status.MEANINGS`."""
+    times, share = findings.times, np.zeros(findings.times.size)
+    for instrument, gas, predicted in zip(
+        findings.model.instruments, solution.gas, solution.prediction, strict=True
+    ):
+        own = np.median(1 - gas / np.where(predicted > 0, predicted, np.inf), axis=1)
+        places = np.searchsorted(times, instrument.time)
+        share[places] = np.maximum(share[places], own)
+    state = np.full(times.size, status.VALID, dtype="int8")
+    if findings.reading is not None:
+        low, high = findings.reading.fit_range
+        state[(kelvin < low) | (kelvin > high)] = status.EXTRAPOLATED
+    state[share < SURFACE] = status.GAS_DOMINATED
+    state[~(deviation < LARGEST * kelvin)] = status.NO_SIGNAL
+    state[times < 0] = status.NOT_INJECTED
+    return state
+
+
 def _paper(findings):
-    """Temperature (t,) of the paper's method, NaN without a pyrometer."""
-    times = findings.times
-    paper = np.full(times.size, np.nan)
+    """Temperature (t,) of the paper's method, its status and its budget; NaN without a pyrometer."""
+    times, reading, record = findings.times, findings.reading, findings.record
+    kelvin, state = np.full(times.size, np.nan), np.full(times.size, status.MISSING, dtype="int8")
+    state[times < 0] = status.NOT_INJECTED
     for instrument in findings.model.instruments:
-        if instrument.kind == "pyrometer" and findings.reading is not None:
-            kelvin, _ = paper_temperature(
-                instrument.value, instrument.time, findings.record, findings.reading
+        if instrument.kind == "pyrometer" and reading is not None:
+            places, reference = np.searchsorted(times, instrument.time), reference_of(record)
+            kelvin[places], state[places] = paper_temperature(
+                instrument.value, instrument.time, record, reading, reference
             )
-            paper[np.searchsorted(times, instrument.time)] = kelvin
-    return paper
+            taken = [np.where(record.phases(instrument.time)[1], row[:, None], 0.0) for row in reference]
+            slopes = record.emittance_slope, record.emittance_slope_uncertainty
+            known = reading.coefficient, reading.covariance, reading.fit_range
+            limits = reading.signal_uncertainty, reading.gas_variation
+            inputs = budget_of(instrument.value.T, *taken, *slopes, *known, *limits)
+            blank = np.full(times.size, np.nan)
+            return kelvin, state, [_placed(one, blank, places) for one in inputs]
+    return kelvin, state, []
+
+
+def _placed(one, blank, places):
+    whole = blank.copy()
+    whole[places] = one.contribution
+    return one._replace(contribution=whole)
 
 
 def largest_shift(findings, temperature):

@@ -1,0 +1,224 @@
+"""The one temperature of a test to take away: the rule that chooses among estimates, and the series."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.record import budget, status
+
+# Rules of `quality` that say: instruments, or one and its calibration, contradict each other.
+CONTRADICTIONS = (
+    "instruments_disagree",
+    "ratio_outside_calibration",
+    "level_against_ratio",
+    "emittance_of_spectra",
+    "shape_of_spectra",
+)
+NORMAL_95 = 1.959964  # standard uncertainties of half a 95 % interval
+BEST_FIRST = ("extended", "base", "joint", "emissivity", "subtraction", "spectra")
+WORDS = {
+    "extended": "the diagnosis, with what it named",
+    "base": "the base model of the diagnosis",
+    "joint": "the joint estimate",
+    "emissivity": "the estimate of temperature and emissivity from the spectra",
+    "subtraction": "the paper's subtraction of the reference",
+    "spectra": "the Planck fits to the corrected spectra",
+}
+NONE = "No temperature is recommended"
+SERIES = {  # estimate: its temperature and its status in a file of a correction
+    "joint": ("surface_temperature", "estimate_status"),
+    "emissivity": ("spectral_temperature", "spectral_status"),
+    "subtraction": ("corrected_temperature", "corrected_status"),
+    "spectra": ("scaled_temperature", "spectrum_status"),
+}
+
+
+class Facts(NamedTuple):
+    """What the choice depends on.
+
+    `given`: estimates with a value; `against`: sentences of instruments that contradict each other;
+    `missing`: {estimate: why it has none}; of a diagnosis its `verdict`, whether the extension is `applied`,
+    and names of `strained` numbers of a calibration, which the fit moved out of what was known;
+    `instruments` that are compared.
+    """
+
+    given: tuple
+    against: tuple = ()
+    missing: dict = {}
+    verdict: str = ""
+    applied: bool = False
+    strained: tuple = ()
+    instruments: tuple = ()
+
+
+class Choice(NamedTuple):
+    """The estimate to take, None for no recommendation, and one sentence why."""
+
+    estimate: str | None
+    why: str
+
+
+def recommended(facts):
+    """Which temperature to take away, by one rule for all commands.
+
+    1. Instruments that contradict each other, and no confirmed cause: none.
+    2. A diagnosis that follows the data: its extension if held-out data confirm it, else its base model. If
+       the fit moved a calibration out of what was known of it and nothing confirmed says why, the paper's
+       method, which needs no absolute level.
+    3. Else the joint estimate, which uses all light; temperature and emissivity from spectra; the paper's
+       subtraction; Planck fits.
+
+    Parameters
+    ----------
+    facts : Facts
+
+    Returns
+    -------
+    Choice
+    """
+    given = [one for one in BEST_FIRST if one in facts.given]
+    if facts.against and not (facts.applied and "extended" in given):
+        return Choice(None, f"No temperature is recommended: {facts.against[0]}.")
+    if not given:
+        return Choice(
+            None, "No temperature is recommended: no estimate has one, see the status of each sample."
+        )
+    others = _beside(given)
+    if facts.verdict:
+        return _of_diagnosis(facts, given)
+    best = given[0]
+    why = {
+        "joint": f"it uses all light of {_listed(facts.instruments)}"
+        + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
+        "emissivity": "there are spectra alone, and it lets the emissivity depend on wavelength",
+        "subtraction": "no joint estimate stands beside it",
+        "spectra": "there are spectra alone behind a plasma",
+    }[best]
+    for one in BEST_FIRST[: BEST_FIRST.index(best)]:
+        if one in facts.missing:
+            why += f"; {WORDS[one]} is not to be had: {facts.missing[one]}"
+    return Choice(best, f"Recommended: {WORDS[best]}, because {why}{others(best)}.")
+
+
+def _of_diagnosis(facts, given):
+    others, paper = _beside(given), "subtraction" in given
+    if facts.verdict == "not-adequate":
+        best, why = "subtraction", "the base model of the diagnosis does not follow the data"
+    elif facts.applied:
+        best, why = "extended", "data that the fit has not seen confirm what was named"
+    elif facts.strained and paper:
+        best = "subtraction"
+        why = (
+            f"the fit moved the {facts.strained[0]} out of what is known of it and nothing confirmed says why"
+        )
+    else:
+        best = "base"
+        why = {
+            "null": "nothing wrong was found",
+            "unknown": "what is wrong has no name; what it may cost is in the interval",
+        }.get(facts.verdict, "held-out data do not confirm what was named; its cost is in the interval")
+    if best not in given:
+        return Choice(None, f"{NONE}: {why}, and there is none by {WORDS[best]}.")
+    if best == "extended" and facts.verdict == "named+unknown":
+        why += "; what remains without a name is in the interval"
+    return Choice(best, f"Recommended: {WORDS[best]}, because {why}{others(best)}.")
+
+
+def _beside(given):
+    def words(best):
+        rest = [WORDS[one] for one in given if one != best and (best, one) != ("extended", "base")]
+        return f"; {_listed(rest)} {'stand' if len(rest) > 1 else 'stands'} beside it" if rest else ""
+
+    return words
+
+
+def _listed(words):
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words) or "the instrument"
+
+
+def series(time, temperature, state, inputs, half_width=None, axis="time"):
+    """The recommended series as a dataset.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    temperature : (t,) array [K]
+    state : (t,) int array, see `status.MEANINGS`
+    inputs : list of `budget.Input`
+    half_width : (t,) array [K], optional
+        Of the 95 % interval; that of a normal law by default.
+    axis : 'time' or 'time_bin'
+
+    Returns
+    -------
+    Dataset, contract 'temperature' but for its attributes; NaN where the status is one without a value
+    """
+    known = np.isin(state, status.WITH_VALUE) & np.isfinite(temperature)
+    blank = np.where(known, 1.0, np.nan)
+    inputs = [one._replace(contribution=one.contribution * blank) for one in inputs]
+    deviation = budget.combined(inputs)
+    half = NORMAL_95 * deviation if half_width is None else half_width
+    middle = temperature * blank
+    return xr.Dataset(
+        {
+            "recommended_temperature": (axis, middle),
+            "recommended_temperature_uncertainty": (axis, deviation),
+            "recommended_temperature_interval": (("bound", axis), np.stack([middle - half, middle + half])),
+            "recommended_status": (axis, state.astype("int8"), status.flags()),
+            **budget.variables(inputs, axis),
+        },
+        {axis: time},
+    )
+
+
+def of_correction(parts, found=(), missing=None):
+    """The recommended series of a correction from the results of the estimators.
+
+    Parameters
+    ----------
+    parts : list of Dataset
+        Of any of the contracts 'pyrometer_correction', 'spectrometer_correction', 'correction',
+        'joint_estimate', 'emissivity_estimate'.
+    found : sequence of mappings with `rule` and `saw`, as `quality.rule.Finding.entry`
+    missing : mapping, see `Facts`
+
+    Returns
+    -------
+    Dataset, contract 'temperature'; attributes `recommended`, `recommended_because`
+    """
+    holding = {one: part for one, (name, _) in SERIES.items() for part in parts if name in part.variables}
+    given = tuple(one for one, part in holding.items() if np.isfinite(part[SERIES[one][0]].values).any())
+    against = tuple(entry["saw"] for entry in found if entry["rule"] in CONTRADICTIONS)
+    if "joint" in holding and "joint" not in given and holding["joint"].attrs.get("contradictions"):
+        against += (holding["joint"].attrs["contradictions"],)
+    instruments = [
+        name
+        for name, kind in (("pyrometer", "corrected_temperature"), ("spectrometer", "scaled_temperature"))
+        if any(kind in part.variables for part in parts)
+    ]
+    if "joint" in given:
+        instruments = holding["joint"].attrs["instruments"].split()
+    choice = recommended(Facts(given, against, missing or {}, instruments=tuple(instruments)))
+    best = choice.estimate or next(one for one in BEST_FIRST if one in holding)
+    part, (name, state) = holding[best], SERIES[best]
+    (axis,) = part[name].dims
+    states = part[state].values.copy()
+    if choice.estimate is None and against:
+        states[np.isfinite(part[name].values)] = status.CONTRADICTED
+    result = series(part[axis].values, part[name].values, states, _inputs(part, name))
+    kept = {key: value for key, value in part.attrs.items() if key not in {"contradictions", "degenerate"}}
+    return result.assign_attrs(kept | attributes(choice))
+
+
+def attributes(choice):
+    """Attributes of a file with a recommended series."""
+    return {"recommended": choice.estimate or "none", "recommended_because": choice.why}
+
+
+def _inputs(part, name):
+    """The budget of a temperature; one row for all where its uncertainty is known as a whole alone."""
+    if name != "scaled_temperature":
+        return budget.inputs_of(part)
+    whole = part[f"{name}_uncertainty"].values
+    return [budget.Input("noise, calibration and gas together (Monte Carlo)", "noise", whole)]
