@@ -62,6 +62,9 @@ try:
         if condition != "none"
     }
     configuration.check_compared(COMPARED, CONDITIONS)
+    # Those that are worked on by themselves; the others judge what these taught.
+    WORKED = [test for test, case in TESTS.items() if not case.get("judge")]
+    DIAGNOSED = [test for test in COMPARED if test in WORKED]
     SETTINGS = [config, CONDITIONS, TESTS]
     if workflow.is_main_process:
         DAMAGED, BUSY = workspace.begin("results", SETTINGS)

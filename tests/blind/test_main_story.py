@@ -16,6 +16,7 @@ STORY = [
     {"effect": "winE", "amplitude": 0.05},
 ]
 AMPLITUDE_SIGMAS = 4.0  # of an estimate against the truth
+BETTER = 3.0  # times, of the extended simulation on a test that no fit saw
 WARM = 18.0  # [s]
 # The plasma of the default scene drifts by itself (3 % and a wave of 1 %), besides what is hidden.
 OWN_DRIFT = 0.04
@@ -24,6 +25,10 @@ OWN_DRIFT = 0.04
 def compare(truth, report, temperature, better=3):
     """Hold a diagnosis against the truth: names, amplitudes, temperatures `better` times better than base."""
     hidden = {one["effect"]: one for one in json.loads(truth.attrs["hidden"])}
+    power, wrong = report["simulation"], hidden.pop(story.POWER, None)
+    if wrong:  # of the simulation itself: its power over the one that is wanted
+        error = abs(power["power"] - 1 - wrong["amplitude"])
+        assert error < AMPLITUDE_SIGMAS * power["power_error"]
     assert set(report["verdict"]["named"]) == set(hidden)
     found = {row["id"]: row for row in report["candidates"]}
     for name, one in hidden.items():
@@ -68,6 +73,40 @@ def calibrated(results, response):
     (folder / "response.nc").write_bytes((results / "instrument/response.nc").read_bytes())
     worker.prepare({"laboratory": str(folder)})
     return command.load_inputs(results / "radiation", folder)
+
+
+@pytest.fixture
+def made():
+    """Folder of the main job's results, if it has run here."""
+    if not (ROOT / "results/extended/csic_160kW/gain.md").is_file():
+        pytest.skip("the main job has not run here")
+    return ROOT / "results"
+
+
+def test_the_extended_simulation_foretells_a_test_at_another_power_that_no_fit_saw(made):
+    """Both simulations err by the same share of their power, which only the first test was asked about."""
+    from plasmapyro.commands.terms import read_terms
+    from plasmapyro.diagnosis.command import LIMITS
+    from plasmapyro.diagnosis.simulation.predicted import foretold
+
+    terms = read_terms(made / "diagnosis/csic_160kW/terms.yaml", "condition")
+    (power,) = terms
+    assert power.setting.id == "power"
+    instrument = [
+        xr.load_dataset(made / f"instrument/{name}.nc")
+        for name in ("calibration", "spectrometer_calibration")
+    ]
+    simulated = [xr.load_dataset(made / f"{one}/110kW.nc") for one in ("radiation", "extended/radiation")]
+    test = xr.load_dataset(made / "twin/csic_220kW/test.nc")
+    ((base, extended),) = foretold(
+        {"other": (test, *simulated)}, *instrument, limits=LIMITS, saturation_counts=65000.0
+    ).values()
+    assert extended.kelvin < base.kelvin / BETTER
+    for one in ("signal", "spectrum"):
+        before, after = (np.sqrt(np.mean(getattr(pair, one) ** 2)) for pair in (base, extended))
+        assert after < before / BETTER
+    change = extended.log_score - base.log_score
+    assert change.sum() > 3 * np.std(change, ddof=1) * np.sqrt(change.size)
 
 
 def test_the_results_of_the_main_job_agree_with_its_sealed_truth():

@@ -10,6 +10,7 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.report.simulation import power_sentences
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
@@ -61,7 +62,10 @@ def test_a_gas_several_times_as_strong_is_measured_and_tells_its_power(fitted, r
     base = fitted(record(power=power))
     assert base.solution.converged and base.solution.chi2 / base.solution.count < 1.1
     assert np.sqrt(np.mean(temperature_error(base, base.solution) ** 2)) < STRAY
-    assert compared(base).base.power == pytest.approx(np.log(power / 80e3), abs=CLOSE)
+    found = compared(base)
+    assert found.base.power == pytest.approx(np.log(power / 80e3), abs=CLOSE)
+    (said,) = power_sentences(found)
+    assert f"{'less' if power < 80e3 else 'more'} power than simulated" in said
 
 
 def test_brightness_before_and_after_the_injection_is_guessed(fitted, record):

@@ -116,6 +116,15 @@ def test_effects_that_a_test_states_are_taken_out_before_its_corrections(project
     assert [words.split(",")[0] for words in read] == ["results/experiment/csic_160kW/restored_test.nc"]
 
 
+def test_a_test_that_judges_is_foretold_and_nothing_else(project):
+    plan = snakemake(project, "--dry-run")
+    jobs = planned(plan)
+    assert jobs["twin_test"] == jobs["extended_flow"] == jobs["extended_radiance"] == 2
+    assert not re.findall(r"results/(?:experiment|diagnosis)/csic_220kW", plan.stdout)
+    (read,) = re.findall(r"rule extended_gain:\n *input: (.*)", plan.stdout)
+    assert "results/twin/csic_220kW/test.nc" in read and "results/extended/radiation/110kW.nc" in read
+
+
 def test_a_folder_of_raw_files_is_read_first(project):
     (project / "config/tests/mine.yaml").write_text(
         "data_folder: mydata\ninstruments: [pyrometer]\ncalibrated_spectra: true\n"

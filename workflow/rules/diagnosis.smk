@@ -3,13 +3,13 @@ from types import SimpleNamespace
 # What the simulation of each test gets wrong; results/diagnosis/{test}/index.html is the page to read.
 RESULTS += expand(
     "results/diagnosis/{test}/{name}",
-    test=COMPARED,
+    test=DIAGNOSED,
     name=["diagnosis.json", "residual_map.nc", "temperature.nc", "index.html"],
 )
 # Varied spectra need the light on the surface, which another program's flow gives only if it is axisymmetric.
 VARIED = [
     condition
-    for condition in dict.fromkeys([*COMPARED.values(), config["diagnosis"]["condition"]])
+    for condition in dict.fromkeys([*map(COMPARED.get, DIAGNOSED), config["diagnosis"]["condition"]])
     if CONDITIONS[condition].get("cfd", {}).get("geometry", "axisymmetric") == "axisymmetric"
 ]
 RESULTS += expand("results/radiation_variations/{condition}.nc", condition=VARIED)
@@ -36,9 +36,7 @@ rule gas_variations:
 def other_tests(wildcards):
     """Tests at other conditions: what is named in one is tried on them."""
     mine = COMPARED[wildcards.test]
-    return [
-        test_file(SimpleNamespace(test=other)) for other, condition in COMPARED.items() if condition != mine
-    ]
+    return [test_file(SimpleNamespace(test=other)) for other in DIAGNOSED if COMPARED[other] != mine]
 
 
 # Gases that a test and those at other conditions are compared with, each with the powers beside it.

@@ -1,16 +1,25 @@
 # What a diagnosis proposes, taken as given: base -> diagnosis -> what it changes once more, under results/extended.
 # The graph has no circle, because nothing under results/ but that folder reads the proposal. Effects of a test act
 # on that test; those of the gas, found in the first test, on the simulation that every test is compared with.
-EXTENDED = list(COMPARED) if config["diagnosis"]["extend"] else []
 # One page needs both instruments, and a simulated flow behind the gas.
-EXTENDED = [test for test in EXTENDED if len(TESTS[test]["instruments"]) == 2 and COMPARED[test] in COMPUTED]
+FORETOLD = [test for test in COMPARED if len(TESTS[test]["instruments"]) == 2 and COMPARED[test] in COMPUTED]
+EXTENDED = [test for test in FORETOLD if test in WORKED] if config["diagnosis"]["extend"] else []
 RESULTS += expand("results/extended/{test}/{name}", test=EXTENDED, name=["gain.md", "joint_estimate.nc"])
 RESULTS += expand("results/extended/diagnosis/{test}/diagnosis.json", test=EXTENDED)
 
 
+def extended_gas(wildcards):
+    """The light of the gas for the model of a test: that of its own condition as extended."""
+    own = COMPARED[wildcards.test]
+    return [f"results/{'extended/' if name == own else ''}radiation/{name}.nc" for name in LADDERS]
+
+
+EXTENDED_MODEL = MODEL | {"radiation": extended_gas}
+
+
 use rule restored_test as extended_test with:
     input:
-        **MODEL,
+        **EXTENDED_MODEL,
         terms="results/diagnosis/{test}/terms.yaml",
         test=test_file,
     output:
@@ -73,7 +82,8 @@ rule extended_flow:
     benchmark:
         "results/benchmarks/extended_flow_{condition}.tsv"
     params:
-        **FLOW,
+        # The error of a mesh is known from the flow that it starts from.
+        **FLOW | {"error_mesh_ratio": 0},
     script:
         "../scripts/extended_flow.py"
 
@@ -109,7 +119,7 @@ rule extended_radiance:
 
 use rule diagnosis as extended_diagnosis with:
     input:
-        **MODEL,
+        **EXTENDED_MODEL,
         terms="results/diagnosis/{test}/terms.yaml",
         test=test_file,
         findings="results/experiment/{test}/findings.json",
@@ -137,9 +147,9 @@ rule extended_gain:
             for stage in ("experiment", "extended")
             for instrument in ("pyrometer", "spectrometer")
         ],
-        tests=[test_file(SimpleNamespace(test=test)) for test in EXTENDED],
-        simulated=[f"results/radiation/{COMPARED[test]}.nc" for test in EXTENDED],
-        extended=[f"results/extended/radiation/{COMPARED[test]}.nc" for test in EXTENDED],
+        tests=[test_file(SimpleNamespace(test=test)) for test in FORETOLD],
+        simulated=[f"results/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
+        extended=[f"results/extended/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
         calibration="results/instrument/calibration.nc",
         spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
     output:
@@ -149,7 +159,7 @@ rule extended_gain:
     benchmark:
         "results/benchmarks/extended_gain_{test}.tsv"
     params:
-        names=EXTENDED,
+        names=FORETOLD,
         saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
         limits=LIMITS,
     script:

@@ -65,9 +65,9 @@ FIGURES = [
     ),
     *[
         f"results/figures/{name}_{test}.{format}"
-        for test, settings in TESTS.items()
+        for test in WORKED
         for needed, names in TEST_FIGURES.items()
-        if set(needed) <= set(settings["instruments"])
+        if set(needed) <= set(TESTS[test]["instruments"])
         for name in names
         for format in FORMATS
     ],

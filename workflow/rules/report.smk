@@ -4,8 +4,8 @@ rule report:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS],
         claims="results/claims.nc",
-        findings=expand("results/experiment/{test}/findings.json", test=TESTS),
-        diagnoses=expand("results/diagnosis/{test}/index.html", test=COMPARED),
+        findings=expand("results/experiment/{test}/findings.json", test=WORKED),
+        diagnoses=expand("results/diagnosis/{test}/index.html", test=DIAGNOSED),
         everything=RESULTS,
     output:
         "results/report.html",
@@ -15,7 +15,7 @@ rule report:
         "results/benchmarks/report.tsv"
     params:
         tests=[test for test, _ in CORRECTIONS],
-        diagnosed=list(COMPARED),
+        diagnosed=DIAGNOSED,
         rules=lambda wildcards: [rule.name for rule in workflow.rules],
         configuration=config,
     script:

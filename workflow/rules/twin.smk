@@ -24,6 +24,16 @@ rule twin_calibration:
         "../scripts/twin_calibration.py"
 
 
+def beside(test):
+    """The simulations nearest in power to the true gas of a test, if its power is what is hidden."""
+    told, (own, *_) = TESTS[test]["twin"], TESTS[test]["twin"]["gas"]
+    if not any(one["effect"] == "power" for one in told.get("effects", [])):
+        return []
+    rungs = configuration.ladder(CONDITIONS, own)
+    at = rungs.index(own)
+    return [*rungs[max(at - 1, 0) : at], *rungs[at + 1 : at + 2]]
+
+
 rule twin_test:
     input:
         response="results/instrument/response.nc",
@@ -33,6 +43,8 @@ rule twin_test:
         ),
         # Effects on the gas follow from its profile along the sight line and its composition; what a matt
         # surface scatters comes from all of the flow.
+        # The power that is hidden lies between the simulated ones.
+        beside=lambda wildcards: expand("results/radiation/{condition}.nc", condition=beside(wildcards.test)),
         profile=lambda wildcards: (
             [
                 f"results/sightline/{next(iter(TESTS[wildcards.test]['twin']['gas']))}.nc",
@@ -56,7 +68,8 @@ rule twin_test:
     params:
         condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
         effects=lambda wildcards: TESTS[wildcards.test]["twin"].get("effects", []),
+        electric_power_kw=lambda wildcards: TESTS[wildcards.test]["twin"].get("electric_power_kw", 160),
         weights=lambda wildcards: list(TESTS[wildcards.test]["twin"]["gas"].values()),
-        seed=config["twin"]["seed"],
+        seed=lambda wildcards: TESTS[wildcards.test]["twin"].get("seed", config["twin"]["seed"]),
     script:
         "../scripts/twin_test.py"

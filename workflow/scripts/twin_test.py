@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from plasmapyro import io
+from plasmapyro.quantities import in_si
 from plasmapyro.versions import told
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -13,10 +14,11 @@ from twin import campaign, story
 io.log_to(snakemake.log[0])
 given, keys = snakemake.input, snakemake.params
 gas = [(weight, io.read(path, "radiation")) for weight, path in zip(keys.weights, given.gas, strict=True)]
+gas = story.true_gas(keys.effects, gas, [io.read(path, "radiation") for path in given.beside])
 kinds = ("sightline", "gas", "flow")
 profile = [io.read(path, kind) for path, kind in zip(given.profile, kinds, strict=False)]
 test, truth = campaign.record(
-    story.scene(keys.condition, keys.effects, gas, profile),
+    story.scene(keys.condition, keys.effects, gas, profile, electric_power=in_si(keys)["electric_power"]),
     io.read(given.response, "response"),
     gas,
     keys.seed,

@@ -1,12 +1,63 @@
 """The scene of a test of the main job, with the effects that its configuration hides."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from twin import gas, hidden, incident
 from twin.campaign import Scene
 
 BOLTZMANN = 1.380649e-23
+POWER = "power"  # hidden in the gas itself: its power over that of the simulation, less 1
 
 
-def scene(condition, effects, weighted, profile):
+def true_gas(effects, weighted, beside=()):
+    """The true gas: that of the simulations, or that of another power if this is what is hidden.
+
+    Parameters
+    ----------
+    effects : sequence of dict, as for `scene`
+    weighted : sequence of (weight, Dataset), radiance by component
+    beside : sequence of Datasets, alike at other powers
+
+    Returns
+    -------
+    as `weighted`
+    """
+    change = sum(one["amplitude"] for one in effects if one["effect"] == POWER)
+    return [(weight, at_power(change, one, beside)) for weight, one in weighted] if change else weighted
+
+
+def at_power(change, own, beside):
+    r"""Light of the gas at :math:`P = P_0 (1 + a)`, between that at :math:`P_0` and at the next power:
+
+    .. math:: \ln L_k(P) = (1 - s) \ln L_k(P_0) + s \ln L_k(P_1), \qquad
+              s = \frac{\ln P/P_0}{\ln P_1/P_0}
+
+    for each radiating system k. `own` and `beside` as in `true_gas`.
+
+    Raises
+    ------
+    ValueError
+        A power that does not lie between simulated ones.
+    """
+    shares = [(np.log1p(change) / np.log(_power(one) / _power(own)), one) for one in beside]
+    share, other = max(shares, key=lambda pair: pair[0] if pair[0] <= 1 else -1.0)
+    if not 0 <= share <= 1:
+        raise ValueError(
+            f"no simulation lies beyond {_power(own) / 1e3 * (1 + change):g} kW of the power hidden at"
+            f" {_power(own) / 1e3:g} kW"
+        )
+    first, second = (np.log(np.maximum(one["gas_radiance_component"], 1e-30)) for one in (own, other))
+    light = np.exp((1 - share) * first + share * second.values)
+    return own.assign(gas_radiance_component=light, gas_radiance=light.sum("component"))
+
+
+def _power(dataset):
+    return float(dataset.attrs["numerical_power"])
+
+
+def scene(condition, effects, weighted, profile, **facts):
     """A scene, the plain one if nothing is hidden.
 
     Parameters
@@ -14,18 +65,23 @@ def scene(condition, effects, weighted, profile):
     condition : str
         Simulation that the laboratory compares with.
     effects : sequence of dict
-        `effect`, `amplitude` and, if wanted, `shape`, as for `hidden.hide`.
+        `effect`, `amplitude` and, if wanted, `shape`, as for `hidden.hide`; and the power of the gas.
     weighted : sequence of (weight, Dataset)
         The true gas, radiance by component.
     profile : (sightline, composition) Datasets, and flow if a surface scatters, or empty if nothing is hidden
+    facts : other fields of the scene
     """
-    plain = Scene(condition=condition)
+    plain = Scene(condition=condition, **facts)
     if not effects:
         return plain
-    told = Scene(condition=condition, centred_exposures=True)
+    told = replace(plain, centred_exposures=True)
     plasma = _gas(weighted, told.chamber_pressure, *profile)
     for one in effects:
-        told = hidden.hide(told, one["effect"], one["amplitude"], plasma, one.get("shape"))
+        if one["effect"] == POWER:
+            note = {"effect": POWER, "amplitude": one["amplitude"], "shape": {}}
+            told = replace(told, hidden=(*told.hidden, note))
+        else:
+            told = hidden.hide(told, one["effect"], one["amplitude"], plasma, one.get("shape"))
     return told
 
 

@@ -74,6 +74,10 @@ class GasLibrary:
         low, high = self.log_power[0] - 0.2, self.log_power[-1] + 0.2
         return np.exp(self._by_power(np.clip(start + change, low, high)) - self._by_power(start))
 
+    def power_of_warmth(self, change):
+        """Logarithm of the power ratio that a relative change of the gas temperature stands for."""
+        return np.log1p(change) / WARMTH_OF_POWER
+
     def varies(self, name):
         """Whether the library holds what `factor` needs."""
         return self.core is not None if name in OF_CORE else name in self.variation

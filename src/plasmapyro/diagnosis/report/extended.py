@@ -5,11 +5,9 @@ import numpy as np
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term, text_of
-from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report import show
 
 HOT = 1000.0  # [K] from which the uncertainty of a temperature is given
-FAR = 3.0  # standard errors from which another power is proposed
 
 
 def extension(findings):
@@ -84,7 +82,7 @@ def proposed(findings):
     """Terms that a diagnosis proposes to take as given, of the test and of the simulation of its gas.
 
     What it was given itself comes first, as the fit leaves it. Terms of the test are proposed where held-out
-    data speak for them; a power from `FAR` standard deviations on.
+    data speak for them; a power that `simulation.compare` calls wrong.
 
     Returns
     -------
@@ -102,14 +100,8 @@ def proposed(findings):
     found = findings.comparison.final
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     of_gas = [one for one in _terms(found.settings, errors[2:]) if one.setting.id in OF_CONDITION]
-    if not any(one.id == "P_eff" for one in found.settings):
-        change, error = found.power, errors[0]
-    else:
-        (hotter,) = (one for one in _terms(found.settings, errors[2:]) if one.setting.id == "P_eff")
-        change = found.power + np.log1p(hotter.setting.amplitude) / WARMTH_OF_POWER
-        error = np.hypot(errors[0], hotter.uncertainty.get(AMPLITUDE, 0.0) / WARMTH_OF_POWER)
-    if abs(change) > FAR * error:
-        power = OF_CONDITION["power"]
+    if findings.comparison.power_is_wrong:
+        power, (change, error) = OF_CONDITION["power"], findings.comparison.power
         size = float(np.clip(np.expm1(change), *power.bounds))
         of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}))
     return tuple(of_test), tuple(of_gas)

@@ -8,7 +8,7 @@ from plasmapyro.diagnosis.report.extended import extension, worth
 from plasmapyro.diagnosis.report.line_hump import line_against_hump
 from plasmapyro.diagnosis.report.lines import lines_left
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
-from plasmapyro.diagnosis.report.simulation import entries_of, simulation
+from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
 from plasmapyro.diagnosis.select.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.select.screen import columns_of_candidates
@@ -177,6 +177,7 @@ def _verdict(findings, entries, hidden, shift):
     named = [setting.id for setting in settings]
     p_base = float(min(1.0, 2 * min(test["p"] for test in _tests(findings))))
     unsure = [findings.misfit] if findings.misfit else []
+    unsure += power_sentences(findings.comparison)
     unsure += [RESERVES[selection.reserve]] if selection.reserve else []
     unsure += [
         f"The fit moves the {row['name']} by {row['pull']:+.1f} prior standard deviations."

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
 
@@ -45,7 +46,8 @@ def simulation(findings):
 
 def _sentences(found, systems):
     """What differs, in words: at most one sentence for each system that is off and each line."""
-    lines = [system_sentence(one) for one in systems if one.beyond]
+    lines = power_sentences(found)
+    lines += [system_sentence(one) for one in systems if one.beyond]
     lines += [
         f"{'A line' if one.strength > 0 else 'Less light'} at {one.wavelength / NANOMETRE:.1f} nm that the"
         f" simulation lacks: {abs(one.strength):.2g} ± {one.error:.1g} of its mean light."
@@ -56,6 +58,19 @@ def _sentences(found, systems):
             "The measured gas agrees with the simulated one, within the errors that this one states."
         )
     return lines
+
+
+def power_sentences(found):
+    """What is wrong with the simulated power, in words; a list of one sentence or none."""
+    if not found.power_is_wrong:
+        return []
+    change, error = found.power
+    size, rivals = np.expm1(change), [CATALOGUE[identity].name for identity in found.rivals_of_power]
+    also = f" Alike at the simulated power: {'; '.join(rivals)}." if rivals else ""
+    return [
+        f"The gas shines as one of {abs(size):.1%} {'more' if size > 0 else 'less'} power than simulated"
+        f" (± {error * (1 + size):.1%}); a simulation of that power is proposed.{also}"
+    ]
 
 
 def entries_of(findings):

@@ -1,6 +1,6 @@
 """Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -12,6 +12,10 @@ from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of, 
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
 
+HOTTER = "P_eff"  # the effect that is another power by another name
+STEP = 1e-4  # of its amplitude
+FAR = 3.0  # standard errors from which the simulated power is wrong
+HELD = 1e-3  # [1] standard deviation of ln P where the simulated power is taken as right
 LEAST, MOST = (-1.5, -3.0), (1.5, 3.0)  # of the logarithms of power and brightness
 MOST_EFFECTS = 2
 LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it states
@@ -57,6 +61,14 @@ class Comparison:
     p_value: float
     ratio: np.ndarray  # (K,) measured over simulated light on the axis of the library
     rivals: dict = field(default_factory=dict)
+    power: tuple = (0.0, np.inf)  # logarithm of it over the simulated one, error; a hotter gas counted in
+    rivals_of_power: tuple = ()  # ids of effects that at the simulated power explain as much as another one
+
+    @property
+    def power_is_wrong(self):
+        """Whether the simulated power is more than `FAR` standard errors off."""
+        change, error = self.power
+        return abs(change) > FAR * error
 
 
 def compare(model, measured, effects, *, draws=1000, seed=1):
@@ -99,7 +111,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     lines = tuple(lines_of(fitter, final, threshold))
     # Systems beyond what is stated must not bend the power that the others are held against.
     held, freed = without_wrong(simulated, fitter, final)
-    return Comparison(
+    found = Comparison(
         base=base,
         final=final,
         systems=tuple(systems_of(held, freed)),
@@ -109,7 +121,25 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
         p_value=fitter.p_value(base),
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
+        power=_power(final, model.library),
     )
+    if not found.power_is_wrong:
+        return found
+    fitter.sigma = np.array([HELD, GAS_SIGMA])
+    held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in effects.items()}
+    alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
+    return replace(found, rivals_of_power=alike)
+
+
+def _power(fit, library):
+    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error."""
+    change, slope = fit.power, np.zeros(len(fit.covariance))
+    slope[0] = 1.0
+    for place, number in enumerate(free_numbers(fit.settings)):
+        if fit.settings[number.place].id == HOTTER:
+            here, beside = library.power_of_warmth(fit.settings[number.place].amplitude + np.array([0, STEP]))
+            change, slope[2 + place] = change + here, (beside - here) / STEP
+    return float(change), float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
 
 
 def settled(simulated, settings=(), wrong=()):
