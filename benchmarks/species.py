@@ -106,8 +106,9 @@ def mixtures(found, number, seed=0):
 
 
 def board(folder, number, seed=0, say=lambda *_: None):
-    """Rows (share, mixtures of SNR `CLEAR` or more, right names in these, with a false name, all) by share."""
-    module.catalogue = lambda both=(*catalogue(), *decoys()): both
+    """Rows (share, mixtures of SNR `CLEAR` or more, right names in these, with a false name, all)."""
+    both = (*catalogue(), *decoys())
+    module.catalogue = lambda: both
     rows = {share: np.zeros(4, int) for share in SHARES}
     for a, b, share, clear, named, wrong in mixtures(single(folder), number, seed):
         say(f"{share:4.0%} {b} in {a}: SNR {clear:.0f}, {'named' if named else 'not named'} {wrong or ''}")
