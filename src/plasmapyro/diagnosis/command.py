@@ -143,6 +143,7 @@ def diagnose_test(
     limits=LIMITS,
     findings=(),
     given=(),
+    known=None,
 ):
     """Diagnose a test, from a file or a dataset.
 
@@ -165,6 +166,8 @@ def diagnose_test(
         What contradicts itself in the data; it is said first.
     given : sequence of Term
         Effects that are taken as given.
+    known : Normal, optional
+        Prior of what tests share, as `plasmapyro campaign` finds it.
 
     Returns
     -------
@@ -205,7 +208,9 @@ def diagnose_test(
             others=pairs,
             given=given,
             against=[entry["saw"] for entry in findings if entry["rule"] in CONTRADICTIONS],
+            known=known,
         )
+    result.report["posterior"]["with_priors"] = known is not None
     result.report["findings"] = list(findings)
     result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])
     return result

@@ -49,6 +49,7 @@ def diagnose(
     others=(),
     given=(),
     against=(),
+    known=None,
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -80,6 +81,8 @@ def diagnose(
     against : sequence of str
         What says that instruments contradict each other: without a confirmed cause no temperature is
         recommended.
+    known : Normal, optional
+        What other tests say about the instruments, the emittance and the power: the prior of this one.
 
     Returns
     -------
@@ -90,20 +93,18 @@ def diagnose(
     ValueError
         Unknown condition or effect.
     """
-    known = {term.setting.id for term in given} & set(effects)
-    looked_for = without(effects, {*exclude, *known})
+    taken = {term.setting.id for term in given} & set(effects)
+    looked_for = without(effects, {*exclude, *taken})
     if variations is None:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
     instrument = response, calibration, spectrometer_calibration
 
-    def fitted(test, variations, given=()):
-        return fit_test(
-            test, radiation, variations, *instrument, saturation_counts=saturation_counts, given=given
-        )
+    def fitted(test, variations, **more):
+        return fit_test(test, radiation, variations, *instrument, saturation_counts=saturation_counts, **more)
 
     slope = float(test.attrs.get("emittance_slope", 1.0))
     reading = None if calibration is None else Reading.of(calibration, slope, **limits)
-    base = fitted(test, variations, tuple(given))
+    base = fitted(test, variations, given=tuple(given), known=known)
     questions = [
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]

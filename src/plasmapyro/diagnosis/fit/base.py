@@ -148,6 +148,8 @@ def model_with(model, instruments):
         model.lamp,
         model.persistent,
         model.given,
+        model.precision,
+        model.power,
     )
 
 

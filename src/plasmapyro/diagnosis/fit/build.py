@@ -24,7 +24,6 @@ EXACT = 1e-6  # [1] stands for an uncertainty of zero
 UNIFORM = np.sqrt(3)  # half width of a uniform law over its standard deviation
 DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 counts of noise, some ten scans
 PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
-POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
 BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
 FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the data are to say what it is

@@ -333,8 +333,10 @@ class Fitter:
         k = size + self.sigma.size + len(free)
         matrix = np.zeros((k, k))
         matrix[:size, :size] = self.smooth
-        own = np.arange(size, k)
-        matrix[own, own] = 1 / np.concatenate([self.sigma, [number.sigma for number in free]]) ** 2
+        first = size + self.sigma.size
+        matrix[size:first, size:first] = self.model.precision
+        own = np.arange(first, k)
+        matrix[own, own] = np.array([number.sigma for number in free]) ** -2.0
         return matrix
 
     def weighers(self, gas, values):
@@ -347,7 +349,8 @@ class Fitter:
         for residual, weigher in zip(self.residuals(predicted), weighers, strict=True):
             chi2 += float(np.sum(residual * weigher(residual)))
         penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
-        penalty += np.sum(((state.values - self.centre) / self.sigma) ** 2)
+        off = state.values - self.centre
+        penalty += off @ self.model.precision @ off
         for one, number in zip(free_numbers(settings), state.amplitudes, strict=True):
             penalty += ((number - one.centre) / one.sigma) ** 2
         patterns = self._patterns(state)

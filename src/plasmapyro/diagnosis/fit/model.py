@@ -15,6 +15,7 @@ STEP = 1e-4  # of finite differences, in units of the prior
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
+POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
 CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after the injection,
 CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
 CURVATURE_TIME = 15.0  # [s] which falls off with this time
@@ -88,12 +89,31 @@ class Model:
     """Signals of all instruments by the knots of the temperature, parameters and effects."""
 
     def __init__(
-        self, instruments, library, history, parameters, record, slope, response, lamp, persistent, given=()
+        self,
+        instruments,
+        library,
+        history,
+        parameters,
+        record,
+        slope,
+        response,
+        lamp,
+        persistent,
+        given=(),
+        precision=None,
+        power=None,
     ):
-        """`parameters` of the base model; `persistent` errors of each instrument, whose numbers follow."""
+        """`parameters` of the base model; `persistent` errors of each instrument, whose numbers follow.
+
+        `precision` (V, V): inverse covariance of all of them before the data, if not independent; `power`:
+        mean and standard deviation of the logarithm of the power of the gas over the simulated one.
+        """
         self.instruments, self.library, self.history = instruments, library, history
         self.own, self.persistent, self.given, self.record = tuple(parameters), persistent, given, record
         self.parameters = (*parameters, *(one for errors in persistent for one in errors.parameters))
+        sigma = np.array([one.sigma for one in self.parameters])
+        self.precision = np.diag(sigma**-2.0) if precision is None else precision
+        self.power = (0.0, POWER_SIGMA) if power is None else power
         self.off, self.emittance = record.off, record.emittance
         self.slope, self.response, self.lamp = slope, response, lamp
         # (M,) of each instrument, over the stated emittance; a number for a grey surface.

@@ -2,6 +2,7 @@
 
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.fit.prior import relative, with_prior
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.record.record import record_of
 
@@ -16,6 +17,7 @@ def fit_test(
     *,
     saturation_counts,
     given=(),
+    known=None,
 ):
     """Base fit of a test; parameters as of `stage.diagnose`."""
     calibrations = {"spectrometer": spectrometer_calibration}
@@ -26,4 +28,5 @@ def fit_test(
         raise ValueError("the test holds pyrometer signals only: calibration.nc of the pyrometer is needed")
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
-    return fit_base(base_model(record, library, calibration, response, spectrometer_calibration, given))
+    model = base_model(record, library, calibration, response, spectrometer_calibration, given)
+    return fit_base(model if known is None else with_prior(model, relative(known, model)))

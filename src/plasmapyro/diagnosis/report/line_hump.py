@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.diagnosis.fit.build import POWER_SIGMA
+from plasmapyro.diagnosis.fit.model import POWER_SIGMA
 from plasmapyro.diagnosis.gas.templates import BANDS_OF
 from plasmapyro.diagnosis.report.findings import pulls
 from plasmapyro.diagnosis.report.show import LINE_REACH

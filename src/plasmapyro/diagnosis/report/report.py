@@ -7,6 +7,7 @@ from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits,
 from plasmapyro.diagnosis.report.extended import extension, worth
 from plasmapyro.diagnosis.report.line_hump import line_against_hump
 from plasmapyro.diagnosis.report.lines import lines_left
+from plasmapyro.diagnosis.report.posterior import posterior
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
@@ -54,6 +55,7 @@ def report_of(findings, temperature):
         "extended": extension(findings),
         "gain": worth(findings, shift),
         "limits": hidden,
+        "posterior": posterior(findings),
         "show": _show(findings),
         "assumptions": list(ASSUMPTIONS),
         "provenance": _provenance(findings),

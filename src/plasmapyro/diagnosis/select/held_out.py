@@ -103,10 +103,9 @@ def calibration_score(model, solution, matrix=None):
     size, count = model.size, len(model.parameters)
     total = solution.factor[0].shape[0]
     weight, off = np.zeros((total, total)), np.zeros(total)
-    for name in CALIBRATED:
-        parameter, place = model.parameters[model.index[name]], size + model.index[name]
-        weight[place, place] = parameter.sigma**-2.0
-        off[place] = parameter.centre - solution.state.values[place - size]
+    own = np.array([model.index[name] for name in CALIBRATED])
+    weight[np.ix_(size + own, size + own)] = np.linalg.inv(np.linalg.inv(model.precision)[np.ix_(own, own)])
+    off[size + own] = [model.parameters[place].centre - solution.state.values[place] for place in own]
     place = size + count + len(free_numbers(solution.settings))
     prior, at = prior_of_patterns(model.instruments), 0
     for instrument, pattern in zip(model.instruments, solution.state.pattern, strict=True):

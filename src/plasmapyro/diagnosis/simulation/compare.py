@@ -7,7 +7,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
-from plasmapyro.diagnosis.fit.build import GAS_SIGMA, POWER_SIGMA
+from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of, with_numbers
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
@@ -125,7 +125,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     )
     if not found.power_is_wrong:
         return found
-    fitter.sigma = np.array([HELD, GAS_SIGMA])
+    fitter.centre, fitter.sigma = np.zeros(2), np.array([HELD, GAS_SIGMA])
     held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in effects.items()}
     alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
     return replace(found, rivals_of_power=alike)
@@ -194,7 +194,8 @@ class Fitter:
 
     def __init__(self, simulated, light, wrong=()):
         self.simulated, self.measured, self.wrong = simulated, simulated.measured, tuple(wrong)
-        self.scale, self.sigma = light, np.array([POWER_SIGMA, GAS_SIGMA])
+        self.scale, self.sigma = light, np.array([simulated.power[1], GAS_SIGMA])
+        self.centre = np.array([simulated.power[0], 0.0])
         wide = np.ones((len(simulated.systems), 1))
         for name in wrong:
             wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
@@ -226,7 +227,7 @@ class Fitter:
         low = np.array([*LEAST, *(number.low for number in free)])
         high = np.array([*MOST, *(number.high for number in free)])
         scale = np.array([*self.sigma, *(number.sigma for number in free)])
-        centre = np.array([0.0, 0.0, *(number.centre for number in free)])
+        centre = np.array([*self.centre, *(number.centre for number in free)])
 
         def residual(x):
             light = self.simulated.light(x[0], x[1], with_numbers(settings, x[2:]))

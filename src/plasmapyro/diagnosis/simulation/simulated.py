@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from plasmapyro.diagnosis.fit.build import POWER_SIGMA
 from plasmapyro.diagnosis.fit.model import Model
 from plasmapyro.diagnosis.fit.parameter import Parameter
 
@@ -30,7 +29,7 @@ class Simulated:
             )
             for one in model.instruments
         ]
-        power = Parameter("power", "simulated power (logarithm)", POWER_SIGMA)
+        power = Parameter("power", "simulated power (logarithm)", model.power[1])
         self.model = Model(
             instruments,
             model.library,
@@ -42,7 +41,7 @@ class Simulated:
             model.lamp,
             model.persistent,
         )
-        self.measured, self.effects = measured, effects
+        self.measured, self.effects, self.power = measured, effects, model.power
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])
         self.cold = np.full(model.size, COLD)
         self.unit = measured.simulated / self._signals(self.centre, ())
