@@ -50,6 +50,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "io",
         "shipped",
     },  # files: only `command`
+    "campaign": {"diagnosis"},  # laws of what diagnoses share
     "claims": {"diagnosis", "instrument", "radiation"},  # a worked example of the diagnosis
     "facility": {"gas", "flow", "sightline"},
     "plots": {"contracts", "io"},
@@ -61,6 +62,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "analysis",
         "quality",
         "diagnosis",
+        "campaign",
         "estimate",
         "design",
         "io",

@@ -20,6 +20,7 @@ COMMANDS = {  # the words of each command, which need not be loaded for the help
     "correct-reading": "surface temperatures from logged readings, through the gas of a computed condition",
     "live": "temperature and alarms while a test is running",
     "diagnose": "what a simulation gets wrong",
+    "campaign": "what several tests say together, and the prior of the next one",
     "identify": "atoms, ions and molecules whose lines a spectrum shows",
     "trust": "from which temperature, and how long after injection, a pyrometer can be trusted",
     "sightline": "line of sight through a flow field of another program",

@@ -8,6 +8,8 @@ from plasmapyro import io, progress
 from plasmapyro.commands.correct import positive, trial
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.outputs import require_folder
+from plasmapyro.commands.priors import HELP as PRIORS
+from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
@@ -81,6 +83,7 @@ def add(commands):
         metavar="FILE.yaml",
         help="effects that are taken as given, as terms.yaml of an earlier diagnosis holds them",
     )
+    command.add_argument("--priors", metavar="FILE.yaml", help=PRIORS)
     command.add_argument(
         "--saturation-counts",
         type=positive,
@@ -99,7 +102,7 @@ def run(options):
     """Run `plasmapyro diagnose`: test in, five files out."""
     out = Path(options.out or f"{Path(options.test).resolve().stem}_diagnosis")
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
-    read.append(options.given)
+    read += [options.given, options.priors]
     require_folder(out, diagnosis.NAMES, read)
     result, sources = diagnosed(options)
     progress.say(f"writing {out}")
@@ -118,6 +121,7 @@ def diagnosed(options):
 
 def _diagnosed(options, folder):
     given = read_terms(options.given) if options.given else ()
+    known = read_priors(options.priors)
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
@@ -137,6 +141,7 @@ def _diagnosed(options, folder):
         findings=[finding.entry for finding in findings],
         saturation_counts=options.saturation_counts,
         given=given,
+        known=known,
     )
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)

@@ -1,0 +1,75 @@
+"""The campaign in words: laws, tests and their pulls, and what each test gave to the next."""
+
+import numpy as np
+
+from plasmapyro.campaign.stage import law_numbers
+
+HEADS = {
+    "power": "efficiency",
+    "gain_pyrometer": "window P",
+    "gain_spectrometer": "window S",
+    "emittance": "emittance",
+    "ratio": "ratio",
+}
+
+
+def page(found):
+    """Markdown text.
+
+    Parameters
+    ----------
+    found : `campaign.stage.Found`
+    """
+    odd = [row for row in found.rows if row.odd]
+    count = len(found.rows) - len(odd)
+    said = [f"{row.test.name} ({' and '.join(row.odd)})" for row in odd]
+    lines = [
+        f"# A campaign of {len(found.rows)} tests",
+        "",
+        f"{count} tests agree with one another."
+        + (f" Left out where it does not belong: {', '.join(said)}." if odd else " None stands apart."),
+        "",
+        "![efficiency, windows and pulls](campaign.png)",
+        "",
+        "## Laws",
+        "",
+        "| | found | 95 % interval |",
+        "|---|---|---|",
+    ]
+    for name, mean, sigma in law_numbers(found):
+        ends = f"{mean - 1.96 * sigma:.3g} to {mean + 1.96 * sigma:.3g}" if np.isfinite(sigma) else ""
+        lines.append(f"| {name} | {mean:.3g} | {ends} |")
+    lines += [
+        "",
+        "## Tests",
+        "",
+        "Pulls: how far the data of a test move what all others say, in standard deviations; beyond 3 in a"
+        " number, or named below, it does not belong.",
+        "",
+        f"| test | electric power, kW | {' | '.join(HEADS.values())} | does not belong |",
+        "|---" * (len(HEADS) + 3) + "|",
+    ]
+    for row in found.rows:
+        pulls = [f"{row.pulls[name]:+.1f}" if name in row.pulls else "" for name in HEADS]
+        cells = [row.test.name, f"{row.test.electric_power / 1e3:g}", *pulls, " and ".join(row.odd)]
+        lines.append(f"| {' | '.join(cells)} |")
+    lines += [
+        "",
+        "## What each test gave to the next",
+        "",
+        "Standard deviation before the data of the test, and of its temperature above 1000 K: alone, with the"
+        " tests before it, with all tests.",
+        "",
+        f"| test | {', % | '.join(HEADS.values())}, % | T alone, K | with earlier, K | with all, K |",
+        "|---" * (len(HEADS) + 4) + "|",
+    ]
+    for row in found.rows:
+        law = row.test.before if row.prior is None else row.prior
+        cells = [_percent(law, name) for name in HEADS]
+        lines.append(f"| {' | '.join([row.test.name, *cells, *(f'{one:.2f}' for one in row.sigma)])} |")
+    lines.append(f"| next | {' | '.join(_percent(found.next, name) for name in HEADS)} | | | |")
+    return "\n".join(lines) + "\n"
+
+
+def _percent(law, name):
+    return f"{100 * law.of([name]).sigma[0]:.2f}" if name in law.names else ""

@@ -1,0 +1,100 @@
+"""`plasmapyro campaign`: what several tests say together, and the prior of the next one."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import plasmapyro.campaign
+from plasmapyro import configuration, io, progress
+from plasmapyro.campaign.report import page
+from plasmapyro.campaign.stage import campaign, priors_text, tests_of
+from plasmapyro.commands.outputs import require_folder
+from plasmapyro.plots.campaign import laws
+
+SCHEMA = Path(plasmapyro.campaign.__file__).with_name("campaign.schema.yaml")
+NAMES = ("priors.yaml", "campaign.md", "campaign.png")
+DESCRIPTION = """\
+Put the diagnoses of several tests of one laboratory together: the law of the efficiency, what the windows
+lose from run to run, sensitivity ratio, responses, emittances, scale of the spectrometer; which test does
+not belong; and what all of them say before the next test.
+
+FILE lists tests with dates, diagnoses (diagnosis.json), electric powers and materials; docs/campaign.md."""
+EXAMPLE = """\
+example:
+  plasmapyro campaign config/campaign.yaml --out campaign
+  plasmapyro diagnose my_test --priors campaign/priors.yaml --out diagnosis
+
+writes priors.yaml, campaign.md and campaign.png, all or none.
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+
+
+def add(commands):
+    """Add the subcommand to the parser's `commands`."""
+    command = commands.add_parser(
+        "campaign",
+        help="what several tests say together, and the prior of the next one",
+        description=DESCRIPTION,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    command.add_argument("file", metavar="FILE", help="tests of the campaign (YAML)")
+    command.add_argument(
+        "--until", metavar="TEST", help="leave this test and later ones out: the prior is that of this test"
+    )
+    command.add_argument("--out", metavar="FOLDER", default="campaign", help="where the three files go")
+
+
+def run(options):
+    """Run `plasmapyro campaign`: diagnoses in, three files out."""
+    plan = configuration.load(options.file, SCHEMA)
+    if options.until is not None:
+        plan = until(plan, options.until)
+    read = [options.file, *(one["diagnosis"] for one in plan["tests"])]
+    require_folder(options.out, NAMES, read)
+    write(plan, options.out)
+    progress.say("done")
+
+
+def until(plan, name):
+    """The plan before one of its tests, which is the coming one."""
+    names = [one["name"] for one in plan["tests"]]
+    if name not in names[1:]:
+        raise ValueError(f"--until: must name a test after the first ({', '.join(names[1:])}); got {name!r}")
+    place = names.index(name)
+    keys = ("date", "electric_power_kw", "material")
+    return plan | {"tests": plan["tests"][:place], "next": {key: plan["tests"][place][key] for key in keys}}
+
+
+def write(plan, folder):
+    """Write the three files of a campaign into a folder.
+
+    Parameters
+    ----------
+    plan : mapping by `campaign.schema.yaml`
+    folder : path
+    """
+    reports = {one["name"]: report_of(one["diagnosis"]) for one in plan["tests"]}
+    tests = tests_of(plan, reports)
+    progress.say(f"campaign of {len(tests) - 1} tests")
+    found = campaign(tests, 1e3 * plan["reference_power_kw"])
+
+    def files(made):
+        io.write_text(priors_text(found), made / "priors.yaml")
+        io.write_text(page(found), made / "campaign.md")
+        laws(found, [made / "campaign.png"])
+
+    io.store_folder(folder, files)
+    sys.stdout.write(page(found).splitlines()[2] + "\n")
+
+
+def report_of(path):
+    """The report of a diagnosis from its file; ValueError for another file."""
+    try:
+        report = json.loads(io.read_text(path))
+    except ValueError as fault:
+        raise ValueError(f"{path}: no diagnosis.json: {fault}") from None
+    if not isinstance(report, dict) or report.get("schema") != "plasmapyro-diagnosis-1":
+        raise ValueError(f"{path}: no diagnosis.json of this package")
+    return report

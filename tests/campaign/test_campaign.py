@@ -1,0 +1,172 @@
+import json
+
+import numpy as np
+import pytest
+import yaml
+from invented import REFERENCE, campaign, plan_and_reports
+
+from plasmapyro import cli
+from plasmapyro.campaign import stage
+from plasmapyro.campaign.hierarchy import Campaign
+
+RANDOM = 60  # campaigns
+ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
+
+
+def true_numbers(truth, last):
+    return {
+        "efficiency": np.log(truth["efficiency"]),
+        "exponent": truth["exponent"],
+        "fouling gain_pyrometer": truth["fouling"][0],
+        "fouling gain_spectrometer": truth["fouling"][1],
+        "ratio": truth["ratio"],
+        "lamp": truth["lamp"],
+        "edge_wide": truth["edge_wide"],
+        "emittance of C/SiC": np.log(truth["emittance"]["C/SiC"]),
+        f"gain_pyrometer {last}": truth["gain"][0],
+        f"power {last}": truth["values"]["power"],
+    }
+
+
+def found_in(made):
+    plan, reports = plan_and_reports(made)
+    return stage.campaign(stage.tests_of(plan, reports), REFERENCE)
+
+
+def test_intervals_of_random_campaigns_hold_as_often_as_they_say():
+    inside, odd = [], 0
+    for seed in range(RANDOM):
+        truth, made = campaign(seed)
+        whole = Campaign(stage.tests_of(*plan_and_reports(made)), REFERENCE)
+        joint = whole.joint(whole.odd_ones())
+        odd += bool(joint.odd)
+        for name, value in true_numbers(truth, made[-1][0]).items():
+            mean, sigma = joint.number(name)
+            inside.append(abs(value - mean) < 1.96 * sigma)
+    assert ENDS[0] < np.mean(inside) < ENDS[1]
+    assert odd <= 6  # of 60 sound campaigns: 1 % of each of 40 groups would be far more
+
+
+@pytest.mark.parametrize(
+    ("number", "off", "group"),
+    [("power", -0.2, "efficiency"), ("gain_spectrometer", -0.08, "window"), ("ratio", 0.015, "instrument")],
+)
+def test_a_test_that_does_not_belong_is_named_and_leaves_the_law_alone(number, off, group):
+    truth, made = campaign(3, odd=(4, number, off))
+    found = found_in(made)
+    assert found.joint.odd == (("run04", group),)
+    for name, value in true_numbers(truth, made[-1][0]).items():
+        mean, sigma = found.joint.number(name)
+        assert abs(value - mean) < 3.3 * sigma, name
+
+
+def test_each_test_narrows_the_prior_of_the_next_and_their_temperatures():
+    found = found_in(campaign(5)[1])
+    constant = [row.prior.of(["ratio"]).sigma[0] for row in found.rows[1:]] + [
+        found.next.of(["ratio"]).sigma[0]
+    ]
+    assert (np.diff(constant) < 0).all()
+    assert constant[-1] < 0.5 * constant[0]
+    alone, earlier, whole = np.array([row.sigma for row in found.rows]).T
+    assert (earlier[1:] < alone[1:]).all()
+    assert (whole < earlier + 1e-9).all()
+
+
+def test_a_cleaning_starts_a_window_anew():
+    found = found_in(campaign(5)[1])
+    loss = {row.test.name: found.joint.number(f"gain_spectrometer {row.test.name}") for row in found.rows}
+    before = loss["run05"][0] - loss["run04"][0]
+    mean, sigma = found.joint.number("fouling gain_spectrometer")
+    assert abs(before + mean) < 4 * np.hypot(sigma, 0.01)
+    _, wide = (
+        found.rows[6].prior.of(["gain_spectrometer"]).mean,
+        found.rows[6].prior.of(["gain_spectrometer"]).sigma,
+    )
+    assert wide[0] == pytest.approx(0.02, rel=0.01)  # as a clean window was before any test
+
+
+def test_a_prior_that_a_test_has_used_counts_once():
+    """The same data, diagnosed with the prior of the tests before, give the same campaign."""
+    plan, reports = plan_and_reports(campaign(8)[1])
+    plain = stage.campaign(stage.tests_of(plan, reports), REFERENCE)
+    told, row = reports["run09"]["posterior"], plain.rows[-1]
+    matrix, pull = row.test.message()
+    law = row.prior.of(told["names"])
+    covariance = np.linalg.inv(np.linalg.inv(law.covariance) + matrix)
+    mean = covariance @ (np.linalg.solve(law.covariance, law.mean) + pull)
+    reports["run09"]["posterior"] = told | {
+        "mean": mean.tolist(),
+        "covariance": covariance.tolist(),
+        "prior": {"mean": law.mean.tolist(), "covariance": law.covariance.tolist()},
+        "with_priors": True,
+    }
+    again = stage.campaign(stage.tests_of(plan, reports), REFERENCE)
+    np.testing.assert_allclose(again.joint.mean, plain.joint.mean, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(again.joint.covariance, plain.joint.covariance, rtol=1e-5, atol=1e-12)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with the files of a campaign; the commands run there."""
+    monkeypatch.chdir(tmp_path)
+    plan, reports = plan_and_reports(campaign(1, tests=4)[1])
+    for name, report in reports.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(report))
+    (tmp_path / "campaign.yaml").write_text(yaml.safe_dump(plan))
+    return tmp_path
+
+
+def test_the_command_writes_a_prior_that_reads_back(folder):
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0
+    assert {path.name for path in (folder / "made").iterdir()} == {
+        "priors.yaml",
+        "campaign.md",
+        "campaign.png",
+    }
+    values = yaml.safe_load((folder / "made/priors.yaml").read_text())
+    law = stage.law_of_priors(values, "priors.yaml")
+    plan = yaml.safe_load((folder / "campaign.yaml").read_text())
+    reports = {one["name"]: json.loads((folder / one["diagnosis"]).read_text()) for one in plan["tests"]}
+    found = stage.campaign(stage.tests_of(plan, reports), REFERENCE).next
+    np.testing.assert_allclose(law.covariance, found.covariance, rtol=1e-9, atol=1e-20)
+    np.testing.assert_array_equal(law.mean, found.mean)
+    first = (folder / "made/priors.yaml").read_bytes()
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0
+    assert (folder / "made/priors.yaml").read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda plan: plan["tests"].reverse(), "stands after a later one"),
+        (lambda plan: plan["tests"][1].update(name="run00"), "listed twice"),
+        (lambda plan: plan["tests"][0].update(materiel="C/SiC"), "materiel"),
+        (lambda plan: plan["tests"][0].update(diagnosis="none.json"), "none.json"),
+        (lambda plan: plan["tests"][0].update(diagnosis="campaign.yaml"), "no diagnosis.json"),
+    ],
+)
+def test_bad_files_are_refused_in_one_message(folder, capsys, change, words):
+    plan = yaml.safe_load((folder / "campaign.yaml").read_text())
+    change(plan)
+    (folder / "campaign.yaml").write_text(yaml.safe_dump(plan))
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 2
+    assert words in capsys.readouterr().err
+    assert not (folder / "made").exists()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda values: values.pop("mean"),
+        lambda values: values.update(sigma=values["sigma"][1:]),
+        lambda values: values.update(mean=["x"] * len(values["mean"])),
+        lambda values: values["correlation"][0].__setitem__(1, 3.0),
+        lambda values: values["sigma"].__setitem__(0, -1.0),
+    ],
+)
+def test_priors_that_are_no_law_are_refused(folder, change):
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0
+    values = yaml.safe_load((folder / "made/priors.yaml").read_text())
+    change(values)
+    with pytest.raises(ValueError, match=r"priors\.yaml: "):
+        stage.law_of_priors(values, "priors.yaml")
