@@ -142,7 +142,8 @@ def test_the_shipped_simulations_are_those_of_a_run():
     results, gas = Path(os.environ["PLASMAPYRO_RESULTS"]), pp.simulations()
     for path in sorted([*results.glob("radiation/*kW.nc"), *results.glob("radiation_variations/*kW.nc")]):
         fresh, shipped = pp.read(path), gas[path.stem].to_dataset()
-        for name in set(fresh.data_vars) & set(shipped.data_vars):
+        modes = {"error_share", "error_system", "error_cause"}  # those of one power stand for all
+        for name in (set(fresh.data_vars) & set(shipped.data_vars)) - modes:
             off = np.abs(shipped[name] - fresh[name]).max() / np.abs(fresh[name]).max()
             assert off < OF_A_RUN, (path.name, name)
         assert fresh.attrs["numerical_power"] == shipped.attrs["numerical_power"]
@@ -150,6 +151,8 @@ def test_the_shipped_simulations_are_those_of_a_run():
 
 def test_the_shipped_simulations_keep_what_makes_them_spectra():
     gas = pp.simulations()
+    error = gas["60kW"].error_share.values
+    assert len(error) > 100 and np.isfinite(error).all()
     assert list(gas.children) == [f"{power}kW" for power in range(50, 140, 10)]
     total = [float(gas[name].gas_radiance_slit.sum()) for name in gas.children]
     assert (np.diff(total) > 0).all()  # more power, more light
