@@ -147,4 +147,4 @@ def test_all_faults_come_at_once():
 
 
 def test_empty_test_says_that_it_is_empty():
-    assert inputs.faults(xr.Dataset())[0].startswith("neither pyrometer signals nor spectra")
+    assert inputs.faults(xr.Dataset())[0].startswith("no signals of a pyrometer")

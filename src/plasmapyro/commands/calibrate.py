@@ -9,6 +9,7 @@ import numpy as np
 from plasmapyro import io, progress
 from plasmapyro.commands.options import not_negative, option, plot_option, positive, share
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.instrument.line_lamp import find_lines
 from plasmapyro.instrument.spectrometer import STATUS_WORDS
 from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
@@ -17,6 +18,7 @@ from plasmapyro.quality.rule import Case, look
 from plasmapyro.readers.calibration import (
     check_calibration,
     instruments,
+    read_bands,
     read_exposures,
     read_line_lamp,
     read_points,
@@ -47,7 +49,8 @@ example:
   plasmapyro calibrate lamp_2026 --out lab
   plasmapyro correct my_test --instrument lab --out temperature.nc
 
-writes calibration.nc and response.nc (pyrometer), spectrometer_calibration.nc (spectrometer) into the folder
+writes calibration.nc and response.nc (pyrometer), spectrometer_calibration.nc (spectrometer),
+radiometer_calibration.nc (radiometer of any bands) into the folder
 
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
 
@@ -115,6 +118,7 @@ def run(options):
     """Run `plasmapyro calibrate`: folder in, files out, and a summary."""
     out = Path(options.out)
     names = {"pyrometer": ["response.nc", "calibration.nc"], "spectrometer": ["spectrometer_calibration.nc"]}
+    names["radiometer"] = ["radiometer_calibration.nc"]
     files = [] if check_calibration(options.folder) else instruments(options.folder)
     outputs = [out / name for instrument in files for name in names[instrument]]
     outputs += [options.plot] * bool(options.plot)
@@ -126,9 +130,13 @@ def run(options):
     if "spectrometer_calibration" in results:
         lines += _of_spectrometer(results["spectrometer_calibration"])
         lines += _of_lines(read_line_lamp(options.folder))
+    if "radiometer_calibration" in results:
+        lines += _of_radiometer(results["radiometer_calibration"])
     if options.plot:
         from plasmapyro.plots import instrument as plots  # matplotlib, which only pictures need
 
+        if not {"calibration", "spectrometer_calibration"} & set(results):
+            raise ValueError("--plot draws a pyrometer or a spectrometer; a radiometer has no picture")
         if "calibration" in results:
             plots.calibration(results["calibration"], [options.plot])
         else:
@@ -169,6 +177,11 @@ def calibrated(options):
             noise_block=50,
             fit_range=[edge * 1e-9 for edge in options.fit_range_nm] if options.fit_range_nm else None,
         ).assign_attrs(origin=exposures.attrs["origin"])
+    if "radiometer" in present:
+        bands, points = read_bands(options.folder)
+        results["radiometer_calibration"] = radiometer_calibration(
+            bands, points, source_temperature_uncertainty=options.source_temperature_uncertainty_k
+        )
     said = [
         words
         for words in calibration_findings(options.folder, results.get("response"), results.get("calibration"))
@@ -234,6 +247,19 @@ def _of_pyrometer(result):
         f" {100 * float(np.abs(result.model_residual).max()):.2g} %, quadratic up to"
         f" {100 * float(np.abs(result.fit_residual).max()):.2g} %",
     ]
+
+
+def _of_radiometer(result):
+    names = ", ".join(
+        f"{name} {value:.3g} ({100 * error:.2g} %)"
+        for name, value, error in zip(
+            result.band.values,
+            result.band_sensitivity.values,
+            result.band_sensitivity_uncertainty.values,
+            strict=True,
+        )
+    )
+    return [f"radiometer: {result.attrs['calibration']}, sensitivities {names}"]
 
 
 def _of_lines(lamp):

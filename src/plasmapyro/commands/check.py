@@ -130,6 +130,16 @@ def contents(test):
             f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {test[name].attrs['units']},"
             f" {int(np.isnan(values).sum())} samples missing or saturated",
         ]
+    if "radiometer" in instruments(test):
+        name = "radiometer_signal" if "radiometer_signal" in test.variables else "radiometer_reading"
+        lines.append(f"  radiometer: {_clock(test.radiometer_time.values, 'samples')}")
+        for band, values in zip(test.band.values, test[name].values.T, strict=True):
+            missing = int(np.isnan(values).sum())
+            unit = test[name].attrs["units"].replace("1", "")
+            lines.append(
+                f"  {band}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}".rstrip()
+                + f", {missing} missing"
+            )
     if not has_plasma(test):
         return [*lines, "  no plasma: nothing is subtracted"]
     begin, end = test.attrs["reference_window"]

@@ -22,7 +22,8 @@ from plasmapyro.record.inputs import faults, has_plasma, instruments
 from plasmapyro.record.recommended import of_correction
 
 NANOMETRE = 1e-9
-PYROMETER, SPECTROMETER = "calibration", "spectrometer_calibration"  # files and contracts
+# files and contracts
+PYROMETER, SPECTROMETER, RADIOMETER = "calibration", "spectrometer_calibration", "radiometer_calibration"
 
 OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperature")
 
@@ -43,7 +44,8 @@ spectra, and follows the gas through the test (docs/temperature.md); it needs re
 Without a pyrometer it is the same as
 
 --estimator emissivity: temperature and an emissivity that is smooth over wavelength and time, together, from
-the spectra alone. It is what spectra of a lamp or a furnace (condition: none) get.
+the spectra, or the bands of a radiometer, alone. It is what spectra of a lamp or a furnace (condition: none)
+get, and every radiometer.
 
 TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
 `plasmapyro check`."""
@@ -309,8 +311,8 @@ def trial(test, folder):
     add(parser.add_subparsers())
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
-    estimator, _ = ESTIMATORS[_estimator(test, None)]
-    result = estimator(test, calibrations, parser.parse_args(words))
+    first = ESTIMATORS[_estimator(test, None)][0][0]
+    result = BY_NAME[first](test, calibrations, parser.parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
 
@@ -380,12 +382,14 @@ def by_emissivity(test, calibrations, options):
     -------
     Dataset, contract 'emissivity_estimate'
     """
-    if "spectrometer" not in instruments(test):
-        raise ValueError("--estimator emissivity needs spectra; use --estimator reference")
-    progress.say("inferring temperature and emissivity from all spectra")
+    held = {"spectrometer": SPECTROMETER, "radiometer": RADIOMETER}
+    name = next((one for one in held if one in instruments(test)), None)
+    if name is None:
+        raise ValueError("--estimator emissivity needs spectra or a radiometer; use --estimator reference")
+    progress.say(f"inferring temperature and emissivity from all samples of the {name}")
     return estimate_emissivity(
         test,
-        calibrations.get(SPECTROMETER),
+        calibrations.get(held[name]),
         level=options.emissivity_level,
         shape=options.emissivity_shape,
         length=options.emissivity_length_nm * NANOMETRE,
@@ -403,7 +407,20 @@ def by_emissivity(test, calibrations, options):
 
 def _estimator(test, asked):
     """Name of the estimator: the one asked for, or the one that a test without a pyrometer needs."""
-    alone = instruments(test) == ["spectrometer"]
+    present, alone = instruments(test), instruments(test) == ["spectrometer"]
+    if present == ["radiometer"]:
+        if asked in ("reference", "joint"):
+            raise ValueError(
+                f"--estimator {asked} takes no radiometer: its bands need --estimator emissivity"
+            )
+        return "emissivity"
+    if "radiometer" in present and (
+        asked in (None, "all") or {asked, *present} >= {"emissivity", "spectrometer"}
+    ):
+        raise ValueError(
+            f"the test holds {', '.join(present)}; a radiometer is not joined with others yet: leave it, or"
+            " them, out of test.yaml"
+        )
     if asked in (None, "all"):
         spectral = "reference" if has_plasma(test) else "emissivity"
         return spectral if alone else "all" if has_plasma(test) else "reference"
@@ -488,6 +505,8 @@ def _calibrations(test, folder):
             # Radiances bring their own calibration; one of other pixels says nothing about them.
             if counted or on_same_wavelengths(calibration, test):
                 found[SPECTROMETER] = calibration
+    if "radiometer" in instruments(test):
+        found[RADIOMETER] = io.read(folder / f"{RADIOMETER}.nc", RADIOMETER)
     return found
 
 

@@ -14,6 +14,7 @@ from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import read_with_files
+from plasmapyro.record.inputs import instruments
 
 DESCRIPTION = """\
 Compare a test with the simulation of its condition: where they depart, which effect of a catalogue
@@ -125,6 +126,8 @@ def _diagnosed(options, folder):
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
+    if "radiometer" in instruments(data):
+        raise ValueError(f"{options.test}: a diagnosis takes a pyrometer and spectra, no radiometer yet")
     others = [_read(one) for one in options.also]
     findings = of_test(options.test, reading, **_tried(data, folder))
     for finding in findings:

@@ -416,8 +416,10 @@ DATASETS = {
     },
     "response": {
         "wavelength": ("wavelength",),
-        "responsivity_wide": ("wavelength",),
-        "responsivity_narrow": ("wavelength",),
+        "responsivity_wide?": ("wavelength",),
+        "responsivity_narrow?": ("wavelength",),
+        "band?": ("band",),
+        "responsivity?": ("band", "wavelength"),
     },
     "ratio_curve": {
         "sensitivity_ratio": (),
@@ -449,6 +451,16 @@ DATASETS = {
         "fit_coefficient": ("fit_power",),
         "fit_covariance": ("fit_power", "other_fit_power"),
         "fit_range": ("bound",),
+        "instrument_range": ("bound",),
+    },
+    "radiometer_calibration": {
+        "wavelength": ("wavelength",),
+        "band": ("band",),
+        "responsivity": ("band", "wavelength"),
+        "band_sensitivity": ("band",),
+        "band_sensitivity_uncertainty": ("band",),
+        "band_source_temperature": ("band",),
+        "source_temperature_uncertainty": (),
         "instrument_range": ("bound",),
     },
     "spectrometer_counts": {
@@ -494,6 +506,9 @@ DATASETS = {
         "counts?": ("spectrum_time", "wavelength"),
         "saturated?": ("spectrum_time", "wavelength"),
         "background_counts?": ("wavelength",),
+        "band?": ("band",),
+        "radiometer_time?": ("radiometer_time",),
+        **{f"radiometer_{name}?": ("radiometer_time", "band") for name in ("signal", "reading", "setting")},
     },
     "pyrometer_correction": {
         "time": ("time",),

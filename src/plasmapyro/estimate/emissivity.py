@@ -123,7 +123,7 @@ def infer(channels, prior, signal, noise, linear=None, known=None, start=None):
     Returns
     -------
     Posterior
-        NaN for samples without two channels.
+        NaN for samples without a channel.
     """
     signal, noise = (np.asarray(one, dtype=float) for one in (signal, noise))
     count = prior.basis.shape[1] + (0 if linear is None else linear.shape[-1])
@@ -193,7 +193,7 @@ def _infer(channels, prior, signal, noise, linear, known, start):
         jacobian = np.where(better[:, None, None], slopes, jacobian)
         damping = np.where(better, damping / 10, np.maximum(10 * damping, FIRST_DAMPING))
     covariance = np.linalg.inv(matrix)
-    enough = (good.sum(axis=1) >= 2) & np.isfinite(state).all(axis=1)
+    enough = good.any(axis=1) & np.isfinite(state).all(axis=1)
     blank = np.where(enough, 1.0, np.nan)
     return Posterior(
         state * blank[:, None],

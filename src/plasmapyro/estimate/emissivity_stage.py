@@ -1,38 +1,21 @@
 """Stage: temperature and smooth emissivity of a surface from spectra alone, with or without a plasma."""
 
-from typing import NamedTuple
-
 import numpy as np
 import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.estimate.emissivity import Channels, follow, infer, log_emissivity, smooth_prior
-from plasmapyro.instrument.spectrometer import local_noise
-from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.estimate.emissivity import follow, infer, log_emissivity, smooth_prior
+from plasmapyro.estimate.light import of_bands, of_spectra
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import mean_emittance
+from plasmapyro.record.inputs import instruments
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncertainty
-LINES = 0.01  # [1] ASSUME: of the gas in a bin, beyond its common change: its lines do not keep in step
-GAS_MEMORY = 20.0  # [s] over which the common change of the gas persists
 MISFIT = 3.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
-LEAST_BINS = 3
-
-
-class Bins(NamedTuple):
-    """Neighbouring pixels that are averaged."""
-
-    pixel: np.ndarray  # (P,) indices of the usable pixels, rising
-    first: np.ndarray  # (C,) where each bin begins among them
-    weight: np.ndarray  # (C, P)
-
-    def mean(self, values):
-        """Means (..., C) of (..., P); NaN where a pixel of the bin is."""
-        return np.add.reduceat(values, self.first, axis=-1) * self.weight.max(axis=1)
 
 
 def estimate_emissivity(
@@ -52,19 +35,20 @@ def estimate_emissivity(
     saturation_counts,
     noise_block,
 ):
-    """Temperature and emissivity over wavelength and time from the spectra of a test, the gas removed.
+    """Temperature and emissivity over wavelength and time from the spectra, or bands, of a test without gas.
 
     Parameters
     ----------
-    test : Dataset, contract 'test', with spectra
-    calibration : Dataset, contract 'spectrometer_calibration', or None if the test holds radiances
+    test : Dataset, contract 'test', with spectra, or signals of a radiometer
+    calibration : Dataset, contract 'spectrometer_calibration', or None if the test holds radiances; contract
+        'radiometer_calibration'
     level : float [1], or None
         Relative standard uncertainty of the emissivity as a whole; None: what the test states.
     shape : float [1]
         Of its course over wavelength.
     length, memory : float [m], [s]
         Over which its course and its change in time are smooth.
-    stray_light : float [1]
+    stray_light : float [1], of spectra
         Share of the mean count rate that may reach every pixel, in the test and in the calibration.
     bin_width : float [m]
         Pixels are averaged over it.
@@ -89,112 +73,52 @@ def estimate_emissivity(
     ValueError
         Naming every fault of the test, or fewer than three usable bins.
     """
-    record = record_of(
-        test, {"spectrometer": calibration}, saturation_counts=saturation_counts, needed=["spectrometer"]
-    )
-    frames = record.instrument("spectrometer")
-    injected, shining = record.phases(frames.time)
-    bins = _bins(frames, bin_width)
-    radiance = frames.sound[:, bins.pixel]
-    behind = shining[:, None] * _gas(record, frames)[bins.pixel]
-    noise = local_noise(radiance - behind, noise_block)
-    if frames.factor_uncertainty is not None:
-        noise = np.hypot(noise, radiance * frames.factor_uncertainty[bins.pixel])
-    count = 1 / bins.weight.max(axis=1)
-    seen, behind, noise = bins.mean(radiance - behind), bins.mean(behind), bins.mean(noise**2) / count
-    noise = np.sqrt(noise + (LINES * behind) ** 2)
-    wavelength = frames.wavelength[bins.pixel]
+    name = "spectrometer" if "spectrometer" in instruments(test) else "radiometer"
+    record = record_of(test, {name: calibration}, saturation_counts=saturation_counts, needed=[name])
+    settings = {"bin_width": bin_width, "bin_uncertainty": bin_uncertainty, "gas_variation": gas_variation}
+    settings |= {"stray_light": stray_light, "noise_block": noise_block}
+    light = {"spectrometer": of_spectra, "radiometer": of_bands}[name](record, calibration, settings)
+    frames, wavelength, seen, noise = light.frames, light.channels.wavelength, light.seen, light.noise
     if level is None:
         level = record.emittance_uncertainty / record.emittance or UNTOLD
     mean = mean_emittance(test.attrs, wavelength)
     prior = smooth_prior(wavelength, mean, level=level, shape=shape, length=length)
     smooth = prior.basis.shape[1]
-    if calibration is not None:
-        common = _of_calibration(frames, bins, calibration, stray_light)
-        prior = prior._replace(basis=np.column_stack([prior.basis, common]))
-    linear = np.stack([gas_variation * behind, stray_light * _mean_light(frames, bins)], axis=-1)
-    state = _status(record, frames, bins, injected)
+    prior = prior._replace(basis=np.column_stack([prior.basis, light.basis]))
+    state = _status(record, light)
     with np.errstate(invalid="ignore"):
-        clearest = np.nanmax(np.where(np.isfinite(seen), seen / noise, -np.inf), axis=1)
-        share = np.nansum(seen, axis=1) / np.nansum(seen + behind, axis=1)
+        clearest = np.nanmax(
+            np.where(np.isfinite(seen), seen / np.hypot(noise, light.offset), -np.inf), axis=1
+        )
+        share = np.nansum(seen, axis=1) / np.nansum(seen + light.behind, axis=1)
     state[(state == status.VALID) & ~(share >= least_surface_share)] = status.GAS_DOMINATED
     given = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     state[given & ~(clearest >= least_signal_to_noise)] = status.NO_SIGNAL
-    channels, used = Channels(wavelength, bins.weight), np.isin(state, (status.VALID, status.GAS_DOMINATED))
+    used = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     data = np.where(used[:, None], seen, np.nan)
-    alone = infer(channels, prior, data, np.hypot(noise, bin_uncertainty * seen), linear)
+    alone = infer(light.channels, prior, data, np.hypot(noise, light.independent * seen), light.linear)
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
     state[used & ~alone.converged] = status.NO_SIGNAL
     state[used & (misfit > MISFIT)] = status.CONTRADICTED
     # What is not light of a hot surface says nothing about its neighbours; the errors of bins last.
     data[~np.isin(state, (status.VALID, status.GAS_DOMINATED))] = np.nan
-    rough = bin_uncertainty * (bins.weight.T > 0)
-    whole = prior._replace(basis=np.column_stack([prior.basis, rough]))
+    whole = prior._replace(basis=np.column_stack([prior.basis, light.rough]))
+    linear = np.concatenate([light.linear, light.gains], axis=-1)
     memories = np.full(whole.basis.shape[1] + linear.shape[-1], np.inf)
-    memories[:smooth], memories[-2:] = memory, (GAS_MEMORY, 0.0)
-    found = follow(channels, whole, frames.time, data, noise, linear, memories)
+    memories[: prior.basis.shape[1]] = light.kept
+    memories[:smooth] = memory
+    memories[whole.basis.shape[1] :][: len(light.memory)] = light.memory
+    found = follow(light.channels, whole, frames.time, data, noise, linear, memories)
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
     state[lost] = status.NO_SIGNAL
-    return _dataset(test, record, frames, bins, prior, smooth, found, alone.residual, state)
+    return _dataset(test, record, light, prior, smooth, found, alone.residual, state)
 
 
-def _bins(frames, width):
-    pixel = np.flatnonzero(np.isfinite(frames.value).any(axis=0) & (frames.flag == 0).any(axis=0))
-    if not pixel.size:
-        raise ValueError("the spectra hold no usable pixel")
-    place = ((frames.wavelength[pixel] - frames.wavelength[pixel[0]]) / width).astype(int)
-    names, first, count = np.unique(place, return_index=True, return_counts=True)
-    if names.size < LEAST_BINS:
-        raise ValueError(
-            f"the usable pixels fill {names.size} bins of {width * 1e9:g} nm; temperature and emissivity need"
-            f" {LEAST_BINS}"
-        )
-    weight = (place == names[:, None]) / count[:, None]
-    return Bins(pixel, first, weight)
-
-
-def _gas(record, frames):
-    """Mean radiance (W,) of the gas in the reference window; 0 without a plasma."""
-    if not record.window:
-        return np.zeros(frames.wavelength.size)
-    half = frames.integration_time / 2
-    inside = (frames.time - half >= record.window[0]) & (frames.time + half <= record.window[1])
-    if not inside.any():
-        begin, end = record.clock(np.array(record.window))
-        raise ValueError(f"no exposure lies inside the reference window {begin:g} to {end:g} s")
-    sound = frames.sound[inside]
-    number = np.isfinite(sound).sum(axis=0)
-    return np.where(number > 0, np.nansum(sound, axis=0) / np.maximum(number, 1), np.nan)
-
-
-def _mean_light(frames, bins):
-    """Light (S, C) that gives every pixel the count of the mean pixel."""
-    factor = np.ones(bins.pixel.size) if frames.factor is None else frames.factor[bins.pixel]
-    counts = frames.sound[:, bins.pixel] / factor
-    level = np.nansum(counts, axis=1) / np.maximum(np.isfinite(counts).sum(axis=1), 1)
-    return level[:, None] * bins.mean(factor)
-
-
-def _of_calibration(frames, bins, calibration, stray_light):
-    r"""Relative errors (P, 1 or 2) of all spectra alike: source temperature, stray light of its counts.
-
-    .. math:: dL/L = (c_2/\lambda T)\,dT/T, \qquad dL/L = z\,\bar r / r_\lambda
-    """
-    kelvin, error = (
-        float(calibration[f"source_temperature{one}"].values.mean()) for one in ("", "_uncertainty")
-    )
-    wavelength = frames.wavelength[bins.pixel]
-    found = [SECOND_RADIATION * error / (wavelength * kelvin**2)]
-    if frames.factor is not None:
-        rate = blackbody_radiance(wavelength, kelvin) / frames.factor[bins.pixel]
-        found.append(stray_light * rate.mean() / (bins.mean(rate) @ (bins.weight > 0)))
-    return np.column_stack(found)
-
-
-def _status(record, frames, bins, injected):
+def _status(record, light):
+    frames, chosen = light.frames, light.flag
     state = np.full(frames.time.size, status.VALID, dtype="int8")
-    chosen = frames.flag[:, bins.pixel]
-    state[(chosen & flags.SATURATED > 0).mean(axis=1) > 0.5] = status.SATURATED
+    injected = record.phases(frames.time)[0]
+    state[(chosen & (flags.SATURATED | flags.CLIPPED) > 0).mean(axis=1) > 0.5] = status.SATURATED
     state[(chosen & (flags.LOST | flags.STUCK) > 0).mean(axis=1) > 0.5] = status.MISSING
     state[~injected] = status.NOT_INJECTED
     for moment in (0.0, record.off) if record.window else ():
@@ -202,13 +126,13 @@ def _status(record, frames, bins, injected):
     return state
 
 
-def _dataset(test, record, frames, bins, prior, smooth, found, residual, state):
-    middle = bins.mean(frames.wavelength[bins.pixel])
+def _dataset(test, record, light, prior, smooth, found, residual, state):
+    frames, middle, wavelength = light.frames, light.middle, light.channels.wavelength
     known = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     blank = np.where(known, 1.0, np.nan)
     temperature, error = found.temperature * blank, found.relative_uncertainty
     factor = np.exp(NORMAL_95 * error)
-    nearest = np.array([np.argmin(np.abs(frames.wavelength[bins.pixel] - one)) for one in middle])
+    nearest = np.array([np.argmin(np.abs(wavelength - one)) for one in middle])
     value, deviation = log_emissivity(found, prior.logarithm[nearest], prior.basis[nearest, :smooth])
     value, spread = np.exp(value) * blank[:, None], np.exp(NORMAL_95 * deviation)
     across = ("spectrum_time", "emissivity_wavelength")

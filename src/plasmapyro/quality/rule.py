@@ -20,6 +20,7 @@ DATASETS = (
     "calibration",
     "response",
     "spectrometer_calibration",
+    "radiometer_calibration",
     "result",
     "estimate",
     "points",
@@ -38,6 +39,7 @@ class Case:
     calibration: xr.Dataset | None = None
     response: xr.Dataset | None = None
     spectrometer_calibration: xr.Dataset | None = None
+    radiometer_calibration: xr.Dataset | None = None
     result: xr.Dataset | None = None  # contract 'correction'
     estimate: xr.Dataset | None = None  # contract 'joint_estimate'
     points: xr.Dataset | None = None  # contract 'calibration_points'
@@ -79,13 +81,18 @@ class Case:
     def window(self):
         """What the reference window holds (`onset.attributes`), and the names of the two bands that tell.
 
-        Without a pyrometer the spectra are asked, two halves of their wavelengths for bands.
+        Without a pyrometer the spectra are asked, two halves of their wavelengths; else a radiometer.
         """
         if "pyrometer" in self.holds:
             names, time, pair = [f"{band} band" for band in BANDS], self.test.time.values, self.pair
-        else:
+        elif "spectrometer" in self.holds:
             names = ["shorter wavelengths", "longer wavelengths"]
             time, pair = self.test.spectrum_time.values, halves(self.net)
+        else:  # the outer bands of a radiometer
+            kind = "signal" if "radiometer_signal" in self.test else "reading"
+            names = [str(name) for name in self.test.band.values[[0, -1]]]
+            time = self.test.radiometer_time.values
+            pair = self.test[f"radiometer_{kind}"].values[:, [0, -1]].T
         attrs = self.test.attrs
         return onset.attributes(
             "seen", time, pair, attrs["reference_window"], attrs["plasma_off_time"]

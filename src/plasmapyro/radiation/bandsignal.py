@@ -8,9 +8,24 @@ BANDS = ("wide", "narrow")  # S_1 and S_2 of the paper
 UNSEEN = 1e-3  # [1], of the integrated response that may lie outside the spectrum
 
 
-def responsivities(band_response):
-    """Responsivities of both bands (R,) [1] of a dataset of contract 'response', in the order of `BANDS`."""
-    return [band_response[f"responsivity_{band}"].values for band in BANDS]
+def bands_of(response):
+    """Names of the bands of a dataset of contract 'response': `BANDS`, or those of a radiometer."""
+    return list(map(str, response.band.values)) if "responsivity" in response else list(BANDS)
+
+
+def responsivities(response):
+    """Responsivities (R,) [1] of the bands of a dataset of contract 'response', in `bands_of` order."""
+    if "responsivity" in response:
+        return list(response.responsivity.values)
+    return [response[f"responsivity_{band}"].values for band in BANDS]
+
+
+def two_bands(response, what):
+    """`response` of a two-colour pyrometer; else ValueError: `what` cannot take another."""
+    if "responsivity" in response:
+        names = ", ".join(bands_of(response))
+        raise ValueError(f"{what} needs the wide and the narrow band of a two-colour pyrometer; got {names}")
+    return response
 
 
 def respond(wavelength, response_wavelength, responsivity):

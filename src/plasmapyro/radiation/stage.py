@@ -7,8 +7,8 @@ from plasmapyro import conditions
 from plasmapyro.checks import within
 from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.bandsignal import (
-    BANDS,
     band_signal,
+    bands_of,
     gridless_signal,
     require_cover,
     respond,
@@ -122,7 +122,7 @@ def line_of_sight_radiance(
             "wavelength": wavelength,
             "wavelength_slit": view,
             "component": np.array(result.components, dtype=object),
-            "band": np.array(BANDS[: len(responses)], dtype=object),
+            "band": np.array(bands_of(band_response) if responses else [], dtype=object),
         },
         attrs={
             "title": "Spectral radiance of the gas along the line of sight",
@@ -207,7 +207,7 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
             "wavelength": wavelength,
             "wavelength_slit": slit,
             "component": np.array(components, dtype=object),
-            "band": np.array(BANDS, dtype=object),
+            "band": np.array(bands_of(band_response), dtype=object),
             "reflection": np.array(REFLECTIONS, dtype=object),
         },
         attrs={
@@ -224,7 +224,7 @@ def _responses(band_response, wavelength_range):
         return None, []
     wavelength = band_response["wavelength"].values
     responses = responsivities(band_response)
-    for band, response in zip(BANDS, responses, strict=True):
+    for band, response in zip(bands_of(band_response), responses, strict=True):
         require_cover(wavelength_range, wavelength, response, band)
     return wavelength, responses
 

@@ -10,14 +10,16 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument.raw_counts import certified_source
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers import andor, columns, description, ocean
+from plasmapyro.readers.instrument import read_instrument
 from plasmapyro.readers.parts import require_alike, vacuum
-from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.readers.text import Refusal, fault, refuse
 from plasmapyro.record.emittance import mean_emittance
-from plasmapyro.tables import ORIGINS
+from plasmapyro.tables import ORIGINS, weakest
 
 NAME = "calibration.yaml"
 GUIDE = "see docs/your-own-data.md"
 POINTS = ("source_temperature", "signal_wide", "signal_narrow")
+INSTRUMENTS = ("pyrometer", "spectrometer", "radiometer")
 MOST_EXPOSURES = 200
 REPORTED = 10
 
@@ -35,7 +37,7 @@ def instruments(folder):
     Refusal
         No such folder, no such file, or not YAML.
     """
-    return [name for name in ("pyrometer", "spectrometer") if name in _described(folder)[0]]
+    return [name for name in INSTRUMENTS if name in _described(folder)[0]]
 
 
 def check_calibration(folder):
@@ -43,11 +45,12 @@ def check_calibration(folder):
     try:
         present = instruments(folder)
         if not present:
-            return [fault(Path(folder) / NAME, "describes neither a pyrometer nor a spectrometer", GUIDE)]
+            return [fault(Path(folder) / NAME, "describes no pyrometer, spectrometer or radiometer", GUIDE)]
     except Refusal as reason:
         return reason.messages
     found = []
-    for read in [{"pyrometer": read_points, "spectrometer": read_exposures}[name] for name in present]:
+    readers = {"pyrometer": read_points, "spectrometer": read_exposures, "radiometer": read_bands}
+    for read in [readers[name] for name in present]:
         try:
             read(folder)
             if read is read_exposures:
@@ -77,7 +80,7 @@ def read_points(folder):
     values, faults = _described(folder)
     top = description.Section(values, Path(folder) / NAME, "", faults)
     origin = _origin(top)
-    section = _wanted_section(top, "pyrometer", "spectrometer")
+    section = _wanted_section(top, "pyrometer")
     name = section.file("file", "calibration_points.csv")
     delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
     decimal = section.text("decimal", choices=(".", ","))
@@ -105,6 +108,62 @@ def read_points(folder):
     return _checked(dataset, "calibration_points", path)
 
 
+def read_bands(folder):
+    """Bands of a radiometer, and its calibration points if it does not show temperatures.
+
+    Parameters
+    ----------
+    folder : path
+        Holds calibration.yaml, the instrument file it names under `radiometer`, and a table of points.
+
+    Returns
+    -------
+    response : Dataset, contract 'response', as `read_instrument`; origin: the weaker of both
+    points : dict, empty for readings
+        `source_temperature` (N,) [K], and the signals (N,) of each band by its name.
+
+    Raises
+    ------
+    Refusal
+        One sentence per fault.
+    """
+    values, faults = _described(folder)
+    top = description.Section(values, Path(folder) / NAME, "", faults)
+    origin = _origin(top)
+    section = _wanted_section(top, "radiometer")
+    name = section.file("instrument", needed=True)
+    table = section.file("file", "calibration_points.csv")
+    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
+    decimal = section.text("decimal", choices=(".", ","))
+    if faults:
+        raise Refusal(faults)
+    response = read_instrument(Path(folder) / name)
+    response.attrs["origin"] = weakest([origin, response.attrs["origin"]])
+    section.used.add("columns")
+    if response.attrs["calibration"] == "readings":
+        section.close()
+        points = {}
+    else:
+        kinds = {"source_temperature": "source_temperature"}
+        kinds |= dict.fromkeys(response.band.values.tolist(), "radiometer_signal")
+        wanted = columns.wanted(section, tuple(kinds), kinds)
+        for absent in set(kinds) - set(wanted):
+            section.blame(f"columns.{absent}", "is missing", "name the column that holds it")
+        section.close()
+        points = {} if faults else columns.read_table(Path(folder) / table, wanted, delimiter, decimal)
+    for key, row in points.items():
+        if (
+            not (row[np.isfinite(row)] > 0).all()
+            or np.isnan(row).all()
+            or "temp" in key
+            and np.isnan(row).any()
+        ):
+            faults.append(fault(Path(folder) / table, f"{key} must be > 0 in every row", "correct it"))
+    if faults:
+        raise Refusal(faults)
+    return response, points
+
+
 def read_exposures(folder):
     """Raw exposures of a source in front of the spectrometer, with what its radiance is certified to be.
 
@@ -128,7 +187,7 @@ def read_exposures(folder):
     folder, path = Path(folder), Path(folder) / NAME
     top = description.Section(values, path, "", faults)
     origin = _origin(top)
-    section = _wanted_section(top, "spectrometer", "pyrometer")
+    section = _wanted_section(top, "spectrometer")
     medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
     column = section.text("column")
     detector = _detector(section)
@@ -251,8 +310,8 @@ def _origin(top):
     return origin
 
 
-def _wanted_section(top, wanted, other):
-    top.used |= {wanted, other}
+def _wanted_section(top, wanted):
+    top.used |= set(INSTRUMENTS)
     top.close()
     if wanted not in top:
         top.blame(wanted, "is missing", f"describe its calibration; {GUIDE}")
@@ -267,20 +326,6 @@ def _checked(dataset, contract, path):
         raise Refusal([f"{path}: {reason}"]) from None
 
 
-def _numbers(section, key, kind=float):
-    """A list of numbers, or None; faults are noted."""
-    words = section.raw(key)
-    if words is None:
-        return None
-    words = words if isinstance(words, list) else [words]
-    values = [number(word) if isinstance(word, str) else None for word in words]
-    if not values or any(value is None or value != value or kind(value) != value for value in values):
-        rule = "whole numbers" if kind is int else "numbers"
-        section.blame(key, f"must be a list of {rule}; got {quote(words)}", "correct it")
-        return None
-    return [kind(value) for value in values]
-
-
 def _share(section, key, default):
     value = section.number(key, default, above=0)
     if value > 1:
@@ -291,7 +336,7 @@ def _share(section, key, default):
 def _detector(section):
     """Attributes that describe the detector and what stood in the light."""
     found = {
-        "linearity_coefficients": _numbers(section, "linearity_coefficients") or [1.0],
+        "linearity_coefficients": section.numbers("linearity_coefficients") or [1.0],
         "linearity_uncertainty": section.number("linearity_uncertainty", 0.0),
         "hot_threshold": section.number("hot_threshold", 8.0, above=0),
         # The filter dims only the source, the window only the test.
@@ -300,13 +345,11 @@ def _detector(section):
     }
     if not 0 <= found["linearity_uncertainty"] < 1:
         section.blame("linearity_uncertainty", "must lie in 0 to 1", "state it as a fraction")
-    masked = _numbers(section, "masked_pixels", int)
+    masked = section.numbers("masked_pixels", kind=int)
     if masked:
         found["masked_pixels"] = masked
-    dim = _numbers(section, "dim_range_nm")
+    dim = section.numbers("dim_range_nm", 2)
     if dim is not None:
-        if len(dim) != 2 or not 0 < dim[0] < dim[1]:
-            section.blame("dim_range_nm", f"must be [short, long] in nm; got {dim}", "correct it")
         found["dim_range"] = [edge * 1e-9 for edge in dim]
     limit = section.number("saturation_counts", above=0)
     if limit is not None:

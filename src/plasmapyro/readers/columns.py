@@ -56,10 +56,17 @@ class Column:
             section.blame("unit", "has no meaning beside `format`", "remove one of them")
 
 
-def wanted(section, names):
-    """Columns (name -> `Column`) described by the sub-section 'columns'; faults are noted."""
-    listing = section.section("columns")
-    found = {name: Column(name, listing.section(name)) for name in names if listing.raw(name) is not None}
+def wanted(section, names, kinds=()):
+    """Columns (name -> `Column`) described by the sub-section 'columns'; faults are noted.
+
+    `kinds` maps names to the variables of the register that they are; others are their own.
+    """
+    listing, kinds = section.section("columns"), dict(kinds)
+    found = {
+        name: Column(kinds.get(name, name), listing.section(name))
+        for name in names
+        if listing.raw(name) is not None
+    }
     for name in names:
         listing.used.add(name)
     listing.close()
@@ -77,7 +84,7 @@ def to_si(path, column, values, stated, line=None):
                 line,
             )
         stated = None
-    unit = column.unit or stated
+    unit = column.unit or stated or ("1" if units.is_ratio(column.name) else None)
     if unit is None:
         refuse(
             path,

@@ -138,6 +138,21 @@ class Section:
             return default
         return found
 
+    def numbers(self, key, count=None, kind=float, needed=False):
+        """A list of numbers, of a length and rising if `count` is given; None after a fault."""
+        words = self.raw(key, needed)
+        if words is None:
+            return None
+        words = words if isinstance(words, list) else [words]
+        values = [number(word) if isinstance(word, str) else None for word in words]
+        wrong = not values or any(one is None or one != one or kind(one) != one for one in values)
+        if wrong or (count and (len(values) != count or not (np.diff(values) > 0).all())):
+            what = f"{count} rising numbers" if count else "a list of numbers"
+            what = "a list of whole numbers" if kind is int else what
+            self.blame(key, f"must be {what}; got {quote(words)}", "correct it")
+            return None
+        return [kind(one) for one in values]
+
     def emittance(self):
         """Attributes of `emittance`: a number, or pairs [nm, value] over wavelength; {} if absent."""
         words = self.raw("emittance")

@@ -44,7 +44,7 @@ def attributes(section):
     return found
 
 
-def table(folder, section, names, default):
+def table(folder, section, names, default, kinds=()):
     """Columns of CSV or TDMS files, SI, with 'time'; None if the description does not say enough to read.
 
     Several files are parts of one record, joined in the order in which they are named.
@@ -53,7 +53,7 @@ def table(folder, section, names, default):
     kind = section.text("format", choices=("csv", "tdms"))
     delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
     decimal = section.text("decimal", choices=(".", ","))
-    wanted = columns.wanted(section, ("time", *names))
+    wanted = columns.wanted(section, ("time", *names), kinds)
     stamped = "time" in wanted and wanted["time"].format
     if stamped:
         wanted["time"].zero = section.text("zero", "", needed=True)
@@ -99,6 +99,41 @@ def pyrometer(folder, section):
     if section.text("format", choices=("csv", "tdms", "marathon")) == "marathon":
         return _marathon(folder, section)
     return table(folder, section, (*SIGNALS, *TUNNEL), "pyrometer.csv")
+
+
+def radiometer(folder, section):
+    """Variables on `radiometer_time` and `band`: signals, or displayed temperatures with their setting.
+
+    The section `columns` names the signal of each band; or `reading`, and `bands` says which band, or which
+    two in a ratio, made it. `setting` is the emissivity set (the slope of a ratio): a number, or a column.
+    """
+    if "bands" not in section:
+        section.used.add("setting")
+        listed = section.values.get("columns")
+        names = [one for one in listed if one != "time"] if isinstance(listed, dict) else []
+        found = table(folder, section, names, "radiometer.csv", dict.fromkeys(names, "radiometer_signal"))
+        if found is None:
+            return None
+        signal = np.stack([found[name] for name in names], axis=1)
+        return {"radiometer_time": found["time"], "band": names, "radiometer_signal": signal}
+    names = section.raw("bands")
+    if not _words(names) or not 0 < len(set(names)) == len(names) <= 2:
+        section.blame("bands", f"must name one band, or two of a ratio; got {quote(names)}", "correct it")
+        return None
+    setting = section.number("setting", 1.0, above=0)
+    kinds = {"reading": "radiometer_reading", "setting": "radiometer_setting"}
+    found = table(folder, section, tuple(kinds), "radiometer.csv", kinds)
+    if found is None or "reading" not in found:
+        section.blame("columns.reading", "is missing", "name the column of the displayed temperature")
+        return None
+    setting = found.get("setting", np.full(found["time"].size, setting))
+    pair = len(names) == 2  # a ratio of bands is the slope times that of a black body
+    return {
+        "radiometer_time": found["time"],
+        "band": names,
+        "radiometer_reading": np.stack([found["reading"]] * len(names), axis=1),
+        "radiometer_setting": np.stack([setting, np.ones_like(setting)][: 1 + pair], axis=1),
+    }
 
 
 def spectrometer(folder, section):

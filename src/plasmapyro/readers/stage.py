@@ -17,6 +17,8 @@ OF_LAMP = {  # what need not be said of a record without plasma (`condition: non
     "emittance_uncertainty": 0.0,
     "window_transmittance_pyrometer": 1.0,
     "window_transmittance_spectrometer": 1.0,
+    "window_transmittance_radiometer": 1.0,
+    "radiometer_integration_time": 1e-3,
 }
 FROM_HEADERS = ("spectrometer_integration_time",)  # attributes that files of spectra bring
 GUIDE = "see docs/your-own-data.md"
@@ -156,9 +158,9 @@ def _raw(folder, path):
     top = description.Section(description.load(path), path, "", faults)
     attributes = parts.attributes(top.section("attributes"))
     variables, files = {}, {}
-    present = [name for name in ("pyrometer", "spectrometer") if name in top]
+    present = [name for name in ("pyrometer", "spectrometer", "radiometer") if name in top]
     if not present:
-        faults.append(fault(path, "describes neither a pyrometer nor a spectrometer", GUIDE))
+        faults.append(fault(path, "describes no pyrometer, spectrometer or radiometer", GUIDE))
     for name in present:
         try:
             found = getattr(parts, name)(folder, top.section(name))
@@ -171,7 +173,7 @@ def _raw(folder, path):
             faults += reason.messages
     if "tunnel" in top:
         faults += _tunnel(folder, top.section("tunnel"), variables)
-    top.used |= {"attributes", "pyrometer", "spectrometer", "tunnel"}
+    top.used |= {"attributes", "pyrometer", "spectrometer", "radiometer", "tunnel"}
     top.close()
     if attributes.get("condition") == "none" and "reference_window" not in attributes:
         needed = {name for instrument in present for name in inputs.OF_INSTRUMENT[instrument]}

@@ -12,6 +12,8 @@ TO_SI = {  # SI unit -> {unit as written, normalised: factor}
     "K": {"K": 1.0, "degC": 1.0, "C": 1.0, "\u00b0C": 1.0},
     "m": {"m": 1.0, "um": 1e-6, "nm": 1e-9, "Angstrom": 1e-10},
     "count": {"count": 1.0, "counts": 1.0},
+    "1": dict.fromkeys(("1", "V", "mV", "uV", "A", "mA", "uA", "nA", "pA", "count", "counts", "W"), 1.0)
+    | {"%": 0.01},  # signals of a radiometer stay in the unit of its calibration
     RADIANCE: {
         RADIANCE: 1.0,
         "W/m2/sr/m": 1.0,
@@ -37,6 +39,11 @@ def normalised(unit):
 def factor(unit, name):
     """Factor from `unit` to the SI unit of the variable `name`; None if that is not a unit of it."""
     return TO_SI[VARIABLES[name].units].get(normalised(unit))
+
+
+def is_ratio(name):
+    """Whether the variable `name` needs no unit."""
+    return VARIABLES[name].units == "1"
 
 
 def offset(unit):

@@ -17,17 +17,24 @@ UNITS = {
     "electric_power": "W",
     "chamber_pressure": "Pa",
     "mass_flow_rate": "kg s-1",
+    "radiometer_time": "s",
+    "radiometer_signal": "1",
+    "radiometer_reading": "K",
+    "radiometer_setting": "1",
 }
 PLAUSIBLE = {  # magnitudes of samples that are not 0: no instrument gives others, a wrong unit may
     "time": (0.0, 1e9),
     "spectrum_time": (0.0, 1e9),
+    "radiometer_time": (0.0, 1e9),
+    "radiometer_reading": (100.0, 10000.0),
+    "radiometer_setting": (1e-3, 100.0),
     "signal_wide": (1e-30, 1e6),
     "signal_narrow": (1e-30, 1e6),
     "spectral_radiance": (1e-30, 1e25),
     "counts": (1e-30, 1e12),
     "background_counts": (1e-30, 1e12),
 }
-AXES = ("time", "spectrum_time", "wavelength")
+AXES = ("time", "spectrum_time", "wavelength", "radiometer_time")
 NUMBERS = {  # attribute -> (lowest, highest, unit)
     "injection_time": (-1e9, 1e9, "s"),
     "plasma_off_time": (-1e9, 1e9, "s"),
@@ -35,6 +42,8 @@ NUMBERS = {  # attribute -> (lowest, highest, unit)
     "emittance_uncertainty": (0.0, 1.0, "1"),
     "window_transmittance_pyrometer": (0.0, 1.0, "1"),
     "window_transmittance_spectrometer": (0.0, 1.0, "1"),
+    "window_transmittance_radiometer": (0.0, 1.0, "1"),
+    "radiometer_integration_time": (0.0, 1e6, "s"),
     "pyrometer_integration_time": (0.0, 1e6, "s"),
     "spectrometer_integration_time": (0.0, 1e6, "s"),
     "spectrometer_fwhm": (0.0, 1e-6, "m"),
@@ -52,6 +61,7 @@ OF_INSTRUMENT = {
         "spectrometer_integration_time",
         "spectrometer_fwhm",
     ),
+    "radiometer": ("window_transmittance_radiometer", "radiometer_integration_time"),
 }
 LEAST_REFERENCE_SAMPLES = 3  # fewer give no scatter to judge the mean by
 
@@ -62,6 +72,7 @@ def instruments(test):
     found = {
         "pyrometer": held & {"signal_wide", "signal_narrow"},
         "spectrometer": held & {"spectral_radiance", "counts"},
+        "radiometer": held & {"radiometer_signal", "radiometer_reading"},
     }
     return [name for name, variables in found.items() if variables]
 
@@ -86,7 +97,7 @@ def faults(test):
     list of str, empty if the test can be processed
     """
     present = instruments(test)
-    found = [] if present else ["neither pyrometer signals nor spectra: one of them is needed"]
+    found = [] if present else ["no signals of a pyrometer, spectra or radiometer: one of them is needed"]
     found += _faults_of_variables(test, present)
     found += attribute_faults(test, present)
     if not found and has_plasma(test):
@@ -111,6 +122,9 @@ def _faults_of_variables(test, present):
         needed += ["spectrum_time", "wavelength"]
         if "spectral_radiance" not in test.variables:
             needed += ["counts", "background_counts"]
+    if "radiometer" in present:
+        needed += ["radiometer_time", "band"]
+        needed += ["radiometer_setting"] if "radiometer_reading" in test.variables else []
     for name in needed:
         if name not in test.variables:
             yield f"{name}: missing"

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.spectrometer import USABLE
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags, inputs
@@ -88,7 +89,7 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
     test : Dataset, contract 'test'
     calibrations : mapping of the instruments that are wanted -> calibration, or None
         'pyrometer': what stands there is not asked, its samples are signals. 'spectrometer': contract
-        'spectrometer_calibration', needed for counts.
+        'spectrometer_calibration', needed for counts. 'radiometer': contract 'radiometer_calibration'.
     saturation_counts : float [count]
         Raw counts of a spectrometer from here on are saturated.
     needed : names of instruments that must be there
@@ -105,7 +106,8 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
     """
     inputs.require(test, *needed)
     attributes, plasma = test.attrs, inputs.has_plasma(test)
-    first = [float(test[axis].values[0]) for axis in ("time", "spectrum_time") if axis in test.variables]
+    axes = ("time", "spectrum_time", "radiometer_time")
+    first = [float(test[axis].values[0]) for axis in axes if axis in test.variables]
     injection = float(attributes["injection_time"]) if plasma else min(first)
     present = [name for name in inputs.instruments(test) if name in calibrations]
     return Record(
@@ -128,7 +130,11 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
 
 def _instrument(name, test, injection, calibration, saturation_counts):
     """One `Instrument`: what both kinds say of a test alike, and what each makes of its samples."""
-    axis, made = {"pyrometer": ("time", _bands), "spectrometer": ("spectrum_time", _pixels)}[name]
+    axis, made = {
+        "pyrometer": ("time", _bands),
+        "spectrometer": ("spectrum_time", _pixels),
+        "radiometer": ("radiometer_time", _filters),
+    }[name]
     value, flag, own = made(test, calibration, saturation_counts)
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
     return Instrument(
@@ -162,6 +168,29 @@ def gas_of(test, value):
         return np.full(value.shape, np.nan)
     shining = phases(time, facts["injection_time"], facts["plasma_off_time"])[1]
     return np.where(shining[:, None], value[inside].mean(axis=0), 0.0)
+
+
+def _filters(test, calibration, _):
+    names, known = list(test.band.values), list(calibration.band.values)
+    if set(names) - set(known):
+        raise ValueError(f"the radiometer of the test has bands {names}, its calibration {known}")
+    if "radiometer_signal" in test.variables:
+        value = test.radiometer_signal.values.astype(float)
+    else:  # what a black body of the reading gives, times the setting
+        shown, bands = test.radiometer_reading.values, calibration.sel(band=names)
+        shown = np.where(shown > 0, shown, np.nan)
+        black = [blackbody_signal(*one) for one in _each_band(shown, bands)]
+        value = test.radiometer_setting.values * np.stack(black, axis=1) * bands.band_sensitivity.values
+    flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
+    if "radiometer_signal" in test.variables:
+        flag[flags.clipped(value)] |= flags.CLIPPED
+    return value, flag, {"band": tuple(names)}
+
+
+def _each_band(shown, bands):
+    """Arguments of `blackbody_signal` for readings (t, C) in each of C bands."""
+    curves = bands.responsivity.values
+    return [(column, bands.wavelength.values, curve) for column, curve in zip(shown.T, curves, strict=True)]
 
 
 def _pixels(test, calibration, saturation_counts):

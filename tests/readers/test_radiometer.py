@@ -1,0 +1,186 @@
+"""Instruments of one, two and five bands, from raw files to temperatures; light made by another integral."""
+
+import numpy as np
+import pytest
+
+from plasmapyro import cli, io
+from plasmapyro.readers.stage import check_test
+
+H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
+BANDS = {"b1": (690, 710), "b2": (790, 810), "b3": (890, 910), "b4": (990, 1010), "b5": (1090, 1110)}
+INSTRUMENTS = "config/instruments"
+GAIN = {"b1": 3e-6, "b2": 1e-6, "b3": 5e-7, "b4": 4e-7, "b5": 2e-7}  # signal per W m-2 sr-1
+FACTS = """attributes:
+  origin: synthetic
+  condition: {condition}
+  emittance: 0.8
+  emittance_uncertainty: 0.16
+"""
+PLASMA = """  injection_time: 0.0
+  plasma_off_time: 40.0
+  reference_window: [0.0, 5.0]
+  window_transmittance_radiometer: 0.9
+  radiometer_integration_time: 0.01
+"""
+COLUMNS = "radiometer:\n  columns:\n    time: {name: t, unit: s}\n"
+
+
+def planck(wavelength, kelvin):
+    return 2 * H * C**2 / wavelength**5 / np.expm1(H * C / (wavelength * K * kelvin))
+
+
+def light(edges, kelvin, emissivity=lambda _: 1.0):
+    """Radiance of a band by Gauss and Legendre's rule."""
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    low, high = np.array(edges) * 1e-9
+    at = (low + high) / 2 + (high - low) / 2 * nodes
+    return (
+        np.sum(weights * emissivity(at) * planck(at, np.asarray(kelvin)[..., None]), axis=-1)
+        * (high - low)
+        / 2
+    )
+
+
+def table(path, columns):
+    rows = np.column_stack(list(columns.values()))
+    lines = [",".join(columns), *(",".join(f"{value:.9e}" for value in row) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def run(*words):
+    return cli.main([str(word) for word in words])
+
+
+@pytest.fixture
+def place(tmp_path, pytestconfig):
+    """A folder of a calibration and one for a test, and how an instrument gets its calibration."""
+
+    def calibrated(instrument, **points):
+        lab = tmp_path / "calibration"
+        lab.mkdir()
+        text = (pytestconfig.rootpath / INSTRUMENTS / f"{instrument}.yaml").read_text()
+        (lab / "instrument.yaml").write_text(text)
+        names = "".join(f"    {name}: {{name: {name}}}\n" for name in points if name != "T")
+        source = "    source_temperature: {name: T, unit: K}\n"
+        described = f"  columns:\n{source}{names}" if points else ""
+        (lab / "calibration.yaml").write_text(
+            "origin: synthetic\nradiometer:\n  instrument: instrument.yaml\n" + described
+        )
+        if points:
+            table(lab / "calibration_points.csv", points)
+        assert run("check", lab) == 0
+        words = ("calibrate", lab, "--out", tmp_path / "lab", "--source-temperature-uncertainty-k", 1)
+        assert run(*words) == 0
+        return tmp_path / "lab"
+
+    (tmp_path / "test").mkdir()
+    return tmp_path / "test", calibrated
+
+
+def five_points(rng):
+    kelvin = np.arange(1100.0, 2001.0, 150.0)
+    return {"T": kelvin} | {
+        name: GAIN[name] * light(edges, kelvin) * rng.normal(1, 0.003, kelvin.size)
+        for name, edges in BANDS.items()
+    }
+
+
+TILTED, CURVED = (
+    (lambda at: 0.8 * (at / 0.9e-6) ** -0.5),
+    (lambda at: 0.7 + 1.5 * ((at - 0.75e-6) / 1e-6) ** 2),
+)
+
+
+@pytest.mark.parametrize("emissivity", [TILTED, CURVED], ids=["tilted", "curved"])
+def test_five_bands_through_a_plasma(place, emissivity, capsys):
+    rng = np.random.default_rng(4)
+    test, calibrated = place
+    lab = calibrated("five_band", **five_points(rng))
+    time = np.arange(0.0, 50.0, 0.5)
+    kelvin = np.where(time < 8, 400.0, 1700 - 700 * np.exp(-(time - 8) / 8))
+    flicker = 1 + 0.01 * rng.normal(size=time.size)
+    signals = {"t": time}
+    for name, edges in BANDS.items():
+        gas = 0.05 * light(edges, 1600.0) * flicker * (time < 40)
+        whole = 0.9 * GAIN[name] * (light(edges, kelvin, emissivity) + gas)
+        signals[name] = whole * rng.normal(1, 0.003, time.size)
+    table(test / "radiometer.csv", signals)
+    names = "".join(f"    {name}: {{name: {name}}}\n" for name in BANDS)
+    (test / "test.yaml").write_text(FACTS.format(condition="90kW") + PLASMA + COLUMNS + names)
+    assert check_test(test) == []
+    assert run("check", test, "--instrument", lab) == 0
+    out = test.parent / "t.nc"
+    assert run("correct", test, "--instrument", lab, "--out", out) == 0
+    found = io.read(out, "emissivity_estimate")
+    good = found.spectral_status.values == 0
+    hot = (time > 15) & (np.abs(time - 40) > 0.6)
+    assert good[hot].all() and not good[time < 8].any()
+    low, high = found.spectral_temperature_interval.values[:, hot]
+    assert ((low < kelvin[hot]) & (high > kelvin[hot])).mean() > 0.9
+    # The ratio of the outer bands with a grey assumption errs by more than twice as much.
+    first, last = (light(BANDS[name], kelvin[hot], emissivity) for name in ("b1", "b5"))
+    curve = np.arange(900.0, 2400.0)
+    grey = np.interp(first / last, light(BANDS["b1"], curve) / light(BANDS["b5"], curve), curve)
+    off = np.abs(found.spectral_temperature.values[hot] - kelvin[hot]).mean()
+    assert off < np.abs(grey - kelvin[hot]).mean() / 2
+    assert run("correct", test, "--instrument", lab, "--out", out, "--estimator", "joint") == 2
+    assert "takes no radiometer" in capsys.readouterr().err
+    assert run("diagnose", test, "--instrument", lab, "--out", test.parent / "d") == 2
+    assert "no radiometer yet" in capsys.readouterr().err
+
+
+def test_an_emissivity_that_is_set_anew_during_the_test_does_not_move_the_temperature(place):
+    test, calibrated = place
+    lab, time, kelvin = calibrated("one_colour"), np.arange(0.0, 20.0), 1500.0
+    setting = np.where(time < 10, 1.0, 0.8)
+    curve = np.arange(1000.0, 2000.0, 0.5)
+    shown = np.interp(0.8 * light((800, 1100), [kelvin]) / setting, light((800, 1100), curve), curve)
+    assert shown[0] < 1490 and abs(shown[-1] - kelvin) < 1
+    table(test / "radiometer.csv", {"t": time, "T": shown - 273.15, "E": setting})
+    reading = "    reading: {name: T, unit: degC}\n    setting: {name: E}\n  bands: [si]\n"
+    (test / "test.yaml").write_text(FACTS.format(condition="none") + COLUMNS + reading)
+    assert run("correct", test, "--instrument", lab, "--out", test.parent / "t.nc") == 0
+    found = io.read(test.parent / "t.nc", "emissivity_estimate")
+    # 0.5 K steps of the curve, and a band whose edges rise over 0.1 nm
+    assert np.abs(found.spectral_temperature.values - kelvin).max() < 1.0
+    # 20 % of emissivity: u(T)/T = 0.2 lambda T / c2 = 2 % at 0.95 um
+    error = found.spectral_temperature_uncertainty.values / kelvin
+    assert ((error > 0.015) & (error < 0.025)).all()
+
+
+def test_the_slope_of_a_ratio_pyrometer_is_undone(place):
+    test, calibrated = place
+    lab, time, kelvin = calibrated("ratio"), np.arange(0.0, 20.0), 1500.0
+    slope = np.where(time < 10, 1.0, 1.05)
+    short, long = (925, 975), (1025, 1075)
+    curve = np.arange(1000.0, 2500.0, 0.5)
+    ratio = light(short, curve) / light(long, curve)
+    shown = np.interp(light(short, [kelvin]) / light(long, [kelvin]) / slope, ratio, curve)
+    assert shown[0] - shown[-1] > 60
+    table(test / "radiometer.csv", {"t": time, "T": shown, "s": slope})
+    reading = "    reading: {name: T, unit: K}\n    setting: {name: s}\n  bands: [short, long]\n"
+    (test / "test.yaml").write_text(FACTS.format(condition="none") + COLUMNS + reading)
+    assert run("correct", test, "--instrument", lab, "--out", test.parent / "t.nc") == 0
+    found = io.read(test.parent / "t.nc", "emissivity_estimate")
+    assert np.abs(found.spectral_temperature.values - kelvin).max() < 8.0  # 0.3 %: the bands' own uncertainty
+    with np.errstate(invalid="ignore"):
+        assert (found.emissivity_interval[1] / found.emissivity_interval[0] > 1.5).all()  # no level is known
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("edges_nm: [690, 710]", "edges_nm: [710, 690]", "edges_nm must be 2 rising numbers"),
+        ("calibration: absolute", "calibration: sure", "calibration must be one of"),
+        ("name: b2", "name: b1", "stands twice"),
+        ("edges_nm: [690, 710]", "response: none.csv", "none.csv"),
+    ],
+)
+def test_an_instrument_file_that_means_nothing_is_refused(place, pytestconfig, capsys, old, new, words):
+    lab = place[0].parent / "wrong"
+    lab.mkdir()
+    text = (pytestconfig.rootpath / INSTRUMENTS / "five_band.yaml").read_text()
+    (lab / "instrument.yaml").write_text(text.replace(old, new))
+    (lab / "calibration.yaml").write_text("origin: synthetic\nradiometer: {instrument: instrument.yaml}\n")
+    assert run("check", lab) == 2
+    assert words in capsys.readouterr().err
