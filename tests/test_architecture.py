@@ -72,6 +72,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "plots",
         "cfd",
         "experiment",
+        "facility",
         "identification",
         "instrument",
         "radiation",

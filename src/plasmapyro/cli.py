@@ -23,6 +23,7 @@ COMMANDS = {  # the words of each command, which need not be loaded for the help
     "campaign": "what several tests say together, and the prior of the next one",
     "identify": "atoms, ions and molecules whose lines a spectrum shows",
     "trust": "from which temperature, and how long after injection, a pyrometer can be trusted",
+    "heat-flux": "heat flux on a probe in the facility's jet at a Pitot pressure",
     "sightline": "line of sight through a flow field of another program",
     "radiance": "spectral radiance of the gas along a sight line",
     "serve": "a page on this machine for the folder of a test",

@@ -9,6 +9,7 @@ from half_disc import POINT, flow
 
 from plasmapyro import configuration, contracts
 from plasmapyro.facility.jet import Jet, edge_ahead, jet_ahead, own_heat_flux, own_pressure
+from plasmapyro.facility.prediction import RATES, Explanations, needed_mixing
 from plasmapyro.facility.probes import Calorimeter, heat_flux
 from plasmapyro.facility.stage import facility, probe_readings
 from plasmapyro.facility.verdict import as_markdown
@@ -152,6 +153,18 @@ def test_what_is_left_over_is_said_in_heat_and_in_momentum():
 def test_a_smaller_pitot_probe_asks_for_less():
     found = judged(scale=2.0).sel(pair="Num-2", rates="kossyi")
     assert found.heat_left.values[1] == pytest.approx(found.heat_left.values[0] / 1.5, rel=1e-3)
+
+
+def test_what_mixing_would_explain_is_what_the_jets_of_the_table_need():
+    found = judged(scale=2.0).sel(pair="Num-2", rates="kossyi")
+    for radius in (0.025, 0.005):
+        for end, gamma in enumerate((0.01, 0.1)):
+            wall = Explanations(*(np.array([one]) for one in (gamma, RATES.index("kossyi"), radius)))
+            needed, kelvin = np.concatenate(needed_mixing(wall, 500e3, 14.98))
+            row = found.sel(pitot_radius=radius).isel(bound=end)
+            assert row.needed_mixing == pytest.approx(needed, nan_ok=True)
+            assert row.mixed_temperature == pytest.approx(kelvin, nan_ok=True)
+    assert float(found.matching_temperature[0]) == pytest.approx(5e3)
 
 
 def test_the_page_has_a_row_for_each_pair_and_probe():

@@ -132,6 +132,9 @@ DATASETS = {
         "heat_left": ("pair", "rates", "pitot_radius", "bound"),
         "momentum_left": ("pair", "rates", "pitot_radius", "bound"),
         "matching_power": ("pair", "pitot_radius"),
+        "matching_temperature": ("pair", "pitot_radius"),
+        "needed_mixing": ("pair", "rates", "pitot_radius", "bound"),
+        "mixed_temperature": ("pair", "rates", "pitot_radius", "bound"),
     },
     "claims": {
         name: ("claim",)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from plasmapyro.facility.prediction import MIDDLE, NOSES, RATES, Explanations, needed_mixing, scale
+
 SUFFICES = 2.0  # standard uncertainties within which a cause explains
 WORDS = {
     1: "explains: some admissible recombination meets the pair",
@@ -18,7 +20,9 @@ def judge(found, admissible):
     gamma that meets the measured flux, NaN where none does; `heat_left` is q over the measured flux at both
     ends of the admissible recombination. The other way round, `momentum_left` is the measured pressure over
     that of the flow which gives the measured flux: what momentum, or a mixing that makes the jet colder at
-    the same momentum, would have to supply.
+    the same momentum, would have to supply. `needed_mixing` is the mixing length over the torch radius with
+    which jets of the table 'facility/jets' meet the pair, at both ends of the admissible recombination, and
+    `mixed_temperature` the gas then ahead of the probe, where these flows have `matching_temperature`.
 
     Parameters
     ----------
@@ -34,18 +38,26 @@ def judge(found, admissible):
     shape = tuple(found.sizes[name] for name in ("pair", "rates", "pitot_radius"))
     needed, verdict = np.full(shape, np.nan), np.empty(shape, dtype="int8")
     heat, momentum = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
-    power = np.full((shape[0], shape[2]), np.nan)
+    mixing, mixed = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
+    power, kelvin = np.full((shape[0], shape[2]), np.nan), np.full((shape[0], shape[2]), np.nan)
     for pair, rates, radius in np.ndindex(shape):
         pressure = found.pitot_pressure.values[:, radius]
         flux = found.stagnation_heat_flux.values[:, rates]
         target, goal = found.pair_heat_flux.values[pair], found.pair_pressure.values[pair]
         at_ends = np.stack([_along(one, gamma, flux) for one in admissible])  # (2, condition)
         momentum[pair, rates, radius] = [goal / _inside(target, ends, pressure) for ends in at_ends]
+        kind, nose = str(found.rates.values[rates]), float(found.pitot_radius.values[radius])
+        if kind in RATES and NOSES[0] <= nose <= NOSES[-1]:
+            index = np.full(2, RATES.index(kind))
+            walls = Explanations(np.array(admissible, dtype=float), index, np.full(2, nose))
+            needs = needed_mixing(walls, target, goal)
+            mixing[pair, rates, radius], mixed[pair, rates, radius] = needs
         if not pressure[0] <= goal <= pressure[-1]:
             verdict[pair, rates, radius] = 2
             continue
         there = np.array([_inside(goal, pressure, column) for column in flux.T])
         power[pair, radius] = _inside(goal, pressure, found.numerical_power.values)
+        kelvin[pair, radius] = _inside(goal, pressure, found.edge_temperature.values)
         needed[pair, rates, radius] = _recombination(target, there, gamma)
         ends = np.array([_inside(goal, pressure, one) for one in at_ends])
         heat[pair, rates, radius] = ends / target
@@ -59,6 +71,9 @@ def judge(found, admissible):
         heat_left=((*dims, "bound"), heat),
         momentum_left=((*dims, "bound"), momentum),
         matching_power=(("pair", "pitot_radius"), power),
+        matching_temperature=(("pair", "pitot_radius"), kelvin),
+        needed_mixing=((*dims, "bound"), mixing),
+        mixed_temperature=((*dims, "bound"), mixed),
         pair_verdict=(
             dims,
             verdict,
@@ -74,7 +89,7 @@ def _flags():
 def _along(gamma, known, flux):
     """Heat flux (condition,) at one recombination, linear in gamma / (gamma + middle) of the known ones."""
     order = np.argsort(known)
-    return np.array([np.interp(_scale(gamma), _scale(known[order]), row[order]) for row in flux])
+    return np.array([np.interp(scale(gamma), scale(known[order]), row[order]) for row in flux])
 
 
 def _recombination(target, flux, known):
@@ -83,15 +98,8 @@ def _recombination(target, flux, known):
     rising = flux[order]
     if not rising[0] <= target <= rising[-1]:
         return np.nan
-    part = np.interp(target, rising, _scale(known[order]))
+    part = np.interp(target, rising, scale(known[order]))
     return MIDDLE * part / (1 - part)
-
-
-MIDDLE = 0.01  # recombination that lets pass half of what meets a copper wall at 50 mbar, in Goulard's form
-
-
-def _scale(gamma):
-    return np.asarray(gamma) / (np.asarray(gamma) + MIDDLE)
 
 
 def _inside(x, known, values):
@@ -118,10 +126,13 @@ def as_markdown(found):
         "",
         f"Admissible recombination {low:g} to {high:g}. Heat left: computed over measured heat flux at the"
         " measured pressure, at both ends. Momentum left: measured over computed pressure where the heat"
-        " flux is the measured one.",
+        " flux is the measured one. Mixing needed: mixing length over the torch radius with which a jet that"
+        " radiates meets the pair, at both ends (0.075 of its width is usual in round jets). What decides:"
+        " the temperature of the gas ahead of the probe, in these flows and with that mixing.",
         "",
-        "| pair | rates | Pitot radius | power there | recombination needed | heat left | momentum left | |",
-        "|---|---|---|---|---|---|---|---|",
+        "| pair | rates | Pitot radius | power there | recombination needed | heat left | momentum left |"
+        " mixing needed | temperature here, with mixing | without mixing |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for pair, name in enumerate(found.pair.values):
         for rates, kind in enumerate(found.rates.values):
@@ -132,6 +143,9 @@ def as_markdown(found):
                     f"{_word(found.matching_power.values[pair, radius] / 1e3, '.0f', ' kW')} | "
                     f"{_word(found.needed_recombination.values[at], '.4f')} | "
                     f"{_words(found.heat_left.values[at])} | {_words(found.momentum_left.values[at])} | "
+                    f"{_words(found.needed_mixing.values[at], '.3f')} | "
+                    f"{_word(found.matching_temperature.values[pair, radius], '.0f', ' K')}, "
+                    f"{_words(found.mixed_temperature.values[at], '.0f', ' K')} | "
                     f"{WORDS[int(found.pair_verdict.values[at])]} |"
                 )
     return "\n".join(lines) + "\n"
@@ -141,5 +155,5 @@ def _word(value, form, unit=""):
     return f"{value:{form}}{unit}" if np.isfinite(value) else "-"
 
 
-def _words(pair):
-    return " to ".join(_word(one, ".2f") for one in pair)
+def _words(pair, form=".2f", unit=""):
+    return " to ".join(_word(one, form) for one in pair) + unit

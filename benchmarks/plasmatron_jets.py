@@ -1,0 +1,140 @@
+"""Jets of the torch with radiation loss and mixing, and what probes read in them.
+
+    python benchmarks/plasmatron_jets.py [--count N] [--nitrogen]
+
+Two pressures, three mixing lengths, five powers, on 5 000 triangles. Needs results/gas/air11.nc; keeps its
+flows in results/benchmark_flow, takes up where it stopped and writes src/plasmapyro/data/facility/jets.csv,
+of which `facility.prediction` is made. With --nitrogen eight jets in N2 around the two pairs of that gas, in
+docs/plasmatron_nitrogen.csv. Some 10 CPU minutes.
+"""
+
+import argparse
+import hashlib
+import itertools
+import logging
+
+import flow as bench  # first: it sets one thread
+import numpy as np
+
+from plasmapyro import io
+from plasmapyro.facility.stage import probe_readings
+from plasmapyro.flow.continuation import NotConverged
+from plasmapyro.gas.stage import gas_table
+from plasmapyro.radiation.net_emission import net_emission
+
+TABLE = bench.ROOT / "src/plasmapyro/data/facility/jets"
+MESH = 2.0
+PRESSURES = (5e3, 1e4)  # [Pa]
+MIXING = (0.0, 0.06, 0.12)
+POWERS = (95e3, 130e3, 65e3), (180e3, 45e3)  # [W], first and last of all cases; each from the nearest before
+ABSORPTION_RADIUS = 0.04  # [m]
+NITROGEN = [  # pressure [Pa], mixing, power [W]
+    *itertools.product((1e4,), (0.0, 0.06), (130e3, 180e3)),
+    *itertools.product((5e3,), (0.06, 0.12), (90e3, 65e3)),
+]
+RATES, RECOMBINATION, NOSES = ("kossyi", "park"), (0.1, 0.01), (0.025, 0.0125, 0.005)
+PROBES = {"rates": RATES, "recombination": RECOMBINATION, "pitot_radius": NOSES}
+KEYS = ("pressure [Pa]", "mixing [1]", "power [kW]")
+PROBES |= {"probe_radius": 0.025, "wall_temperature": 350.0}
+
+
+def row_of(flow, gas):
+    """Row of the table of one flow."""
+    found = probe_readings(flow, gas, **PROBES)
+    row = {
+        "pressure [Pa]": f"{float(flow.chamber_pressure):.0f}",
+        "mixing [1]": f"{float(flow.mixing):g}",
+        "power [kW]": f"{float(flow.numerical_power) / 1e3:g}",
+        "temperature [K]": f"{float(found.edge_temperature):.0f}",
+        "enthalpy [MJ kg-1]": f"{float(found.edge_enthalpy) / 1e6:.3f}",
+        "speed [m s-1]": f"{float(found.jet_speed):.1f}",
+        "radiated [kW]": f"{float(flow.radiated_power) / 1e3:.2f}",
+    }
+    for nose, reading in zip(NOSES, found.pitot_pressure.values, strict=True):
+        row[f"pitot_{1e3 * nose:g}_mm [Pa]"] = f"{reading:.2f}"
+    row["flux_equilibrium [kW m-2]"] = f"{float(found.equilibrium_heat_flux) / 1e3:.1f}"
+    for rates, gamma in itertools.product(RATES, RECOMBINATION):
+        flux = float(found.stagnation_heat_flux.sel(rates=rates, recombination=gamma))
+        row[f"flux_{rates}_{gamma:g} [kW m-2]"] = f"{flux / 1e3:.1f}"
+    return row
+
+
+def write(rows):
+    """The table, and its digest into the certificate."""
+    keys = list(rows[0])
+    rows = sorted(rows, key=lambda row: [float(row[key]) for key in KEYS])
+    text = "\n".join([",".join(keys), *(",".join(row.values()) for row in rows)]) + "\n"
+    TABLE.with_suffix(".csv").write_text(text, encoding="utf-8")
+    certificate = TABLE.with_suffix(".yml")
+    if certificate.exists():
+        lines = certificate.read_text(encoding="utf-8").splitlines()
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        lines = [f"sha256: {digest}" if line.startswith("sha256:") else line for line in lines]
+        certificate.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def kept(name, contract, compute):
+    """A dataset of the store; computed first if it is not there."""
+    path = bench.STORE / f"{name}.nc"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        io.write(compute(), path, contract)
+    return io.read(path, contract)
+
+
+def nitrogen():
+    """Jets in N2, into their own table."""
+    grid = {"temperature": np.arange(200.0, 15001.0, 25.0), "pressure": np.array([4e3, 5e3, 8e3, 1e4, 1.5e4])}
+    gas = kept("nitrogen", "gas", lambda: gas_table(**grid, nitrogen=1.0))
+    rows = []
+    jets(gas, "nitrogen_", bench.reference(MESH, gas, name="nitrogen"), NITROGEN, rows, -1)
+    bench.write_table("plasmatron_nitrogen", rows)
+
+
+def air(count):
+    """Jets in air, into the table of the package."""
+    cases = [case for powers in POWERS for case in itertools.product(PRESSURES, MIXING, powers)]
+    jets(bench.air(), "", bench.reference(MESH), cases, bench.read_table(TABLE.with_suffix(".csv")), count)
+
+
+def jets(gas, prefix, start, cases, rows, count):
+    """Compute the cases that `rows` lack, at most `count`, and append them."""
+    emission = kept(
+        f"{prefix}emission", "net_emission", lambda: net_emission(gas, absorption_radius=ABSORPTION_RADIUS)
+    )
+    known = []
+    done = {tuple(float(row[key]) for key in KEYS) for row in rows}
+    for pressure, mixing, power in cases:
+        name = f"jets/{prefix}{pressure / 100:g}mbar_{mixing:g}_{power / 1e3:g}kW"
+        changes = {"numerical_power": power, "chamber_pressure": pressure}
+        changes |= {"mixing": mixing, "radiation_factor": 1.0}
+
+        if count == 0 and (pressure, mixing, power / 1e3) not in done:
+            return
+
+        def compute(changes=changes):
+            return bench.solve(gas, start, known, emission, **changes)
+
+        try:
+            known.append(bench.stored(name, compute))
+        except NotConverged as fault:
+            logging.warning("%s: %s", name, fault)
+            continue
+        if (pressure, mixing, power / 1e3) in done:
+            continue
+        rows.append(row_of(known[-1], gas))
+        logging.warning("%s: %s", name, rows[-1])
+        if not prefix:
+            write(rows)
+        count -= 1
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--count", type=int, default=-1, help="cases that are computed now (default: all)")
+    parser.add_argument("--nitrogen", action="store_true", help="the jets in N2")
+    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    options = parser.parse_args()
+    nitrogen() if options.nitrogen else air(options.count)
