@@ -1,9 +1,8 @@
-"""Numbers of docs/plasmatron.md.
+"""The prediction of docs/plasmatron.md: docs/plasmatron_prediction.csv and .png.
 
-    python benchmarks/plasmatron.py prediction           docs/plasmatron_prediction.csv and .png
-    python benchmarks/plasmatron.py FOLDER [RESULTS]     pairs of AblaNTIS rebuilt, its readings corrected
+    python benchmarks/plasmatron.py
 
-FOLDER holds the data set (doi 10.5281/zenodo.15938723, CC BY-NC, not shipped); RESULTS is a finished run.
+What needs the facility's data is in benchmarks/real.py --plasmatron.
 """
 
 import argparse
@@ -12,18 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro import io, tables
-from plasmapyro.analysis.reading import correct_reading
-from plasmapyro.commands.correct_reading import read_readings
+from plasmapyro import tables
 from plasmapyro.facility.prediction import NOSES, QUANTITIES, Explanations, jets, predict
-from plasmapyro.facility.probes import Calorimeter
-from plasmapyro.facility.rebuild import rebuild
 from plasmapyro.plots import style
 
 DOCS = Path(__file__).parents[1] / "docs"
-ASSUMED = (1.0, 0.1, 0.0265, 0.01)
-SETTINGS = {"floor": 1263.0, "quantum": 1.0, "noise": 14.0, "emittance": 0.9, "draws": 200, "seed": 1}
-UNCERTAINTY = {"emittance_uncertainty": 0.05, "power_uncertainty": 0.08, "engine_uncertainty": 0.1}
 PITOT = (5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0)  # [Pa]
 PRESSURES = (5e3, 1e4)  # [Pa] of the chamber
 PAIR = {"pair": "Num-2", "flux_uncertainty": 0.1, "pressure_uncertainty": 0.05, "draws": 1000, "seed": 1}
@@ -33,39 +25,6 @@ RIVALS = {  # recombination and Pitot nose [m] that are admitted
     "poor wall, nose 5 mm": ((0.01, 0.0101), (0.005, 0.00501)),
 }
 NO_MIXING = "no mixing, poor wall, nose 5 mm"
-CONDITIONS = ("50kW", "60kW", "80kW")
-
-
-def pairs():
-    table = tables.load("facility/plasmatron_pairs")
-    for name, flux, pressure in zip(
-        *(table[key] for key in ("pair", "heat_flux", "dynamic_pressure")), strict=True
-    ):
-        for gamma in ASSUMED:
-            calorimeter = Calorimeter(0.025, recombination=gamma)
-            found = rebuild(flux, pressure, 5000.0, calorimeter, chemistry="kossyi", pitot_factor=1.1)
-            print(
-                f"{name} {gamma:g}: {found.temperature:.0f} K, {found.enthalpy / 1e6 + 0.30:.2f} MJ/kg,"
-                f" {found.speed:.1f} m/s"
-            )
-
-
-def readings(folder, results):
-    names = {"gas_signal": "analysis/gas_signal", "response": "instrument/response"}
-    names["ratio_curve"] = "instrument/ratio_curve"
-    files = [io.read(results / f"{path}.nc", contract) for contract, path in names.items()]
-    for path in sorted(folder.rglob("stag_point_temp*.dat")):
-        time, shown = read_readings(path)
-        for name in CONDITIONS:
-            found = correct_reading(
-                *files, condition=name, time=time, reading=shown, **SETTINGS, **UNCERTAINTY
-            )
-            moved = (found.apparent_temperature - found.surface_temperature).values
-            low, middle, high = np.nanquantile(moved, (0, 0.5, 1))
-            print(
-                f"{path.parent.name} behind the air of {name}: {low:+.1f} to {high:+.1f} K,"
-                f" median {middle:+.1f} K"
-            )
 
 
 def predictions():
@@ -142,20 +101,8 @@ def prediction():
     draw(rows)
 
 
-def parser():
-    """The argument parser."""
-    top = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    top.add_argument(
-        "what", metavar="FOLDER|prediction", help="folder of the data set, or the word prediction"
-    )
-    top.add_argument("results", nargs="?", default="results", type=Path, help="a finished run (%(default)s)")
-    return top
-
-
 if __name__ == "__main__":
-    options = parser().parse_args()
-    if options.what == "prediction":
-        prediction()
-    else:
-        pairs()
-        readings(Path(options.what), options.results)
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
+    prediction()

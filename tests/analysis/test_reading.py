@@ -103,6 +103,11 @@ def test_the_interval_holds_the_truth_and_the_error_falls_threefold():
     assert np.mean(after) < np.mean(before) / 3
 
 
+def test_gas_that_outshines_every_surface_leaves_no_reading_to_correct():
+    found = correct(np.array([1500.0]), "90kW", {"60kW": (1.0, 1.0), "90kW": (1e9, 1e7)})
+    assert np.isnan(found.surface_temperature.values).all()
+
+
 def test_same_seed_same_interval_and_another_seed_another():
     one, same, other = (correct(np.array([1600.0]), seed=seed) for seed in (1, 1, 2))
     assert one.identical(same)

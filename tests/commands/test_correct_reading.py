@@ -42,6 +42,24 @@ def test_a_log_becomes_a_file_and_a_summary(results, capsys):
     assert "2 two surface temperatures" in capsys.readouterr().out
 
 
+def test_a_condition_of_ones_own_is_found_and_only_its_ladder_says_what_power_does(results, capsys):
+    nitrogen = gas({"60kW": (1.0, 0.2), "70kW": (1.5, 0.3), "71kW": (3.0, 0.6)})
+    nitrogen = nitrogen.assign_coords(condition=["n60", "n70", "air71"])
+    stated = nitrogen.assign(first_of_ladder=("condition", ["n60", "n60", "air71"]))
+    table = "time [s] Ts [K]\n1 1400\n2 1500\n"
+    width = []
+    for own in (nitrogen, stated):
+        io.write(own, results / "analysis/gas_signal_own.nc", "gas_signal")
+        status, out = run(results, table, "--condition", "n70")
+        assert status == 0
+        found = io.read(out, "corrected_reading")
+        width.append(found.surface_temperature_high - found.surface_temperature_low)
+    assert float(width[1][1]) < 0.5 * float(width[0][1])
+    capsys.readouterr()
+    assert run(results, table, "--condition", "air71")[0] == 2
+    assert "a second condition that differs in its power only" in capsys.readouterr().err
+
+
 def test_commas_and_celsius_are_taken(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("time [min], temperature [C]\n0.5, 1000\n1, 1100\n")

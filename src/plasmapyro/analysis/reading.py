@@ -146,21 +146,25 @@ def _turn(shown):
 def _on_branch(reading, shown, surfaces):
     """Surface of each reading on a rising branch; NaN off it."""
     finite = np.isfinite(shown)
+    if not finite.any():  # gas so bright that the display is off its scale for every surface
+        return np.full(np.shape(reading), np.nan)
     shown, surfaces = shown[finite], surfaces[finite]
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(shown)) > 0])
     return np.interp(reading, shown[rising], surfaces[rising], left=np.nan, right=np.nan)
 
 
 def _elasticity(gas, condition, power_uncertainty):
-    """d ln(gas signal) / d ln(power) of both bands at a condition, from its neighbours."""
+    """d ln(gas signal) / d ln(power) of both bands at a condition, from its neighbours on the same ladder."""
     if not power_uncertainty:
         return np.zeros(len(BANDS))
+    if "first_of_ladder" in gas:
+        gas = gas.isel(condition=(gas.first_of_ladder == gas.first_of_ladder.sel(condition=condition)).values)
     ordered = gas.sortby("numerical_power")
     power = np.log(ordered.numerical_power.values)
     if len(np.unique(power)) < 2:
         raise ValueError(
-            "the uncertainty of the power needs a second condition, to know what power does to the gas; "
-            "compute one, or set it to 0"
+            "the uncertainty of the power needs a second condition that differs in its power only, to know"
+            " what power does to the gas; compute one, or set it to 0"
         )
     place = list(ordered.condition.values).index(condition)
     light = np.log(ordered.gas_signal.sel(band=list(BANDS)).values)

@@ -11,7 +11,7 @@ from plasmapyro.analysis.reflection import reflected
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
-from plasmapyro.conditions import number
+from plasmapyro.conditions import ladder, number
 from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio, measured_ratio
 from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
@@ -41,6 +41,7 @@ def gather(radiation, *, emittance):
                 for name in ("numerical_power", "chamber_pressure")
             },
             "sample_emittance": ("condition", [fraction("emittance", value) for value in emittance]),
+            "first_of_ladder": ("condition", [ladder(name, radiation)[0] for name in radiation]),
         },
         {"condition": list(radiation), "band": list(BANDS)},
     )

@@ -73,7 +73,7 @@ def add(commands):
 def run(options):
     """Run `plasmapyro correct-reading`: a table and the results of a workflow in, one netCDF out."""
     require_writable([options.out], [options.reading, options.results])
-    gas, sources = gas_of(options.results)
+    gas, sources = gas_of(options.results, options.condition)
     time, reading = read_readings(options.reading)
     result = correct_reading(
         *gas,
@@ -104,8 +104,11 @@ def run(options):
     sys.stdout.write("\n".join(summary(result)) + "\n")
 
 
-def gas_of(results):
-    """Gas signals, responses and ratio curve of a run (path) or of the package, and their files."""
+def gas_of(results, condition):
+    """Gas signals, responses and ratio curve of a run (path) or of the package, and their files.
+
+    The gas signals are those among which `condition` is: of the paper's conditions, or of one's own.
+    """
     if results is None:
         response = band_response(**RESPONSE)
         return (shipped.stored()[0], response, ratio_curve(response, **CURVE)), []
@@ -115,6 +118,9 @@ def gas_of(results):
         "ratio_curve": "instrument/ratio_curve.nc",
     }
     paths = {contract: Path(results) / place for contract, place in places.items()}
+    own = Path(results) / "analysis/gas_signal_own.nc"
+    if own.exists() and condition in io.read(own, "gas_signal").condition:
+        paths["gas_signal"] = own
     return tuple(io.read(path, contract) for contract, path in paths.items()), [*paths.values()]
 
 

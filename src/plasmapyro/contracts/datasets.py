@@ -159,6 +159,7 @@ DATASETS = {
         "numerical_power": ("condition",),
         "chamber_pressure?": ("condition",),
         "sample_emittance": ("condition",),
+        "first_of_ladder?": ("condition",),
     },
     "visibility": {
         "condition": ("condition",),
