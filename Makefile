@@ -6,6 +6,7 @@
 # make fuzz: COUNT damaged configurations, data files and flow files each; a traceback, a hang or a warning fails.
 # make simulations: what the package brings along, from the results of a run.
 # make light: the built wheel alone in a clean environment of each Python there is: size, time, example to page.
+# make site: these documents as a site in build/site, with formulas; read without a network.
 # make lock: both lock files anew from pyproject.toml, kept versions kept (needs uv; --upgrade-package NAME moves one).
 PYTHONS := python3.11 python3.12 python3.13 python3.14 python3
 SUITABLE := -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))'
@@ -22,7 +23,7 @@ SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --custom-compile-command "make lock"
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations light clean
+.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations light site clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -33,7 +34,7 @@ minimal: .venv/installed
 report: .venv/installed
 	$(SNAKEMAKE) results/report.html
 
-test: .venv/tested
+test: .venv/tested site
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -76,6 +77,10 @@ fuzz: .venv/tested
 simulations: .venv/installed
 	$(SNAKEMAKE) results/analysis/gas_signal.nc $(foreach power,50 60 70 80 90 100 110 120 130,results/radiation_variations/$(power)kW.nc)
 	$(BIN)/python workflow/ship.py
+
+site: .venv/tested
+	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/site
+	! grep -rlE '<(script|link|img)[^>]* (src|href)="(https?:)?//' build/site --include=*.html
 
 light: .venv/installed
 	workflow/light_check.sh $(BIN)/python $(PYTHONS)

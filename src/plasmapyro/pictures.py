@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NANOMETRE, LINE_WIDTH = 1e9, 0.8
+COLOURS = 10  # before they begin again
 OF_TIME = {  # temperature -> its axis, its status, its standard uncertainty or the ends of its interval
     "corrected_temperature": ("time", "corrected_status", "corrected_temperature_uncertainty"),
     "spectrometer_temperature": ("spectrum_time", "spectrum_status", "spectrometer_temperature_uncertainty"),
@@ -114,9 +115,10 @@ def _intervals(axes: Axes, found: xr.Dataset) -> None:
 def _spectra(axes: Axes, found: xr.Dataset) -> None:
     """Spectrum through the slit, and that of each radiating system."""
     wavelength = NANOMETRE * found.wavelength_slit
-    for name in found.component.values:
+    for number, name in enumerate(found.component.values):
         values = found.gas_radiance_component_slit.sel(component=name)
-        axes.plot(wavelength, values, linewidth=LINE_WIDTH, label=str(name))
+        style = "-" if number < COLOURS else ":"
+        axes.plot(wavelength, values, style, linewidth=LINE_WIDTH, label=str(name))
     axes.plot(wavelength, found.gas_radiance_slit, "k", linewidth=LINE_WIDTH, label="all")
     axes.set_yscale("log")
     _named(axes, "vacuum wavelength / nm", "spectral radiance / W m$^{-2}$ sr$^{-1}$ m$^{-1}$")

@@ -266,8 +266,7 @@ def budget_of(
 
     Parameters
     ----------
-    signals, gas, gas_uncertainty, slope, slope_uncertainty, coefficient, covariance, fit_range,
-    signal_uncertainty, gas_variation : as of `temperature_uncertainty`
+    signals, ..., gas_variation : as of `temperature_uncertainty`
     monte_carlo : (t,) array [K], optional
         What that gives; where it exceeds the linear uncertainty by more than a tenth, all contributions grow
         in proportion.

@@ -1,7 +1,7 @@
 """Pseudo-transient continuation: one full Newton step of the flow per pseudo-time step.
 
 Each step solves the induction equation for the present temperature and takes one Newton step of the implicit
-Euler equations with a local step dt = CFL h / (|u| + 200 m/s), either of flow and induction together
+Euler equations with a local step ``dt = CFL h / (|u| + 200 m/s)``, either of flow and induction together
 (`coupled`), or of the flow with frozen Joule heating and Lorentz force (Picard). The Courant number grows
 while the changes stay small and falls when they do not; at a large one the step is Newton's for the steady
 equations.

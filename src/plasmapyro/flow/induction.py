@@ -6,7 +6,7 @@ r"""Induction equation of the coil and the plasma, for a time-harmonic azimuthal
 A_c is the vector potential of the coil rings in closed form, so that no coil has to be meshed and the
 unknown E_p is smooth. Weak form over flow domain and box, weight r dz dr, E_p = 0 on the axis and far away.
 Per unit coil amplitude; amplitudes are peak values, q and F are means over a period:
-q = sigma |E|^2 / 2,  F = Re(J x B*) / 2  with J = sigma E and B = (i/omega) curl E.
+``q = sigma |E|^2 / 2``,  F = Re(J x B*) / 2  with J = sigma E and B = (i/omega) curl E.
 
 Source: same physics as Fagnani et al., LTE torch model; vector-potential form after Xue, Proulx and
 Boulos, J. Phys. D 34 (2001) 1897. Deviation: the coil field is subtracted in closed form.

@@ -32,7 +32,7 @@ def mesh_error(known, coarser, ratio):
     ----------
     known : Solution
     coarser : one or two Solutions, the first with cells `ratio` times as large, the second with cells
-        `ratio`^2 times as large.
+        the square of `ratio` times as large.
     ratio : float [1], > 1
 
     Returns

@@ -29,7 +29,7 @@ Stabilisation (h: element size, half of it for P2; all terms differentiated):
     \tau_m = [(2\rho|u|/h)^2 + (12\mu/h^2)^2 + (2\rho/\Delta t)^2]^{-1/2}
 
 streamline upwinding  (tau_m rho u . grad v, R_m)  and, with rho c_p and kappa in place of rho and mu,
-(tau_T rho c_p u . grad w, R_T);  (rho |u| h/2 R_c, div v)  on continuity; for equal-order elements also
+(tau_T rho c_p u . grad w, R_T);  ``(rho |u| h/2 R_c, div v)``  on continuity; for equal-order elements also
 (tau_m rho grad q, R_m). The term  (w, h_T rho R_c)  with the enthalpy h_T makes the energy equation
 conservative: without it the global balance is off by 2-7 % on the meshes in use.
 

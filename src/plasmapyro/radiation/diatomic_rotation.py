@@ -56,7 +56,7 @@ class Levels:
     vector : (v, J, Sigma, F) [1]
         Mixing of the case (a) functions with Lambda >= 0.
     exists : (v, J, F) bool
-        Level is physical (enough |Omega| <= J) and bound.
+        Level is physical (enough ``|Omega| <= J``) and bound.
     """
 
     state: ElectronicState

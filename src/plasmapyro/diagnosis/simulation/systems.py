@@ -42,7 +42,7 @@ class Line:
 
 
 def systems_of(fitter, fit):
-    """The `System`s of the light of a condition, those that are too faint to be measured left out.
+    """Each `System` of the light of a condition, those that are too faint to be measured left out.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def _stated(simulated, name, light):
 
 
 def lines_of(fitter, fit, threshold):
-    """The `Line`s that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
+    """Each `Line` that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
     model, measured = fitter.simulated.model, fitter.measured
     rest = fitter.white(measured.value - fitter.light(fit))[0]
     for which, one in enumerate(model.instruments):

@@ -1,0 +1,109 @@
+"""The documents as a site: `make site`, read from build/site/index.html without a network."""
+
+import shutil
+import sys
+import tomllib
+from pathlib import Path
+
+from docutils.nodes import SkipNode
+from latex2mathml.converter import convert
+from sphinx.addnodes import pending_xref
+
+from plasmapyro.report.captions import describe
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+CHAPTERS = {  # parts of the package in the order of the chain
+    "gas": "Composition and transport of the gas",
+    "flow": "Torch and jet",
+    "cfd": "Flows of other programs",
+    "sightline": "Line of sight",
+    "radiation": "Radiation",
+    "instrument": "Instruments",
+    "analysis": "What the gas does to a reading",
+    "design": "Choice of bands",
+    "readers": "Raw files",
+    "quality": "Contradictions in data",
+    "record": "Record of a test",
+    "experiment": "The paper's correction",
+    "estimate": "Joint estimate",
+    "identification": "Lines of a spectrum",
+    "diagnosis": "Diagnosis",
+    "facility": "The real Plasmatron",
+}
+NOTEBOOK = '\n\n<a href="tutorial.ipynb">This page as a notebook of Jupyter.</a>\n'
+
+project, release = PROJECT["name"], PROJECT["version"]
+html_title = f"{project} {release}"
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns = ["example"]
+myst_heading_anchors = 3
+html_theme = "furo"
+html_show_copyright = html_copy_source = False
+html_math_renderer = "mathml"
+autodoc_default_options = {"members": True, "member-order": "bysource"}
+napoleon_use_rtype = False
+autodoc_typehints = "none"  # docstrings say types with units
+
+
+def write_pages(app):
+    """What is made from sources: a page of docstrings per part of the package, and the figures of a run."""
+    place = Path(app.srcdir) / "reference"
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir()
+    for part, title in CHAPTERS.items():
+        lines = [f"# {title}", ""]
+        for path in sorted((ROOT / "src/plasmapyro" / part).rglob("*.py")):
+            if "Parameters\n" in path.read_text(encoding="utf-8"):
+                name = ".".join(path.relative_to(ROOT / "src").with_suffix("").parts)
+                box = ["```{eval-rst}", f".. automodule:: {name}", "```"]
+                lines += [f"## {name.partition('.')[2]}", "", *box, ""]
+        (place / f"{part}.md").write_text("\n".join(lines), encoding="utf-8")
+    lines = ["# Figures of a run", "", "Empty until `make figures` has run here.", ""]
+    for path in sorted((ROOT / "results/figures").glob("*.png")):
+        shutil.copy(path, place)
+        _, caption, words = describe(path.stem)
+        lines += [f"![{words}]({path.name})", "", f"`{path.stem}`: {caption}", ""]
+    if len(lines) > 4:
+        del lines[2:4]
+    (place / "figures_of_a_run.md").write_text("\n".join(lines), encoding="utf-8")
+
+
+def write_notebook(app, error):
+    """The tutorial as a notebook beside its page."""
+    sys.path.insert(0, str(ROOT / "workflow"))
+    from notebook import notebook
+
+    text = notebook(Path(app.srcdir) / "tutorial.md")
+    (Path(app.outdir) / "tutorial.ipynb").write_text(text, encoding="utf-8")
+
+
+def link_notebook(app, page, text):
+    """Say on the page of the tutorial where its notebook is."""
+    if page == "tutorial":
+        text[0] += NOTEBOOK
+
+
+def types_as_text(app, page):
+    """Types are prose with units here: 'temperature' in one is not the attribute of some class."""
+    for node in list(page.findall(pending_xref)):
+        if node["refdomain"] == "py":
+            node.replace_self(node.children)
+
+
+def as_mathml(display):
+    """Writes a formula as MathML, which browsers draw with fonts of their own."""
+
+    def visit(translator, node):
+        translator.body.append(convert(node.astext(), display=display))
+        raise SkipNode
+
+    return visit, None
+
+
+def setup(app):
+    app.connect("builder-inited", write_pages)
+    app.connect("source-read", link_notebook)
+    app.connect("doctree-read", types_as_text)
+    app.connect("build-finished", write_notebook)
+    app.add_html_math_renderer("mathml", as_mathml("inline"), as_mathml("block"))
