@@ -1,6 +1,6 @@
 """Runs the boxes of a page: `python workflow/notebook.py docs/tutorial.md` renews its answers and pictures.
 
-Boxes of Python share one namespace, as in a notebook. What one prints stands in a box of text right behind it;
+Boxes of Python share one namespace, as in a notebook. What one prints stands in a box of text behind it;
 what it draws is the picture linked next.
 """
 

@@ -35,9 +35,16 @@ class Command:
 
 
 def fences(page):
-    """(language, rest of the first line, content) of each box; a box without language is one of commands."""
+    """(language, rest of the first line, content) of each box; a box without language is one of commands.
+
+    Directives of the site, such as {toctree}, are left out.
+    """
     found = FENCE.findall(page.read_text(encoding="utf-8"))
-    return [(language or "sh", rest.strip(), content) for language, rest, content in found]
+    return [
+        (language or "sh", rest.strip(), content)
+        for language, rest, content in found
+        if not rest.startswith("{")
+    ]
 
 
 def typed(content):
