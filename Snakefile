@@ -31,7 +31,7 @@ try:
     )
     TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
-    LEVELS = {}  # changes of level temperatures, by condition
+    CHANGES = {}  # of the light of the gas, by condition
     if any(
         "effects" in case for case in (*CONDITIONS.values(), *TESTS.values())
     ):  # the import takes a second
@@ -39,7 +39,7 @@ try:
 
         terms.check_effects(TESTS, "test", config["tests"]["folder"])
         terms.check_effects(CONDITIONS, "condition", config["conditions"]["folder"])
-        CONDITIONS, LEVELS = terms.with_effects(CONDITIONS)
+        CONDITIONS, CHANGES = terms.with_effects(CONDITIONS)
     configuration.check_together(config, CONDITIONS, TESTS)
     CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
     if CFD_CONDITIONS:  # the import takes 0.1 s, in every job

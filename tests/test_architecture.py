@@ -51,7 +51,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
         "shipped",
     },  # files: only `command`
     "campaign": {"diagnosis"},  # laws of what diagnoses share
-    "claims": {"diagnosis", "instrument", "radiation"},  # a worked example of the diagnosis
+    "claims": {"analysis", "diagnosis", "instrument", "radiation"},  # a worked example of the diagnosis
     "facility": {"gas", "flow", "sightline"},
     "plots": {"contracts", "io"},
     "report": set(),

@@ -7,9 +7,14 @@ import pytest
 import xarray as xr
 from small_laboratory import gas_components
 
+from plasmapyro.claims.beside import beside
 from plasmapyro.diagnosis.command import LIMITS
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.terms import Term
 from plasmapyro.diagnosis.report.loop import loop_page
 from plasmapyro.diagnosis.simulation.predicted import foretold
+from plasmapyro.instrument import stage
 
 BRIGHTER = 1.3
 
@@ -72,12 +77,59 @@ def test_the_page_says_what_became_better_and_what_did_not(pair):
         },
     }
     extended = {"verdict": {"sentences": ["Nothing else is needed."]}}
-    page = loop_page("mine", base, extended, (corrected(5.0), corrected(5.0)), {"mine": pair})
+    power = Term(Setting(OF_CONDITION["power"], -0.07), {"amplitude": 0.014})
+    errors = np.stack([np.full((3, 20), 9.0), np.full((3, 20), 1.5), np.zeros((3, 20))])
+    compared = SimpleNamespace(claims=(("It is hot. [K]", [1400.0, 1431.0, 1432.0]),), errors=errors)
+    found = {"mine": pair, "other": pair}
+    page = loop_page(
+        "mine", base, extended, (corrected(5.0), corrected(5.0)), found, [power], {"other": compared}
+    )
     rows = {line.split("|")[1].strip(): line for line in page.splitlines() if line.startswith("| ")}
-    assert "better" in rows["blocks of time left out, log score"]
+    assert "better" in rows["log score"]
     assert "worse" in rows["pyrometer foretold by the spectrometer, log score"]
-    assert "no change" in rows["pyrometer against spectrometer, K"]
-    assert "better" in rows["this test: read with the simulated gas, K"]
+    assert "no change" in rows["pyrometer less spectrometer, K"]
+    assert "better" in rows["read with the simulated gas, K"]
+    assert rows["error map, K"].split("|")[2:4] == [" 9.00 ", " 1.50 "] and "better" in rows["error map, K"]
+    assert rows["It is hot. [K]"].endswith("| 1400 | 1431 | 1432 |")
     assert term.sentence in page and "Nothing else is needed." in page
+    assert "relative change of the power -7.0% ± 1.4%; the flow is solved again" in page
+    wrong, right = (cell.strip() for cell in rows["read with the simulated gas, K"].split("|")[2:4])
+    assert "which no fit saw: read with the simulated" in page
+    assert f"errs by {right} K (rms), by {wrong} K with the base simulation" in page
+    assert "1 became worse: one instrument against the other: pyrometer foretold" in page
     nothing = base | {"extended": None, "gain": None, "verdict": {"named": []}}
     assert "Nothing was named" in loop_page("mine", nothing, extended, (corrected(5.0),) * 2, {})
+
+
+def test_claims_and_errors_of_equal_gases_are_equal_and_brighter_gas_disturbs_hotter_surfaces(response):
+    curve = stage.ratio_curve(
+        response,
+        sensitivity_ratio=0.315,
+        calibration_temperature=np.arange(400.0, 6000.0, 20.0),
+        instrument_range=[973.0, 2073.0],
+    )
+    gas = np.array([30.0, 20.0])
+    analysis = {
+        "visibility_temperature_k": [500, 2000, 10],
+        "visibility_level": [0.99],
+        "apparent_temperature_k": [500, 2500, 10],
+        "error_temperature_k": [500, 2500, 20],
+        "error_emittance": [0.1, 1.0, 4],
+        "error_level": 0.01,
+        "transient": {
+            "conditions": ["80kW"],
+            "time_s": [-5, 100, 0.5],
+            "initial_temperature_k": 350,
+            "gain_k": 1250,
+            "natural_frequency_per_s": 0.1,
+        },
+    }
+    signals = {"base": 3 * gas, "extended": gas, "measured": gas}
+    found = beside(signals, response, curve, emittance=0.85, analysis=analysis)
+    brighter, *same = found.errors
+    assert np.array_equal(*same, equal_nan=True) and np.nanmean(np.abs(brighter - same[0])) > 1
+    claims = dict(found.claims)
+    assert all(values[1] == values[2] or np.isnan(values[1:]).all() for values in claims.values())
+    (limit,) = (values for said, values in claims.items() if "deviates considerably" in said)
+    assert limit[0] > limit[1] + 10
+    assert not [said for said in claims if "base" in said]

@@ -7,9 +7,13 @@ import shutil
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import xarray as xr
 from clone import ROOT, copy_of_the_project, planned, snakemake
+
+from plasmapyro.radiation.foreign import oxygen_triplet
+from plasmapyro.radiation.stage import line_of_sight_radiance
 
 PAPER = (
     "5b_line_of_sight",
@@ -114,6 +118,44 @@ def test_effects_that_a_test_states_are_taken_out_before_its_corrections(project
     assert planned(run)["restored_test"] == 1
     read = re.findall(r"rule pyrometer_correction:\n *input: (.*)", run.stdout)
     assert [words.split(",")[0] for words in read] == ["results/experiment/csic_160kW/restored_test.nc"]
+
+
+JET = """
+numerical_power_kw: 80
+chamber_pressure_mbar: 50
+mass_flow_rate_g_s: 16
+emittance: 0.85
+cfd:
+  file: jet.csv
+  geometry: profile
+  length_unit: m
+  coordinates: {distance: s}
+  variables: {temperature: {name: T, unit: K}, pressure: {name: p, unit: Pa}}
+  species: equilibrium
+"""
+GIVEN = "effects: [{id: T_vib, amplitude: -0.08}, {id: T_exc, amplitude: 0.03}, {id: Cu, amplitude: 2}]\n"
+
+
+def test_effects_of_a_condition_reach_its_light_through_the_engine(project):
+    """One line of sight, with and without what is given: the same engine, called with the same changes."""
+    (project / "jet.csv").write_text("s,T,p\n0,350,5000\n0.003,6000,5000\n0.1,6000,5000\n0.103,350,5000\n")
+    path = project / "config/conditions/jet.yaml"
+    path.write_text(f"{JET}{GIVEN}")
+    run = snakemake(project, "results/radiation/jet.nc")
+    assert run.returncode == 0, run.stdout + run.stderr
+    found, line, response = (
+        xr.load_dataset(project / f"results/{name}.nc")
+        for name in ("radiation/jet", "sightline/jet", "instrument/response")
+    )
+    keys = {"wavelength_range": (700e-9, 1200e-9), "grid_points": 160_000, "slit_fwhm": 0.75e-9}
+    wanted = line_of_sight_radiance(line, response, levels={"vibration": -0.08, "excitation": 0.03}, **keys)
+    own = found.gas_radiance - found.gas_radiance_component.sel(component="Cu I")
+    assert np.allclose(own, wanted.gas_radiance, rtol=1e-6)
+    more = found.gas_radiance_component_slit.sel(component="Cu I")
+    triplet = oxygen_triplet(wanted.wavelength_slit.values, wanted.gas_radiance_slit.values)
+    assert float(more.integrate("wavelength_slit")) == pytest.approx(0.2 * triplet, rel=1e-3)
+    path.write_text(f"{JET}effects: [{{id: power, amplitude: 0.05}}]\n")
+    assert "the flow of this condition is another program's" in snakemake(project, "--dry-run").stderr
 
 
 def test_a_test_that_judges_is_foretold_and_nothing_else(project):

@@ -147,11 +147,14 @@ rule extended_gain:
             for stage in ("experiment", "extended")
             for instrument in ("pyrometer", "spectrometer")
         ],
+        terms=f"results/diagnosis/{next(iter(EXTENDED), '')}/terms.yaml",
         tests=[test_file(SimpleNamespace(test=test)) for test in FORETOLD],
         simulated=[f"results/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
         extended=[f"results/extended/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
         calibration="results/instrument/calibration.nc",
         spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+        response="results/instrument/response.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/extended/{test}/gain.md",
     log:
@@ -160,6 +163,7 @@ rule extended_gain:
         "results/benchmarks/extended_gain_{test}.tsv"
     params:
         names=FORETOLD,
+        analysis=config["analysis"],
         saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
         limits=LIMITS,
     script:

@@ -13,7 +13,7 @@ rule radiance:
         "results/benchmarks/radiance_{condition}.tsv"
     params:
         **config["radiation"],
-        levels=lambda wildcards: LEVELS.get(wildcards.condition, {}),
+        changes=lambda wildcards: CHANGES.get(wildcards.condition, {}),
     script:
         "../scripts/radiance.py"
 

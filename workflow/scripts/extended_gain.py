@@ -3,6 +3,8 @@
 import json
 
 from plasmapyro import io
+from plasmapyro.claims.beside import of_tests
+from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis.report.loop import loop_page
 from plasmapyro.diagnosis.simulation.predicted import foretold
 
@@ -20,5 +22,8 @@ predictions = foretold(
     limits=keys.limits,
     saturation_counts=keys.saturation_counts,
 )
-pairs = corrections[:2], corrections[2:]
-io.write_text(loop_page(snakemake.wildcards.test, *reports, pairs, predictions), snakemake.output[0])
+instrument = [io.read(files[name], name) for name in ("response", "ratio_curve")]
+claims = of_tests(predictions, dict(zip(keys.names, read[0], strict=True)), *instrument, keys.analysis)
+pairs, terms = (corrections[:2], corrections[2:]), read_terms(files.terms, "condition")
+page = loop_page(snakemake.wildcards.test, *reports, pairs, predictions, terms, claims)
+io.write_text(page, snakemake.output[0])

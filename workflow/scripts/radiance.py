@@ -1,13 +1,14 @@
 """Rule radiance: spectral radiance of the gas along the line of sight, by component."""
 
 from plasmapyro import io
+from plasmapyro.commands.changes import radiance_with
 from plasmapyro.quantities import in_si
-from plasmapyro.radiation.stage import line_of_sight_radiance
 
 io.log_to(snakemake.log[0])
 keys = {name: value for name, value in snakemake.params.items() if value != {}}
 settings = in_si(keys)
-result = line_of_sight_radiance(
+result = radiance_with(
+    settings.pop("changes", {}),
     io.read(snakemake.input.sightline, "sightline"),
     io.read(snakemake.input.response, "response"),
     wavelength_range=settings.pop("wavelength"),

@@ -4,10 +4,12 @@ from types import MappingProxyType
 
 from plasmapyro import configuration
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION, species_of
 from plasmapyro.diagnosis.fit.terms import terms_of
 
-OF_TEST = MappingProxyType({name: one for name, one in CATALOGUE.items() if not one.steady_gas})
+OF_TEST = MappingProxyType(
+    {name: one for name, one in CATALOGUE.items() if not (one.steady_gas and one.stage == "gas")}
+)
 OF = {"test": OF_TEST, "condition": OF_CONDITION}
 
 
@@ -67,7 +69,7 @@ def given_terms(entries, path=None):
 
 
 def with_effects(conditions):
-    """Conditions at the powers that their effects give them, and the levels that these change.
+    """Conditions at the powers that their effects give them, and what else changes in their light.
 
     Parameters
     ----------
@@ -76,25 +78,42 @@ def with_effects(conditions):
     Returns
     -------
     conditions : dict of the same form, powers with at most six digits
-    levels : dict name -> mapping as `levels_of` returns it, of conditions that have one
+    changes : dict name -> mapping as `changes_of` returns it, of conditions that have one
+
+    Raises
+    ------
+    ConfigurationError
+        Another power for the flow of another program.
     """
-    found, levels = {}, {}
+    found, changes = {}, {}
     for name, case in conditions.items():
         terms = terms_of(case.get("effects", []), OF_CONDITION)
         change = amplitude_of(terms, "power")
         found[name] = case
+        if change and "cfd" in case:
+            raise configuration.ConfigurationError(
+                f"effects of {name}: 'power' solves the flow again, and the flow of this condition is another"
+                " program's: compute it there at the other power"
+            )
         if change:
             power = f"{case['numerical_power_kw'] * (1 + change):.6g}"
             found[name] = case | {"numerical_power_kw": float(power)}
-        if changed := levels_of(terms):
-            levels[name] = changed
-    return found, levels
+        if changed := changes_of(terms):
+            changes[name] = changed
+    return found, changes
 
 
-def levels_of(terms):
-    """Terms of a condition as `radiation.stage.line_of_sight_radiance` takes them; empty for no change."""
-    changes = {"excitation": amplitude_of(terms, "T_exc"), "vibration": amplitude_of(terms, "T_vib")}
-    return {name: change for name, change in changes.items() if change}
+def changes_of(terms):
+    """What terms of a condition change in the light of its gas, as `radiance_with` takes it.
+
+    Amplitudes of `excitation`, `vibration` and `ripple`, and `lines` {species: tenths of O I 777}; empty
+    for nothing.
+    """
+    names = {"excitation": "T_exc", "vibration": "T_vib", "ripple": "ripple"}
+    found = {name: amplitude_of(terms, identity) for name, identity in names.items()}
+    lines = {species_of(term.setting.id): term.setting.amplitude for term in terms}
+    found["lines"] = {species: amount for species, amount in lines.items() if species and amount}
+    return {name: change for name, change in found.items() if change}
 
 
 def amplitude_of(terms, identity):

@@ -1,5 +1,7 @@
 """From a sight line to the spectral radiance of its gas and its signals in the pyrometer's bands."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
@@ -82,6 +84,8 @@ def line_of_sight_radiance(
     view = slit_wavelengths(wavelength, slit_fwhm)
     require_any_resolution(path, grid)
     lists = line_lists(grid, path.number_density)
+    shining = {lines.component for lines in lists}
+    path = replace(path, departures={k: one for k, one in path.departures.items() if k in shining})
     result = path_radiance(path, lists, grid)
 
     radiance, thin = result.radiance[:, ::-1], result.thin_radiance[::-1]

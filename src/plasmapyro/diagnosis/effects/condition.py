@@ -20,4 +20,14 @@ def power(scene, amplitude):
     return scene.but(spectrum=scene.spectrum * scene.library.power_factor(np.log1p(amplitude)))
 
 
-OF_CONDITION = MappingProxyType({one.id: one for one in (power, gas.excitation, gas.vibration)})
+OF_CONDITION = MappingProxyType(
+    {one.id: one for one in (power, gas.excitation, gas.vibration, gas.ripple, gas.copper, gas.argon)}
+)
+SPECIES = MappingProxyType({gas.copper.id: "Cu I", gas.argon.id: "Ar I"})  # whose lines an effect adds
+
+
+def species_of(identity):
+    """Species whose lines an effect adds to the jet, None of one that adds none."""
+    return SPECIES.get(identity) or (
+        identity.removeprefix(f"{gas.LINES} ") if gas.proposed(identity) else None
+    )

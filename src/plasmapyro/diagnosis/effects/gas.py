@@ -10,11 +10,11 @@ from plasmapyro.diagnosis.effects.effect import BURNING, EXPOSED, PAPER, Amplitu
 from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST
 from plasmapyro.identification.species import catalogue
 from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.foreign import oxygen_triplet
 from plasmapyro.radiation.planck import planck
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.refraction import vacuum_wavelength
 
-OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
 RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
 LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
@@ -262,7 +262,7 @@ def _release(scene, growth):
 
 
 @lru_cache(maxsize=64)
-def _lines(species, temperature):
+def species_lines(species, temperature=JET_EXCITATION):
     """Wavelengths in vacuum [m] and relative strengths of the lines of some species."""
     table = tables.load("diagnosis/impurity_lines")
     chosen = np.isin(table["species"], species)
@@ -287,9 +287,7 @@ def _lines(species, temperature):
 def line_spectrum(species, library, temperature):
     """Lines (K,) behind the slit of the library, together a tenth of its O I triplet [W m-2 sr-1 m-1]."""
     axis = library.wavelength
-    centre, strength = _lines(species, temperature)
+    centre, strength = species_lines(species, temperature)
     sigma = library.slit_fwhm / FWHM_PER_SIGMA
     shape = np.exp(-(((axis - centre[:, None]) / sigma) ** 2) / 2) / (sigma * np.sqrt(2 * np.pi))
-    near = (axis > OXYGEN[0]) & (axis < OXYGEN[1])
-    triplet = np.trapezoid(library.base[near], axis[near])
-    return 0.1 * triplet * strength @ shape
+    return 0.1 * oxygen_triplet(axis, library.base) * strength @ shape

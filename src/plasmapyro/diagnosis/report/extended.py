@@ -99,7 +99,9 @@ def proposed(findings):
     of_test += _terms(fit.settings, errors[findings.size :])
     found = findings.comparison.final
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
-    of_gas = [one for one in _terms(found.settings, errors[2:]) if one.setting.id in OF_CONDITION]
+    rest = list(_terms(found.settings, errors[2:]))
+    of_test += [one for one in rest if one.setting.effect.stage != "gas"]  # of the spectrometer
+    of_gas = [one for one in rest if one.setting.id in OF_CONDITION]
     if findings.comparison.power_is_wrong:
         power, (change, error) = OF_CONDITION["power"], findings.comparison.power
         size = float(np.clip(np.expm1(change), *power.bounds))

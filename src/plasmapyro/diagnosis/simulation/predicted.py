@@ -19,12 +19,14 @@ class Prediction:
 
     `signal` (2,) and `spectrum` (B,): logarithm of simulated over measured light, in the bands and in blocks
     of wavelength; `temperature` (t,) [K] read from the signals less the simulated instead of the measured
-    gas, less the one read with the measured gas; NaN where either is not valid.
+    gas, less the one read with the measured gas; NaN where either is not valid; `bands` (2, 2)
+    [W m-2 sr-1]: the simulated, and the measured light of the gas in the bands.
     """
 
     signal: np.ndarray
     spectrum: np.ndarray
     temperature: np.ndarray
+    bands: np.ndarray
 
     @property
     def kelvin(self):
@@ -80,6 +82,7 @@ def predicted(test, radiation, reading, calibration, spectrometer_calibration, *
         np.log(simulated / measured[0]),
         np.log(sums[0][seen] / sums[1][seen]),
         np.where(valid, read[0][0] - read[1][0], np.nan),
+        np.array([simulated, measured[0]]) / sensitivity,
     )
 
 

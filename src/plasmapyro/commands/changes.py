@@ -1,0 +1,32 @@
+"""The light of a gas with what is taken as given of it."""
+
+from plasmapyro.radiation.foreign import rippled, with_lines
+from plasmapyro.radiation.stage import line_of_sight_radiance
+
+TENTH = 0.1  # [1], of the light of O I 777: what amounts of lines count in
+
+
+def radiance_with(changes, sightline, response, **settings):
+    """Spectral radiance of a gas along a sight line, with the changes of its condition.
+
+    Parameters
+    ----------
+    changes : mapping as `terms.changes_of` returns it; empty for none
+    sightline, response, settings : as of `radiation.stage.line_of_sight_radiance`
+
+    Returns
+    -------
+    Dataset, contract 'radiation'
+    """
+    levels = {name: changes[name] for name in ("excitation", "vibration") if name in changes}
+
+    def plain(line):
+        return line_of_sight_radiance(line, response, levels=levels, **settings)
+
+    result = rippled(plain, sightline, changes["ripple"]) if "ripple" in changes else plain(sightline)
+    if lines := changes.get("lines"):
+        from plasmapyro.diagnosis.effects.gas import species_lines  # all of the diagnosis, a second
+
+        for species, amount in lines.items():
+            result = with_lines(result, response, species, *species_lines((species,)), TENTH * amount)
+    return result

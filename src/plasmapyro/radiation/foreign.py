@@ -1,0 +1,109 @@
+"""Light that the simulated gas lacks: lines of other species, and a temperature that ripples."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.checks import fraction
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.species import SPECIES, nitrogen_of
+from plasmapyro.radiation.bandsignal import BANDS, band_signal, respond, responsivities
+from plasmapyro.radiation.slit import through_slit
+
+OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
+RIPPLE = np.cos(np.pi * (np.arange(4) + 0.5) / 4)  # sines of equal weight: exact for powers up to 7
+LINEAR = ("gas_radiance", "gas_radiance_component", "gas_radiance_slit", "gas_radiance_component_slit")
+SIGNALS = ("band_signal", "band_signal_thin", "band_signal_gridless")
+
+
+def oxygen_triplet(wavelength, radiance):
+    """Light of the triplet of O I at 777 nm [W m-2 sr-1] in a spectrum behind a slit."""
+    near = (wavelength > OXYGEN[0]) & (wavelength < OXYGEN[1])
+    return float(np.trapezoid(radiance[near], wavelength[near]))
+
+
+def with_lines(radiation, band_response, name, wavelength, strength, amount):
+    r"""The light of a gas and, added to it, lines of a species that it does not hold.
+
+    .. math:: L'_\lambda = L_\lambda + a\,L_{777} \sum_l f_l\,\delta(\lambda - \lambda_l)
+
+    Parameters
+    ----------
+    radiation : Dataset, contract 'radiation' or 'spectrum'
+    band_response : Dataset, contract 'response', or None for a spectrum without bands
+    name : str
+        Of the species: a component of the result.
+    wavelength, strength : (L,) [m], [1]
+        In vacuum; shares of the light of all lines together.
+    amount : float [1]
+        a, of the light of the triplet of O I in the simulation.
+
+    Returns
+    -------
+    Dataset of the same contract
+
+    Notes
+    -----
+    ASSUME: optically thin, and narrower than a step of the grid, on which a line keeps its light and place.
+    """
+    axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
+    light = oxygen_triplet(slit, radiation["gas_radiance_slit"].values) * amount * np.asarray(strength)
+    inside = (wavelength > axis[0]) & (wavelength < axis[-1])
+    light, place = light[inside], np.asarray(wavelength)[inside]
+    low = np.searchsorted(axis, place) - 1
+    share = (place - axis[low]) / (axis[low + 1] - axis[low])
+    lines = np.bincount(low, light * (1 - share), axis.size) + np.bincount(low + 1, light * share, axis.size)
+    lines /= np.gradient(axis) * np.where(np.isin(np.arange(axis.size), [0, axis.size - 1]), 0.5, 1.0)
+    seen = through_slit(axis, lines, slit, float(radiation.attrs["slit_fwhm"]))
+    before = radiation["gas_radiance_slit"]
+    row = xr.Dataset(
+        {
+            "gas_radiance_component": (("component", "wavelength"), lines[None]),
+            "gas_radiance_component_slit": (("component", "wavelength_slit"), seen[None]),
+            "component_uncertainty": ("component", [0.0]),
+        },
+        {"component": np.array([name], dtype=object)},
+    )
+    result = radiation.drop_dims("component").merge(xr.concat([radiation[list(row)], row], "component"))
+    result["gas_radiance"] = radiation["gas_radiance"] + lines
+    result["gas_radiance_slit"] = before + seen
+    if "error_share" in result:
+        result["error_share"] = result["error_share"] * (before / result["gas_radiance_slit"])
+    if band_response is not None:
+        curves = responsivities(band_response)
+        weights = [respond(axis, band_response["wavelength"].values, curve) for curve in curves]
+        more = xr.DataArray([band_signal(axis, weight, lines) for weight in weights], {"band": list(BANDS)})
+        for signal in SIGNALS:
+            result[signal] = radiation[signal] + more
+    return result.assign_attrs(radiation.attrs)[list(radiation)]
+
+
+def rippled(radiance, sightline, ripple):
+    r"""Mean light of a gas whose temperature follows a sine, in equilibrium at its pressure.
+
+    .. math:: \langle L(T (1 + a \sin\omega t)) \rangle
+
+    Parameters
+    ----------
+    radiance : function sightline -> Dataset, contract 'radiation'
+    sightline : Dataset, contract 'sightline'
+    ripple : float [1], a
+
+    Returns
+    -------
+    Dataset as of `radiance`; the errors that it states and the optical depth are those of the mean gas.
+    """
+    middle, size = radiance(sightline), fraction("ripple", ripple)
+    parts = [radiance(warmer(sightline, size * phase)) for phase in RIPPLE]
+    changed = [name for name in (*LINEAR, *SIGNALS) if name in middle]
+    return middle.assign({name: sum(one[name] for one in parts) / len(parts) for name in changed})
+
+
+def warmer(sightline, change):
+    """A sight line at temperatures T (1 + change), its composition in equilibrium at its pressure."""
+    if "excitation_temperature" in sightline or set(sightline["species"].values) != set(SPECIES):
+        raise ValueError("a ripple needs air or nitrogen in equilibrium along the line of sight")
+    temperature = sightline["temperature"] * (1 + change)
+    density = number_density(temperature.values, sightline["pressure"].values, nitrogen_of(sightline))
+    density = xr.DataArray(density.T, {"species": list(SPECIES)}, ("species", "path_distance"))
+    density = density.sel(species=sightline["species"].values).variable
+    return sightline.assign(temperature=temperature, number_density=density)
