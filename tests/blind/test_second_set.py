@@ -17,9 +17,15 @@ REPORT = {
         "set": [],
         "probability": {"unknown": 0.9},
         "uncalibrated": 0.9,
+        "unknown": {"instrument": "pyrometer", "axis": "time"},
+        "sentences": ["Something is wrong."],
     },
     "discrepancy": {"class": "walk_pyrometer"},
     "base": {"adequate": True, "chi2": 1.0, "dof": 1},
+    "candidates": [],
+    "simulation": {"gains": []},
+    "extended": None,
+    "gain": None,
     "show": {"line_hump": None},
 }
 
@@ -78,16 +84,16 @@ def test_the_truth_is_kept_apart_from_the_data(finished):
     assert not list((out / "cases" / name / "data").iterdir())
 
 
-def test_the_board_gives_rates_by_world_and_of_names(finished):
+def test_the_board_gives_rates_by_world_and_against_the_bars(finished):
     records, _ = finished
     other = [one | {"world": "first", "case": f"first-{index}"} for index, one in enumerate(records)]
     both = board.summary(records + other)
     assert set(both["worlds"]) == {"first", "second"}
-    names = both["worlds"]["second"]["names"]
-    assert names["null_name_beyond_gas"]["hits"] == 0 and names["null_name_beyond_gas"]["trials"] == 1
+    rows = {row["bar"].split(":")[-1].strip(): row for row in both["worlds"]["second"]["bars"]}
+    names = rows["a name of surface, path, instrument or clock"]
+    assert names["value"] == 0 and names["cases"] == 1
     scored = [one for one in records if one["kind"] == "outside" and one["outcome"] == "scored"]
-    right = [one["effects"][0]["truth"][0] in ("p", "ps") for one in scored]
-    assert names["outside_unknown_right_instrument"]["hits"] == sum(right)
-    in_time = [one["effects"][0]["truth"][1] == "time" for one in scored]
-    assert names["outside_unknown_right_axis"]["hits"] == sum(in_time)
+    right = [one["effects"][0]["truth"] in (["p", "time"], ["ps", "time"]) for one in scored]
+    assert rows["unknown, with instrument and axis"]["value"] == sum(right) / len(right)
+    assert rows["diagnoses that contradict themselves"]["value"] == 0
     assert "## By world" in page.text(both, "Both.") and "worlds" not in board.summary(other)

@@ -4,6 +4,8 @@ cools.
 Signals are made here with formulas of their own, not with those of the package.
 """
 
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,6 +21,8 @@ from small_laboratory import (
     gas_components,
     temperature_of,
 )
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "workflow"))
 
 
 @pytest.fixture(scope="session")

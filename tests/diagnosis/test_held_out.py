@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import cho_factor
 from scipy.stats import multivariate_normal
 
-from plasmapyro.diagnosis.select.held_out import _held_out
+from plasmapyro.diagnosis.select.held_out import SURE, _held_out, standard_error
 
 SIGMA = 0.3
 
@@ -36,3 +36,15 @@ def test_score_of_a_block_is_its_density_given_the_rest(held):
     # The score leaves out what no model changes: the density of the noise alone at zero.
     constant = -0.5 * left.size * np.log(2 * np.pi * SIGMA**2)
     assert found == pytest.approx(density - constant, rel=1e-6)
+
+
+def test_standard_error_is_that_of_noise_and_no_less_where_blocks_agree():
+    """Of two normal predictions d apart, drawn by the second; two alike blocks scatter by nothing."""
+    random = np.random.default_rng(4)
+    apart = np.full(4, 3.0)
+    drawn = random.standard_normal((200_000, 4))
+    ratio = 0.5 * ((drawn + apart) ** 2 - drawn**2)
+    assert standard_error(apart**2 / 2) == pytest.approx(ratio.sum(axis=1).std(), rel=0.01)
+    assert 10 < SURE * standard_error(np.array([5.0, 5.0]))
+    assert 40 > SURE * standard_error(np.array([20.0, 20.0]))
+    assert standard_error(np.array([40.0, -20.0])) > standard_error(np.array([30.0, 30.0]))

@@ -1,8 +1,12 @@
 """The verdict in words: sizes, costs and when."""
 
+import copy
+
 import pytest
+from blind.consistent import contradictions
 
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
+from plasmapyro.page.stage import STATUS, write_page
 
 
 def entry(paper, base, at_time=300.0):
@@ -40,35 +44,6 @@ def test_what_costs_less_than_half_a_kelvin_is_not_warned_of():
     assert len(verdict_sentences("null", {}, [], [], 0.5, None, None, limits[1:], [])) == 1
 
 
-def contradictions(report):
-    """What status, names, probabilities and sentences of a diagnosis say against each other."""
-    verdict, extended, gain = report["verdict"], report["extended"], report["gain"]
-    status, named, probability = verdict["status"], verdict["named"], verdict["probability"]
-    first, found = max(probability, key=probability.get), []
-    terms = [term["id"] for term in extended["terms"]] if extended else []
-    sentence = verdict["sentences"][0]
-    if status in ("null", "unknown") and named:
-        found.append("names under a verdict without any")
-    if status in ("named", "one-of", "named+unknown") and not named:
-        found.append("a verdict of names without any")
-    if terms and (first == "none" or not probability.get(terms[0], 0.0) > 0):
-        found.append(f"names {terms}, and {first} is likeliest")
-    if status == "unknown" and first != "unknown" or status == "null" and first != "none":
-        found.append(f"{status}, and {first} is likeliest")
-    if status != "not-adequate" and bool(terms) != sentence.startswith("The data reject the base model"):
-        found.append(f"{status} {terms}: {sentence}")
-    if (status == "unknown") != sentence.startswith("Something is wrong") and not named:
-        found.append(f"{status}: {sentence}")
-    if extended and extended["applied"]:
-        if probability.get("none", 0.0) >= 0.5:
-            found.append("applied, and nothing being wrong is likelier")
-        if not gain["heldout_log_score"] > 3 * gain["heldout_standard_error"]:
-            found.append("applied without three standard errors of gain")
-    if (verdict["unknown"] is None) != (report["discrepancy"]["class"] is None):
-        found.append("something unknown without an axis, or an axis of nothing")
-    return found
-
-
 @pytest.mark.parametrize(
     "hidden",
     [
@@ -85,3 +60,31 @@ def contradictions(report):
 )
 def test_status_names_probabilities_and_sentences_never_contradict(diagnosed, hidden):
     assert contradictions(diagnosed(**hidden).report) == []
+
+
+@pytest.mark.parametrize(
+    ("part", "key", "value"),
+    [
+        ("verdict", "status", "null"),
+        ("verdict", "named", ["clock"]),
+        ("verdict", "probability", {"none": 0.72, "winE": 0.28}),
+        ("verdict", "unknown", {"instrument": "pyrometer", "axis": "time"}),
+        ("gain", "heldout_standard_error", 1e3),
+        ("base", "adequate", False),
+    ],
+)
+def test_a_report_that_contradicts_itself_is_seen(diagnosed, part, key, value):
+    report = copy.deepcopy(diagnosed(window_loss=0.08).report)
+    assert report["extended"]["applied"] and contradictions(report) == []
+    report[part][key] = value
+    assert contradictions(report)
+
+
+@pytest.mark.parametrize("hidden", [{}, {"window_loss": 0.08}, {"fringe": 0.006}], ids=str)
+def test_the_page_says_what_the_report_says(diagnosed, hidden):
+    result = diagnosed(**hidden)
+    page = write_page(result.report, result.residual_map, result.temperature)
+    verdict = result.report["verdict"]
+    words = STATUS[verdict["status"]][0].partition("named")[2]
+    assert ("nothing wrong was found" in page) == (verdict["status"] == "null") and words in page
+    assert page.count("★") == 1 + len(verdict["named"])  # one explains the mark

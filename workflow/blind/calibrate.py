@@ -51,7 +51,7 @@ def pairs(records):
     for one in used:
         score = one["score"]
         weight = MIX[rung(one)] / number[rung(one)]
-        found[score["status"]].append((score["uncalibrated"], score["stated_right"], weight))
+        found[score["basis"]].append((score["uncalibrated"], score["stated_right"], weight))
     return found
 
 

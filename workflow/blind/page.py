@@ -12,11 +12,6 @@ def _by_world(worlds):
         if any(row["value"] is not None for row in rows):
             cells = [f"{_measured(row)} of {row['cases']}" for row in rows]
             lines.append(f"| {rows[0]['bar']} | {rows[0]['rule']} | {' | '.join(cells)} |")
-    for board in worlds.values():
-        for name, row in board.get("names", {}).items():
-            lines.append(
-                f"| second laboratory: {name.replace('_', ' ')} | | {_interval(row)} of {row['trials']} |"
-            )
     return lines
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from blind.consistent import contradictions
+
 ALIKE = 15.0  # degrees: below, two causes are one class
 WARM = 18.0  # [s] from which temperatures are judged
 CONFIDENT = 0.8
@@ -56,6 +58,9 @@ def score(made, report, temperature, angle):
         "chi2_per_dof": report["base"]["chi2"] / max(report["base"]["dof"], 1),
         "temperature": judge_temperature(made, temperature),
         "discrepancy": report.get("discrepancy", {}).get("class"),
+        "seen": verdict["unknown"],
+        "basis": _basis(status, named, report),
+        "contradictions": contradictions(report),
     }
 
 
@@ -77,6 +82,12 @@ def _found(effect, named, sets, angle):
         "class": any(_alike(name, effect, angle) for name in named) or in_set,
         "in_set": in_set,
     }
+
+
+def _basis(status, named, report):
+    """Row of the table of stated probabilities: the status, or `gas` where the gas alone has names."""
+    of_gas = {row["id"] for row in report["simulation"]["gains"]}
+    return "gas" if named and set(named) <= of_gas else status
 
 
 def _closest(report):

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import xarray as xr
 
+from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
@@ -17,6 +19,9 @@ from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
+
+STRANGE_LINE = "line_gas_pattern"  # structure that a line which nobody simulates is
+SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
 
 
 @dataclass(frozen=True)
@@ -109,9 +114,15 @@ def diagnose(
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
     selection = select(base, questions[0], thresholds=thresholds, draws=draws, seed=seed)
+    gained = _gained(base, selection)
+    if gained is not None and gained.worsens:
+        selection, gained = selection.unnamed(), None
     comparison = compare(base.model, measured_gas(base.model, selection.final), questions[1], seed=seed)
+    if any(line.strange for line in comparison.lines):
+        selection = selection.beside(STRANGE_LINE)
+    if selection.unknown_class or other_pressure(test, radiation):
+        comparison = comparison.without_names()
     final, named = selection.final, bool(selection.final.settings)
-    gained = gain(base.model, base.solution, final) if named else None
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     findings = Findings(base, selection, comparison, effects, gained, crossed, reading, provenance or {})
     temperature = temperatures(findings, against)
@@ -119,6 +130,25 @@ def diagnose(
         report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)
     )
     return on_clock(found, base.model.record.injection)
+
+
+def _gained(base, selection):
+    """Gain of what was selected on held-out data, None where nothing is named."""
+    named = selection.final.settings
+    return gain(base.model, base.solution, selection.final) if named else None
+
+
+def other_pressure(test, radiation):
+    """Pressures [Pa] (of the test, of the simulation) if they are not the same, else ().
+
+    Densities go with the pressure, and lines that absorb themselves, and what electrons excite, do not even
+    go with the density: nothing says how the simulated spectrum would change.
+    """
+    simulated = conditions.number(radiation[str(test.attrs["condition"])], "chamber_pressure")
+    if "chamber_pressure" not in test:
+        return ()
+    measured = float(np.nanmedian(test["chamber_pressure"]))
+    return (measured, simulated) if abs(measured / simulated - 1) > SAME_PRESSURE else ()
 
 
 def _crossed(base, final, other):

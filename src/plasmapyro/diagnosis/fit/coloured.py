@@ -7,6 +7,7 @@ from scipy.optimize import nnls
 
 CLIP = 20.0  # times the median of the products of differences beyond which one is left out
 LEAST_PAIRS = 12
+USUAL, USUAL_FREEDOM = 2e-3, 6.0  # [1] ASSUME: pointing and light source from sample to sample, and how sure
 THIRD = np.array(
     [1.0, -3.0, 3.0, -1.0]
 )  # a third difference sees no heating, and no fit that follows the noise
@@ -82,7 +83,7 @@ def coloured(one, other, error, chosen, phase, period, longest):
             rows.append((own.mean(), max(spread, 1e-300)))
         lag *= 2
     if not rows:
-        return Coloured()
+        return Coloured(white=few(one, other, error, chosen, phase))
     lags, (value, spread) = np.array(lags), np.array(rows).T
     plain, missed = nnls((1 / spread)[:, None], value / spread)
     best, least = Coloured(white=float(plain[0])), missed**2 - SURE
@@ -92,6 +93,28 @@ def coloured(one, other, error, chosen, phase, period, longest):
         if missed**2 < least:
             best, least = Coloured(*map(float, found), float(time)), missed**2
     return best
+
+
+def few(one, other, error, chosen, phase):
+    r"""Variance of records too short for a memory: what differences show, pooled with what is usual.
+
+    .. math:: s^2 = \frac{\nu_0 s_0^2 + \sum d d'/4}{\nu_0 + n/2 - 2}
+
+    The posterior mean under an inverse chi-squared prior of :math:`\nu_0` degrees of freedom; n differences
+    d of neighbours bring n/2.
+
+    Notes
+    -----
+    Source: A. Gelman et al., Bayesian Data Analysis (3rd ed.), 2.6 and 3.3.
+    """
+    place = np.flatnonzero(chosen[1:] & chosen[:-1] & (phase[1:] == phase[:-1]))
+    place = place[np.abs(one[place + 1] - one[place]) < TREND]
+    if not chosen.any():
+        return 0.0
+    own = (one[place + 1] - one[place]) * (other[place + 1] - other[place]) - error[place] - error[place + 1]
+    freedom = USUAL_FREEDOM + place.size / 2  # neighbours share a sample, and some of it is heating
+    pooled = USUAL_FREEDOM * USUAL**2 + max(float(own.sum()) / 4, 0.0)
+    return pooled / max(freedom - 2, 1.0)
 
 
 def _parted(lag):

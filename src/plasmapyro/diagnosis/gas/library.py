@@ -10,7 +10,11 @@ from plasmapyro.diagnosis.gas.templates import (
     line_groups,
     widened,
 )
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH, STRENGTHS
+
+OF_POSITION = 2e-5  # [1] ASSUME of a wavelength: Stark shifts, and a scale that warms by a kelvin (0.02 nm)
+OF_SLIT = 0.05  # [1] ASSUME of the square of the width of the slit: 2.5 % of its width, or another shape
 
 
 def gas_library(condition, radiation, variations, *, fwhm):
@@ -49,6 +53,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
     components = own["component"].values.astype(str), own["gas_radiance_component_slit"].values
     groups, light = line_groups(axis, *components)
     strength, shape, systems = _error_modes(own)
+    shape = np.concatenate([shape, _of_scale(axis, light.sum(axis=0), max(fwhm, slit))])
     names = rungs(condition, radiation)
     return GasLibrary(
         condition=condition,
@@ -92,6 +97,15 @@ def _error_modes(radiation):
     modes = radiation["error_share"].values * light[place]
     strength = np.isin(radiation["error_cause"].values.astype(str), STRENGTHS)
     return modes[strength], modes[~strength], tuple(system[strength])
+
+
+def _of_scale(wavelength, light, fwhm):
+    """Modes (3, K) of what lines do to a spectrum (K,) whose wavelengths or slit [m] are not quite as stated:
+    all moved, those on the right against those on the left, all widened."""
+    slope = np.gradient(light, wavelength)
+    moved, across = OF_POSITION * wavelength * slope, np.linspace(-1, 1, wavelength.size)
+    wider = OF_SLIT * (fwhm / FWHM_PER_SIGMA) ** 2 / 2 * np.gradient(slope, wavelength)
+    return np.stack([moved, across * moved, wider])
 
 
 def rungs(condition, radiation):

@@ -16,12 +16,13 @@ from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.diagnosis.select.selection import Selection
 from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.unknowns import Unknowns
-from plasmapyro.diagnosis.simulation.compare import Comparison
+from plasmapyro.diagnosis.simulation.compare import SYSTEM, Comparison
 from plasmapyro.experiment.correction import Reading
 
 LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it
 BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
 EVEN = 0.5  # probability of nothing beyond which no extension is applied
+OF_GAS = "gas"  # row of the table of stated probabilities where the gas alone has a name
 AHEAD = 1.0  # log weight of what the verdict says above all others
 
 
@@ -77,8 +78,11 @@ class Findings:
     @property
     def applied(self):
         """Whether held-out data speak for the extension, and nothing being wrong is not likelier."""
-        none = self.probability[0].get("none", 0.0)
-        return self.gained is not None and bool(self.gained.improves) and none < EVEN
+        if self.gained is None or self.misfit:
+            return False
+        answers, gas = self.probability[0], self.comparison.evidence
+        sound = sum(p for answer, p in answers.items() if answer == "none" or answer in gas)
+        return bool(self.gained.improves) and sound < EVEN
 
     @cached_property
     def p_value(self):
@@ -141,11 +145,14 @@ class Findings:
         if self.misfit:
             return "not-adequate"
         status, rivals = self.selection.status, self.comparison.rivals
-        if not rivals:
+        if not rivals or status in ("unknown", "named+unknown"):
             return status
-        if status in ("unknown", "named+unknown"):
-            return "named+unknown"
         return "one-of" if status == "one-of" or any(rivals.values()) else "named"
+
+    @property
+    def named(self):
+        """Settings that are named, those of the thermometer first; none where the model is not adequate."""
+        return () if self.misfit else (*self.final.settings, *self.comparison.final.settings)
 
     @cached_property
     def pulls(self):
@@ -154,11 +161,33 @@ class Findings:
 
     @cached_property
     def probability(self):
-        """Probability {answer: p}, and that of the first answer before it was made honest."""
-        return honest(self._log_weights(), self.selection.status)
+        """Probability {answer: p}, and that of the first answer before it was made honest.
+
+        Of the thermometer; and where nothing is wrong with it, of the simulation.
+        """
+        if self.misfit:
+            return {}, 0.0
+        log = self._log_weights()
+        sound = log.pop("none")
+        log |= {answer: sound + value for answer, value in self._of_gas().items()}
+        # What the verdict says comes first: evidence by tangents and of single effects is not the last word.
+        named = self.named[0].id if self.named else None
+        stated = {"null": "none", "unknown": "unknown"}.get(self.status, named)
+        log[stated] = max(log[stated], max(value for key, value in log.items() if key != stated) + AHEAD)
+        return honest(log, OF_GAS if stated in self.comparison.evidence else self.status)
+
+    def _of_gas(self):
+        """Log probabilities of the ids that change the gas, and of none; another strength of one radiating
+        system is none."""
+        found, share = self.comparison.evidence, prior_share(len(self.effects))
+        log = {one: share + value for one, value in found.items() if one != SYSTEM}
+        spectroscopy = np.log(PRIOR_UNKNOWN) + found.get(SYSTEM, -np.inf)
+        log["none"] = float(np.logaddexp(np.log(PRIOR_NONE), spectroscopy))
+        total = np.logaddexp.reduce(list(log.values()))
+        return {answer: value - total for answer, value in log.items()}
 
     def _log_weights(self):
-        """Logarithms of the weights of ids, none and unknown."""
+        """Logarithms of the weights of ids, none and unknown, for the thermometer."""
         screen, trials = self.first.screen, self.selection.trials
         evidence = linear_evidence(screen)
         log = {"none": np.log(PRIOR_NONE)}
@@ -173,10 +202,6 @@ class Findings:
         log["unknown"] = np.log(PRIOR_UNKNOWN) + float(self.first.unknown.max())
         if self.final.settings and self.selection.status != "named+unknown":
             log["unknown"] = min(log["unknown"], max(log.values()) + BESIDE_NAMES)
-        # What the verdict says comes first: evidence by tangents and of single effects is not the last word.
-        named = self.final.settings[0].id if self.final.settings else None
-        stated = {"null": "none", "unknown": "unknown"}.get(self.selection.status, named)
-        log[stated] = max(log[stated], max(value for key, value in log.items() if key != stated) + AHEAD)
         return log
 
 

@@ -174,9 +174,9 @@ def _thresholds(thresholds):
 
 
 def _verdict(findings, entries, hidden, shift):
-    selection, settings = findings.selection, findings.final.settings
-    settings = (*settings, *findings.comparison.final.settings)
+    selection, settings = findings.selection, findings.named
     named = [setting.id for setting in settings]
+    sets = [*map(list, selection.sets), *([i, *ids] for i, ids in findings.comparison.rivals.items())]
     p_base = float(min(1.0, 2 * min(test["p"] for test in _tests(findings))))
     unsure = [findings.misfit] if findings.misfit else []
     unsure += power_sentences(findings.comparison)
@@ -190,7 +190,7 @@ def _verdict(findings, entries, hidden, shift):
     return {
         "status": findings.status,
         "named": named,
-        "set": [*map(list, selection.sets), *([i, *ids] for i, ids in findings.comparison.rivals.items())],
+        "set": sets if named else [],
         "class": [setting.effect.klass for setting in settings],
         "probability": probability,
         "uncalibrated": uncalibrated,

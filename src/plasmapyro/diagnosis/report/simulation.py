@@ -97,7 +97,7 @@ def entries_of(findings):
             "shape": shape,
             "gain_chi2": float(found.gains[effect.id]),
             "log_evidence": 0.5 * float(found.gains[effect.id]),
-            "probability": 1 / (1 + len(found.rivals[effect.id])),
+            "probability": float(findings.probability[0].get(effect.id, 0.0)),
             "significance": float(abs(setting.amplitude) / error),
             "angle_to_next": None,
             "next": next(iter(found.rivals[effect.id]), None),

@@ -41,6 +41,11 @@ class Gain:
         """Whether held-out data speak for the effects by more than `ENOUGH` and `SURE` standard errors."""
         return self.total > max(ENOUGH, SURE * self.standard_error)
 
+    @property
+    def worsens(self):
+        """Whether held-out data speak against the effects: no name stands that they make improbable."""
+        return self.total < -max(ENOUGH, self.standard_error)
+
 
 def blocks_of(start, off, end):
     """Blocks (start, end) [s] that are held out, one at a time: what precedes the injection, parts of the
@@ -201,11 +206,6 @@ def gain(model, base, extended):
         if not any(part.any() for part in chosen):
             continue
         found.append((start, end, difference(log_score, chosen)))
-    values = np.array([row[2] for row in found])
-    told = values[np.abs(values) > TOLD]
-    spread = (
-        float(np.std(told, ddof=1) * np.sqrt(told.size)) if told.size > 1 else float(np.sum(np.abs(values)))
-    )
     cross = None
     if len(model.instruments) == 2:
         chosen = [
@@ -214,4 +214,24 @@ def gain(model, base, extended):
         ]
         cross = difference(log_score, chosen)
     calibration = difference(calibration_score)
-    return Gain(tuple(found), calibration, float(values.sum()) + calibration, spread, cross)
+    values = np.array([*(row[2] for row in found), calibration])
+    return Gain(tuple(found), calibration, float(values.sum()), standard_error(values), cross)
+
+
+def standard_error(values):
+    r"""Standard error of the sum of differences (n,) of log scores.
+
+    .. math:: s^2 = \max\left[2 \sum_b |D_b|,\; m\,\mathrm{var}_m(D)\right]
+
+    Noise alone: two normal predictions d standard deviations apart have a log ratio of mean :math:`d^2/2` and
+    variance :math:`d^2`. Or, if larger, the scatter of the m blocks that tell of the effect (`TOLD`): an
+    effect that is wrong in one phase and right in another.
+
+    Notes
+    -----
+    Source: K. P. Burnham & D. R. Anderson, Model Selection (2002), 6.7; A. Vehtari, A. Gelman & J. Gabry,
+    Stat. Comput. 27 (2017) 1413, eq. 23.
+    """
+    told = values[np.abs(values) > TOLD]
+    scatter = told.size * np.var(told, ddof=1) if told.size > 1 else 0.0
+    return float(np.sqrt(max(2 * np.sum(np.abs(values)), scatter)))

@@ -1,6 +1,6 @@
 """Which effects the data ask for, which others they do not tell from them, and how certain that is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,25 @@ class Selection:
     effects: dict  # that were looked for
     reserve: str = ""  # why the names are not certain, see `reserve`
     evidence: float = 0.0  # log Bayes factor of the final over the base fit
+
+    def unnamed(self):
+        """The same without names: something is wrong, and the effects found are not what it is."""
+        first = self.steps[0]
+        return replace(
+            self,
+            steps=(first,),
+            final=first.solution,
+            sets=(),
+            status="unknown",
+            unknown_class=self.unknown_class or first.structure,
+            reserve="",
+            evidence=0.0,
+        )
+
+    def beside(self, structure):
+        """The same, and something unknown besides."""
+        status = "named+unknown" if self.final.settings else "unknown"
+        return replace(self, status=status, unknown_class=self.unknown_class or structure, reserve="")
 
 
 def select(base, effects, *, thresholds=None, draws=2000, seed=1):

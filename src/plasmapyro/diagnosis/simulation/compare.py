@@ -24,6 +24,7 @@ ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two
 ANY = 20.0  # times the stated error of a strength: any strength
 MOST_WRONG = 3  # systems
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
+SYSTEM = "system"  # stands for one radiating system of another strength
 ROUNDS = 2  # of the fit without effects and the errors about it
 ROUNDING = 1e-9  # [1], relative, added to a singular covariance
 
@@ -49,7 +50,8 @@ class Comparison:
 
     `base` and `final` fits without and with `final.settings`; `systems` and `lines` that differ; `rivals`
     {id of a named effect: ids that explain as much}; `gains` {id: chi-squared gained alone}; `threshold` of
-    it; `p_value` of the base fit, all errors of simulation and measurement considered.
+    it; `p_value` of the base fit, all errors of simulation and measurement considered; `evidence`
+    {id: log Bayes factor over the base fit}, that of `SYSTEM` if one system may have any strength.
     """
 
     base: Fit
@@ -61,6 +63,7 @@ class Comparison:
     p_value: float
     ratio: np.ndarray  # (K,) measured over simulated light on the axis of the library
     rivals: dict = field(default_factory=dict)
+    evidence: dict = field(default_factory=dict)
     power: tuple = (0.0, np.inf)  # logarithm of it over the simulated one, error; a hotter gas counted in
     rivals_of_power: tuple = ()  # ids of effects that at the simulated power explain as much as another one
 
@@ -69,6 +72,10 @@ class Comparison:
         """Whether the simulated power is more than `FAR` standard errors off."""
         change, error = self.power
         return abs(change) > FAR * error
+
+    def without_names(self):
+        """The same, no effect named: where something unknown may lie behind what the gas looks like."""
+        return replace(self, final=self.base, rivals={})
 
 
 def compare(model, measured, effects, *, draws=1000, seed=1):
@@ -109,6 +116,8 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
         used = {setting.id for setting in final.settings}
         tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
     lines = tuple(lines_of(fitter, final, threshold))
+    evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
+    evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
     # Systems beyond what is stated must not bend the power that the others are held against.
     held, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
@@ -122,6 +131,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
         power=_power(final, model.library),
+        evidence=evidence | {SYSTEM: log_bayes(free, base)},
     )
     if not found.power_is_wrong:
         return found
@@ -140,6 +150,13 @@ def _power(fit, library):
             here, beside = library.power_of_warmth(fit.settings[number.place].amplitude + np.array([0, STEP]))
             change, slope[2 + place] = change + here, (beside - here) / STEP
     return float(change), float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
+
+
+def log_bayes(fit, base):
+    """Log Bayes factor of a fit over the one without effects, by Laplace's approximation."""
+    volume = [np.linalg.slogdet(one.covariance)[1] for one in (fit, base)]
+    prior = sum(np.log(number.sigma) for number in free_numbers(fit.settings))
+    return float(0.5 * (base.objective - fit.objective + volume[0] - volume[1]) - prior)
 
 
 def settled(simulated, settings=(), wrong=()):

@@ -3,16 +3,20 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve
+from scipy.linalg import block_diag, cho_solve
+from scipy.special import ndtr
 
 from plasmapyro.diagnosis.fit.inference import pattern_sigmas
+from plasmapyro.diagnosis.gas.templates import extra_sigma
 
+LEAST_SIGMA = 1e-11  # [m]: slits nearer to each other are the same
 DARK = 1e-3  # [1] of the level: less light is none
 
 
 @dataclass(frozen=True)
 class MeasuredGas:
-    """Light of the gas after injection, channel by channel of all instruments.
+    """Light of the gas after injection, channel by channel of all instruments, as through the slit of the
+    simulation where that of the spectrometer is narrower.
 
     `value` (C,) over `level` (C,), the simulated light (or a share of its mean where it is dark);
     `covariance` (C, C) of `value`: noise, calibration, what the surface adds; `wavelength` (C,) [m];
@@ -51,6 +55,12 @@ def measured_gas(model, solution):
     level, simulated = (np.concatenate(rows) for rows in zip(*levels, strict=True))
     lines = np.concatenate(solution.state.lines)
     value = brightness * (simulated / level + lines)
+    as_simulated = block_diag(
+        *(
+            _at_the_slit_of(model, one) * one_level / one_level[:, None]
+            for one, (one_level, _) in zip(model.instruments, levels, strict=True)
+        )
+    )
     places, at = [], len(solution.covariance)
     for one in model.instruments:
         for which, sigma in enumerate(pattern_sigmas(one)):
@@ -63,9 +73,9 @@ def measured_gas(model, solution):
     chosen = np.zeros((solution.factor[0].shape[0], places.size))
     chosen[places, np.arange(places.size)] = 1.0
     covariance = cho_solve(solution.factor, chosen)[places]
-    slope = np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
+    slope = as_simulated @ np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
     return MeasuredGas(
-        value=value,
+        value=as_simulated @ value,
         covariance=slope @ covariance @ slope.T,
         level=level,
         simulated=simulated / level,
@@ -74,6 +84,30 @@ def measured_gas(model, solution):
             [np.full(one.channels, place) for place, one in enumerate(model.instruments)]
         ),
     )
+
+
+def _at_the_slit_of(model, one):
+    """Matrix (C, C) that shows the channels of an instrument as through the slit of the simulation, if its
+    own is narrower: of two spectra the finer one can be made as coarse as the other."""
+    if one.weight is not None:
+        return np.eye(one.channels)
+    own = float(model.record.attributes["spectrometer_fwhm"])
+    sigma = extra_sigma(model.library.slit_fwhm, own)
+    if not sigma > LEAST_SIGMA:
+        return np.eye(one.channels)
+    middle = (one.wavelength[1:] + one.wavelength[:-1]) / 2
+    first, last = one.wavelength[0] - middle[0], one.wavelength[-1] - middle[-1]
+    edges = np.concatenate([[middle[0] + 2 * first], middle, [middle[-1] + 2 * last]])
+    width = np.diff(edges)
+    # Light that counts as evenly spread over its channel is widened by that already.
+    sigma = np.sqrt(np.maximum(sigma**2 - width**2 / 12, LEAST_SIGMA**2))
+
+    def integral(x):
+        return x * ndtr(x / sigma) + sigma * np.exp(-0.5 * (x / sigma) ** 2) / np.sqrt(2 * np.pi)
+
+    apart = edges[:, None] - edges
+    share = np.diff(integral(apart[:, :-1]) - integral(apart[:, 1:]), axis=0)
+    return share / share.sum(axis=1, keepdims=True)
 
 
 def _wavelength(one):

@@ -10,6 +10,9 @@ from plasmapyro.radiation.uncertainty import LEAST_STRENGTH
 FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
 BEYOND = 3.0  # standard deviations from which a system is off
 UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
+NEAR = 3.0  # slits
+BRIGHT = 0.3  # [1] of the mean light
+OF_ATOMS = ("N I", "O I", "faint lines of N I", "faint lines of O I")
 MIDDLE = (0.05, 0.95)  # shares of the light of a group between which it is said to lie
 
 
@@ -34,11 +37,15 @@ class System:
 
 @dataclass(frozen=True)
 class Line:
-    """Light at one wavelength [m] that the simulation lacks, or has too much of: over its mean light [1]."""
+    """Light at one wavelength [m] that the simulation lacks, or has too much of: over its mean light [1].
+
+    `strange`: where the simulation has no line that could be another one's error.
+    """
 
     wavelength: float
     strength: float
     error: float
+    strange: bool = False
 
 
 def systems_of(fitter, fit):
@@ -108,4 +115,13 @@ def lines_of(fitter, fit, threshold):
         limit = threshold + 2 * np.log(centres.size)
         for place in np.flatnonzero(gain > limit):
             if gain[place] == gain[max(place - 3, 0) : place + 4].max():
-                yield Line(float(centres[place]), float(strength[place]), float(information[place] ** -0.5))
+                strange = strength[place] > 0 and not _beside_lines(model.library, centres[place])
+                error = float(information[place] ** -0.5)
+                yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
+
+
+def _beside_lines(library, wavelength):
+    """Whether bright simulated lines of atoms lie within `NEAR` slits of a wavelength [m]."""
+    near = np.abs(library.wavelength - wavelength) < NEAR * library.slit_fwhm
+    atomic = np.array([name.startswith(OF_ATOMS) for name in library.group_name])
+    return bool(library.group[atomic][:, near].max(initial=0.0) > BRIGHT * library.base.mean())
