@@ -7,7 +7,7 @@ from scipy.linalg import block_diag, cho_solve
 from scipy.special import ndtr
 
 from plasmapyro.diagnosis.fit.inference import pattern_sigmas
-from plasmapyro.diagnosis.gas.templates import extra_sigma
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 LEAST_SIGMA = 1e-11  # [m]: slits nearer to each other are the same
 DARK = 1e-3  # [1] of the level: less light is none
@@ -92,7 +92,7 @@ def _at_the_slit_of(model, one):
     if one.weight is not None:
         return np.eye(one.channels)
     own = float(model.record.attributes["spectrometer_fwhm"])
-    sigma = extra_sigma(model.library.slit_fwhm, own)
+    sigma = np.sqrt(max(model.library.slit_fwhm**2 - own**2, 0.0)) / FWHM_PER_SIGMA
     if not sigma > LEAST_SIGMA:
         return np.eye(one.channels)
     middle = (one.wavelength[1:] + one.wavelength[:-1]) / 2
