@@ -12,8 +12,8 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
 from plasmapyro.conditions import ladder, number
-from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio, measured_ratio
-from plasmapyro.radiation.bandsignal import BANDS, responsivities
+from plasmapyro.instrument.pyrometer import blackbody_signal, invert_grey, invert_ratio, measured_ratio
+from plasmapyro.radiation.bandsignal import BANDS, bands_of, responsivities, two_bands
 from plasmapyro.radiation.planck import blackbody_radiance
 
 
@@ -32,7 +32,8 @@ def gather(radiation, *, emittance):
     """
     if not radiation:
         raise ValueError("no power condition: at least one radiation file is needed")
-    signal = [[float(case.band_signal.sel(band=band)) for band in BANDS] for case in radiation.values()]
+    names = list(map(str, next(iter(radiation.values())).band.values))
+    signal = [[float(case.band_signal.sel(band=band)) for band in names] for case in radiation.values()]
     gathered = xr.Dataset(
         {
             "gas_signal": (("condition", "band"), signal),
@@ -43,7 +44,7 @@ def gather(radiation, *, emittance):
             "sample_emittance": ("condition", [fraction("emittance", value) for value in emittance]),
             "first_of_ladder": ("condition", [ladder(name, radiation)[0] for name in radiation]),
         },
-        {"condition": list(radiation), "band": list(BANDS)},
+        {"condition": list(radiation), "band": names},
     )
     return gathered.sortby(["numerical_power", "chamber_pressure", "condition"])
 
@@ -54,7 +55,7 @@ def _of_conditions(gas):
 
 
 def visibility(gas, response, *, object_temperature, visibility_level):
-    """Visibility factors of both bands, and the surface temperatures at which they reach given levels.
+    """Visibility factors of all bands, and the surface temperatures at which they reach given levels.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def visibility(gas, response, *, object_temperature, visibility_level):
             gas.sample_emittance.values[case],
         )
 
-    cases, bands = range(gas.sizes["condition"]), range(len(BANDS))
+    cases, bands = range(gas.sizes["condition"]), range(gas.sizes["band"])
     limits = [[[limit(level, case, band) for band in bands] for case in cases] for level in visibility_level]
     return xr.Dataset(
         {
@@ -251,7 +252,10 @@ def _read(gas, response, curve, emittance, temperature):
     """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
     black = _blackbody_signal(response, temperature)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
-    light = [gas.gas_signal.sel(band=band).values.reshape(lead) for band in BANDS]
+    light = [gas.gas_signal.sel(band=band).values.reshape(lead) for band in bands_of(response)]
+    if "calibration_signal" in curve:
+        signals = [emittance * body + gas for body, gas in zip(black, light, strict=True)]
+        return invert_grey(signals, curve.calibration_temperature.values, curve.calibration_signal.values)
     ratio = measured_ratio(float(curve.sensitivity_ratio), emittance, black, light)
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
 
@@ -296,6 +300,7 @@ def reflection_map(
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
+    response = two_bands(response, "the map of reflections")
     order = list(gas.condition.values)
     incident = spectra.incident_binned.sel(condition=order, reflection="diffuse").values
     middle = spectra.wavelength.values

@@ -426,9 +426,11 @@ DATASETS = {
         "responsivity?": ("band", "wavelength"),
     },
     "ratio_curve": {
-        "sensitivity_ratio": (),
+        "sensitivity_ratio?": (),
         "calibration_temperature": ("calibration_temperature",),
-        "calibration_ratio": ("calibration_temperature",),
+        "calibration_ratio?": ("calibration_temperature",),
+        "band?": ("band",),
+        "calibration_signal?": ("band", "calibration_temperature"),
         "instrument_range": ("bound",),
     },
     "calibration_points": {

@@ -13,7 +13,7 @@ from plasmapyro.design.spectra import HOTTEST, AirSpectra, heated
 from plasmapyro.gas.species import nitrogen_of
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.band_systems import SYSTEMS
-from plasmapyro.radiation.bandsignal import responsivities
+from plasmapyro.radiation.bandsignal import responsivities, two_bands
 from plasmapyro.radiation.path import CONTINUA
 from plasmapyro.sightline.stage import surface_view
 
@@ -191,7 +191,7 @@ class _Judge:
         first, last = settings["limit_temperature_k"]
         self.coarse = np.arange(first, last + 1, LIMIT_STEP)
         self.fine = np.arange(first, last + 1, FINE_STEP)
-        curves = responsivities(response)
+        curves = responsivities(two_bands(response, "the design of bands"))
         self.build_reference = lambda some: some.currents_of(response.wavelength.values, curves)
         self.reference = self.build_reference(bench)
         self.reference_weights = bench.weights(self.reference)

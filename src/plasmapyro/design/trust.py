@@ -11,7 +11,7 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.design import budget
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE
 from plasmapyro.design.stage import FINE_STEP, STATES, make_bench
-from plasmapyro.radiation.bandsignal import responsivities
+from plasmapyro.radiation.bandsignal import responsivities, two_bands
 
 SURFACES = {"mirror": 0.0, "matt": 1.0}  # share of diffuse reflection
 LATEST = 1e5  # [s]
@@ -72,7 +72,7 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     first, last = settings["limit_temperature_k"]
     temperature = np.arange(first, last + 1, FINE_STEP)
     light = replace(bench, gas=spectra.incident_binned.sel(reflection="diffuse").values)
-    curves = responsivities(response)
+    curves = responsivities(two_bands(response, "the table of trust"))
 
     def reference(some):
         return some.currents_of(response.wavelength.values, curves)

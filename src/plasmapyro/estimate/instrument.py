@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from plasmapyro.estimate.bins import band_edges, bin_mean, pixel_bins, spectrometer_edges
-from plasmapyro.radiation.bandsignal import BANDS, responsivities
+from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
 from plasmapyro.radiation.planck import blackbody_derivatives
 
 TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
@@ -47,7 +47,7 @@ def pyrometer(response, calibration):
     Source: Fagnani et al., eq. 1, with the responsivity as mean over each bin.
     """
     wavelength = response.wavelength.values
-    bands = np.stack(responsivities(response))
+    bands = np.stack(responsivities(two_bands(response, "the joint estimate")))
     edges = band_edges(wavelength, bands[0])
     gains = calibration.absolute_sensitivity.sel(band=list(BANDS)).values
     return Instrument(edges, gains[:, None] * bin_mean(wavelength, bands, edges) * np.diff(edges))

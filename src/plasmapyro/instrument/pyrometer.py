@@ -6,6 +6,8 @@ from plasmapyro.checks import increasing
 from plasmapyro.radiation.bandsignal import band_signal
 from plasmapyro.radiation.planck import blackbody_radiance
 
+GREY_STEPS = 12  # of Gauss and Newton; five give 1 mK within a table
+
 
 def blackbody_signal(temperature, wavelength, responsivity):
     """Band signal of a black body, on the wavelengths of the response.
@@ -150,3 +152,49 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
     status = np.where(ratio < nodes[0], -1, np.where(ratio > nodes[-1], 1, 0)).astype("int8")
     inside = np.where(status == 0, ratio, np.nan)
     return 1 / np.interp(np.log(inside), np.log(nodes), 1 / temperature), status
+
+
+def invert_grey(signal, temperature, blackbody):
+    r"""Temperature that an instrument of any bands reads if it takes the surface as grey.
+
+    .. math:: \min_{T, \varepsilon} \sum_i [\ln S_i - \ln\varepsilon - \ln S_i^{bb}(T)]^2
+
+    One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what their ratio gives.
+
+    Parameters
+    ----------
+    signal : sequence of N (...) arrays, in the unit of `blackbody`
+    temperature : (C,) array [K], strictly increasing
+    blackbody : (N, C) array
+        Signals of a black body at these.
+
+    Returns
+    -------
+    reading : (...) ndarray [K]
+        NaN where `status` is not 0, or a signal is not > 0.
+    status : (...) int8 ndarray
+        0 within the table, -1 below it, +1 above it; 0 for NaN.
+
+    Notes
+    -----
+    Source: least squares; Gauss-Newton steps in 1/T, in which ln(S) is straight in Wien's limit.
+    """
+    inverse = 1 / np.asarray(temperature, dtype=float)[::-1]
+    table = np.log(np.asarray(blackbody, dtype=float))[:, ::-1]
+    slopes = np.gradient(table, inverse, axis=1)
+    shape = np.broadcast_shapes(*(np.shape(one) for one in signal))
+    stacked = np.stack([np.broadcast_to(one, shape).ravel() for one in signal])
+    good = (stacked > 0).all(axis=0)
+    log = np.log(np.where(good, stacked, 1.0))
+    at = np.full(log.shape[1], inverse[inverse.size // 2])
+    for _ in range(GREY_STEPS):
+        off = log - np.array([np.interp(at, inverse, row) for row in table])
+        slope = np.array([np.interp(at, inverse, row) for row in slopes])
+        if len(table) > 1:
+            off, slope = off - off.mean(axis=0), slope - slope.mean(axis=0)
+        move = np.sum(slope * off, axis=0) / np.sum(slope**2, axis=0)
+        beyond = np.where(at + move < inverse[0], 1, np.where(at + move > inverse[-1], -1, 0))
+        at = np.clip(at + move, inverse[0], inverse[-1])
+    status = np.where(good, beyond, 0).astype("int8").reshape(shape)
+    reading = np.where(good & (beyond == 0), 1 / at, np.nan)
+    return reading.reshape(shape), status

@@ -10,7 +10,7 @@ from plasmapyro.instrument import calibration, raw_counts, spectrometer
 from plasmapyro.instrument.pyrometer import blackbody_signal, calibration_ratio
 from plasmapyro.instrument.response import sandwich_response, silicon_absorption
 from plasmapyro.instrument.shape import planck_shape
-from plasmapyro.radiation.bandsignal import BANDS, responsivities
+from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
 
 SLOPE_STEP = 1e-4  # relative half step of central differences: error 1e-8 of the slope
 
@@ -96,6 +96,7 @@ def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrum
     Returns
     -------
     Dataset, contract 'ratio_curve'
+        Of an instrument of other bands the signals of a black body instead of a ratio.
 
     Notes
     -----
@@ -104,6 +105,10 @@ def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrum
     curve = increasing("calibration_temperature", calibration_temperature, "K")
     wavelength = response.wavelength.values
     black = [blackbody_signal(curve, wavelength, weight) for weight in responsivities(response)]
+    if "responsivity" in response:  # no one ratio: signals of a black body, for readings that take it as grey
+        own = {"calibration_signal": (("band", "calibration_temperature"), black)}
+        own["instrument_range"] = ("bound", np.asarray(response.attrs["instrument_range"], dtype=float))
+        return xr.Dataset(own, {"calibration_temperature": curve, "band": response.band.values})
     phi = float(positive("sensitivity_ratio", sensitivity_ratio, "1"))
     return xr.Dataset(
         {
@@ -157,6 +162,7 @@ def pyrometer_calibration(
     -----
     Source: Fagnani et al., eqs. 5 and 6 and sec. 3.2.
     """
+    response = two_bands(response, "the calibration of a two-colour pyrometer")
     curve = increasing("calibration_temperature", calibration_temperature, "K")
     span = increasing("instrument_range", instrument_range, "K")
     source = positive("source_temperature", calibration_points.source_temperature.values, "K")

@@ -5,6 +5,8 @@ from plasmapyro.plots import style
 
 def responses(response, paths):
     """Figure 3a: normalised spectral responses of the two bands."""
+    if "responsivity" in response:
+        raise ValueError("figure 3a shows the wide and the narrow band; the instrument has others")
     drawing, axes = style.figure(size=(3.0, 2.6))
     wavelength = response.wavelength * 1e6
     axes.plot(

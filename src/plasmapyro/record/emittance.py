@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plasmapyro.radiation.bandsignal import two_bands
 from plasmapyro.radiation.planck import blackbody_radiance
 
 PIVOT = 0.95e-6  # [m] ASSUME: where the stated emittance holds
@@ -28,7 +29,7 @@ def tilt(slope, response):
     """
     if slope == 1:
         return 0.0
-    wavelength = response["wavelength"].values
+    wavelength = two_bands(response, "a slope of the emittance")["wavelength"].values
     light = blackbody_radiance(wavelength, HOT)
     wide, narrow = (
         np.trapezoid(weight * (wavelength - PIVOT), wavelength) / np.trapezoid(weight, wavelength)

@@ -11,7 +11,7 @@ from plasmapyro.checks import fraction, increasing
 from plasmapyro.flow import stage as flow_stage
 from plasmapyro.flow.continuation import Extinguished, NotConverged
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.radiation.bandsignal import BANDS, two_bands
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline.stage import line_of_sight
 
@@ -166,6 +166,7 @@ def gather(signals, response, curve, *, conditions, object_temperature, limit_te
     """
     conditions = np.atleast_2d(np.asarray(conditions, dtype=float))
     temperature = increasing("object_temperature", object_temperature, "K")
+    response = two_bands(response, "a study")
     axes = [np.unique(column) for column in conditions.T]
     emittance = np.array([fraction("emittance", value) for value in axes[DIMS.index("emittance")]])
     asked = np.zeros([axis.size for axis in axes], dtype=bool)
