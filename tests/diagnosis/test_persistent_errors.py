@@ -4,9 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from small_laboratory import SLIT_FWHM
 
 from plasmapyro.diagnosis.fit import persistent
+from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.coloured import Coloured, coloured
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.record.record import record_of
 
 PERIOD, TIME, SIZE, WHITE = 0.1, 0.8, 2e-3, 1e-3
 
@@ -90,3 +95,19 @@ def test_bands_wander_together_and_apart():
     found = covariance_of(errors, errors.knots[:1], sizes)[0, :, 0]
     assert found[0, 0] + found[1, 1] - 2 * found[0, 1] == pytest.approx(persistent.WANDER["ratio"] ** 2)
     assert (found.sum()) / 4 == pytest.approx(persistent.WANDER["pyrometer"] ** 2)
+
+
+def test_modes_of_the_scale_that_are_left_out_make_no_temperature_surer(record, laboratory, monkeypatch):
+    """What a wrong temperature looks like over wavelength is smooth, but not among the first few modes."""
+
+    def sigma():
+        both = {"pyrometer": None, "spectrometer": None}
+        library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
+        found = base_model(record_of(record(), both), library, laboratory.calibration, laboratory.response)
+        solution = fit_base(found).solution
+        hot = solution.state.knots > 1300.0
+        return np.sqrt(np.diag(solution.covariance)[: hot.size][hot])
+
+    plain = sigma()
+    monkeypatch.setattr(persistent, "LEAST", persistent.LEAST / 1000)
+    np.testing.assert_allclose(sigma(), plain, rtol=0.03)

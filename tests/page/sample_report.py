@@ -186,6 +186,26 @@ def report(**changes):
                 "measurement": "repeat the calibration",
             }
         ],
+        "posterior": {
+            "names": ["ratio"],
+            "mean": [0.001],
+            "covariance": [[1e-6]],
+            "prior": {"mean": [0.0], "covariance": [[1.6e-5]]},
+            "misfit": 1.0,
+            "with_priors": False,
+            "temperature": {"time": [20.0], "value": [1400.0], "sigma": [2.0], "slope": [[1500.0]]},
+        },
+        "next": [
+            {
+                "id": name,
+                "measurement": f"the {name} repeated",
+                "kelvin_before": 2.6,
+                "kelvin_after": kelvin,
+                "resolves": [["winE", "eps_ox"]] if name == "lamp" else [],
+                "after_first": 1.1,
+            }
+            for name, kelvin in (("calibration", 1.4), ("lamp", 2.3))
+        ],
         "show": {
             "phases": ["pre", "steady"],
             "signals": {

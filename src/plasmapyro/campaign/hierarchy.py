@@ -21,7 +21,7 @@ SCATTER = {  # of an instrument from test to test, ASSUME: mounting, warming up,
 SCALE_SCATTER = 5e-4
 # Scatter of the efficiency about its law, and of what a window loses in a run: any of these, alike probable.
 SCATTERS = np.stack(
-    np.meshgrid(np.geomspace(3e-3, 0.1, 6), np.geomspace(5e-4, 0.02, 5), indexing="ij"), axis=-1
+    np.meshgrid(np.geomspace(1e-2, 0.1, 5), np.geomspace(5e-4, 0.02, 5), indexing="ij"), axis=-1
 ).reshape(-1, 2)
 WINDOWS = ("gain_pyrometer", "gain_spectrometer")
 GROUPS = ("efficiency", "window", "emittance", "instrument")
@@ -261,13 +261,13 @@ class Campaign:
         while len(odd) < len(self.messages) // 2:
             taken = {name for name, _ in odd}
             tried = {
-                (name, group): self.solve([*odd, (name, group)])[3]
+                (name, group): self.solve([*odd, (name, group)])[3] + ODD * (len(odd) + 1)
                 for name in self.messages
                 for group in GROUPS
                 if name not in taken and self._of(name, group) is not None
             }
             best = max(tried, key=tried.get, default=None)
-            if best is None or not tried[best] + ODD > evidence:
+            if best is None or not tried[best] > evidence:
                 break
-            odd, evidence = [*odd, best], tried[best] + ODD
+            odd, evidence = [*odd, best], tried[best]
         return tuple(odd)

@@ -109,9 +109,17 @@ def run(options):
     progress.say(f"writing {out}")
     diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
     said = result.report["verdict"]["sentences"][0], result.temperature.attrs["recommended_because"]
-    sys.stdout.write("\n".join(said) + "\n")
+    sys.stdout.write("\n".join([*said, *_following(result.report["next"])]) + "\n")
     progress.say("done")
     return diagnosis.exit_status(result.report, options.fail_on_finding)
+
+
+def _following(rows):
+    """Table of the three best measurements that may follow."""
+    yield f"Measure next, where T is now known to {rows[0]['kelvin_before']:.2g} K:"
+    for row in rows[:3]:
+        decides = "".join(f", tells {' from '.join(group)}" for group in row["resolves"])
+        yield f"  {row['kelvin_after']:5.2g} K  {row['measurement']}{decides}"
 
 
 def diagnosed(options):

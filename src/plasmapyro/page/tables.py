@@ -120,6 +120,22 @@ def ambiguity(report):
     return table(("measurement", "decides between", "#expected"), rows)
 
 
+def following(report):
+    """Measurements that may follow, the one that takes most from the uncertainty first."""
+    first = report["next"][0]
+    rows = [
+        (
+            row["measurement"],
+            f"{number(row['kelvin_after'], 2)} K",
+            DASH if row is first else f"{number(row['after_first'], 2)} K",
+            "; ".join(named(report, group) for group in row["resolves"]) or DASH,
+        )
+        for row in report["next"]
+    ]
+    heads = ("measurement", "#then T is known to", "#with the first one too", "tells apart")
+    return table(heads, rows)
+
+
 def limits(report, most=12):
     """What remains possible and invisible, by kelvin."""
     heads = (

@@ -83,4 +83,4 @@ def _windows(axes, found):
         )
     axes.set_xticks(runs, [*(row.test.name for row in found.rows), "next"], rotation=60, fontsize=6)
     axes.set(ylabel="Throughput, change since calibration [%]")
-    axes.legend(fontsize=7, frameon=False)
+    axes.legend(fontsize=7, frameon=False, loc="lower left")

@@ -5,6 +5,7 @@ import numpy as np
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
 from plasmapyro.diagnosis.report.extended import extension, worth
+from plasmapyro.diagnosis.report.following import following
 from plasmapyro.diagnosis.report.line_hump import line_against_hump
 from plasmapyro.diagnosis.report.lines import lines_left
 from plasmapyro.diagnosis.report.posterior import posterior
@@ -39,6 +40,7 @@ def report_of(findings, temperature):
     """
     shift = largest_shift(findings, temperature)
     entries, hidden = [*candidates(findings), *entries_of(findings)], limits(findings)
+    verdict = _verdict(findings, entries, hidden, shift)
     return {
         "schema": SCHEMA,
         "findings": [],
@@ -48,7 +50,7 @@ def report_of(findings, temperature):
         "tests": _tests(findings),
         "thresholds": _thresholds(findings.selection.thresholds),
         "candidates": entries,
-        "verdict": _verdict(findings, entries, hidden, shift),
+        "verdict": verdict,
         "checks": _checks(findings),
         "discrepancy": _discrepancy(findings),
         "simulation": simulation(findings),
@@ -56,6 +58,7 @@ def report_of(findings, temperature):
         "gain": worth(findings, shift),
         "limits": hidden,
         "posterior": posterior(findings),
+        "next": _next(findings, entries, verdict["set"]),
         "show": _show(findings),
         "assumptions": list(ASSUMPTIONS),
         "provenance": _provenance(findings),
@@ -88,6 +91,12 @@ def _dataset(findings):
         "time_bins": max(instrument.time.size for instrument in model.instruments),
         "wavelength_bins": max(spectral, default=0),
     }
+
+
+def _next(findings, entries, groups):
+    shifts = {entry["id"]: entry["temperature_shift"]["base"] for entry in entries}
+    fit = findings.final if findings.applied else findings.base.solution
+    return following(findings.model, fit, groups, shifts)
 
 
 def _noise(base):
