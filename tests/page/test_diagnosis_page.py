@@ -115,6 +115,23 @@ def test_what_would_decide_is_said(page):
     assert "lamp through the window cause winE, cause other 40 sd" in words
 
 
+def test_lines_without_a_name_get_one(page):
+    assert "Lines that the simulated gas lacks" not in page
+    lines = [
+        {
+            "species": "Na I",
+            "probability": 0.998,
+            "lines": [589.0e-9, 589.59e-9],
+            "rivals": ["K I"],
+            "effect": {"id": "lines Na I", "amplitude": 1.34, "uncertainty": 0.11},
+        }
+    ]
+    left = report()["discrepancy"] | {"lines": lines}
+    words = Reader(write_page(report(discrepancy=left), residual_map(), temperature())).words
+    for piece in ("Na I", "589", "589.59", "K I", "1.3 ± 0.11", "lines Na I"):
+        assert piece in words
+
+
 def test_misfit_of_a_phase_is_shown_by_number_and_shade(page):
     assert re.search(r'background:#e9967f" title="p = 1e-06, 100 data">3<', page)
     assert re.search(r'background:#eef6ee" title="p = 0.2, 100 data">0.97<', page)

@@ -242,6 +242,26 @@ def phases(report):
     return {"heads": [CHANNELS.get(one, one) for one in channels], "rows": rows}
 
 
+def lines_left(report):
+    """Species whose lines or bands explain light that the model leaves, and how to keep each."""
+    rows = []
+    for line in report["discrepancy"]["lines"]:
+        effect = line["effect"]
+        share = " ± ".join(number(effect[key], 2) for key in ("amplitude", "uncertainty"))
+        places = ", ".join(number(place * 1e9, 5) for place in line["lines"])
+        rivals = ", ".join(line["rivals"]) or DASH
+        rows.append((line["species"], probability(line["probability"]), places, rivals, share, effect["id"]))
+    heads = (
+        "species",
+        "#probability",
+        "strongest lines [nm, air]",
+        "or else",
+        "#tenths of O I 777",
+        "effect",
+    )
+    return table(heads, rows)
+
+
 def component_words(report, entry):
     """How much a leading pattern of the residuals stands out, and what it resembles."""
     known = names(report)
