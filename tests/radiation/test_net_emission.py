@@ -47,7 +47,7 @@ def test_all_wavelengths_radiate_much_more_than_the_red_alone(table, molecular_b
 
 
 def test_thin_air_radiates_as_published(published):
-    """Naghizadeh-Kashani et al. (2002), 1 atm, R = 0, read off their figure; the literature spreads by two.
+    """Naghizadeh-Kashani et al. (2002), 1 atm, R = 0, read off their figure to 12 %.
 
     Below 7000 K molecules radiate beyond 650-1250 nm, which we leave out.
     """
