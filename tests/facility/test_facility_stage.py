@@ -170,4 +170,9 @@ def test_what_mixing_would_explain_is_what_the_jets_of_the_table_need():
 def test_the_page_has_a_row_for_each_pair_and_probe():
     page = as_markdown(judged())
     assert page.count("| Num-2 |") == page.count("| ZU1 |") == 2
+    assert (
+        page.count("* **Num-2**: recombination alone with a Pitot nose of 25 mm under the rates 'kossyi'")
+        == 1
+    )
+    assert "A measured temperature decides: " in page
     assert "explains: some admissible recombination" in page

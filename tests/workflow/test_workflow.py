@@ -72,6 +72,12 @@ def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
     alone = snakemake(project, "--dry-run", "results/radiation_variations/nitrogen_70kW.nc")
     assert "results/flow/start/N2.nc" in alone.stdout
     assert not re.findall(r"air11|start/reference|/70kW", alone.stdout)
+    shutil.copy(project / "config/more/nitrogen_test.yaml", project / "config/tests")
+    chain = planned(snakemake(project, "--dry-run", "results/diagnosis/nitrogen_test/index.html"))
+    needed = {"flow", "radiance", "twin_test", "findings", "joint_estimate", "diagnosis"}
+    assert (
+        needed <= set(chain) and chain["gas_table"] == chain["flow_start"] == 2
+    )  # air for the published test
 
 
 def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):

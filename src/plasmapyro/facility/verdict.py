@@ -148,7 +148,34 @@ def as_markdown(found):
                     f"{_words(found.mixed_temperature.values[at], '.0f', ' K')} | "
                     f"{WORDS[int(found.pair_verdict.values[at])]} |"
                 )
+    lines += ["", *(_summary(found.sel(pair=name)) for name in found.pair.values)]
     return "\n".join(lines) + "\n"
+
+
+def _summary(one):
+    """What can explain one pair, how much of it, and what would decide, in one line."""
+    able = [
+        f"a Pitot nose of {1e3 * size:g} mm under the rates '{kind}'"
+        for r, kind in enumerate(one.rates.values)
+        for k, size in enumerate(one.pitot_radius.values)
+        if one.pair_verdict.values[r, k] == 1
+    ]
+    words = "recombination alone with " + ", ".join(able) if able else "no admissible recombination alone"
+    line = f"* **{one.pair.item()}**: {words}"
+    mixing, mixed = (_ends(one[name].values) for name in ("needed_mixing", "mixed_temperature"))
+    if not np.isfinite(mixing[0]):
+        return line + "; no mixing of the table either."
+    plain = _words(_ends(one.matching_temperature.values), ".0f", " K")
+    return (
+        f"{line}; mixing of {_words(mixing, '.3f')} of the torch radius. A measured temperature decides:"
+        f" {_words(mixed, '.0f', ' K')} with mixing, {plain} in these flows."
+    )
+
+
+def _ends(values):
+    """Least and largest of what is known, or NaN."""
+    known = values[np.isfinite(values)]
+    return (known.min(), known.max()) if known.size else (np.nan, np.nan)
 
 
 def _word(value, form, unit=""):
