@@ -37,6 +37,7 @@ FILES = {  # contract -> where a run leaves it; "" for files that only commands 
     "spectrometer_correction": "results/experiment/{test}/spectrometer_correction.nc",
     "joint_estimate": "results/experiment/{test}/joint_estimate.nc",
     "temperature": "results/experiment/{test}/temperature.nc",
+    "truth": "results/twin/{test}/truth.nc",
     "emissivity_estimate": "",
     "correction": "",
     "simulations": "",

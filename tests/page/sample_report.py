@@ -1,7 +1,11 @@
 """A small diagnosis as its files hold it, for the tests of the page: invented numbers, no computation."""
 
+import json
+
 import numpy as np
 import xarray as xr
+
+from plasmapyro.record import budget, recommended, status
 
 TIME = np.array([-10.0, 2.0, 20.0, 100.0, 200.0, 310.0])
 WAVELENGTH = np.linspace(760e-9, 1020e-9, 8)
@@ -108,6 +112,7 @@ def report(**changes):
             "set": [["winE", "other"]],
             "class": ["windows"],
             "probability": {"winE": 0.91, "other": 0.07, "unknown": 0.02, "none": 0.0},
+            "joint_probability": 0.91,
             "uncalibrated": 0.97,
             "p_base": 1e-5,
             "unknown": {"instrument": "spectrometer", "axis": "wavelength"},
@@ -308,10 +313,25 @@ def residual_map(models=("base", "extended"), instruments=("pyrometer", "spectro
 
 
 def temperature():
-    """Temperatures by three methods; nothing before injection."""
+    """Temperatures by three methods, of which the extended one is recommended; nothing before injection."""
     base = np.where(TIME < 0, np.nan, 1000.0 + TIME)
     variables = {"paper_temperature": ("time_bin", base + 5.0)}
     for name, offset in (("base", 0.0), ("extended", -4.0)):
         for suffix, shift in (("", 0.0), ("_low", -3.0), ("_high", 3.0)):
             variables[f"{name}_temperature{suffix}"] = ("time_bin", base + offset + shift)
-    return xr.Dataset(variables, {"time_bin": TIME})
+    blank = np.where(TIME < 0, np.nan, 1.0)
+    inputs = [
+        budget.Input("temperature of the source", "calibration", 1.2 * blank, 3.0, "K", "rectangular"),
+        budget.Input("noise of the samples", "noise", 0.9 * blank, freedom=8.0),
+    ]
+    state = np.where(TIME < 0, status.NOT_INJECTED, np.where(TIME < 10, status.GAS_DOMINATED, status.VALID))
+    series = recommended.series(TIME, base - 4.0, state, inputs, axis="time_bin")
+    choice = recommended.Choice("extended", "Recommended: the diagnosis, because data confirm it.")
+    return series.assign(variables).assign_attrs(recommended.attributes(choice))
+
+
+def truth():
+    """What was hidden in the data of these numbers: a cause that was found and one that was not."""
+    hidden = [{"effect": "winE", "amplitude": 0.045}, {"effect": "drift", "amplitude": 0.2}]
+    true = np.where(TIME < 0, 350.0, 997.0 + TIME)
+    return xr.Dataset({"surface_temperature": ("time", true)}, {"time": TIME}, {"hidden": json.dumps(hidden)})

@@ -4,6 +4,7 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from reader import Reader
 
@@ -12,7 +13,7 @@ from plasmapyro.page.correction import write_page
 from plasmapyro.plots.colours import STATUS
 from plasmapyro.plots.one_test import statuses
 from plasmapyro.readers.stage import read_test
-from plasmapyro.record.status import MEANINGS, REASONS
+from plasmapyro.record.status import EXTRAPOLATED, MEANINGS, REASONS, VALID
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 
@@ -58,13 +59,13 @@ def test_every_status_has_a_colour_and_a_reason():
 def test_the_page_counts_what_the_file_holds(shelf, page, contract):
     said = Reader((shelf / page).read_text(encoding="utf-8")).words
     result = io.read(shelf / ("t.nc" if contract == "correction" else "j.nc"), contract)
-    name, state = (
-        ("corrected_temperature", "corrected_status")
-        if contract == "correction"
-        else ("surface_temperature", "estimate_status")
-    )
-    assert f"{int(result[name].notnull().sum())} of {result.sizes['time']}" in said
-    assert f"{float(result[name].max()):.0f} ± " in said
+    name, state = "recommended_temperature", "recommended_status"
+    good = np.isin(result[state].values, (VALID, EXTRAPOLATED))  # as the command counts
+    assert f"{int(good.sum())} of {result.sizes['time']} samples with a temperature to take away" in said
+    first = int(np.flatnonzero(good)[0])
+    assert f"{float(result[name][first]):.0f} ± " in said
+    assert f"first, at {float(result.time[first]):.4g} s" in said
+    assert result.attrs["recommended_because"] in said and result.attrs["recommended"] == "joint"
     for code, word in statuses(result[state]).items():
         count = int((result[state] == code).sum())
         assert (f"{word.replace('_', ' ')} {count} " in said) == (count > 0), word
@@ -73,7 +74,7 @@ def test_the_page_counts_what_the_file_holds(shelf, page, contract):
 
 
 def test_the_page_loads_nothing_and_each_figure_speaks(shelf):
-    for name, count in (("t.html", 3), ("joint.html", 2)):
+    for name, count in (("t.html", 4), ("joint.html", 3)):
         page = (shelf / name).read_text(encoding="utf-8")
         reader = Reader(page)
         assert not {"script", "link", "iframe", "object"} & set(reader.tags)
@@ -87,7 +88,8 @@ def test_contradictions_come_first_and_foreign_words_are_no_markup(shelf):
     found = {"rule": "stuck", "severity": "doubt", "where": "/home/anna/run7", "saw": evil, "remedy": "look"}
     page = write_page(read_test(shelf / "my_test"), result, [found])
     assert "<script" not in page and "anna" not in page
-    assert page.index("[stuck]") < page.index("samples with a temperature") < page.index("<figure")
+    places = [page.index(words) for words in ("[stuck]", "temperature to take away", "samples with a")]
+    assert places == sorted(places)
     assert "Findings in the data" not in write_page(read_test(shelf / "my_test"), result, [])
 
 

@@ -6,9 +6,10 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from reader import Reader
-from sample_report import candidate, report, residual_map, temperature
+from sample_report import candidate, report, residual_map, temperature, truth
 
 from plasmapyro.page.stage import write_page
 from plasmapyro.page.words import kelvin, number, probability, with_error, without_folders
@@ -88,9 +89,10 @@ def test_of_several_named_causes_only_the_first_answer_has_a_probability():
         "status": "named",
         "named": ["winE", "drift"],
         "probability": {"winE": 0.95},
+        "joint_probability": 0.88,
     }
     words = Reader(write_page(report(candidates=both, verdict=verdict), residual_map(), temperature())).words
-    assert "2 causes are named" in words and "probability of the first answer: cause winE" in words
+    assert "2 causes are named" in words and "0.88 probability that all named causes are right" in words
     ranking = words[words.index("★ marks what is named") :]
     first, second = ranking.index("cause winE ★"), ranking.index("cause drift ★")
     assert "0.95" in ranking[first:second] and "beside it" in ranking[second : second + 200]
@@ -107,6 +109,7 @@ def test_what_remains_invisible_is_said_in_kelvin(page):
     words = Reader(page).words
     assert "sensitivity ratio 75 K 45 K" in words and "repeat the calibration" in words
     assert "possible and invisible: sensitivity ratio" in words
+    assert "it would show an error of 45 K of the paper's correction" in words
 
 
 def test_what_would_decide_is_said(page):
@@ -139,9 +142,49 @@ def test_misfit_of_a_phase_is_shown_by_number_and_shade(page):
 
 def test_gain_is_shown_and_nothing_asked_that_the_program_refuses(page):
     words = Reader(page).words
-    assert "log score of held-out blocks 214 ± 31" in words and "1 of 2" in words
+    assert "foretold better by 6.9 standard errors" in words and "1 of 2" in words
+    assert "214" not in words  # the logarithm of a probability of thousands of values tells nobody anything
     assert "configuration" not in words
     assert "The extended temperature is used" in words
+
+
+def test_the_temperature_to_take_away_stands_below_the_verdict_with_its_reason_and_budget(page):
+    words = Reader(page).words
+    assert words.index("Recommended: the diagnosis, because data confirm it.") < words.index("Why")
+    assert "1016 ± 2.9 K first, at 20 s (95 %)" in words  # the one at 2 s is dominated by the gas
+    assert "4 of 6 samples with a temperature to take away" in words
+    small = words[words.index("Standard uncertainties in kelvin") :]
+    assert "310 s 1306 K 0.9 K 1.2 K 1.5 K ± 2.9 K" in small
+    # Welch-Satterthwaite: 1.5^4 / (0.9^4 / 8) = 61.7
+    assert "temperature of the source calibration 3 K 0.4 K/K rectangular ∞" in small
+    assert "root of the summed squares 62" in small
+
+
+def test_synthetic_data_show_what_was_hidden_and_what_was_found():
+    words = Reader(write_page(report(), residual_map(), temperature(), truth())).words
+    assert "cause winE 0.045 0.0412 ± 0.0031 found, 1.2 standard errors off" in words
+    assert "drift 0.2 – not named" in words
+    # base + 5, base and base - 4 against base - 3: 8, 3 and 1 K
+    for row in ("the paper's correction 8 K 8 K", "base model 3 K 3 K", "to take away 1 K 1 K"):
+        assert row in words
+    assert "interval of 100 % of the samples" in words
+    assert "hidden" not in Reader(write_page(report(), residual_map(), temperature())).words.split("Why")[0]
+
+
+def test_no_status_contradicts_what_stands_above_it():
+    said = {"rule": "stuck", "severity": "contradiction", "where": "test", "remedy": "look", "saw": "it is"}
+    verdict = report()["verdict"] | {"status": "null", "named": [], "set": [], "probability": {"none": 0.9}}
+    nothing = temperature()
+    nothing["recommended_temperature"] = np.nan * nothing.recommended_temperature
+    nothing = nothing.assign_attrs(recommended="none", recommended_because="No temperature: x.")
+    page = write_page(report(verdict=verdict, findings=[said]), residual_map(), nothing)
+    words = Reader(page).words
+    assert "nothing wrong was found, but the data contradict themselves" in words
+    assert 'class="verdict fine"' not in page and "Before anything else: look." in words
+    assert "0 of 6 samples with a temperature to take away" in words
+    unknown = verdict | {"status": "unknown", "probability": {"none": 0.6}}
+    words = Reader(write_page(report(verdict=unknown), residual_map(), temperature())).words
+    assert "nothing is wrong" not in words and "probability: no cause is needed" not in words
 
 
 def test_refused_extension_keeps_the_base_temperature():

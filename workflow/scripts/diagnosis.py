@@ -22,9 +22,5 @@ result = command.diagnose_test(
     others=list(paths.others),
     findings=json.loads(io.read_text(paths.findings)),
 )
-command.write_all(
-    result,
-    Path(snakemake.output.report).parent,
-    sources=paths,
-    page=command.page_writer(),
-)
+folder, truth = Path(snakemake.output.report).parent, command.truth_of(paths.test)
+command.write_all(result, folder, sources=paths, page=command.page_writer(), truth=truth)

@@ -1,4 +1,4 @@
-"""Rule twin_test: a synthetic test, and its sealed truth that no other rule reads."""
+"""Rule twin_test: a synthetic test, and its sealed truth, which only the page of a diagnosis shows."""
 
 import sys
 from functools import partial

@@ -282,7 +282,7 @@ def with_recommended(parts, entries, missing):
     """Results of the estimators as one, with the temperature to take away in place of their own budgets."""
     series = of_correction(parts, entries, missing)
     parts = [part.drop_dims("input_quantity", errors="ignore") for part in parts]
-    return merged([*parts, series.drop_attrs()]).assign_attrs(series.attrs)
+    return merged([*parts, series])
 
 
 def widen(result, name, change):

@@ -107,7 +107,8 @@ def run(options):
     require_folder(out, diagnosis.NAMES, read)
     result, sources = diagnosed(options)
     progress.say(f"writing {out}")
-    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer())
+    truth = diagnosis.truth_of(sources[0]) if sources else None
+    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer(), truth=truth)
     said = result.report["verdict"]["sentences"][0], result.temperature.attrs["recommended_because"]
     sys.stdout.write("\n".join([*said, *_following(result.report["next"])]) + "\n")
     progress.say("done")

@@ -382,6 +382,7 @@ DATASETS = {
         "signal_residual?": ("model", "band", "time_bin"),
     },
     "temperature": {"time": ("time",), **_recommended("time")},
+    "truth": {"time": ("time",), "surface_temperature": ("time",)},
     "diagnosis_temperature": {
         "time_bin": ("time_bin",),
         **_recommended("time_bin"),

@@ -282,7 +282,16 @@ def check(report):
     return report
 
 
-def write_all(result, folder, *, sources=(), page=None):
+def truth_of(test):
+    """What was hidden in a synthetic test (Dataset), if the file truth.nc lies beside it; else None.
+
+    For the page alone, which shows it beside what was found without it.
+    """
+    path = Path(test).with_name("truth.nc")
+    return io.read(path, "truth") if path.exists() else None
+
+
+def write_all(result, folder, *, sources=(), page=None, truth=None):
     """Write the files of a diagnosis into a folder, all or none of them.
 
     Parameters
@@ -290,8 +299,10 @@ def write_all(result, folder, *, sources=(), page=None):
     result : stage.Diagnosis
     folder : path
     sources : paths of the inputs, whose digests go into the netCDF files
-    page : function (report, residual_map, temperature) -> str, optional
+    page : function (report, residual_map, temperature, truth) -> str, optional
         Makes `index.html`.
+    truth : Dataset, optional
+        Of a synthetic test, for the page.
     """
     report = check(result.report)
 
@@ -301,7 +312,7 @@ def write_all(result, folder, *, sources=(), page=None):
         io.write(result.residual_map, made / "residual_map.nc", "residual_map", sources=sources)
         io.write(result.temperature, made / "temperature.nc", "diagnosis_temperature", sources=sources)
         if page is not None:
-            io.write_text(page(report, result.residual_map, result.temperature), made / "index.html")
+            io.write_text(page(report, result.residual_map, result.temperature, truth), made / "index.html")
 
     io.store_folder(folder, write)
 

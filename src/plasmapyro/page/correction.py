@@ -5,10 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from plasmapyro.page import recommended
 from plasmapyro.page.shell import SIZE, drawn, rendered, spoken
 from plasmapyro.page.tables import table
 from plasmapyro.page.words import DASH, number, without_folders
 from plasmapyro.plots.one_test import TEMPERATURES, given, panels, statuses
+from plasmapyro.record.recommended import SERIES
 from plasmapyro.record.status import REASONS, WITH_VALUE
 
 FIGURES = {  # name: title, caption, words for those who do not see it
@@ -33,6 +35,7 @@ FIGURES = {  # name: title, caption, words for those who do not see it
         "Spectral radiance of the gas and of the surface with fitted Planck curves",
     ),
 }
+JOINT = "surface_temperature"  # a line, the others are points
 TALLER = {"temperatures": 4.2}  # [inch], for the legend below
 
 
@@ -56,6 +59,8 @@ def write_page(test, result, findings):
     pictures = panels(test, result)
 
     def draw(name, alternative, data=None):
+        if name == "taken":
+            return spoken(recommended.figure(result, _others(result)), alternative)
         size = (SIZE[0], TALLER.get(name, SIZE[1]))
         svg = drawn(partial(pictures[name], test=test, result=result), name, size)
         return spoken(svg, alternative)
@@ -68,6 +73,8 @@ def write_page(test, result, findings):
         attributes=words,
         findings=words["findings"],
         key_numbers=key_numbers(result),
+        result=result,
+        recommended=recommended,
         refused=refused(result),
         figures={name: FIGURES[name] for name in pictures},
         settings=table(
@@ -86,23 +93,31 @@ def _settings(attributes):
     return sorted(json.loads(attributes["configuration"]).get("correct", {}).items())
 
 
-def _good(result, name):
-    return np.flatnonzero(np.isfinite(result[name].values))
+def _others(result):
+    """The estimates beside the recommended one, as `recommended.figure` takes them."""
+    best, _ = SERIES.get(result.attrs["recommended"], (None, None))
+    same = {best, "spectrometer_temperature" if best == "scaled_temperature" else best}
+    rows = [
+        (words, result[axis].values, result[name].values, "." if name != JOINT else None, colour)
+        for name, (axis, _, colour, words) in TEMPERATURES.items()
+        if name in result and name not in same
+    ]
+    return [row for row in rows if np.isfinite(row[2]).any()]
 
 
 def key_numbers(result):
-    """Pairs of a value and what it is: first and highest temperature of each kind, and the share with one."""
-    boxes = []
-    for name in given(result):
-        axis, _, _, words = TEMPERATURES[name]
-        good, time = _good(result, name), result[axis].values
+    """Pairs of a value and what it is: of the temperature to take away, then of each other estimate."""
+    boxes = recommended.key_numbers(result)
+    best, _ = SERIES.get(result.attrs["recommended"], (None, None))
+    for name in (one for one in given(result) if one != best):
+        axis, state, _, words = TEMPERATURES[name]
+        time, values = result[axis].values, result[name].values
+        good = np.flatnonzero(recommended.counted(result[state].values) & np.isfinite(values))
         boxes.append((f"{good.size} of {time.size}", f"samples with a temperature: {words}"))
         if good.size:
-            for place, what in ((good[0], "first"), (good[np.argmax(result[name].values[good])], "highest")):
-                value, spread = (float(result[key].values[place]) for key in (name, f"{name}_uncertainty"))
-                boxes.append(
-                    (f"{value:.0f} ± {2 * spread:.0f} K", f"{what}, at {time[place]:.4g} s: {words}")
-                )
+            place = good[np.argmax(values[good])]
+            half = 2 * float(result[f"{name}_uncertainty"].values[place])
+            boxes.append((f"{values[place]:.0f} ± {half:.0f} K", f"highest, at {time[place]:.4g} s: {words}"))
     return boxes
 
 

@@ -7,7 +7,9 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import NullFormatter
 
-from plasmapyro.page.shell import drawn
+from plasmapyro.page import recommended
+from plasmapyro.page.shell import SIZE, drawn
+from plasmapyro.page.tables import names
 from plasmapyro.plots.colours import BASE, EXTENDED, NARROW, PAPER, PHASES, SPECTRUM, WIDE
 
 RESIDUAL_LIMIT = 4.0
@@ -63,54 +65,18 @@ def signals(report):
 
 
 def temperature(report, dataset):
-    """Temperature by the paper's method, the base model and the extended model."""
-    time = dataset["time_bin"].values
-
-    def draw(axes):
-        _shade(axes, report["dataset"]["phases"])
-        for name, colour, label in (("base", BASE, "base model"), ("extended", EXTENDED, "extended model")):
-            if name == "extended" and not _applied(report):
-                continue
-            low, high = (dataset[f"{name}_temperature_{end}"].values for end in ("low", "high"))
-            axes.fill_between(time, low, high, color=colour, alpha=0.25, lw=0)
-            axes.plot(time, dataset[f"{name}_temperature"].values, color=colour, label=f"{label}, 95 %")
-        axes.plot(
-            time, dataset["paper_temperature"].values, ".", ms=2.5, color=PAPER, label="paper's correction"
-        )
-        axes.set(xlabel="time [s]", ylabel="surface temperature [K]", xlim=(min(time), max(time)))
-        axes.legend(loc="lower center")
-
-    return drawn(draw, "temperature")
-
-
-def temperature_difference(report, dataset):
-    """Differences from the base model's temperature, where kelvin can be read."""
-    time, base = dataset["time_bin"].values, dataset["base_temperature"].values
-
-    def draw(axes):
-        _shade(axes, report["dataset"]["phases"])
-        low, high = (dataset[f"base_temperature_{end}"].values - base for end in ("low", "high"))
-        axes.fill_between(time, low, high, color=BASE, alpha=0.25, lw=0, label="base model, 95 %")
-        axes.axhline(0, color=BASE, lw=1)
-        if _applied(report):
-            axes.plot(
-                time, dataset["extended_temperature"].values - base, color=EXTENDED, label="extended model"
-            )
-        difference = dataset["paper_temperature"].values - base
-        axes.plot(time, difference, ".", ms=2.5, color=PAPER, label="paper's correction")
-        shown = [difference, dataset["extended_temperature"].values - base]
-        finite = np.abs(np.concatenate([one[np.isfinite(one)] for one in shown]))
-        if finite.size:
-            limit = max(1.5 * np.quantile(finite, 0.9), 5.0)
-            axes.set_ylim(-limit, limit)
-        axes.set(xlabel="time [s]", ylabel="T − T of base model [K]", xlim=(min(time), max(time)))
-        axes.legend(loc="lower center", ncols=2)
-
-    return drawn(draw, "temperature-difference")
-
-
-def _applied(report):
-    return bool(report["extended"] and report["extended"]["applied"])
+    """Temperature to take away with its interval, that of the paper and of the base model; differences."""
+    time, best = dataset["time_bin"].values, dataset.attrs.get("recommended")
+    rows = {
+        "subtraction": ("before: the paper's correction", "paper", ".", PAPER),
+        "base": ("base model", "base", None, BASE),
+    }
+    others = [
+        (words, time, dataset[f"{kind}_temperature"].values, marker, colour)
+        for name, (words, kind, marker, colour) in rows.items()
+        if name != best and np.isfinite(dataset[f"{kind}_temperature"]).any()
+    ]
+    return recommended.figure(dataset, others)
 
 
 def residual_maps(report, dataset):
@@ -141,7 +107,7 @@ def residual_maps(report, dataset):
         figure = image.figure
         figure.colorbar(image, ax=axes, label="(measured − model) / standard deviation", extend="both")
 
-    return drawn(draw, "residual-map", (4.6, 2.9 * len(models)), nrows=len(models), sharex=True)
+    return drawn(draw, "residual-map", (SIZE[0], 2.9 * len(models)), nrows=len(models), sharex=True)
 
 
 def signal_residuals(report, dataset):
@@ -161,7 +127,7 @@ def signal_residuals(report, dataset):
         axes[0].legend(ncols=2, loc="upper left")
         axes[1].set_xlabel("time [s]")
 
-    return drawn(draw, "signal-residuals", (4.6, 3.6), nrows=2, sharex=True)
+    return drawn(draw, "signal-residuals", (SIZE[0], 3.6), nrows=2, sharex=True)
 
 
 def step(report):
@@ -277,7 +243,7 @@ def line_hump(report):
         axes.set(xlabel="smooth light, over simulation", ylabel="O I 777 nm line, over simulation")
         axes.legend(fontsize=8, markerscale=0.8)
 
-    return drawn(draw, "line-hump", (4.6, 3.8))
+    return drawn(draw, "line-hump", (SIZE[0], 3.8))
 
 
 def impact(report, most=14):
@@ -304,20 +270,19 @@ def impact(report, most=14):
         axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2, fontsize=8)
         axes.grid(visible=False, axis="y")
 
-    return drawn(draw, "impact", (4.6, 1.3 + 0.32 * max(len(rows), 3)))
+    return drawn(draw, "impact", (SIZE[0], 1.3 + 0.32 * max(len(rows), 3)))
 
 
 def evidence(report, most=8):
     """Probability of each answer."""
     probability = report["verdict"]["probability"]
-    names = {row["id"]: row["name"] for row in report["candidates"]}
-    names |= {"none": "nothing is wrong", "unknown": "something unknown"}
+    known = names(report)
     rows = sorted(probability.items(), key=lambda pair: -pair[1])[:most][::-1]
 
     def draw(axes):
         place = np.arange(len(rows))
         axes.barh(place, [max(value, 1e-6) for _, value in rows], color="#6b8fb8")
-        axes.set_yticks(place, [names.get(key, key) for key, _ in rows], fontsize=8)
+        axes.set_yticks(place, [textwrap.fill(known.get(key, key), 28) for key, _ in rows], fontsize=8)
         axes.set_xscale("log")
         axes.set_xlim(1e-6, 1.5)
         axes.set_xlabel("probability, given these data")
@@ -332,7 +297,7 @@ def evidence(report, most=8):
             )
         axes.grid(visible=False, axis="y")
 
-    return drawn(draw, "evidence", (4.6, 1.1 + 0.3 * max(len(rows), 3)))
+    return drawn(draw, "evidence", (SIZE[0], 1.1 + 0.3 * max(len(rows), 3)))
 
 
 def component(report, index):
@@ -340,21 +305,25 @@ def component(report, index):
     entry = report["show"]["components"][index]
 
     def draw(axes):
-        axes[0].plot(_array(entry["time"]), _array(entry["time_weight"]), color=SPECTRUM)
-        axes[0].set(xlabel="time [s]", ylabel="weight")
-        axis = _array(entry["axis"])
+        axis, profile = _array(entry["axis"]), _array(entry["axis_weight"])
+        largest = profile[np.nanargmax(np.abs(profile))]
+        history = entry["singular_value"] * largest * _array(entry["time_weight"])
+        axes[0].plot(_array(entry["time"]), history, color=SPECTRUM)
+        axes[0].set(xlabel="time [s]", ylabel="largest channel [sd]")
         spectral = axis.size > 2
         axes[1].plot(
             axis / NANOMETRE if spectral else axis,
-            _array(entry["axis_weight"]),
+            profile / largest,
             "-" if spectral else "o",
             color=SPECTRUM,
         )
-        axes[1].set(xlabel="wavelength [nm]" if spectral else "band", ylabel="weight")
+        if not spectral:
+            axes[1].set_xticks(axis, ("wide", "narrow")[: axis.size])
+        axes[1].set(xlabel="wavelength [nm]" if spectral else "band", ylabel="over the largest [1]")
         for one in axes:
             one.axhline(0, color="k", lw=0.6)
 
-    return drawn(draw, f"component-{index}", (4.6, 3.8), nrows=2)
+    return drawn(draw, f"component-{index}", (SIZE[0], 3.8), nrows=2)
 
 
 def whiteness(report):
@@ -384,7 +353,7 @@ def whiteness(report):
         axes[1].plot(reach, reach, "k-", lw=0.7)
         axes[1].set(xlabel="normal quantile", ylabel="residual quantile")
 
-    return drawn(draw, "whiteness", (4.6, 2.7), ncols=2)
+    return drawn(draw, "whiteness", (SIZE[0], 2.7), ncols=2)
 
 
 def gas_monitor(report):
@@ -420,18 +389,19 @@ def gas_monitor(report):
 
 def angles(report):
     """How alike the candidates look in these data."""
-    table = report["show"]["angles"]
+    table, known = report["show"]["angles"], names(report)
+    words = [textwrap.shorten(known.get(one, one), 30, placeholder=" …") for one in table["ids"]]
     degrees = _array([value for row in table["degrees"] for value in row]).reshape(len(table["ids"]), -1)
 
     def draw(axes):
         image = axes.imshow(np.maximum(degrees, 1.0), cmap="magma", norm=LogNorm(1, 90))
-        axes.set_xticks(range(len(table["ids"])), table["ids"], rotation=90, fontsize=8)
-        axes.set_yticks(range(len(table["ids"])), table["ids"], fontsize=8)
+        axes.set_xticks(range(len(table["ids"])), words, rotation=90, fontsize=8)
+        axes.set_yticks(range(len(table["ids"])), words, fontsize=8)
         axes.grid(visible=False)
         bar = image.figure.colorbar(image, ax=axes, label="angle [degrees]", ticks=[1, 5, 15, 45, 90])
         bar.ax.set_yticklabels(["1", "5", "15", "45", "90"])
 
-    return drawn(draw, "angles", (4.6, 4.4))
+    return drawn(draw, "angles", (SIZE[0], 4.4))
 
 
 def systems(report):
@@ -469,7 +439,7 @@ def systems(report):
         axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=1, fontsize=8)
         axes.grid(visible=False, axis="y")
 
-    return drawn(draw, "systems", (4.6, 1.6 + 0.24 * max(len(rows), 3)))
+    return drawn(draw, "systems", (SIZE[0], 1.6 + 0.24 * max(len(rows), 3)))
 
 
 def finite(value):

@@ -1,6 +1,6 @@
 """From the files of a diagnosis to its page."""
 
-from plasmapyro.page import figures, tables
+from plasmapyro.page import figures, recommended, tables
 from plasmapyro.page.shell import rendered, spoken
 from plasmapyro.page.words import for_figures, without_folders
 
@@ -15,7 +15,7 @@ STATUS = {  # status: (words, colour of the verdict's edge)
 }
 
 
-def write_page(diagnosis, residual_map, temperature):
+def write_page(diagnosis, residual_map, temperature, truth=None):
     """The page of a diagnosis: one HTML text that needs nothing else, verdict first.
 
     Parameters
@@ -25,6 +25,8 @@ def write_page(diagnosis, residual_map, temperature):
     residual_map : Dataset, contract 'residual_map'
         Variables of an absent instrument may be absent.
     temperature : Dataset, contract 'diagnosis_temperature'
+    truth : Dataset, optional
+        Of a synthetic test: attribute `hidden`, and `surface_temperature` over `time`.
 
     Returns
     -------
@@ -49,7 +51,9 @@ def write_page(diagnosis, residual_map, temperature):
         return spoken(svg, alternative)
 
     status, edge = STATUS.get(report["verdict"]["status"], (report["verdict"]["status"], "open"))
-    count = len(report["verdict"]["named"])
+    if any(one["severity"] == "contradiction" for one in report["findings"]):
+        status, edge = f"{status}, but the data contradict themselves", "open"
+    count, sentences = len(report["verdict"]["named"]), report["verdict"]["sentences"]
     return rendered(
         "diagnosis.html",
         title=report["dataset"]["title"],
@@ -58,6 +62,10 @@ def write_page(diagnosis, residual_map, temperature):
         report=report,
         residual_map=residual_map,
         temperature=temperature,
+        recommended=recommended,
+        because=without_folders(temperature.attrs.get("recommended_because", "")),
+        reasons=sentences[1:],
+        truth=truth,
         tables=tables,
         draw=draw,
         status=status.format(causes=f"{count} causes are" if count > 1 else "a cause is"),

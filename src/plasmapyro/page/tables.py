@@ -1,6 +1,9 @@
 """Tables and key numbers of a diagnosis as heads and rows; the template makes HTML of them."""
 
+import json
 from typing import NamedTuple
+
+import numpy as np
 
 from plasmapyro.page.words import (
     DASH,
@@ -11,6 +14,7 @@ from plasmapyro.page.words import (
     with_unit,
 )
 from plasmapyro.plots.colours import MISFIT
+from plasmapyro.record.status import EXTRAPOLATED, VALID
 
 CHANNELS = {
     "wide": "wide band",
@@ -20,6 +24,9 @@ CHANNELS = {
     "red": "red end",
 }
 SHADES = tuple(zip((1e-4, 1e-3, 0.01, 0.05, 2.0), MISFIT, strict=True))  # of probabilities below
+LEAST_COST = 0.5  # [K] below which nothing is asked for
+SWITCH = 5.0  # [s] about the end of the plasma
+DECIDED = 3.0  # of a log score: odds of 20
 FURTHER = 0.01  # probability as the first answer below which a named cause explains what others leave
 
 
@@ -48,7 +55,7 @@ def names(report):
     """Readable name of each id the report uses."""
     known = {row["id"]: row["name"] for row in (*report["limits"], *report["candidates"])}
     return known | {
-        "none": "nothing is wrong",
+        "none": "no cause is needed",
         "unknown": "something unknown",
         "path": "a longer path, or a mirror",
         "calibration": "the calibration of an instrument",
@@ -61,17 +68,23 @@ def named(report, ids):
     return ", ".join(known.get(identity, identity) for identity in ids)
 
 
+OWN = {"null": "none", "unknown": "unknown"}  # answer of a verdict without names
+
+
 def key_numbers(report):
-    """Pairs of a value and what it is, for the boxes beside the verdict."""
+    """Pairs of a value and what it is, for the boxes below the verdict."""
     verdict, base, extended = report["verdict"], report["base"], report["extended"]
-    boxes = []
-    if verdict["probability"]:
-        answer, share = max(verdict["probability"].items(), key=lambda pair: pair[1])
-        first = "probability of the first answer" if len(verdict["named"]) > 1 else "probability"
-        boxes.append((probability(share), f"{first}: {named(report, [answer])}"))
-    causes = "causes" if len(verdict["named"]) > 1 else "cause"
+    boxes, several = [], len(verdict["named"]) > 1
+    own, joint = OWN.get(verdict["status"]), verdict.get("joint_probability")
+    if own in verdict["probability"]:
+        boxes.append((probability(verdict["probability"][own]), f"probability: {named(report, [own])}"))
+    elif joint is not None:
+        words = "all named causes are right" if several else "the named cause is right"
+        boxes.append((probability(joint), f"probability that {words}"))
+    if verdict["named"]:
+        shift, causes = kelvin(verdict["temperature_shift"]), "causes" if several else "cause"
+        boxes.append((shift, f"change of temperature by the named {causes}, at worst"))
     boxes += [
-        (kelvin(verdict["temperature_shift"]), f"change of temperature by the named {causes}, at worst"),
         (ratio(base) + (f" → {ratio(extended)}" if extended else ""), "χ² per degree of freedom"),
         (probability(verdict["p_base"]), "probability of such a misfit if nothing were wrong"),
     ]
@@ -79,8 +92,81 @@ def key_numbers(report):
     if hidden:
         worst = max(hidden, key=lambda row: abs(row["temperature_prior"]))
         size = kelvin(worst["temperature_prior"], signed=False)
-        boxes.append((size, f"possible and invisible: {worst['name']}"))
+        boxes.append((size, f"in the paper's correction, possible and invisible: {worst['name']}"))
     return boxes
+
+
+def next_steps(report):
+    """What to do next, most urgent first: sentences."""
+    verdict, applied = report["verdict"], report["extended"] and report["extended"]["applied"]
+    wrong = [one["remedy"] for one in report["findings"] if one["severity"] == "contradiction"]
+    steps = [f"Before anything else: {remedy}." for remedy in wrong]
+    steps += [
+        f"{_capital(row['measurement'])}: it decides between {named(report, row['decides'])}."
+        for row in verdict["missing_evidence"]
+    ]
+    if verdict["status"] in ("unknown", "named+unknown"):
+        steps.append("Look at what is left of signals and spectra: when it begins, in which instrument.")
+    if verdict["status"] == "not-adequate":
+        steps.append("See first whether condition, clock, emittance and calibration are those of this test.")
+    unseen = [row for row in report["limits"] if row["invisible"] and row["temperature_prior"] >= LEAST_COST]
+    for row in sorted(unseen, key=lambda row: -row["temperature_prior"])[:2]:
+        cost = kelvin(row["temperature_prior"], signed=False)
+        words = f"it would show an error of {cost} of the paper's correction that these data hide"
+        steps.append(f"{_capital(row['measurement'])}: {words} ({row['name']}).")
+    if applied:
+        steps.append("Take what was named into the next fit: terms.yaml with --with, or as its effects.")
+    return steps
+
+
+def _capital(words):
+    return words[:1].upper() + words[1:]
+
+
+def hidden(report, truth):
+    """Of a synthetic test: what was hidden, what was found."""
+    known, rows = names(report), []
+    entries = {row["id"]: row for row in report["candidates"]}
+    planted = json.loads(truth.attrs.get("hidden", "[]"))
+    for one in planted:
+        row = entries.get(one["effect"])
+        found = one["effect"] in report["verdict"]["named"] and row is not None
+        size = with_error(row["amplitude"], row["standard_error"], row["unit"]) if found else DASH
+        apart = abs(row["amplitude"] - one["amplitude"]) / row["standard_error"] if found else None
+        said = f"found, {apart:.1f} standard errors off" if found else "not named"
+        rows.append((known.get(one["effect"], one["effect"]), number(one["amplitude"]), size, said))
+    ids = {one["effect"] for one in planted}
+    for identity in report["verdict"]["named"]:
+        if identity not in ids:
+            row = entries[identity]
+            size = with_error(row["amplitude"], row["standard_error"], row["unit"])
+            rows.append((known.get(identity, identity), "nothing", size, "a false name"))
+    return table(("effect", "#hidden", "#found", ""), rows)
+
+
+def errors(truth, temperature):
+    """Of a synthetic test: root mean squares of the errors [K] of each temperature, where one is given."""
+    time = temperature["time_bin"].values
+    good = np.isin(temperature["recommended_status"].values, (VALID, EXTRAPOLATED))
+    true = np.interp(time, truth["time"].values, truth["surface_temperature"].values)
+    # A bin that holds a switch of the plasma has no one temperature to compare with.
+    off = truth.attrs.get("plasma_off_time", temperature.attrs.get("plasma_off_time"))
+    if off is not None:
+        good &= np.abs(time - float(off)) > SWITCH
+    rows = []
+    for name, words in (
+        ("paper", "the paper's correction"),
+        ("base", "base model"),
+        ("recommended", "to take away"),
+    ):
+        apart = (temperature[f"{name}_temperature"].values - true)[good]
+        apart = apart[np.isfinite(apart)]
+        if apart.size:
+            size = f"{np.sqrt(np.mean(apart**2)):.2g} K"
+            rows.append((words, size, f"{np.max(np.abs(apart)):.2g} K"))
+    low, high = temperature["recommended_temperature_interval"].values[:, good]
+    inside = np.mean((low <= true[good]) & (true[good] <= high)) if good.any() else np.nan
+    return table(("temperature", "#root mean square error", "#largest error"), rows), inside
 
 
 def candidates(report, most=15):
@@ -196,12 +282,19 @@ def gain(report):
     entry, extended = report["gain"], report["extended"]
     better = sum(block["difference"] > 0 for block in entry["blocks"])
     sigmas = (number(entry[f"temperature_sigma_{model}"], 2) for model in ("base", "extended"))
-    score = with_error(entry["heldout_log_score"], entry["heldout_standard_error"])
+    sure = entry["heldout_log_score"] / max(entry["heldout_standard_error"], 1e-9)
+    each = entry["heldout_log_score"] / max(report["base"]["dof"], 1)
     rows = [
-        ("log score of held-out blocks", score),
-        ("held-out blocks that improve", f"{better} of {len(entry['blocks'])}"),
-        ("log score of the other instrument", number(entry["cross_instrument"])),
-        ("log score of another power condition", number(entry["cross_condition"])),
+        (
+            "data left out of the fit",
+            f"foretold better by {sure:.1f} standard errors"
+            if sure > 0
+            else f"foretold worse by {-sure:.1f} standard errors",
+        ),
+        ("odds of each such value, with what was named over without", f"{np.exp(each):.3f}"),
+        ("blocks of time that are foretold better", f"{better} of {len(entry['blocks'])}"),
+        ("one instrument foretold by the other", _foretold(entry["cross_instrument"])),
+        ("tests at another condition", _foretold(entry["cross_condition"])),
         (
             "step at plasma-off over reference, before and after",
             f"{number(entry['kappa_before'])} and {number(entry['kappa_after'])}",
@@ -213,6 +306,13 @@ def gain(report):
     if extended:
         rows.append(("χ² per degree of freedom, after", ratio(extended)))
     return table(("measure", "#value"), rows, stacked=False)
+
+
+def _foretold(score):
+    """A log score in words."""
+    if score is None or not np.isfinite(score):
+        return DASH
+    return "better" if score > DECIDED else "worse" if score < -DECIDED else "no difference"
 
 
 class Cell(NamedTuple):

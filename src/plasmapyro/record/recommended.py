@@ -18,7 +18,7 @@ CONTRADICTIONS = (
 NORMAL_95 = 1.959964  # standard uncertainties of half a 95 % interval
 BEST_FIRST = ("extended", "base", "joint", "emissivity", "subtraction", "spectra")
 WORDS = {
-    "extended": "the diagnosis, with what it named",
+    "extended": "the diagnosis with the causes that it named",
     "base": "the base model of the diagnosis",
     "joint": "the joint estimate",
     "emissivity": "the estimate of temperature and emissivity from the spectra",
@@ -106,7 +106,7 @@ def _of_diagnosis(facts, given):
     if facts.verdict == "not-adequate":
         best, why = "subtraction", "the base model of the diagnosis does not follow the data"
     elif facts.applied:
-        best, why = "extended", "data that the fit has not seen confirm what was named"
+        best, why = "extended", "data that the fit has not seen confirm them"
     elif facts.strained and paper:
         best = "subtraction"
         why = (

@@ -36,7 +36,8 @@ def extension(findings):
         "chi2": float(final.chi2),
         "dof": float(final.count - findings.fitted - len(free)),
         "applied": findings.applied,
-        "why": f"held-out data {better}: log score {gained.total:+.1f} ± {gained.standard_error:.1f}",
+        "why": f"held-out data {better}: by {gained.total / max(gained.standard_error, 1e-9):.1f} standard"
+        " errors of their log score",
     }
 
 

@@ -1,7 +1,9 @@
 """The report of a diagnosis, by its schema."""
 
 import numpy as np
+from scipy.special import expit
 
+from plasmapyro.diagnosis.fit.inference import log_evidence
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
 from plasmapyro.diagnosis.report.extended import extension, worth
@@ -12,6 +14,7 @@ from plasmapyro.diagnosis.report.posterior import posterior
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
+from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.select.screen import columns_of_candidates
 
@@ -202,6 +205,7 @@ def _verdict(findings, entries, hidden, shift):
         "set": sets if named else [],
         "class": [setting.effect.klass for setting in settings],
         "probability": probability,
+        "joint_probability": _joint(findings),
         "uncalibrated": uncalibrated,
         "p_base": p_base,
         "unknown": findings.unknown,
@@ -219,6 +223,25 @@ def _verdict(findings, entries, hidden, shift):
         ),
         "missing_evidence": missing_evidence(findings),
     }
+
+
+def _joint(findings):
+    r"""Probability that all effects named in the test are right, None without any.
+
+    .. math:: p = p_1 \prod_{k>1} \min(p_k, p_1), \qquad
+              \ln\frac{p_k}{1-p_k} = \ln\frac{Z_k}{Z_{k-1}} + \ln\frac{\pi_k}{\pi_{none}}
+
+    with that of the first answer, p_1, as measured on simulated cases, and the evidence Z of each round; no
+    further name is called surer than the first.
+    """
+    settings, steps = findings.final.settings, findings.selection.steps
+    if not settings:
+        return None
+    first = max(findings.probability[0].get(setting.id, 0.0) for setting in settings)
+    share = prior_share(len(findings.effects)) - np.log(PRIOR_NONE)
+    evidence = [log_evidence(step.solution, findings.size) for step in steps if step.settings]
+    further = expit(np.diff(evidence) + share)
+    return float(first * np.prod(np.minimum(further, first)))
 
 
 def _name_of_unknown(findings):

@@ -44,9 +44,12 @@ def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, 
     lines += unsure
     if gained is not None:
         word = "better" if gained.improves else "not significantly better"
+        better = sum(change > 0 for *_, change in gained.blocks)
+        sigmas = gained.total / max(gained.standard_error, 1e-9)
         lines.append(
-            f"Held-out data are predicted {word} with it: the logarithm of their probability changes by"
-            f" {gained.total:+.0f} ± {gained.standard_error:.0f} (asked for: {SURE:.0f} standard errors)."
+            f"Data left out of the fit are foretold {word} with it: in {better} of {len(gained.blocks)}"
+            f" blocks of time, on the whole by {sigmas:.1f} standard errors"
+            f" ({SURE:.0f} are asked for)."
         )
     hidden = [row for row in limits if row["invisible"] and row["temperature_prior"] >= LEAST][:3]
     if hidden:

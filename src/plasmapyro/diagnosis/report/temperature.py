@@ -36,7 +36,11 @@ def temperatures(findings, against=()):
     paper = _paper(findings)
     choice = recommended.recommended(
         recommended.Facts(
-            ("extended", "base", *(["subtraction"] if np.isfinite(paper[0]).any() else [])),
+            (
+                *(["extended"] if findings.applied else []),
+                "base",
+                *(["subtraction"] if np.isfinite(paper[0]).any() else []),
+            ),
             tuple(against),
             verdict=findings.status,
             applied=findings.applied,
@@ -126,12 +130,13 @@ def _inputs(findings, solution, shift):
         group = "emittance" if one.id == "emittance" else "gas" if one.id in OF_GAS else "calibration"
         if size + place not in own:
             families.setdefault((one.name, group, one.unit), []).append((place, one.sigma))
+    across = _apart(model, [one - size for one in own]) @ known[size : size + len(model.parameters), :size]
+    across = (across @ basis.T).T
     rows = []
     for (words, group, unit), members in families.items():
         places, sigmas = (np.array(row) for row in zip(*members, strict=True))
         law = "rectangular" if places[0] == model.index["lamp"] else "normal"
-        across = basis @ known[:size, size + places]
-        rows.append(budget.of_family(words, group, across, sigmas, unit, law))
+        rows.append(budget.of_family(words, group, across[:, places], sigmas, unit, law))
     rest = budget.remainder(variance - named, rows)
     rows.append(budget.Input("noise of the samples, and errors of single channels", "noise", rest))
     effects = dict.fromkeys(
@@ -151,6 +156,22 @@ def _inputs(findings, solution, shift):
         budget.Input("numbers moved out of what is known", misfit, strained(model, solution, basis)),
         budget.Input("what no known cause explains", misfit, basis @ findings.unknown_shift),
     ]
+
+
+def _apart(model, left_out):
+    r"""Matrix (V, V) that takes errors of the parameters apart where their prior has them correlated.
+
+    With the prior precision P and :math:`S = \mathrm{diag}(\sigma)`: :math:`S (S P S)^{1/2} S^{-1}`, the
+    symmetric root, so that the squares of the contributions add up and each stays nearest to its parameter;
+    1 where the errors are independent.
+    """
+    count, sigma = len(model.parameters), np.array([one.sigma for one in model.parameters])
+    kept = np.setdiff1d(np.arange(count), left_out)
+    inner = np.ix_(kept, kept)
+    value, vector = np.linalg.eigh(model.precision[inner] * np.outer(sigma[kept], sigma[kept]))
+    result = np.eye(count)
+    result[inner] = sigma[kept, None] * ((vector * np.sqrt(np.maximum(value, 0.0))) @ vector.T) / sigma[kept]
+    return result
 
 
 def _without(covariance, own, basis):
