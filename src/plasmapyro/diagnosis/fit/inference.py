@@ -401,7 +401,8 @@ class Fitter:
             trial, objective, damping, whole = self._tried(state, settings, here, damping, bold and not left)
             limit = left[1].objective if left else here.objective
             better = objective <= limit + 1e-9 * abs(limit)
-            if left and not better:  # back, and shorter steps from there on
+            # Back, and shorter steps from there on; also if the second step only undid the first.
+            if left and not (better and limit - objective > tolerance):
                 (state, here), left, bold, damping = left, None, False, 1e-3
                 continue
             if trial is None:

@@ -22,7 +22,6 @@ BLOCKS = (  # shares of the exposure: dense where the sample heats
 AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
 ENOUGH = 3.0  # log score by which held-out data must improve: odds of 20
 SURE = 3.0  # standard errors of it
-TOLD = 1.0  # log score of a block from which on it tells of an effect: others are no test of its steadiness
 CALIBRATED = ("ratio", "lamp")  # parameters of the base model that the calibration measured
 
 
@@ -221,17 +220,16 @@ def gain(model, base, extended):
 def standard_error(values):
     r"""Standard error of the sum of differences (n,) of log scores.
 
-    .. math:: s^2 = \max\left[2 \sum_b |D_b|,\; m\,\mathrm{var}_m(D)\right]
+    .. math:: s^2 = 2 \sum_b |D_b| + \left(\sum_{D_b < 0} D_b\right)^2
 
-    Noise alone: two normal predictions d standard deviations apart have a log ratio of mean :math:`d^2/2` and
-    variance :math:`d^2`. Or, if larger, the scatter of the m blocks that tell of the effect (`TOLD`): an
-    effect that is wrong in one phase and right in another.
+    The first is noise: two normal predictions d standard deviations apart have a log ratio of mean
+    :math:`d^2/2` and variance :math:`d^2`. The second is an effect that is right in one phase and wrong in
+    another. That blocks tell more or less of an effect is no error: they are not drawn alike.
 
     Notes
     -----
-    Source: K. P. Burnham & D. R. Anderson, Model Selection (2002), 6.7; A. Vehtari, A. Gelman & J. Gabry,
-    Stat. Comput. 27 (2017) 1413, eq. 23.
+    Source: log ratio of normal densities, e.g. T. M. Cover & J. A. Thomas, Elements of Information Theory
+    (2006), ch. 8 and 11.
     """
-    told = values[np.abs(values) > TOLD]
-    scatter = told.size * np.var(told, ddof=1) if told.size > 1 else 0.0
-    return float(np.sqrt(max(2 * np.sum(np.abs(values)), scatter)))
+    against = np.minimum(values, 0.0).sum()
+    return float(np.sqrt(2 * np.sum(np.abs(values)) + against**2))
