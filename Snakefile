@@ -32,13 +32,13 @@ try:
     TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
     CHANGES = {}  # of the light of the gas, by condition
-    if any(
-        "effects" in case for case in (*CONDITIONS.values(), *TESTS.values())
-    ):  # the import takes a second
+    STATED = (config["instrument"], *CONDITIONS.values(), *TESTS.values())
+    if any("effects" in case for case in STATED):  # the import takes a second
         from plasmapyro.commands import terms
 
         terms.check_effects(TESTS, "test", config["tests"]["folder"])
         terms.check_effects(CONDITIONS, "condition", config["conditions"]["folder"])
+        TESTS = terms.with_instrument(config["instrument"].get("effects", []), TESTS)
         CONDITIONS, CHANGES = terms.with_effects(CONDITIONS)
     configuration.check_together(config, CONDITIONS, TESTS)
     CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]

@@ -7,7 +7,7 @@ import yaml
 
 from plasmapyro import contracts
 from plasmapyro.commands.correct import widen
-from plasmapyro.commands.terms import OF_TEST, check_effects, read_terms, with_effects
+from plasmapyro.commands.terms import OF_TEST, check_effects, read_terms, with_effects, with_instrument
 from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
@@ -150,6 +150,16 @@ def test_files_of_tests_and_conditions_hold_the_effects_that_act_there():
         check_effects({"b": {"effects": [{"id": "power", "amplitude": 0.1}]}}, "test", "config/tests")
     with pytest.raises(ConfigurationError, match="valid: power, T_exc, T_vib"):
         check_effects({"c": {"effects": [WINDOW]}}, "condition", "config/conditions")
+
+
+def test_effects_of_an_instrument_join_those_of_each_test():
+    window, clock = {"id": "winE", "amplitude": 0.05}, {"id": "clock", "amplitude": 0.2}
+    own = {"id": "clock", "amplitude": 0.5}
+    tests = with_instrument([window, clock], {"a": {"effects": [own]}, "b": {"data_folder": "x"}})
+    assert tests["a"]["effects"] == [own, window]
+    assert tests["b"] == {"data_folder": "x", "effects": [window, clock]}
+    with pytest.raises(ConfigurationError, match=r"instrument.effects.0.id: unknown"):
+        with_instrument([{"id": "eps_ox", "amplitude": 0.1}], {})
 
 
 def test_effects_of_a_condition_act_on_its_power_and_its_levels():

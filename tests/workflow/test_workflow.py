@@ -173,6 +173,20 @@ def test_a_test_that_judges_is_foretold_and_nothing_else(project):
     assert "results/twin/csic_220kW/test.nc" in read and "results/extended/radiation/110kW.nc" in read
 
 
+def test_effects_of_the_instrument_are_taken_out_of_every_test_that_does_not_state_its_own(project):
+    path = project / "config/config.yaml"
+    words = "instrument:\n  effects: [{id: winE, amplitude: 0.05}, {id: clock, amplitude: 0.2}]\n"
+    path.write_text(path.read_text().replace("instrument:\n", words, 1))
+    test = project / "config/tests/csic_160kW.yaml"
+    test.write_text(f"{test.read_text()}\neffects: [{{id: clock, amplitude: 0.5}}]\n")
+    plan = snakemake(project, "--dry-run", "results/extended/csic_160kW/gain.md")
+    assert planned(plan)["restored_test"] == 2
+    (read,) = re.findall(r"rule extended_gain:\n *input: (.*)", plan.stdout)
+    assert "results/experiment/csic_220kW/restored_test.nc" in read
+    path.write_text(path.read_text().replace("winE", "eps_ox"))
+    assert "instrument.effects.0.id: unknown" in snakemake(project, "--dry-run").stderr
+
+
 def test_a_folder_of_raw_files_is_read_first(project):
     (project / "config/tests/mine.yaml").write_text(
         "data_folder: mydata\ninstruments: [pyrometer]\ncalibrated_spectra: true\n"

@@ -36,7 +36,7 @@ rule gas_variations:
 def other_tests(wildcards):
     """Tests at other conditions: what is named in one is tried on them."""
     mine = COMPARED[wildcards.test]
-    return [test_file(SimpleNamespace(test=other)) for other in DIAGNOSED if COMPARED[other] != mine]
+    return [usable_test(SimpleNamespace(test=other)) for other in DIAGNOSED if COMPARED[other] != mine]
 
 
 # Gases that a test and those at other conditions are compared with, each with the powers beside it.

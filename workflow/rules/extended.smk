@@ -148,7 +148,7 @@ rule extended_gain:
             for instrument in ("pyrometer", "spectrometer")
         ],
         terms=f"results/diagnosis/{next(iter(EXTENDED), '')}/terms.yaml",
-        tests=[test_file(SimpleNamespace(test=test)) for test in FORETOLD],
+        tests=[usable_test(SimpleNamespace(test=test)) for test in FORETOLD],
         simulated=[f"results/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
         extended=[f"results/extended/radiation/{COMPARED[test]}.nc" for test in FORETOLD],
         calibration="results/instrument/calibration.nc",

@@ -10,6 +10,8 @@ from plasmapyro.diagnosis.fit.terms import terms_of
 OF_TEST = MappingProxyType(
     {name: one for name, one in CATALOGUE.items() if not (one.steady_gas and one.stage == "gas")}
 )
+STAGES = ("path", "optics", "detector", "clock")  # of what an instrument does in every test
+OF_INSTRUMENT = MappingProxyType({name: one for name, one in OF_TEST.items() if one.stage in STAGES})
 OF = {"test": OF_TEST, "condition": OF_CONDITION}
 
 
@@ -66,6 +68,31 @@ def check_effects(cases, owner, folder):
 def given_terms(entries, path=None):
     """Terms of a test: those of its file, or of a file terms.yaml."""
     return read_terms(path) if path else terms_of(entries, OF_TEST)
+
+
+def with_instrument(entries, tests):
+    """Tests whose effects hold those of the instrument as well; an effect that a test states itself counts.
+
+    Parameters
+    ----------
+    entries : list of entries, `instrument.effects` of the configuration
+    tests : mapping name -> values of a file, with effects that fit
+
+    Raises
+    ------
+    ConfigurationError
+        Entries that are not effects of window, optics, detector or clock.
+    """
+    try:
+        terms_of(entries, OF_INSTRUMENT, "instrument.effects")
+    except ValueError as fault:
+        raise configuration.ConfigurationError(str(fault)) from None
+
+    def joined(own):
+        stated = {one["id"] for one in own}
+        return [*own, *(one for one in entries if one["id"] not in stated)]
+
+    return {name: case | {"effects": joined(case.get("effects", []))} for name, case in tests.items()}
 
 
 def with_effects(conditions):

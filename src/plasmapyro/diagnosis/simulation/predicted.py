@@ -20,13 +20,15 @@ class Prediction:
     `signal` (2,) and `spectrum` (B,): logarithm of simulated over measured light, in the bands and in blocks
     of wavelength; `temperature` (t,) [K] read from the signals less the simulated instead of the measured
     gas, less the one read with the measured gas; NaN where either is not valid; `bands` (2, 2)
-    [W m-2 sr-1]: the simulated, and the measured light of the gas in the bands.
+    [W m-2 sr-1]: the simulated, and the measured light of the gas in the bands;
+    `wavelength` (B,) [m]: the middles of the blocks.
     """
 
     signal: np.ndarray
     spectrum: np.ndarray
     temperature: np.ndarray
     bands: np.ndarray
+    wavelength: np.ndarray
 
     @property
     def kelvin(self):
@@ -72,7 +74,9 @@ def predicted(test, radiation, reading, calibration, spectrometer_calibration, *
         for level in (simulated, measured[0])
     ]
     valid = (read[0][1] == VALID) & (read[1][1] == VALID) & shining
-    spectra = np.nanmean(frames.sound[record.in_window(frames.time)], axis=0)
+    half = frames.integration_time / 2  # an exposure across the injection sees the jet without the sample
+    inside = record.in_window(frames.time - half) & record.in_window(frames.time + half)
+    spectra = np.nanmean(frames.sound[inside], axis=0)
     light = np.interp(frames.wavelength, radiation["wavelength_slit"], radiation["gas_radiance_slit"])
     block = (frames.wavelength // BLOCK).astype(int)
     usable = np.isfinite(spectra)
@@ -83,6 +87,7 @@ def predicted(test, radiation, reading, calibration, spectrometer_calibration, *
         np.log(sums[0][seen] / sums[1][seen]),
         np.where(valid, read[0][0] - read[1][0], np.nan),
         np.array([simulated, measured[0]]) / sensitivity,
+        (np.flatnonzero(seen) + 0.5) * BLOCK,
     )
 
 
