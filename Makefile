@@ -4,6 +4,7 @@
 # make slurm: the main job through a real scheduler, the same bytes (root, Debian's slurm-wlm).
 # make report: one page with all that a run found.  make faults: kills, damages and fills up runs, half an hour.
 # make fuzz: COUNT damaged configurations, data files and flow files each; a traceback, a hang or a warning fails.
+# make campaign: a synthetic campaign of ten tests with a hidden law, after make figures: two minutes.
 # make simulations: what the package brings along, from the results of a run.
 # make light: the built wheel alone in a clean environment of each Python there is: size, time, example to page.
 # make site: these documents as a site in build/site, with formulas; read without a network.
@@ -23,7 +24,7 @@ SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --custom-compile-command "make lock"
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations light site clean
+.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations campaign light site clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -81,6 +82,9 @@ simulations: .venv/installed
 site: .venv/tested
 	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/site
 	! grep -rlE '<(script|link|img)[^>]* (src|href)="(https?:)?//' build/site --include=*.html
+
+campaign: figures
+	$(BIN)/python workflow/campaign.py
 
 light: .venv/installed
 	workflow/light_check.sh $(BIN)/python $(PYTHONS)

@@ -2,12 +2,15 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from invented import REFERENCE, campaign, plan_and_reports
 
 from plasmapyro import cli
 from plasmapyro.campaign import stage
+from plasmapyro.campaign.applied import applied
 from plasmapyro.campaign.hierarchy import Campaign
+from plasmapyro.diagnosis.fit.prior import Normal
 
 RANDOM = 60  # campaigns
 ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
@@ -170,3 +173,44 @@ def test_priors_that_are_no_law_are_refused(folder, change):
     change(values)
     with pytest.raises(ValueError, match=r"priors\.yaml: "):
         stage.law_of_priors(values, "priors.yaml")
+
+
+def test_corrections_with_a_prior_are_those_of_an_instrument_without_its_errors():
+    """Signals and spectra that a wrong ratio, throughput and scale have changed, and the law that says so."""
+    random = np.random.default_rng(2)
+    pixels = 1e-9 * np.linspace(780.0, 1020.0, 25)
+    test = xr.Dataset(
+        {"spectral_radiance": (("spectrum_time", "wavelength"), random.uniform(1e7, 1e8, (3, 25)))},
+        {"wavelength": pixels},
+        {"emittance": 0.85, "emittance_uncertainty": 0.05},
+    )
+    calibration = xr.Dataset(
+        {
+            "sensitivity_ratio": 0.3,
+            "sensitivity_ratio_uncertainty": 0.0015,
+            "absolute_sensitivity": ("band", [3e-9, 1e-8]),
+            "calibration_ratio": ("calibration_temperature", [0.2, 0.3]),
+            "fit_coefficient": ("fit_power", [0.1, 1e-4, 0.0]),
+            "fit_covariance": (("fit_power", "other_fit_power"), 1e-6 * np.eye(3)),
+        }
+    )
+    scale = np.linspace(-0.004, 0.004, 5)
+    names = (
+        "emittance",
+        "gain_pyrometer",
+        "gain_spectrometer",
+        "ratio",
+        *(f"scale_{n}" for n in range(780, 1021, 60)),
+    )
+    mean = np.array([np.log(0.8), -0.02, -0.03, 0.01, *scale])
+    law = Normal(names, mean, np.diag([0.02, 0.01, 0.01, 0.001, *[0.002] * 5]) ** 2)
+    told, found = applied(test, {"calibration": calibration}, law)
+    wrong = np.exp(-0.03 + np.interp(pixels * 1e9, range(780, 1021, 60), scale))
+    np.testing.assert_allclose(told.spectral_radiance * wrong, test.spectral_radiance, rtol=1e-12)
+    assert told.attrs["emittance"] == pytest.approx(0.8)
+    assert told.attrs["emittance_uncertainty"] == pytest.approx(0.016)
+    made = found["calibration"]
+    np.testing.assert_allclose(made.absolute_sensitivity, [3e-9 * np.exp(-0.01), 1e-8 * np.exp(-0.02)])
+    for name in ("sensitivity_ratio", "calibration_ratio", "fit_coefficient"):
+        np.testing.assert_allclose(made[name], calibration[name] * np.exp(0.01))
+    assert made.sensitivity_ratio_uncertainty / made.sensitivity_ratio == pytest.approx(0.001)

@@ -126,6 +126,12 @@ def add(commands):
         metavar="FOLDER",
         help="spectra of all conditions, {condition}.nc, for --with (default: those shipped)",
     )
+    known.add_argument(
+        "--priors",
+        metavar="FILE.yaml",
+        help="what earlier tests say, priors.yaml of `plasmapyro campaign`: ratio and throughputs of the"
+        " calibration, scale of the spectrometer and stated emittance become theirs, with their uncertainty",
+    )
     number = command.add_argument_group("what is uncertain (standard, relative)")
     option(number, "--signal-uncertainty", share, 0.01, "of one pyrometer signal")
     option(number, "--gas-variation", share, 0.03, "of the gas radiance about that of the reference window")
@@ -220,6 +226,11 @@ def _corrected(options):
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
     calibrations = _calibrations(test, folder)
+    if options.priors:
+        from plasmapyro.campaign.applied import applied
+        from plasmapyro.commands.priors import read_priors
+
+        test, calibrations = applied(test, calibrations, read_priors(options.priors))
     found = of_test(options.test, reading, **calibrations)
     words = [finding.words for finding in found]
     if surface_in_window in [finding.rule for finding in found] and not options.keep_window:

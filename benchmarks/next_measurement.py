@@ -1,0 +1,163 @@
+"""Does the measurement that a diagnosis ranks first remove most uncertainty when it is really made?
+
+    python benchmarks/next_measurement.py [--results results] [--cases 60] [--seed 1]
+
+Tests of the first laboratory (`workflow/twin`) with drawn emittance and its stated error, heat flux, length,
+noise, error of the ratio, instruments. Each measurement is simulated: calibration, lamp or emittance as a
+number drawn about the truth and put into a new fit, further tests by another record and its own fit, whose
+law of the instruments joins. Measurements within 2 % of the best count as the best.
+"""
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "workflow"))
+from powers import ladder
+from twin import campaign, runs
+from twin.campaign import Scene
+from twin.sample import Sample
+
+from plasmapyro import io
+from plasmapyro.diagnosis import command
+from plasmapyro.diagnosis.fit.inference import Fitter
+from plasmapyro.diagnosis.fit.prior import Normal, posterior_of, prior_of, with_prior
+from plasmapyro.diagnosis.fit.whole import fit_test
+from plasmapyro.diagnosis.report.following import AGAIN, OTHER, Following, following, measurements
+
+ALIKE = 1.02
+
+
+def drawn(random):
+    """What one case is: true and stated emittance, flux, length, noise, instruments, power."""
+    emittance = random.uniform(0.6, 0.92)
+    error = float(np.exp(random.uniform(np.log(0.005), np.log(0.1))))
+    return {
+        "emittance": emittance,
+        "error": error,
+        "stated": float(np.clip(emittance * (1 + error * random.normal()), 0.3, 0.99)),
+        "flux": 4.5e5 * random.uniform(0.6, 1.4),
+        "off": random.uniform(50, 150),
+        "noise": float(np.exp(random.uniform(np.log(0.001), np.log(0.01)))),
+        "ratio": float(np.exp(random.uniform(np.log(0.3), np.log(4)))),  # times the stated error of the ratio
+        "instruments": random.choice(["both", "both", "pyrometer", "spectrometer"]),
+        "power": random.uniform(7.5e4, 8.5e4),
+    }
+
+
+def test_of(case, inputs, gas, seed):
+    """A record of a case."""
+    scene = Scene(
+        condition="80kW",
+        end=case["off"] + 40.0,
+        plasma_off_time=case["off"],
+        stated_emittance=case["stated"],
+        stated_emittance_uncertainty=case["error"] * case["stated"],
+        sample=Sample(emittance=case["emittance"], cold_wall_heat_flux=case["flux"]),
+        pyrometer=replace(Scene(condition="80kW").pyrometer, reading_noise=case["noise"]),
+        centred_exposures=True,
+    )
+    test, _ = campaign.record(scene, inputs.response, [(1.0, runs.gas(gas, case["power"]))], seed)
+    if case["instruments"] == "pyrometer":
+        return runs.without_spectra(test)
+    return test.drop_dims("time") if case["instruments"] == "spectrometer" else test
+
+
+def fitted(test, case, inputs):
+    """Base fit of a test."""
+    calibration = None
+    if case["instruments"] != "spectrometer":
+        calibration = inputs.calibration.copy()
+        calibration["sensitivity_ratio_uncertainty"] = (
+            inputs.calibration.sensitivity_ratio_uncertainty * case["ratio"]
+        )
+    varied = inputs.variations["80kW"]
+    instrument = inputs.response, calibration, inputs.spectrometer_calibration
+    with np.errstate(all="ignore"):
+        return fit_test(test, inputs.radiation, varied, *instrument, saturation_counts=65000.0)
+
+
+def joined(model, law, rows, value, information):
+    """A law of the shared numbers with what a measurement says of `rows` of them."""
+    prior = np.linalg.inv(law.covariance)
+    covariance = np.linalg.inv(prior + rows.T @ information @ rows)
+    mean = covariance @ (prior @ law.mean + rows.T @ information @ value)
+    return Normal(law.names, mean, (covariance + covariance.T) / 2)
+
+
+def measured(base, name, case, context, random):
+    """Uncertainty [K] of the temperature of a test after a measurement that is simulated."""
+    model, fit = base.model, base.solution
+    law = prior_of(model)
+    known = law
+    for observes, uncertainty in measurements()[name][1]:
+        if observes.startswith("repeat"):
+            known = repeated(base, known, observes, case, context)
+            continue
+        if not observes or observes == "temperature" or observes == "before_power":
+            continue
+        mine = [p for p, one in enumerate(law.names) if one == observes or one.startswith(f"{observes}_")]
+        true = np.zeros(len(mine))  # an instrument as it is stated
+        if observes == "emittance":
+            true = np.array([np.log(case["emittance"] / case["stated"])])
+        rows = np.eye(len(law.names))[mine]
+        value = true + uncertainty * random.normal(size=len(mine))
+        known = joined(model, known, rows, value, np.eye(len(mine)) / uncertainty**2)
+    if known is not law:
+        fit = Fitter(with_prior(model, known), base.fitter.noise).fit(fit.state)
+    state, covariance = Following(model, base.solution), fit.covariance
+    if name in ("shelf", "gas_spectrum"):  # what is no number of a prior joins the law after the fit
+        covariance = Following(model, fit).after(covariance, measurements()[name][1])
+    return state.kelvin(covariance)
+
+
+def repeated(base, law, kind, case, context):
+    """The law after another record: at another power, or of a sample of another emittance."""
+    inputs, gas, seed = context
+    other = dict(case, power=1.1 * case["power"], flux=1.15 * case["flux"])
+    scatter = AGAIN
+    if kind != "repeat":
+        emittance = 0.9 if case["emittance"] < 0.75 else 0.6
+        other, scatter = dict(case, emittance=emittance, stated=emittance), OTHER
+    second = fitted(test_of(other, inputs, gas, seed + 7), other, inputs)
+    after, before = posterior_of(second.model, second.solution), prior_of(second.model)
+    covariance = np.linalg.inv(
+        np.linalg.inv(after.covariance) - np.linalg.inv(before.covariance) + 1e-9 * np.eye(len(after.names))
+    )
+    wide = [min(scatter.get(name, 0.0), 10.0) for name in after.names]
+    information = np.linalg.inv(covariance + np.diag(np.square(wide)))
+    return joined(base.model, law, np.eye(len(law.names)), after.mean, information)
+
+
+def main():
+    """Print one line for each case and the share of right first ranks."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--results", type=Path, default=Path("results"))
+    parser.add_argument("--cases", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    inputs = command.load_inputs(options.results / "radiation", options.results / "instrument")
+    gas = {power: io.read(path, "radiation") for power, path in ladder(options.results / "radiation").items()}
+    right = 0
+    for number in range(options.cases):
+        random = np.random.default_rng([options.seed, number])
+        case = drawn(random)
+        base = fitted(test_of(case, inputs, gas, number), case, inputs)
+        ranked = following(base.model, base.solution)
+        context = inputs, gas, number
+        kelvin = {row["id"]: measured(base, row["id"], case, context, random) for row in ranked}
+        first, best = ranked[0]["id"], min(kelvin, key=kelvin.get)
+        right += kelvin[first] <= ALIKE * kelvin[best]
+        print(
+            f"{number:3d} {case['instruments']:12s} {ranked[0]['kelvin_before']:6.2f} K: {first}"
+            f" {ranked[0]['kelvin_after']:.2f} expected, {kelvin[first]:.2f} made; best {best}"
+            f" {kelvin[best]:.2f}; right {right} of {number + 1}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

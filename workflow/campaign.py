@@ -1,0 +1,106 @@
+"""Make, diagnose and put together the synthetic campaign of config/campaign.yaml; read its last test with it.
+
+    python workflow/campaign.py [--results results] [--seed 1]
+
+needs the results of the main job; about two minutes. Tests, truths and diagnoses go to RESULTS/campaign_runs,
+laws and prior to RESULTS/campaign, what was hidden beside what was found to RESULTS/campaign_runs/found.md.
+The prior for the last test is that of the tests before it.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+sys.path.insert(0, str(Path(__file__).parent))
+from powers import ladder
+from twin import campaign as files
+from twin import runs
+
+from plasmapyro import configuration, io
+from plasmapyro.campaign.stage import campaign, tests_of
+from plasmapyro.commands.campaign import SCHEMA, report_of, until, write
+from plasmapyro.diagnosis import command
+
+HOT = 1000.0  # [K]
+
+
+def main():
+    """Run the whole chain."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--results", type=Path, default=Path("results"))
+    parser.add_argument("--plan", type=Path, default=Path("config/campaign.yaml"))
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    plan, results = configuration.load(options.plan, SCHEMA), options.results
+    inputs = command.load_inputs(results / "radiation", results / "instrument")
+    gas = {power: io.read(path, "radiation") for power, path in ladder(results / "radiation").items()}
+    truths = runs.truth(plan, options.seed)
+    for place, (entry, true) in enumerate(zip(plan["tests"], truths, strict=True)):
+        scene = runs.scene(entry, true)
+        light = [(1.0, runs.gas(gas, true["power"]))]
+        test, truth = files.record(scene, inputs.response, light, 100 * options.seed + place)
+        folder = Path(entry["diagnosis"]).parent
+        files.write(test, folder.parent / "test.nc")
+        files.write(truth, folder.parent / "truth.nc")
+        command.write_all(command.diagnose_test(folder.parent / "test.nc", inputs), folder)
+        sys.stdout.write(f"{entry['name']} diagnosed\n")
+    write(plan, results / "campaign")
+    lines = [*compared_laws(plan, truths), "", *last_test(plan, inputs)]
+    Path(plan["tests"][0]["diagnosis"]).parents[2].joinpath("found.md").write_text("\n".join(lines) + "\n")
+    sys.stdout.write("\n".join(lines) + "\n")
+
+
+def found_in(plan):
+    """What the campaign of a plan finds."""
+    reports = {one["name"]: report_of(one["diagnosis"]) for one in plan["tests"]}
+    return campaign(tests_of(plan, reports), 1e3 * plan["reference_power_kw"])
+
+
+def compared_laws(plan, truths):
+    """Table of the hidden law beside the one found."""
+    found = found_in(plan)
+    hidden = {
+        "efficiency": np.log(runs.EFFICIENCY),
+        "exponent": runs.EXPONENT,
+        "fouling gain_pyrometer": runs.LOSS["pyrometer"],
+        "fouling gain_spectrometer": runs.LOSS["spectrometer"],
+        "ratio": runs.RATIO,
+        **{f"emittance of {name}": np.log(value) for name, value in runs.EMITTANCE.items()},
+        **{
+            f"power {one['name']}": np.log(true["power"])
+            for one, true in zip(plan["tests"], truths, strict=True)
+        },
+    }
+    yield f"does not belong: {', '.join(' '.join(pair) for pair in found.joint.odd) or 'none'}"
+    yield ""
+    yield "| number | hidden | found | off, standard deviations |"
+    yield "|---|---|---|---|"
+    for name, value in hidden.items():
+        mean, sigma = found.joint.number(name)
+        yield f"| {name} | {value:.4f} | {mean:.4f} ± {sigma:.4f} | {(mean - value) / sigma:+.1f} |"
+
+
+def last_test(plan, inputs):
+    """Table of errors [K] of the last test, with and without its spectra, with and without the campaign."""
+    last = plan["tests"][-1]
+    folder = Path(last["diagnosis"]).parents[1]
+    known = found_in(until(plan, last["name"])).next
+    truth, whole = (xr.load_dataset(folder / f"{name}.nc") for name in ("truth", "test"))
+    yield "| last test | error, K (rms) | stated, K | with the campaign: error, K | stated, K |"
+    yield "|---|---|---|---|---|"
+    for name, test in (("both instruments", whole), ("pyrometer alone", runs.without_spectra(whole))):
+        cells = []
+        for law in (None, known):
+            told = command.diagnose_test(test, inputs, known=law).report["posterior"]["temperature"]
+            true = np.interp(told["time"], truth.time, truth.surface_temperature)
+            hot = true > HOT
+            error = np.sqrt(np.mean((np.array(told["value"]) - true)[hot] ** 2))
+            cells += [f"{error:.2f}", f"{np.mean(np.array(told['sigma'])[hot]):.2f}"]
+        yield f"| {name} | {' | '.join(cells)} |"
+
+
+if __name__ == "__main__":
+    main()
