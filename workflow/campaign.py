@@ -19,9 +19,9 @@ from powers import ladder
 from twin import campaign as files
 from twin import runs
 
-from plasmapyro import configuration, io
+from plasmapyro import io
 from plasmapyro.campaign.stage import campaign, tests_of
-from plasmapyro.commands.campaign import SCHEMA, report_of, until, write
+from plasmapyro.commands.campaign import plan_of, report_of, until, write
 from plasmapyro.diagnosis import command
 
 HOT = 1000.0  # [K]
@@ -34,7 +34,7 @@ def main():
     parser.add_argument("--plan", type=Path, default=Path("config/campaign.yaml"))
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    plan, results = configuration.load(options.plan, SCHEMA), options.results
+    plan, results = plan_of(options.plan), options.results
     inputs = command.load_inputs(results / "radiation", results / "instrument")
     gas = {power: io.read(path, "radiation") for power, path in ladder(results / "radiation").items()}
     truths = runs.truth(plan, options.seed)

@@ -10,8 +10,8 @@ def diagnoses_of_campaign(wildcards):
 
 rule campaign:
     input:
-        diagnoses_of_campaign,
         plan=CAMPAIGN,
+        diagnoses=diagnoses_of_campaign,
     output:
         priors="results/campaign/priors.yaml",
         page="results/campaign/campaign.md",

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from plasmapyro import configuration, io
+from plasmapyro import io
 from plasmapyro.commands import campaign
 
 io.log_to(snakemake.log[0])
-plan = configuration.load(snakemake.input.plan, campaign.SCHEMA)
-campaign.write(plan, Path(snakemake.output.priors).parent)
+campaign.write(campaign.plan_of(snakemake.input.plan), Path(snakemake.output.priors).parent)

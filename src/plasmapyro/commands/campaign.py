@@ -48,13 +48,18 @@ def add(commands):
 
 def run(options):
     """Run `plasmapyro campaign`: diagnoses in, three files out."""
-    plan = configuration.load(options.file, SCHEMA)
+    plan = plan_of(options.file)
     if options.until is not None:
         plan = until(plan, options.until)
     read = [options.file, *(one["diagnosis"] for one in plan["tests"])]
     require_folder(options.out, NAMES, read)
     write(plan, options.out)
     progress.say("done")
+
+
+def plan_of(path):
+    """The plan of a campaign from its file; ConfigurationError for another."""
+    return configuration.load(path, SCHEMA)
 
 
 def until(plan, name):
