@@ -91,7 +91,7 @@ def recommended(facts):
     why = {
         "joint": f"it uses all light of {_listed(facts.instruments)}"
         + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
-        "emissivity": "there are spectra alone, and it lets the emissivity depend on wavelength",
+        "emissivity": "it lets the emissivity depend on wavelength",
         "subtraction": "no joint estimate stands beside it",
         "spectra": "there are spectra alone behind a plasma",
     }[best]
