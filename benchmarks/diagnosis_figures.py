@@ -24,7 +24,7 @@ def main(arguments=None):
     report = for_figures(json.loads((asked.folder / "diagnosis.json").read_text(encoding="utf-8")))
     with xr.open_dataset(asked.folder / "temperature.nc") as temperature:
         drawn = {
-            "temperature": figures.temperature_difference(report, temperature.load()),
+            "temperature": figures.temperature(report, temperature.load()),
             "answers": figures.evidence(report),
             "gas": figures.systems(report),
         }

@@ -3,6 +3,7 @@ simulation is told where it differs."""
 
 import numpy as np
 import pytest
+from scipy.linalg import cho_solve
 from small_laboratory import OFF, temperature_of
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
@@ -66,6 +67,13 @@ def test_a_gas_several_times_as_strong_is_measured_and_tells_its_power(fitted, r
     assert found.base.power == pytest.approx(np.log(power / 80e3), abs=CLOSE)
     (said,) = power_sentences(found)
     assert f"{'less' if power < 80e3 else 'more'} power than simulated" in said
+
+
+@pytest.mark.parametrize("window", [0.0, 0.05])
+def test_a_fit_ends_where_its_slopes_promise_nothing(fitted, record, window):
+    """A pair of steps to and fro was taken for the bottom, 40 of chi-squared above it."""
+    found = fitted(record(window_loss=window)).solution
+    assert found.converged and found.score @ cho_solve(found.factor, found.score) < 0.1
 
 
 def test_brightness_before_and_after_the_injection_is_guessed(fitted, record):
