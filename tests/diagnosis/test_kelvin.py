@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from plasmapyro import contracts
-from plasmapyro.diagnosis.report.kelvin import PaperShift, fitted_shift, judged_span, paper_temperature
+from plasmapyro.diagnosis.report.kelvin import (
+    PaperShift,
+    fitted_shift,
+    judged_span,
+    paper_temperature,
+    reference_weight,
+)
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.instrument.stage import pyrometer_calibration
 from plasmapyro.record import status
@@ -138,3 +144,17 @@ def test_a_term_may_lead_out_of_the_range_of_the_instrument(laboratory_record):
     shift = shift_of(laboratory_record, np.array([0, 0.6, 0, 0]))
     change, worst = shift(SimpleNamespace(instruments=("pyrometer",), bounds=(-1.0, 1.0)), 0.6, None)
     assert worst == 30.0 and change > 2073.0 - KELVIN
+
+
+@pytest.mark.parametrize(
+    ("window", "number", "weight"),
+    [
+        ((0, 10), [3, 4, 5], [3, 4, 0]),
+        ((3, 4), [3, 4, 5], [1, 0, 0]),  # shorter than a bin
+        ((0, 3), [0, 4, 5], [0, 1, 0]),  # all of its samples lost
+    ],
+)
+def test_the_reference_is_that_of_the_nearest_bin_where_its_window_holds_no_sound_one(window, number, weight):
+    record = SimpleNamespace(window=window, in_window=lambda t: (t >= window[0]) & (t <= window[1]))
+    found = reference_weight(np.array([2.0, 8.0, 14.0]), np.array(number), record)
+    assert found.tolist() == weight

@@ -62,6 +62,6 @@ def _of_extension(report, first, terms):
         f"applied, and {first} is likeliest": first in terms,
         "applied without three standard errors of held-out gain": enough,
         "applied, and held-out data are said not to be better": any(
-            "are predicted better with it" in sentence for sentence in report["verdict"]["sentences"]
+            "are foretold better with it" in sentence for sentence in report["verdict"]["sentences"]
         ),
     }

@@ -64,6 +64,16 @@ def reference_of(record):
     return np.array([reference_signal(bands.time, row, record.window) for row in bands.sound.T]).T
 
 
+def reference_weight(moment, number, record):
+    """Weights (n,) of bins at some moments, with so many sound samples, in the mean of the reference window:
+    of the nearest bin alone where the window is shorter than a bin, or holds lost samples."""
+    weight = np.where(record.in_window(moment), number, 0.0)
+    if not weight.any():
+        away = np.where(number > 0, np.abs(moment - np.mean(record.window)), np.inf)
+        weight[np.argmin(away)] = 1.0
+    return weight
+
+
 class PaperShift:
     """Change of the paper's corrected temperature by an effect, from the model's own signals."""
 
@@ -74,10 +84,7 @@ class PaperShift:
         if self.which is not None:
             one, record = model.instruments[self.which], model.record
             self.moment = one.time
-            inside = record.in_window(self.moment)
-            if not inside.any():  # a window shorter than a bin
-                inside[np.argmin(np.abs(self.moment - np.mean(record.window)))] = True
-            self.weight = np.where(inside, one.number.max(axis=1), 0.0)
+            self.weight = reference_weight(self.moment, one.number.max(axis=1), record)
             _, state = self._read((), reading)
             self.judged = np.isin(state, (VALID, EXTRAPOLATED))
             # An effect may lead out of the range of the instrument: the curve goes on there.
