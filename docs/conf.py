@@ -95,7 +95,9 @@ def as_mathml(display):
     """Writes a formula as MathML, which browsers draw with fonts of their own."""
 
     def visit(translator, node):
-        translator.body.append(convert(node.astext(), display=display))
+        tag = "div" if display == "block" else "span"
+        formula = convert(node.astext(), display=display)
+        translator.body.append(f'<{tag} style="overflow-x: auto">{formula}</{tag}>')
         raise SkipNode
 
     return visit, None

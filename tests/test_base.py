@@ -7,8 +7,9 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.constants import physical_constants
 
-from plasmapyro import checks, contracts, io, tables
+from plasmapyro import checks, constants, contracts, io, tables
 
 
 def sightline():
@@ -145,3 +146,25 @@ def test_a_changed_table_is_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="no certificate"):
         (tmp_path / "data" / "u.csv").write_text(content)
         tables.load("u")
+
+
+@pytest.mark.parametrize(
+    ("name", "of_scipy"),
+    {
+        "AVOGADRO": "Avogadro constant",
+        "MOLAR_GAS": "molar gas constant",
+        "RYDBERG": "Rydberg constant",
+        "ATOMIC_MASS": "atomic mass constant",
+        "LIGHT_SPEED": "speed of light in vacuum",
+        "ELEMENTARY_CHARGE": "elementary charge",
+        "ELECTRON_VOLT": "electron volt",
+        "VACUUM_PERMITTIVITY": "vacuum electric permittivity",
+        "PLANCK": "Planck constant",
+        "BOLTZMANN": "Boltzmann constant",
+        "ELECTRON_MASS": "electron mass",
+        "VACUUM_PERMEABILITY": "vacuum mag. permeability",
+        "BOHR_RADIUS": "Bohr radius",
+    }.items(),
+)
+def test_constants_are_those_of_codata(name, of_scipy):
+    assert getattr(constants, name) == physical_constants[of_scipy][0]

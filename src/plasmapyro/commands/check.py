@@ -6,9 +6,6 @@ import sys
 import numpy as np
 
 from plasmapyro import progress
-from plasmapyro.commands.calibrate import calibration_findings
-from plasmapyro.commands.correct import trial
-from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
@@ -60,6 +57,8 @@ def run(options):
     """
     progress.say(f"reading {options.test}")
     if describes(options.test):
+        from plasmapyro.commands.calibrate import calibration_findings  # loads what fits lamps
+
         _refuse(options.test, check_calibration(options.test) or calibration_findings(options.test))
         present = " and ".join(instruments_calibrated(options.test))
         sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
@@ -86,6 +85,9 @@ def checked(place, instrument=None):
         _refuse(place, refusal.messages)
     tried, failed = {}, None
     if instrument:
+        from plasmapyro.commands.correct import trial  # loads all estimators
+        from plasmapyro.commands.instrument import calibration_of
+
         try:
             with calibration_of(place, instrument) as folder:
                 tried = trial(reading.test, folder)

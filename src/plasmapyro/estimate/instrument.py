@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from plasmapyro.estimate.bins import band_edges, bin_mean, pixel_bins, spectrometer_edges
 from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
@@ -62,6 +61,8 @@ class GreyTable:
     """Black body signals of an instrument as a function of 1/T, with two derivatives by T."""
 
     def __init__(self, instrument, temperatures=TABLE_TEMPERATURES, points=TABLE_POINTS):
+        from scipy.interpolate import CubicSpline
+
         inverse = np.linspace(1 / temperatures[1], 1 / temperatures[0], points)
         body = blackbody_derivatives(instrument.wavelength, 1 / inverse[:, None])[0]
         self._spline = CubicSpline(inverse, np.log(instrument.detect(body)))

@@ -1,8 +1,6 @@
 """Noise before all else: what both bands share is flicker of the gas, the rest is the instrument's."""
 
 import numpy as np
-from scipy.ndimage import median_filter
-from scipy.optimize import nnls
 
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 LAGS = 4  # samples over which the decay of the flicker is read
@@ -16,6 +14,8 @@ def variance(values):
 
 def smoothed(signal, samples):
     """Running median over an odd number of samples, gaps bridged."""
+    from scipy.ndimage import median_filter
+
     good = np.isfinite(signal)
     index = np.arange(signal.size)
     return median_filter(np.interp(index, index[good], signal[good]), samples, mode="nearest")
@@ -43,6 +43,8 @@ def signal_noise(signals, block):
     ValueError
         If there are fewer than four blocks.
     """
+    from scipy.optimize import nnls
+
     level = np.stack([smoothed(row, 11) for row in signals])
     count = signals.shape[1] // block
     if count < 4:

@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-from scipy.optimize import minimize
 
 from plasmapyro import progress
 from plasmapyro.estimate.banded import Factor, solve_bordered
@@ -240,6 +239,8 @@ def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values
 
     with the constants held at their present values.
     """
+    from scipy.optimize import minimize
+
     gathered = _gather(observations, prior_constants, path, values)
     low, high = np.log(np.array(LIMITS)).T
 

@@ -3,8 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import erf
 
 from plasmapyro import tables
 from plasmapyro.checks import increasing, positive
@@ -93,6 +91,9 @@ def find_lines(wavelength, net, *, expected_fwhm, search, least_signal_to_noise)
 
 def _fit(wavelength, net, threshold, name, line, width, search):
     """The line near `line`, or None if it is below the threshold, samples are lost there, or no fit holds."""
+    from scipy.optimize import least_squares
+    from scipy.special import erf
+
     near = np.flatnonzero(np.abs(wavelength - line) <= search)
     if near.size < 3 or not np.isfinite(net[near]).all():
         return None

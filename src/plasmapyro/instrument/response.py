@@ -1,8 +1,6 @@
 """Modelled spectral responses of a two-colour pyrometer with a layered silicon detector."""
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.special import ndtr
 
 from plasmapyro.checks import increasing, positive, within
 
@@ -28,6 +26,8 @@ def silicon_absorption(wavelength, table_wavelength, table_coefficient):
     ValueError
         If a wavelength lies outside the table (no extrapolation) or the table is not as stated.
     """
+    from scipy.interpolate import PchipInterpolator
+
     nodes = increasing("table_wavelength", table_wavelength, "m")
     coefficient = positive("table_coefficient", table_coefficient, "m-1")
     wavelength = within("wavelength", wavelength, nodes[0], nodes[-1], "m")
@@ -78,6 +78,8 @@ def long_pass(wavelength, edge, edge_sigma):
     -------
     (...) ndarray [1]
     """
+    from scipy.special import ndtr
+
     edge = float(positive("edge", edge, "m"))
     return ndtr((np.asarray(wavelength, dtype=float) - edge) / float(positive("edge_sigma", edge_sigma, "m")))
 

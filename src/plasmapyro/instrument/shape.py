@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -47,6 +46,8 @@ def planck_shape(wavelength, spectrum, band):
     ValueError
         Fewer than 10 usable samples in the band, or a shape beyond 500 to 10 000 K.
     """
+    from scipy.optimize import minimize_scalar
+
     wavelength, spectrum = np.asarray(wavelength, dtype=float), np.asarray(spectrum, dtype=float)
     used = (wavelength >= band[0]) & (wavelength <= band[1]) & np.isfinite(spectrum) & (spectrum > 0)
     if used.sum() < 10:
