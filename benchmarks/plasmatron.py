@@ -58,7 +58,7 @@ FACTORS, DIGITS = (1e-3, 1.0, 1e-6, 1.0, 1e-3), (0, 0, 1, 0, 0)
 
 def draw(rows):
     """Heat flux and temperature against Pitot pressure, by rival, and the measured pairs."""
-    drawing, axes = style.figure(size=(7.2, 4.8), nrows=2, ncols=2, sharex=True)
+    drawing, axes = style.figure(size=(7.2, 4.8), nrows=2, ncols=2, sharex=True, sharey="row")
     pairs = tables.load("facility/plasmatron_pairs")
     for column, pressure in enumerate(PRESSURES):
         for rival, colour in zip((*RIVALS, NO_MIXING), ("0.8", "#d62728", "#4e79a7", "0.1"), strict=True):
@@ -77,16 +77,17 @@ def draw(rows):
         upper, lower = axes[:, column]
         upper.set(xscale="log", yscale="log", title=f"air, {pressure / 100:g} mbar")
         lower.set(xlabel="Pitot pressure [Pa]")
-        for axis in (upper.xaxis, upper.yaxis):
-            axis.set_major_formatter("{x:g}")
+        for axis, ticks in ((upper.xaxis, PITOT[::2]), (upper.yaxis, (100, 200, 500, 1000, 2000, 5000))):
+            axis.set_ticks(ticks, [f"{tick:g}" for tick in ticks])
+            axis.set_minor_formatter("")
     known = 1e-3 * pairs["heat_flux"]
     axes[0, 0].errorbar(
         pairs["dynamic_pressure"], known, yerr=0.1 * known, fmt="s", color="k", ms=4, label="measured"
     )
     for name, x, y in zip(pairs["pair"], pairs["dynamic_pressure"], known, strict=True):
         axes[0, 0].annotate(name, (x, y), xytext=(6, -8), textcoords="offset points", fontsize=7)
-    axes[0, 0].set(ylabel="Heat flux [kW m$^{-2}$], hemisphere 25 mm")
-    axes[1, 0].set(ylabel="Temperature ahead of the probe [K]")
+    axes[0, 0].set(ylabel="Heat flux on a hemisphere\nof 25 mm [kW m$^{-2}$]")
+    axes[1, 0].set(ylabel="Temperature ahead\nof the probe [K]")
     axes[0, 0].legend(loc="upper left", fontsize=6)
     style.save(drawing, [DOCS / "plasmatron_prediction.png"])
 
