@@ -61,12 +61,14 @@ def systems_of(fitter, fit):
     simulated, library = fitter.simulated, fitter.simulated.model.library
     plain, power = simulated.light(0.0, 0.0), fitter.light(fit)
     root = fitter.root_of(simulated.shape)
-    white = fitter.white(simulated.group, root)
-    rest = fitter.white(fitter.measured.value - plain, root)[0]
+    there = power / np.maximum(plain, 1e-300)  # of groups too narrow for the change within the others
+    white = fitter.white(simulated.group * there, root)
+    rest = fitter.white(fitter.measured.value - power, root)[0]
     covariance = np.linalg.inv(white @ white.T + FREE**-2.0 * np.eye(len(white)))
     ratio, error = 1 + covariance @ (white @ rest), np.sqrt(np.diag(covariance))
     share = simulated.group / np.maximum(simulated.group.sum(axis=1, keepdims=True), 1e-300)
-    by_power = share @ (power / np.maximum(plain, 1e-300))
+    by_power = share @ there
+    ratio, error = ratio * by_power, error * by_power
     for place, name in enumerate(library.group_name):
         if not error[place] < UNSEEN:
             continue
