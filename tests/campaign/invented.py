@@ -15,15 +15,16 @@ SEEN = (
     ({"edge_wide": 1.0}, 0.4),
     ({"power": 1.0}, 0.016),
 )
+BARE = SEEN[:1]  # without a spectrometer, temperature comes from the bands, and nothing checks them
 POWERS = (120e3, 160e3, 200e3)
 REFERENCE = 160e3
 SAMPLES = 0.01  # scatter of the emittance
 
 
-def campaign(seed, *, tests=10, cleaned=6, odd=None):
+def campaign(seed, *, tests=10, cleaned=6, odd=None, bare=False):
     """Truth, and tests as (name, date, electric power, material, posterior by the schema).
 
-    `odd` : (place of a test, number, by how much) that does not belong.
+    `odd` : (place of a test, number, by how much) that does not belong; `bare`: the last test has no spectra.
     """
     random = np.random.default_rng(seed)
     truth = {
@@ -61,18 +62,24 @@ def campaign(seed, *, tests=10, cleaned=6, odd=None):
             values[odd[1]] += odd[2]
         before = {"emittance": np.log(stated[material]), "power": np.log(0.5 * electric)}
         made.append(
-            (f"run{place:02d}", f"2026-03-{place + 1:02d}", electric, material, _told(values, before, random))
+            (
+                f"run{place:02d}",
+                f"2026-03-{place + 1:02d}",
+                electric,
+                material,
+                _told(values, before, random, BARE if bare and place == tests - 1 else SEEN),
+            )
         )
     truth["gain"] = gain  # of the last test
     truth["values"] = values
     return truth, made
 
 
-def _told(values, before, random):
+def _told(values, before, random, seen=SEEN):
     true = np.array([values[name] for name in NAMES])
     mean = np.array([before.get(name, 0.0) for name in NAMES])
-    rows = np.array([[row.get(name, 0.0) for name in NAMES] for row, _ in SEEN])
-    error = np.array([one for _, one in SEEN])
+    rows = np.array([[row.get(name, 0.0) for name in NAMES] for row, _ in seen])
+    error = np.array([one for _, one in seen])
     data = rows @ true + error * random.normal(size=error.size)
     prior = np.diag(STATED**-2.0)
     covariance = np.linalg.inv(prior + (rows / error[:, None] ** 2).T @ rows)

@@ -13,6 +13,7 @@ from plasmapyro.campaign.hierarchy import Campaign
 from plasmapyro.diagnosis.fit.prior import Normal
 
 RANDOM = 60  # campaigns
+TRUE_KELVIN = 1500.0
 ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
 
 
@@ -36,17 +37,23 @@ def found_in(made):
     return stage.campaign(stage.tests_of(plan, reports), REFERENCE)
 
 
-def test_intervals_of_random_campaigns_hold_as_often_as_they_say():
-    inside, odd = [], 0
+def test_intervals_of_random_campaigns_hold_as_often_as_they_say_and_temperatures_gain():
+    inside, odd, kelvin = [], 0, []
     for seed in range(RANDOM):
-        truth, made = campaign(seed)
+        truth, made = campaign(seed, bare=True)
         whole = Campaign(stage.tests_of(*plan_and_reports(made)), REFERENCE)
         joint = whole.joint(whole.odd_ones())
         odd += bool(joint.odd)
+        last = whole.tests[-2]
+        told = stage.temperature(last, stage.law_of(joint, last.name, last.after.names))
+        kelvin.append((last.temperature["value"][0] - TRUE_KELVIN, told[0][0] - TRUE_KELVIN, told[1][0]))
         for name, value in true_numbers(truth, made[-1][0]).items():
             mean, sigma = joint.number(name)
             inside.append(abs(value - mean) < 1.96 * sigma)
     assert ENDS[0] < np.mean(inside) < ENDS[1]
+    alone, together, sigma = np.array(kelvin).T
+    assert np.sqrt(np.mean(alone**2)) > 1.5 * np.sqrt(np.mean(together**2))
+    assert ENDS[0] < np.mean(np.abs(together) < 1.96 * sigma) <= 1.0
     assert odd <= 6  # of 60 sound campaigns: 1 % of each of 40 groups would be far more
 
 

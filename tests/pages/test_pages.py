@@ -23,7 +23,7 @@ from plasmapyro import cli, configuration, io
 from plasmapyro.sightline import neqair
 from plasmapyro.sightline.stage import equilibrium_sightline
 
-LARGEST_NUMBER_OF_PAGES = 13
+LARGEST_NUMBER_OF_PAGES = 14
 NOT_PAGES = {
     "decisions.md",
     "scoreboard.md",
