@@ -78,9 +78,9 @@ def stored(name, compute):
     return io.read(path, "flow")
 
 
-def reference(mesh_factor, gas=None, name="reference", **torch):
-    """Cold start on a mesh, with another torch or probe if given; in another gas under another name."""
-    name = "_".join([name, f"{mesh_factor:g}", *(f"{key}-{value}" for key, value in torch.items())])
+def reference(mesh_factor, gas=None, **torch):
+    """Cold start on a mesh, with another torch or probe if given."""
+    name = "_".join(["reference", f"{mesh_factor:g}", *(f"{key}-{value}" for key, value in torch.items())])
     return stored(
         name,
         lambda: stage.cold_start(

@@ -1,11 +1,10 @@
 """Jets of the torch with radiation loss and mixing, and what probes read in them.
 
-    python benchmarks/plasmatron_jets.py [--count N] [--nitrogen]
+    python benchmarks/plasmatron_jets.py [--count N]
 
-Two pressures, three mixing lengths, five powers, on 5 000 triangles. Needs results/gas/air11.nc; keeps its
+Two pressures, three mixing lengths, three powers, on 5 000 triangles. Needs results/gas/air11.nc; keeps its
 flows in results/benchmark_flow, takes up where it stopped and writes src/plasmapyro/data/facility/jets.csv,
-of which `facility.prediction` is made. With --nitrogen two jets in N2 near the pair of that gas, in
-docs/plasmatron_nitrogen.csv. Some 10 CPU minutes.
+of which `facility.prediction` is made; rows that are there are kept. Some 5 CPU minutes.
 """
 
 import argparse
@@ -14,22 +13,18 @@ import itertools
 import logging
 
 import flow as bench  # first: it sets one thread
-import numpy as np
 
 from plasmapyro import io
 from plasmapyro.facility.stage import probe_readings
 from plasmapyro.flow.continuation import NotConverged
-from plasmapyro.gas.stage import gas_table
 from plasmapyro.radiation.net_emission import net_emission
 
 TABLE = bench.ROOT / "src/plasmapyro/data/facility/jets"
 MESH = 2.0
 PRESSURES = (5e3, 1e4)  # [Pa]
 MIXING = (0.0, 0.06, 0.12)
-POWERS = (95e3, 130e3, 65e3), (180e3, 45e3)  # [W], first and last of all cases; each from the nearest before
+POWERS = (95e3, 130e3, 65e3)  # [W], each from the nearest before
 ABSORPTION_RADIUS = 0.04  # [m]
-NITROGEN = [*itertools.product((1e4,), (0.0, 0.06), (180e3,))]  # pressure [Pa], mixing, power [W]
-NITROGEN_MESH = 1.0  # on 5 000 triangles its energy does not close to 2 %
 RATES, RECOMBINATION, NOSES = ("kossyi", "park"), (0.1, 0.01), (0.025, 0.0125, 0.005)
 PROBES = {"rates": RATES, "recombination": RECOMBINATION, "pitot_radius": NOSES}
 KEYS = ("pressure [Pa]", "mixing [1]", "power [kW]")
@@ -71,42 +66,20 @@ def write(rows):
         certificate.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def kept(name, contract, compute):
-    """A dataset of the store; computed first if it is not there."""
-    path = bench.STORE / f"{name}.nc"
+def main(count):
+    gas, path = bench.air(), bench.STORE / "emission.nc"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        io.write(compute(), path, contract)
-    return io.read(path, contract)
-
-
-def nitrogen():
-    """Jets in N2, into their own table."""
-    grid = {"temperature": np.arange(200.0, 15001.0, 25.0), "pressure": np.array([4e3, 5e3, 8e3, 1e4, 1.5e4])}
-    gas = kept("nitrogen", "gas", lambda: gas_table(**grid, nitrogen=1.0))
-    rows = []
-    jets(gas, "nitrogen_", bench.reference(NITROGEN_MESH, gas, name="nitrogen"), NITROGEN, rows, -1)
-    bench.write_table("plasmatron_nitrogen", rows)
-
-
-def air(count):
-    """Jets in air, into the table of the package."""
-    cases = [case for powers in POWERS for case in itertools.product(PRESSURES, MIXING, powers)]
-    jets(bench.air(), "", bench.reference(MESH), cases, bench.read_table(TABLE.with_suffix(".csv")), count)
-
-
-def jets(gas, prefix, start, cases, rows, count):
-    """Compute the cases that `rows` lack, at most `count`, and append them."""
-    emission = kept(
-        f"{prefix}emission", "net_emission", lambda: net_emission(gas, absorption_radius=ABSORPTION_RADIUS)
-    )
-    known = []
+        io.write(net_emission(gas, absorption_radius=ABSORPTION_RADIUS), path, "net_emission")
+    emission, start = io.read(path, "net_emission"), bench.reference(MESH)
+    known, rows = [], bench.read_table(TABLE.with_suffix(".csv"))
     done = {tuple(float(row[key]) for key in KEYS) for row in rows}
-    for pressure, mixing, power in cases:
-        name = f"jets/{prefix}{pressure / 100:g}mbar_{mixing:g}_{power / 1e3:g}kW"
+    for pressure, mixing, power in itertools.product(PRESSURES, MIXING, POWERS):
+        name = f"jets/{pressure / 100:g}mbar_{mixing:g}_{power / 1e3:g}kW"
         changes = {"numerical_power": power, "chamber_pressure": pressure}
         changes |= {"mixing": mixing, "radiation_factor": 1.0}
-
+        if (pressure, mixing, power / 1e3) in done and not (bench.STORE / f"{name}.nc").exists():
+            continue
         if count == 0 and (pressure, mixing, power / 1e3) not in done:
             return
 
@@ -122,8 +95,7 @@ def jets(gas, prefix, start, cases, rows, count):
             continue
         rows.append(row_of(known[-1], gas))
         logging.warning("%s: %s", name, rows[-1])
-        if not prefix:
-            write(rows)
+        write(rows)
         count -= 1
 
 
@@ -132,7 +104,5 @@ if __name__ == "__main__":
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--count", type=int, default=-1, help="cases that are computed now (default: all)")
-    parser.add_argument("--nitrogen", action="store_true", help="the jets in N2")
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
-    options = parser.parse_args()
-    nitrogen() if options.nitrogen else air(options.count)
+    main(parser.parse_args().count)
