@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro.identification import identify as module
+from plasmapyro.identification.peaks import noise_of
 from plasmapyro.identification.species import AIR, Species, catalogue
 from plasmapyro.readers.spectrum import read_frames
 
@@ -84,7 +85,7 @@ def signal_to_noise(much, little, share, element):
         np.concatenate([one.fit.matched for one in minor.named if one.species.element == element] or [[]])
     ).astype(int)
     at = minor.peaks.wavelength[lines]
-    noise = np.where(np.isfinite(major.peaks.limit), (major.peaks.limit - major.peaks.above) / 5, np.inf)
+    noise = np.where(np.isfinite(major.peaks.limit), noise_of(light), np.inf)
     ratios = np.interp(at, axis, minor.peaks.above) * scale / np.interp(at, axis, noise)
     return np.sort(ratios)[-2] if ratios.size > 1 else 0.0
 

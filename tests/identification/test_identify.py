@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.identification.identify import identify
+from plasmapyro.identification.peaks import find
 
 SURE = 0.9
 
@@ -58,6 +59,16 @@ def test_lines_at_random_have_no_name(seed):
 def test_noise_has_no_name():
     axis, counts = made.spectrum([(600.0, 1e-9)], peak=0.0)
     assert names(identify(axis, counts)) == set()
+
+
+def test_a_pattern_of_odd_and_even_pixels_hides_no_line():
+    """Converters that read odd and even pixels apart: an alternation three times the noise."""
+    axis = np.arange(300.0, 900.0, 0.1) * 1e-9
+    line = 150 * np.exp(-(((axis - 600e-9) / 0.2e-9) ** 2))
+    counts = np.random.default_rng(1).poisson(300 + line) + 60.0 * (-1) ** np.arange(axis.size)
+    found = find(axis, counts)
+    assert np.abs(found.wavelength - 600e-9).min() < 0.05e-9
+    assert found.wavelength.size < 0.005 * axis.size  # the others are noise
 
 
 def test_a_flat_record_is_refused():

@@ -72,15 +72,15 @@ def run(options):
     inputs = [options.spectrum, options.dark]
     require_writable([path for path in (options.out, options.plot) if path], inputs)
     axis, frames = read_frames(options.spectrum)
+    noise = _noise(frames) if len(frames) >= LEAST_FRAMES else None
     if options.dark:
         dark_axis, dark = read_frames(options.dark)
         if dark_axis.shape != axis.shape or np.abs(dark_axis - axis).max() > 1e-12:
             raise ValueError(f"{options.dark}: has other wavelengths than {options.spectrum}; take it again")
+        noise = np.hypot(noise, _noise(dark)) if noise is not None and len(dark) >= LEAST_FRAMES else noise
         frames = frames - dark.mean(axis=0)
     if options.vacuum:
         axis = air_wavelength(axis)
-    noise = frames.std(axis=0, ddof=1) / np.sqrt(len(frames)) if len(frames) >= LEAST_FRAMES else None
-    noise = None if noise is None else np.maximum(noise, np.median(noise))
     answer = identify(
         axis,
         frames.mean(axis=0),
@@ -98,6 +98,12 @@ def run(options):
 
         draw(answer, options.least_probability, [options.plot])
     sys.stdout.write(words(answer, rows))
+
+
+def _noise(frames):
+    """Standard deviation (N,) of the mean of frames, from their scatter; at least the median."""
+    noise = frames.std(axis=0, ddof=1) / np.sqrt(len(frames))
+    return np.maximum(noise, np.median(noise))
 
 
 def row(one, answer):

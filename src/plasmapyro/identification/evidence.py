@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import log_ndtr
 
 TEMPERATURES = (2500.0, 4500.0, 8000.0, 13000.0)  # [K]
 DEPTHS = (0.1, 10.0, 200.0)  # of the line of most optical depth
@@ -91,14 +91,17 @@ class Scene:
         near = np.abs(at[:, None] - at) < AROUND
         count = near.sum(axis=1)
         slit = np.interp(at, peaks.axis, peaks.slit)
-        reach = np.minimum(at + AROUND, peaks.axis[-1]) - np.maximum(at - AROUND, peaks.axis[0])
-        density = np.maximum(count / reach, SPREAD / slit)
+        seen = np.diff(peaks.axis) * np.isfinite(peaks.limit[1:])  # a clipped stretch holds no peak by chance
+        reach = np.concatenate([[0.0], np.cumsum(seen)])
+        reach = np.interp(at + AROUND, peaks.axis, reach) - np.interp(at - AROUND, peaks.axis, reach)
+        density = np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
         wide = [self.log[np.abs(at - one) < REGION] for one in at]
         middle = np.array([np.median(some) for some in wide])
         scatter = [1.48 * np.median(np.abs(some - m)) for some, m in zip(wide, middle, strict=True)]
         self.chance = density * self._tailed(self.log - middle, np.maximum(scatter, 1.0))
         self.error = np.hypot(place * slit, STARK * (peaks.width - slit))
         self.expected = {}  # of species: what does not depend on the others
+        self.fits = {}  # of species: what others explained of its peaks when it was fitted last, and the fit
 
     def without(self, explained):
         """Density of the peaks (P,) by chance or by what is explained [m-1]."""
@@ -137,8 +140,18 @@ class Scene:
         expected = self.expected[species]
         if expected is None:
             return None
+        groups = expected[0]
+        beside = np.zeros((2, groups.size))
+        if others is not NOTHING:
+            beside[:] = others.light[groups], others.place[groups]
+        known = self.fits.get(species)  # most of what is named has no line among these peaks
+        if known is None or not np.array_equal(known[0], beside):
+            known = self.fits[species] = beside, self._fit(species, expected, others, beside)
+        return known[1]
+
+    def _fit(self, species, expected, others, before):
+        """As `fit`; `before` (2, G): light and place of what others explain of its peaks."""
         peaks, groups, own, place, (lost, absent) = self.peaks, *expected
-        before = (0.0, 0.0) if others is NOTHING else (others.light[groups], others.place[groups])
         total = own + before[0]
         centre = (own * place + before[0] * before[1]) / np.maximum(total, 1e-300)
         sigma = np.hypot(self.error[groups], species.error)
@@ -153,7 +166,7 @@ class Scene:
         full, where = np.zeros((2, peaks.light.size))
         full[groups], where[groups] = own, place[s]
         return Fit(
-            float(logsumexp(score) - np.log(score.size)),
+            float(np.log(np.mean(np.exp(score - score[a, s]))) + score[a, s]),
             *self.settings[s],
             Explained(full, where),
             groups[for_it],

@@ -8,6 +8,9 @@ from scipy.signal import find_peaks, peak_widths
 
 DETECTED = 5.0  # standard deviations of a peak
 NOISE_WINDOW = 151  # channels
+DEAD_WINDOW = 15  # channels, of which a third at the lowest value are clipped
+SMOOTH = np.array([1.0, 2.0, 1.0]) / 4
+SMOOTH_GAIN = np.sqrt(2)  # of third differences of noise that was smoothed so: sums of squares 12/16 and 6/16
 WING = 25  # channels to either side within which a peak must stand out
 
 
@@ -42,18 +45,17 @@ class Peaks:
     snr: np.ndarray
 
 
-def noise_of(signal):
+def noise_of(signal, gain=20**0.5):
     """Standard deviation (N,) of the noise of a spectrum, from its third differences around each channel.
 
     The lower quartile of their size is taken: lines make them larger in few channels. A record that was
-    clipped at zero is given that of the channels around.
+    clipped at zero is given that of the channels around. `gain`: rms of the third differences of noise over
+    that of the noise, the root of 20 if it is independent.
     """
     third = np.abs(np.convolve(signal, [1, -3, 3, -1], mode="same"))
     third[:2] = third[-2:] = np.median(third)
-    quartile = percentile_filter(
-        third, 25, NOISE_WINDOW
-    )  # of |normal|: 0.3186 sigma; the sum of squares is 20
-    sigma = gaussian_filter1d(quartile, NOISE_WINDOW / 4) / (0.3186 * np.sqrt(20))
+    quartile = percentile_filter(third, 25, NOISE_WINDOW)  # of |normal|: 0.3186 sigma
+    sigma = gaussian_filter1d(quartile, NOISE_WINDOW / 4) / (0.3186 * gain)
     if not (third > 0).any():
         raise ValueError("the spectrum is flat: there is nothing to name")
     typical = np.median(sigma[sigma > 0]) if (sigma > 0).any() else third.max()
@@ -78,7 +80,12 @@ def find(axis, signal, noise=None, slit=None):
     -------
     Peaks
     """
-    noise = noise_of(signal) if noise is None else np.broadcast_to(noise, signal.shape)
+    signal = np.asarray(signal, dtype=float)
+    dead = uniform_filter1d((signal == signal.min()).astype(float), DEAD_WINDOW) > 0.3
+    # Lines are wider than a channel: a pattern of odd and even channels goes, and most of the noise.
+    signal = np.convolve(np.pad(signal, 1, mode="edge"), SMOOTH, mode="valid")
+    own = noise_of(signal, SMOOTH_GAIN)
+    noise = own if noise is None else np.maximum(own, np.sqrt(np.sum(SMOOTH**2)) * noise)
     step = np.gradient(axis)
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
     channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
@@ -91,7 +98,6 @@ def find(axis, signal, noise=None, slit=None):
     width = np.maximum(channels * step[found], slit[found])
     floor = gaussian_filter1d(minimum_filter1d(signal, 2 * WING + 1), WING)
     above = np.maximum(signal - floor, 0.0)
-    dead = uniform_filter1d((signal == signal.min()).astype(float), NOISE_WINDOW) > 0.3
     return Peaks(
         axis,
         above,
