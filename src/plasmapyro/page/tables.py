@@ -81,7 +81,7 @@ def key_numbers(report):
     elif joint is not None:
         words = "all named causes are right" if several else "the named cause is right"
         boxes.append((probability(joint), f"probability that {words}"))
-    if verdict["named"]:
+    if verdict["named"] and extended and extended["applied"]:
         shift, causes = kelvin(verdict["temperature_shift"]), "causes" if several else "cause"
         boxes.append((shift, f"change of temperature by the named {causes}, at worst"))
     boxes += [
