@@ -40,13 +40,13 @@ def other_tests(wildcards):
 
 
 # Gases that a test and those at other conditions are compared with, each with the powers beside it.
-LADDERS = sorted(
-    {one for condition in COMPARED.values() for one in configuration.ladder(CONDITIONS, condition)}
-)
+def ladders(wildcards):
+    found = {COMPARED.get(wildcards.test), *map(COMPARED.get, DIAGNOSED)} - {None}
+    return sorted({one for condition in found for one in configuration.ladder(CONDITIONS, condition)})
 
 
 MODEL = dict(  # what the model of a test is made of, besides the test
-    radiation=expand("results/radiation/{condition}.nc", condition=LADDERS),
+    radiation=lambda wildcards: expand("results/radiation/{condition}.nc", condition=ladders(wildcards)),
     variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),
     response="results/instrument/response.nc",
     calibration="results/instrument/calibration.nc",

@@ -11,7 +11,7 @@ RESULTS += expand("results/extended/diagnosis/{test}/diagnosis.json", test=EXTEN
 def extended_gas(wildcards):
     """The light of the gas for the model of a test: that of its own condition as extended."""
     own = COMPARED[wildcards.test]
-    return [f"results/{'extended/' if name == own else ''}radiation/{name}.nc" for name in LADDERS]
+    return [f"results/{'extended/' if name == own else ''}radiation/{name}.nc" for name in ladders(wildcards)]
 
 
 EXTENDED_MODEL = MODEL | {"radiation": extended_gas}
