@@ -206,6 +206,8 @@ def _temperature(done):
 def _worse(one):
     """Whether the extended temperature errs more than the base one by a standard deviation."""
     row = one["score"]["temperature"]
+    if row["base"]["rms"] is None:  # no time of the test is judged
+        return False
     return row["extended"]["rms"] > row["base"]["rms"] + row["base"]["sigma"]
 
 

@@ -196,7 +196,7 @@ def _ladder(axes, ladder):
         axes.set_xscale("log")
         axes.set_xticks(snr, [f"{one:g}" for one in snr])
         axes.minorticks_off()
-        axes.legend(loc="lower right")
+        axes.legend(loc="best")
     axes.set(xlabel="signal-to-noise ratio of the hidden effect", ylabel="share of cases", ylim=(-0.02, 1.02))
     axes.set_title("One hidden effect, 95 % intervals")
 
