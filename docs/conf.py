@@ -13,6 +13,7 @@ from plasmapyro.report.captions import describe
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PACKAGE = ROOT / "src/plasmapyro"
 CHAPTERS = {  # parts of the package in the order of the chain
     "gas": "Composition and transport of the gas",
     "flow": "Torch and jet",
@@ -29,7 +30,9 @@ CHAPTERS = {  # parts of the package in the order of the chain
     "estimate": "Joint estimate",
     "identification": "Lines of a spectrum",
     "diagnosis": "Diagnosis",
+    "campaign": "A campaign of tests",
     "facility": "The real Plasmatron",
+    "refraction": "Wavelengths in air and in vacuum",
 }
 NOTEBOOK = '\n\n<a href="tutorial.ipynb">This page as a notebook of Jupyter.</a>\n'
 
@@ -53,7 +56,7 @@ def write_pages(app):
     place.mkdir()
     for part, title in CHAPTERS.items():
         lines = [f"# {title}", ""]
-        for path in sorted((ROOT / "src/plasmapyro" / part).rglob("*.py")):
+        for path in sorted([*PACKAGE.glob(f"{part}.py"), *PACKAGE.glob(f"{part}/**/*.py")]):
             if "Parameters\n" in path.read_text(encoding="utf-8"):
                 name = ".".join(path.relative_to(ROOT / "src").with_suffix("").parts)
                 box = ["```{eval-rst}", f".. automodule:: {name}", "```"]

@@ -70,6 +70,18 @@ def test_there_are_few_pages_and_the_readme_names_each():
     assert not [name for name in pages if f"(docs/{name})" not in readme]
 
 
+def test_the_site_holds_every_page_and_every_formula():
+    """What `make site` would refuse, or leave out, later."""
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8").splitlines()
+    assert not [page.stem for page in (ROOT / "docs").glob("*.md") if page.stem not in ("index", *index)]
+    listed = (ROOT / "docs/reference.md").read_text(encoding="utf-8").splitlines()
+    package = ROOT / "src/plasmapyro"
+    for path in package.rglob("*.py"):
+        if ".. math::" in path.read_text(encoding="utf-8"):
+            part = path.relative_to(package).parts[0].removesuffix(".py")
+            assert f"reference/{part}" in listed, path
+
+
 @parametrize("page", PAGES)
 def test_links_lead_somewhere(page):
     text = page.read_text(encoding="utf-8")
