@@ -70,7 +70,7 @@ def systems_of(fitter, fit):
     by_power = share @ there
     ratio, error = ratio * by_power, error * by_power
     for place, name in enumerate(library.group_name):
-        if not error[place] < UNSEEN:
+        if not 0 < error[place] < UNSEEN:  # 0 of a group without light
             continue
         light = library.group[place]
         first, last = library.wavelength[np.searchsorted(np.cumsum(light) / light.sum(), MIDDLE)]
