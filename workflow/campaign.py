@@ -12,7 +12,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 sys.path.insert(0, str(Path(__file__).parent))
 from powers import ladder
@@ -88,7 +87,7 @@ def last_test(plan, inputs):
     last = plan["tests"][-1]
     folder = Path(last["diagnosis"]).parents[1]
     known = found_in(until(plan, last["name"])).next
-    truth, whole = (xr.load_dataset(folder / f"{name}.nc") for name in ("truth", "test"))
+    truth, whole = (io.read(folder / f"{name}.nc", name) for name in ("truth", "test"))
     yield "| last test | error, K (rms) | stated, K | with the campaign: error, K | stated, K |"
     yield "|---|---|---|---|---|"
     for name, test in (("both instruments", whole), ("pyrometer alone", runs.without_spectra(whole))):
