@@ -4,12 +4,12 @@ Boxes of Python share one namespace, as in a notebook. What one prints stands in
 what it draws is the picture linked next.
 """
 
+import argparse
 import base64
 import contextlib
 import io
 import os
 import re
-import sys
 from pathlib import Path
 
 import nbformat
@@ -52,9 +52,11 @@ def notebook(page):
     return nbformat.writes(make.new_notebook(cells=cells))
 
 
-def main(path):
+def main():
     """Write the answers into the page and the pictures beside it."""
-    page = Path(path)
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("page", type=Path)
+    page = options.parse_args().page
     answers = iter(run(page, page.parent / "figures"))
 
     def answered(box):
@@ -67,4 +69,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()
