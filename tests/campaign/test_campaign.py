@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from invented import REFERENCE, campaign, plan_and_reports
+from invented_campaigns import REFERENCE, campaign, plan_and_reports
 
 from plasmapyro import cli
 from plasmapyro.campaign import stage

@@ -238,7 +238,7 @@ YAML = {
     "an outside file": ("pyrometer:\n  file: ../secret.csv\n", "must name a file inside the test folder"),
     "a deep nest": ("a: " + "[" * 40 + "]" * 40 + "\n", "nested too deeply"),
     "a tag": ("a: !!python/object/apply:os.system [ls]\n", "a is not a known key"),
-    "no instrument": ("", "neither a pyrometer nor a spectrometer"),
+    "no instrument": ("", "describes no pyrometer, spectrometer or radiometer"),
     "a wrong unit": (samples.CSV.replace("nA", "nm"), "'nm' is not a unit of signal_wide"),
     "a list for a section": ("pyrometer: [a]\n", "pyrometer must hold keys and values"),
     "broken": ("pyrometer: {a\n", "not readable as YAML"),

@@ -11,7 +11,7 @@ EXPOSURES = config["instrument"]["spectrometer_counts"]
 
 rule response:
     input:
-        [config["instrument"]["bands"]] if "bands" in config["instrument"] else [],
+        bands=[config["instrument"]["bands"]] if "bands" in config["instrument"] else [],
     output:
         "results/instrument/response.nc",
     log:

@@ -7,5 +7,6 @@ from plasmapyro.readers.instrument import read_instrument
 
 io.log_to(snakemake.log[0])
 keys = snakemake.params
-result = read_instrument(snakemake.input[0]) if snakemake.input else band_response(**in_si(keys))
+files = snakemake.input.bands
+result = read_instrument(files[0]) if files else band_response(**in_si(keys))
 io.write(result, snakemake.output[0], "response", sources=snakemake.input, config=dict(keys))
