@@ -14,6 +14,7 @@ FILES = {  # contract -> where a run leaves it; "" for files that only commands 
     "facility": "results/facility.nc",
     "sightline": "results/sightline/{condition}.nc",
     "surface_view": "results/surface_view/{condition}.nc",
+    "radiometer_calibration": "",
     "radiation": "results/radiation/{condition}.nc",
     "spectrum": "",
     "reflected_radiance": "results/reflection/{condition}.nc",

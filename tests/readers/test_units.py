@@ -21,6 +21,10 @@ SIZES = {  # variable -> unit as written -> value of 1 in SI, written out
     "source_temperature": {"K": 1, "degC": 1, "C": 1, "\u00b0C": 1},
     "wavelength": {"m": 1, "um": 0.000001, "\u00b5m": 0.000001, "nm": 0.000000001, "Angstrom": 0.0000000001},
     "counts": {"count": 1, "counts": 1},
+    # A signal of a radiometer stays in the unit of its calibration; a share may come in per cent.
+    "radiometer_signal": dict.fromkeys(("1", "V", "mV", "uV", "count", "counts"), 1)
+    | dict.fromkeys(("A", "mA", "uA", "nA", "pA", "W"), 1)
+    | {"%": 0.01},
     "spectral_radiance": {
         "W m-2 sr-1 m-1": 1,
         "W/m2/sr/m": 1,
