@@ -7,6 +7,8 @@ import pytest
 from matplotlib import image
 from pages import ROOT
 
+from plasmapyro import progress
+
 sys.path.insert(0, str(ROOT / "workflow"))
 import notebook  # noqa: E402
 
@@ -21,6 +23,7 @@ def pictures(tmp_path_factory):
 
 def test_the_tutorial_prints_and_draws_what_stands_on_it(pictures, monkeypatch):
     monkeypatch.chdir(ROOT)
+    monkeypatch.setattr(progress.LOG, "handlers", [])  # of commands that other tests called
     for number, (stated, printed) in enumerate(notebook.run(PAGE, pictures)):
         assert stated == printed, f"box {number}; python workflow/notebook.py docs/tutorial.md"
     drawn = list(pictures.iterdir())
