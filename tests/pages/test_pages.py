@@ -214,6 +214,9 @@ def project(tmp_path_factory):
         for _, rest, content in fences(page):
             if rest.startswith("file=config/"):
                 io.write_text(content, place / rest.removeprefix("file="))
+    for command in all_commands("cp"):
+        if command.words[1].startswith("config/"):
+            shutil.copy(place / command.words[1], place / command.words[2])
     if (place / "config/study.yaml").exists():
         shutil.copy(place / "config/study.yaml", place / "my_study.yaml")
     return place
