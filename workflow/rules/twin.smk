@@ -29,7 +29,9 @@ def beside(test):
     told, (own, *_) = TESTS[test]["twin"], TESTS[test]["twin"]["gas"]
     if not any(one["effect"] == "power" for one in told.get("effects", [])):
         return []
-    rungs = configuration.ladder(CONDITIONS, own)
+    # What is true of a test of the paper's does not depend on the conditions that a user adds.
+    known = {name: CONDITIONS[name] for name in (PAPER if own in PAPER else CONDITIONS)}
+    rungs = configuration.ladder(known, own)
     at = rungs.index(own)
     return [*rungs[max(at - 1, 0) : at], *rungs[at + 1 : at + 2]]
 
