@@ -12,8 +12,10 @@ from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.lines import BAND
 from plasmapyro.radiation.path import gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
+from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.radiation.systems import component_uncertainty
 from plasmapyro.radiation.uncertainty import COMMON, LEAST_STRENGTH, OF_BAND, WIDTH, error_modes
+from plasmapyro.sightline.stage import equilibrium_sightline
 
 SLIT = 0.75e-9
 RANGE = (765e-9, 800e-9)  # O I 777, N2 1P 2-0 and others
@@ -117,3 +119,15 @@ def test_every_system_begins_with_its_strength_as_a_whole(modes):
     assert {cause for cause, _ in first.values()} == {"strength"}
     for _, row in first.values():
         assert np.ptp(row[row > 0]) < 1e-12
+
+
+@pytest.mark.parametrize("temperature", [300.0, 6000.0], ids=["dark", "bright"])
+def test_gas_of_any_brightness_has_finite_modes(temperature):
+    """At room temperature no gas shines; at the end of the tables systems reach in by tails alone."""
+    distance = np.linspace(0.0, 0.1, 4)
+    line = equilibrium_sightline(distance, temperature + 0 * distance, 5000.0)
+    found = line_of_sight_radiance(
+        line, None, wavelength_range=(1180e-9, 1200e-9), grid_points=40000, slit_fwhm=0.5e-9
+    )
+    assert np.isfinite(found.error_share).all()
+    assert found.sizes["error_mode"] > 30 if temperature > 5000 else found.sizes["error_mode"] == 0

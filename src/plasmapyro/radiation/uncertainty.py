@@ -23,6 +23,7 @@ MISSING = {"NO 11000 A": (970e-9, 1070e-9, 0.7)}
 Bands 3d-3p of NO, by analogy with sodium (see `band_systems`): as at 5000 K, where most of NO radiates."""
 FAINT = 2e-3  # [1] of the light at their brightest: fainter modes of one system and cause become one
 STRENGTHS = ("strength", "multiplet", "sequence")  # causes that scale a system or groups of its lines
+TINY = 1e-300  # of any light: none
 SEEN = 1e-9  # of the brightest light of a component: below, nothing is shared out
 
 
@@ -73,7 +74,7 @@ def error_modes(path, thin_lines, wavelength, slit_fwhm, component, radiance, st
     ASSUME: causes are independent; densities and temperatures are not among them.
     """
     lines = {one.component: (one, values) for one, values in thin_lines}
-    whole, sigma = radiance.sum(axis=0), slit_fwhm / FWHM_PER_SIGMA
+    whole, sigma = np.maximum(radiance.sum(axis=0), TINY), slit_fwhm / FWHM_PER_SIGMA
     found = []
     for name, light, own in zip(component, radiance, stated, strict=True):
         if not light.any():
@@ -99,8 +100,8 @@ def error_modes(path, thin_lines, wavelength, slit_fwhm, component, radiance, st
             rest = np.sqrt(np.sum(share[~large] ** 2, axis=0, keepdims=True))
             kept = np.concatenate([share[large], rest[rest.any(axis=1)]])
             found += [(row, name, cause) for row in kept]
-    share, system, cause = zip(*found, strict=True)
-    return ErrorModes(np.array(share), tuple(map(str, system)), cause)
+    share = np.array([row for row, *_ in found]).reshape(-1, wavelength.size)  # gas that is dark has none
+    return ErrorModes(share, tuple(str(name) for _, name, _ in found), tuple(cause for *_, cause in found))
 
 
 def _of_lines(lines, values, path, wavelength, sigma):
@@ -111,7 +112,7 @@ def _of_lines(lines, values, path, wavelength, sigma):
     away = wavelength - 1 / lines.wavenumber[:, None]
     light = values[:, None] * voigt_profile(away, sigma, hwhm[:, None])
     wider = values[:, None] * voigt_profile(away, sigma, (1 + WIDTH) * hwhm[:, None]) - light
-    total = light.sum(axis=0)
+    total = np.maximum(light.sum(axis=0), TINY)
     error = lines.strength_uncertainty[:, None] * light / total
     _, family = np.unique(lines.family, return_inverse=True)
     return [
@@ -136,6 +137,8 @@ def _of_bands(lines, values, wavelength, sigma, size):
     step = (wavelength[-1] - wavelength[0]) / (wavelength.size - 1)
     place = np.rint((1 / lines.wavenumber - wavelength[0]) / step).astype(int)
     inside = (place >= 0) & (place < wavelength.size)
+    if not inside.any():  # what reaches into the range are tails of lines beside it
+        return []
     band, family = np.unique(lines.family[inside], return_inverse=True)
     flat = family * wavelength.size + place[inside]
     light = np.bincount(flat, values[inside], band.size * wavelength.size).reshape(band.size, -1)
