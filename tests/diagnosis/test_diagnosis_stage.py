@@ -56,9 +56,7 @@ def test_without_its_name_the_deposit_is_something_unknown_or_a_near_relation(di
     verdict = diagnosed(without=("winE",), window_loss=LOSS).report["verdict"]
     assert verdict["status"] != "null"
     relations = {"winE_sl", "winD", "winD_sl", "eps_ox", "eps_T", "edge_s"}
-    assert (
-        verdict["status"] in ("unknown", "named+unknown", "not-adequate") or set(verdict["named"]) & relations
-    )
+    assert verdict["status"] in ("unknown", "named+unknown") or set(verdict["named"]) & relations
 
 
 def test_what_no_name_explains_widens_the_interval(diagnosed):

@@ -10,7 +10,7 @@ from plasmapyro.diagnosis.fit.setting import WIDE, free_numbers, numbers_of, wit
 
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the brightness of the gas beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
-MOST_STEPS = 25
+MOST_STEPS = 50  # in the valley between an emittance that ages and a deposit 25 are too few
 AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
