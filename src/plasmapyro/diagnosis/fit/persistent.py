@@ -15,10 +15,9 @@ KNOTS = 10  # of each gain over the record
 MEMORY = 0.25  # [1], of the record: correlation time of the gains
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
-LEAST = (
-    1e-4  # [1], of the largest: variance of modes over wavelength that are left out; at 1e-2 the temperature
-)
-# seems twice as sure, because what is left out is what a wrong temperature looks like
+# Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
+# as sure, because what is left out is what a wrong temperature looks like.
+LEAST = 1e-4
 
 
 @dataclass(frozen=True)
