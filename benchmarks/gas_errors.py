@@ -49,7 +49,7 @@ def make(seed, bench):
 
 def truth_of(row, stage, simulated):
     """The laboratory's light over the simulated, of a row's system where that lies; None if it has none."""
-    system = next((name for name in SYSTEMS if row["name"].startswith(f"{name} ")), None)
+    system = next((name for name in SYSTEMS if f"{row['name']} ".startswith(f"{name} ")), None)
     if system is None:
         return None
     first, last = row["wavelength"]

@@ -107,6 +107,17 @@ def test_bands_that_are_too_strong_are_listed_with_sign_and_size(fitted, record,
     assert not any(one.beyond for one in found.systems if "N2 1P" not in one.name)
 
 
+def test_a_gas_of_other_shape_keeps_its_ratios(fitted, record, radiation, axis):
+    """Bands 2.5 times as strong as simulated, and wavy by 10 %, twice what the simulation states.
+
+    Errors relative to the data would draw ratios down together (Peelle's puzzle).
+    """
+    waves = 0.4 * np.exp(0.1 * np.sin(axis / 2.4e-9))
+    found = compared(fitted(record(), foreign(radiation, np.array([1.0 + 0 * axis, 1.0 + 0 * axis, waves]))))
+    bands = [one.ratio for one in found.systems if one.name.startswith("N2 1P")]
+    assert bands == pytest.approx([1 / 0.4] * 3, rel=0.1)  # of what is off, the waves
+
+
 def test_a_line_that_nobody_simulated_is_found_at_its_wavelength(fitted, record, radiation, axis):
     """The simulation lacks the line at 926.6 nm, one of four."""
     gone = np.where(np.abs(axis - 926.6e-9) < 2e-9, 0.0, 1.0)

@@ -52,8 +52,8 @@ def gas_library(condition, radiation, variations, *, fwhm):
 
     components = own["component"].values.astype(str), own["gas_radiance_component_slit"].values
     groups, light = line_groups(axis, *components)
-    strength, shape, systems = _error_modes(own)
-    shape = np.concatenate([shape, _of_scale(axis, light.sum(axis=0), max(fwhm, slit))])
+    (systems, strength), (shape_systems, shape) = _error_modes(own)
+    scale = _of_scale(axis, light.sum(axis=0), max(fwhm, slit))
     names = rungs(condition, radiation)
     return GasLibrary(
         condition=condition,
@@ -68,7 +68,8 @@ def gas_library(condition, radiation, variations, *, fwhm):
         addition=_additions(variations, axis, sigma),
         systems=systems,
         strength_modes=widened(axis, strength, sigma),
-        shape_modes=widened(axis, shape, sigma),
+        shape_systems=(*shape_systems, *[""] * len(scale)),
+        shape_modes=widened(axis, np.concatenate([shape, scale]), sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
         core=None
         if variations is None
@@ -80,23 +81,21 @@ def gas_library(condition, radiation, variations, *, fwhm):
 
 
 def _error_modes(radiation):
-    """Modes (M, K) of the error of a spectrum: in strengths, in shapes; and whose strength the former are.
+    """Errors of a spectrum in strengths, and in shapes: systems (M,) and modes (M, K) of each.
 
     Spectra that do not state modes err in the strengths of their systems alone.
     """
-    component, light = (
-        radiation["component"].values.astype(str),
-        radiation["gas_radiance_component_slit"].values,
-    )
+    component = radiation["component"].values.astype(str)
+    light = radiation["gas_radiance_component_slit"].values
     if "error_share" not in radiation:
         shines = light.any(axis=1)
         size = np.maximum(radiation["component_uncertainty"].values[shines], LEAST_STRENGTH)
-        return size[:, None] * light[shines], np.zeros((0, light.shape[1])), tuple(component[shines])
+        return (tuple(component[shines]), size[:, None] * light[shines]), ((), np.zeros((0, light.shape[1])))
     system = radiation["error_system"].values.astype(str)
     place = [list(component).index(name) for name in system]
     modes = radiation["error_share"].values * light[place]
     strength = np.isin(radiation["error_cause"].values.astype(str), STRENGTHS)
-    return modes[strength], modes[~strength], tuple(system[strength])
+    return tuple((tuple(system[kind]), modes[kind]) for kind in (strength, ~strength))
 
 
 def _of_scale(wavelength, light, fwhm):

@@ -47,6 +47,7 @@ class GasLibrary:
     weakest: np.ndarray
     systems: tuple  # (M,) names of the radiating systems of the strength modes
     strength_modes: np.ndarray  # (M, K) errors of the simulated spectrum, see `radiation.uncertainty`
+    shape_systems: tuple  # the same of the shape modes; '' of errors that the whole light shares
     shape_modes: np.ndarray
     core: tuple | None = None
 

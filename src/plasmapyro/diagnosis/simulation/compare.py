@@ -218,9 +218,13 @@ class Fitter:
             wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
         self.root = self.root_of(simulated.strength * wide, simulated.shape)
 
-    def root_of(self, *modes):
-        """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state."""
-        total = self.measured.covariance + self.simulated.covariance(np.concatenate(modes), self.scale)
+    def root_of(self, *modes, seen=None):
+        """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.
+
+        The data err relative to themselves, or to the light `seen` (C,).
+        """
+        total = self.measured.covariance if seen is None else self.measured.covariance_about(seen)
+        total = total + self.simulated.covariance(np.concatenate(modes), self.scale)
         total[np.diag_indices_from(total)] *= 1 + ROUNDING
         return cholesky(total, lower=True)
 

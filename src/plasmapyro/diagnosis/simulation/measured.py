@@ -9,7 +9,9 @@ from scipy.special import ndtr
 from plasmapyro.diagnosis.fit.inference import pattern_sigmas
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
+NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
 LEAST_SIGMA = 1e-11  # [m]: slits nearer to each other are the same
+MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
 DARK = 1e-3  # [1] of the level: less light is none
 
 
@@ -19,16 +21,34 @@ class MeasuredGas:
     simulation where that of the spectrometer is narrower.
 
     `value` (C,) over `level` (C,), the simulated light (or a share of its mean where it is dark);
-    `covariance` (C, C) of `value`: noise, calibration, what the surface adds; `wavelength` (C,) [m];
+    `covariance` (C, C) of `value`: noise, calibration, the surface; `relative` (C, k): roots r of the part
+    that gains and calibrations have in it, in proportion to the light; `wavelength` (C,) [m];
     `instrument` (C,) the place of the instrument.
     """
 
     value: np.ndarray
     covariance: np.ndarray
+    relative: np.ndarray
     level: np.ndarray
     simulated: np.ndarray
     wavelength: np.ndarray
     instrument: np.ndarray
+
+    def covariance_about(self, light):
+        r"""Covariance (C, C) of `value` whose relative errors are relative to some light L (C,).
+
+        .. math:: C' = C + \sum_k (q r_k)(q r_k)^T - r_k r_k^T, \qquad q = L / y
+
+        Where a model disagrees with the data in shape, errors that are relative to the data pull every fit to
+        too little light.
+
+        Notes
+        -----
+        Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
+        """
+        ratio = np.where(self.value > DARK, light / np.maximum(self.value, DARK), 1.0)
+        moved = self.relative * np.clip(ratio, 1 / MOST, MOST)[:, None]
+        return self.covariance - self.relative @ self.relative.T + moved @ moved.T
 
     def ratio_on(self, axis):
         """Measured over simulated light (K,) along an axis [m], by what the last instrument sees."""
@@ -70,13 +90,18 @@ def measured_gas(model, solution):
                 places.append(np.arange(at, at + one.channels))
             at += one.channels
     places = np.concatenate([[model.size + model.index["gas"]], *places])
+    gains = model.size + np.flatnonzero([one.id not in NO_GAIN for one in model.parameters])
+    count = places.size
+    places = np.concatenate([places, gains])
     chosen = np.zeros((solution.factor[0].shape[0], places.size))
     chosen[places, np.arange(places.size)] = 1.0
     covariance = cho_solve(solution.factor, chosen)[places]
     slope = as_simulated @ np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
+    root = np.linalg.inv(np.linalg.cholesky(covariance[count:, count:]))
     return MeasuredGas(
         value=as_simulated @ value,
-        covariance=slope @ covariance @ slope.T,
+        covariance=slope @ covariance[:count, :count] @ slope.T,
+        relative=slope @ covariance[:count, count:] @ root.T,
         level=level,
         simulated=simulated / level,
         wavelength=np.concatenate([_wavelength(one) for one in model.instruments]),

@@ -46,7 +46,7 @@ class Simulated:
         self.cold = np.full(model.size, COLD)
         self.unit = measured.simulated / self._signals(self.centre, ())
         library = model.library
-        self.systems = library.systems
+        self.systems, self.shape_systems = library.systems, library.shape_systems
         self.strength, self.shape, self.group = (
             self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
         )
@@ -74,3 +74,11 @@ class Simulated:
         simulated = np.where(self.measured.simulated > 0, self.measured.simulated, 1.0)
         scaled = modes * np.clip(light / simulated, FAINTER, BRIGHTER)
         return scaled.T @ scaled
+
+    def groups_of(self, system):
+        """Whether each group of lines (G,) is of a radiating system."""
+        return np.array([f"{system} " in f"{name} " for name in self.model.library.group_name])
+
+    def stronger(self, factors):
+        """The modes of shape (M, C) where systems are {name: factor} as bright as simulated."""
+        return self.shape * np.array([factors.get(name, 1.0) for name in self.shape_systems])[:, None]

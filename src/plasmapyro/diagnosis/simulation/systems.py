@@ -8,6 +8,9 @@ from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH
 
 FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
+ROUNDS = 4  # of the ratios and the light that errors are relative to
+FAINTEST, BRIGHTEST = 0.1, 10.0  # [1], of a system over what is expected, for its errors to follow it
+TINY = 1e-300
 BEYOND = 3.0  # standard deviations from which a system is off
 UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
 NEAR = 3.0  # slits
@@ -60,15 +63,10 @@ def systems_of(fitter, fit):
     """
     simulated, library = fitter.simulated, fitter.simulated.model.library
     plain, power = simulated.light(0.0, 0.0), fitter.light(fit)
-    root = fitter.root_of(simulated.shape)
     there = power / np.maximum(plain, 1e-300)  # of groups too narrow for the change within the others
-    white = fitter.white(simulated.group * there, root)
-    rest = fitter.white(fitter.measured.value - power, root)[0]
-    covariance = np.linalg.inv(white @ white.T + FREE**-2.0 * np.eye(len(white)))
-    ratio, error = 1 + covariance @ (white @ rest), np.sqrt(np.diag(covariance))
     share = simulated.group / np.maximum(simulated.group.sum(axis=1, keepdims=True), 1e-300)
     by_power = share @ there
-    ratio, error = ratio * by_power, error * by_power
+    ratio, error = (by_power * one for one in _measured(fitter, simulated.group * there))
     for place, name in enumerate(library.group_name):
         if not 0 < error[place] < UNSEEN:  # 0 of a group without light
             continue
@@ -88,6 +86,31 @@ def systems_of(fitter, fit):
                 or any(name.startswith(one) for one in fitter.wrong)
             ),
         )
+
+
+def _measured(fitter, groups):
+    """Measured over expected light of groups (G, C), and its error (G,).
+
+    Errors of data and shapes are relative to the light that is found; what the shapes leave beyond their
+    errors makes ratios less certain (R. T. Birge, Phys. Rev. 40, 207 (1932)).
+    """
+    simulated, seen, factors = fitter.simulated, groups.sum(axis=0), {}
+    least, systems = FAINTEST * seen, set(simulated.shape_systems) - {""}
+    for _ in range(ROUNDS):
+        root = fitter.root_of(simulated.stronger(factors), seen=seen)
+        white = fitter.white(groups, root)
+        rest = fitter.white(fitter.measured.value - groups.sum(axis=0), root)[0]
+        covariance = np.linalg.inv(white @ white.T + FREE**-2.0 * np.eye(len(white)))
+        change = covariance @ (white @ rest)
+        seen = np.maximum((1 + change) @ groups, least)
+        for name in systems:
+            own = simulated.groups_of(name)
+            if own.any():
+                found = np.average(1 + change[own], weights=groups[own].sum(axis=1) + TINY)
+                factors[name] = float(np.clip(found, FAINTEST, BRIGHTEST))
+    left = rest - change @ white
+    spread = max(float(left @ left) / max(rest.size - len(groups), 1), 1.0)
+    return 1 + change, np.sqrt(spread * np.diag(covariance))
 
 
 def _stated(simulated, name, light):
