@@ -21,16 +21,20 @@ DPI = 100
 def run(page, pictures):
     """What each box prints, as (text on the page, text printed); draws into the folder `pictures`."""
     os.environ.setdefault("MPLBACKEND", "Agg")
+    import matplotlib
     from matplotlib import pyplot
 
     namespace, answers = {}, []
-    for code, text, picture in BOX.findall(page.read_text(encoding="utf-8")):
-        with contextlib.redirect_stdout(io.StringIO()) as printed:
-            exec(compile(code, page.name, "exec"), namespace)
-        answers.append((text, printed.getvalue()))
-        if picture:
-            pyplot.gcf().savefig(pictures / Path(picture).name, dpi=DPI)
-            pyplot.close("all")
+    pyplot.close("all")
+    with matplotlib.rc_context():  # pictures as a new session draws them
+        matplotlib.rcdefaults()
+        for code, text, picture in BOX.findall(page.read_text(encoding="utf-8")):
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(compile(code, page.name, "exec"), namespace)
+            answers.append((text, printed.getvalue()))
+            if picture:
+                pyplot.gcf().savefig(pictures / Path(picture).name, dpi=DPI)
+                pyplot.close("all")
     return answers
 
 
