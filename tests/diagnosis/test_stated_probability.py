@@ -1,9 +1,12 @@
 """Stated probabilities: the first is the share that was measured, the order stays."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from plasmapyro import tables
+from plasmapyro.diagnosis.report import report
 from plasmapyro.diagnosis.select import probability
 
 LOG = {"winE": 0.0, "winE_sl": -2.0, "none": -9.0, "unknown": -4.0}
@@ -43,3 +46,27 @@ def test_table_rises_within_each_status_and_holds_shares():
         assert np.all(np.diff(table["stated"][own]) > 0) and np.all(np.diff(table["right"][own]) > 0)
     assert np.all((table["right"] > 0) & (table["right"] < 1))
     assert probability.measured_share("named", 1.0) == table["right"][table["status"] == "named"][-1]
+
+
+@pytest.mark.parametrize(
+    ("rounds", "joint"),
+    [
+        ([(), ("a",)], 0.8),
+        ([(), ("a",), ("a", "b")], 0.8 * 0.8),  # told by its evidence, but no surer than the first
+        ([(), ("a",), ("a", "c"), ("a", "b", "d")], 0.8**3),  # c gave way: nothing is known of b and d alone
+    ],
+)
+def test_the_probability_of_all_names_takes_rounds_that_add_one(monkeypatch, rounds, joint):
+    monkeypatch.setattr(report, "log_evidence", lambda solution, size: [0.0, 50.0, 90.0, 80.0][solution])
+    steps = [
+        SimpleNamespace(settings=tuple(SimpleNamespace(id=name) for name in names), solution=place)
+        for place, names in enumerate(rounds)
+    ]
+    findings = SimpleNamespace(
+        final=steps[-1],
+        selection=SimpleNamespace(steps=steps),
+        probability=({"a": 0.8, "b": 0.1}, 1.0),
+        effects=dict.fromkeys(range(30)),
+        size=1,
+    )
+    assert report._joint(findings) == pytest.approx(joint)

@@ -1,5 +1,7 @@
 """The report of a diagnosis, by its schema."""
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.special import expit
 
@@ -232,16 +234,21 @@ def _joint(findings):
               \ln\frac{p_k}{1-p_k} = \ln\frac{Z_k}{Z_{k-1}} + \ln\frac{\pi_k}{\pi_{none}}
 
     with that of the first answer, p_1, as measured on simulated cases, and the evidence Z of each round; no
-    further name is called surer than the first.
+    further name is called surer than the first. A round that put names in the place of others says nothing of
+    one of them: each then counts as the first.
     """
     settings, steps = findings.final.settings, findings.selection.steps
     if not settings:
         return None
     first = max(findings.probability[0].get(setting.id, 0.0) for setting in settings)
     share = prior_share(len(findings.effects)) - np.log(PRIOR_NONE)
-    evidence = [log_evidence(step.solution, findings.size) for step in steps if step.settings]
-    further = expit(np.diff(evidence) + share)
-    return float(first * np.prod(np.minimum(further, first)))
+    further = {setting.id: first for setting in settings}
+    for before, after in pairwise(steps):
+        old, new = ({setting.id for setting in step.settings} for step in (before, after))
+        if old and old < new and len(new - old) == 1:
+            gained = np.subtract(*(log_evidence(step.solution, findings.size) for step in (after, before)))
+            further |= {name: min(float(expit(gained + share)), first) for name in new - old}
+    return float(np.prod([further[setting.id] for setting in settings]))
 
 
 def _name_of_unknown(findings):
