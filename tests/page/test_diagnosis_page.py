@@ -265,3 +265,13 @@ def test_what_contradicts_itself_in_the_data_stands_before_the_verdict(page):
     assert "contradict themselves" not in page
     doubted = report(findings=[{**said, "saw": "x", "severity": "doubt"}])
     assert "doubts about the data" in write_page(doubted, residual_map(), temperature())
+
+
+def test_a_hidden_power_is_found_where_the_gas_tells_it():
+    """The power is no effect of the catalogue: what was found of it stands with the simulation."""
+    hidden = truth()
+    hidden.attrs["hidden"] = '[{"effect": "power", "amplitude": -0.07}]'
+    for power, said in ((0.93, "−0.0700 ± 0.0093 found, 0.0 standard errors off"), (0.98, "– not named")):
+        simulation = report()["simulation"] | {"power": power, "power_error": 0.01}
+        page = write_page(report(simulation=simulation), residual_map(), temperature(), hidden)
+        assert said in Reader(page).words

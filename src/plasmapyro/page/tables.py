@@ -68,6 +68,7 @@ def named(report, ids):
     return ", ".join(known.get(identity, identity) for identity in ids)
 
 
+POWER, FAR = "power", 3.0  # of synthetic gas; standard errors from which a simulated power is wrong
 OWN = {"null": "none", "unknown": "unknown"}  # answer of a verdict without names
 
 
@@ -131,6 +132,9 @@ def hidden(report, truth):
     for one in planted:
         row = entries.get(one["effect"])
         found = one["effect"] in report["verdict"]["named"] and row is not None
+        if one["effect"] == POWER:
+            row = _power(report["simulation"])
+            found = abs(row["amplitude"]) > FAR * row["standard_error"]
         size = with_error(row["amplitude"], row["standard_error"], row["unit"]) if found else DASH
         apart = abs(row["amplitude"] - one["amplitude"]) / row["standard_error"] if found else None
         said = f"found, {apart:.1f} standard errors off" if found else "not named"
@@ -142,6 +146,12 @@ def hidden(report, truth):
             size = with_error(row["amplitude"], row["standard_error"], row["unit"])
             rows.append((known.get(identity, identity), "nothing", size, "a false name"))
     return table(("effect", "#hidden", "#found", ""), rows)
+
+
+def _power(simulation):
+    """What the gas says of its power, as an entry: relative change and standard error."""
+    power = simulation["power"]
+    return {"amplitude": power - 1, "standard_error": power * simulation["power_error"], "unit": "1"}
 
 
 def errors(truth, temperature):
