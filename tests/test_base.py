@@ -1,6 +1,5 @@
 """Guards, tables, contracts and files refuse what is wrong, and say all of it."""
 
-import csv
 import hashlib
 import json
 
@@ -10,6 +9,7 @@ import xarray as xr
 from scipy.constants import physical_constants
 
 from plasmapyro import checks, constants, contracts, io, tables
+from plasmapyro.contracts.variables import rows_of
 
 
 def sightline():
@@ -101,11 +101,17 @@ def test_every_variable_is_in_some_dataset_and_back():
 
 
 def test_a_name_stands_once_in_the_register_and_its_range_is_one():
-    with (tables.files("plasmapyro") / "contracts/variables.csv").open(encoding="utf-8", newline="") as table:
-        rows = list(csv.DictReader(table))
+    rows = rows_of("variables.csv")
     assert len(rows) == len(contracts.VARIABLES)
     assert all(row["unit"] and row["meaning"] and row["may be missing"] in ("", "yes") for row in rows)
     assert all(rule.low < rule.high for rule in contracts.VARIABLES.values())
+
+
+def test_a_name_stands_once_in_a_contract():
+    for contract in contracts.DATASETS:
+        rows = [row for row in rows_of("datasets.csv") if row["contract"] == contract]
+        names = [name.rstrip("?") for row in rows for name in row["variables"].split()]
+        assert len(names) == len(set(names)), contract
 
 
 @pytest.mark.parametrize("bad", [0.0, -5.0, np.nan, np.inf])

@@ -1,6 +1,6 @@
 """What every netCDF file between two stages must contain: names, dims, units, ranges.
 
-`VARIABLES` (in `variables.csv`) says once what a name means; `DATASETS` says which names a file holds.
+`VARIABLES` (variables.csv) says once what a name means, `DATASETS` (datasets.csv) which names a file holds.
 """
 
 from plasmapyro.contracts.check import ContractError, check, label

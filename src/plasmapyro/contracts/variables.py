@@ -18,20 +18,25 @@ class Variable:
     standard_name: str = ""
 
 
+def rows_of(name):
+    """Rows of a register beside this module, as mappings by the names of its columns."""
+    with (files("plasmapyro") / "contracts" / name).open(encoding="utf-8", newline="") as table:
+        return list(csv.DictReader(table))
+
+
 def _register():
-    with (files("plasmapyro") / "contracts/variables.csv").open(encoding="utf-8", newline="") as table:
-        for row in csv.DictReader(table):
-            yield (
-                row["name"],
-                Variable(
-                    "" if row["unit"] == "text" else row["unit"],
-                    row["meaning"],
-                    float(row["lowest"] or -inf),
-                    float(row["highest"] or inf),
-                    row["may be missing"] == "yes",
-                    row["standard name"],
-                ),
-            )
+    for row in rows_of("variables.csv"):
+        yield (
+            row["name"],
+            Variable(
+                "" if row["unit"] == "text" else row["unit"],
+                row["meaning"],
+                float(row["lowest"] or -inf),
+                float(row["highest"] or inf),
+                row["may be missing"] == "yes",
+                row["standard name"],
+            ),
+        )
 
 
 VARIABLES = dict(_register())
