@@ -1,13 +1,15 @@
 """Verdicts say what the numbers say; measurements of claims on curves known by construction."""
 
+import csv
 import json
+from importlib.resources import files
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from plasmapyro.claims import analysis, experiment, flow, premises
-from plasmapyro.claims.claim import Claim
+from plasmapyro.claims.claim import REGISTER, Claim, untestable_claims
 from plasmapyro.claims.stage import as_markdown
 
 
@@ -38,6 +40,13 @@ def test_synthetic_and_untestable_claims_say_so():
     assert claim(95.0, 90, 100, basis="synthetic").verdict == "reproduced (synthetic data)"
     assert claim(120.0, 90, 100, basis="synthetic").verdict == "differs by +20 K (synthetic data)"
     assert claim(95.0, 90, 100, basis="untestable").verdict == "not testable here"
+
+
+def test_a_row_of_the_register_is_a_claim_of_its_own():
+    with (files("plasmapyro") / "claims/claims.csv").open(encoding="utf-8", newline="") as table:
+        keys = [row["key"] for row in csv.DictReader(table)]
+    assert len(keys) == len(set(keys)) == len(REGISTER)
+    assert all(one.basis == "untestable" for one in untestable_claims()) and len(untestable_claims()) == 4
 
 
 def triangular_path():

@@ -1,6 +1,8 @@
-"""One printed number or statement of the paper beside what this chain gives."""
+"""One printed number or statement of the paper beside what this chain gives; the register is `claims.csv`."""
 
-from dataclasses import dataclass
+import csv
+from dataclasses import dataclass, replace
+from importlib.resources import files
 from math import inf, isnan, nan
 
 
@@ -58,4 +60,43 @@ class Claim:
         return f"{self.low:g} to {self.high:g} {self.unit}"
 
 
-UNTESTABLE = nan
+def _register():
+    with (files("plasmapyro") / "claims/claims.csv").open(encoding="utf-8", newline="") as table:
+        return {row["key"]: row for row in csv.DictReader(table)}
+
+
+REGISTER = _register()
+
+
+def claim(key, value, data=None, of=None, **seen):
+    """The claim of the register with our value.
+
+    Parameters
+    ----------
+    key : str, a row of `claims.csv`
+    value : float, in the unit of that row
+    data : Dataset, optional
+        Of the test that the value comes from; what is synthetic makes the claim so.
+    of : str, optional
+        The condition, where each has a claim of its own.
+    seen : numbers and words that fill the braces of statement and remark
+    """
+    row = REGISTER[key]
+    synthetic = data is not None and data.attrs.get("origin") == "synthetic"
+    return Claim(
+        f"{key}_{of}" if of else key,
+        row["section"],
+        row["statement"].format(of=of, **seen),
+        float(value),
+        row["unit"],
+        float(row["low"] or -inf),
+        float(row["high"] or inf),
+        row["remark"].format(of=of, **seen),
+        "synthetic" if synthetic else "simulation",
+    )
+
+
+def untestable_claims():
+    """Claims that rest on data which are not public."""
+    rows = [row for row in REGISTER.values() if row["testable"] == "no"]
+    return [replace(claim(row["key"], nan), basis="untestable") for row in rows]

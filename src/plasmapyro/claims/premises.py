@@ -5,7 +5,7 @@ from math import nan, pi
 
 import numpy as np
 
-from plasmapyro.claims.claim import Claim
+from plasmapyro.claims.claim import claim
 from plasmapyro.conditions import number
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -17,26 +17,9 @@ CORE = 0.5  # [1] of the highest temperature: gas of the jet
 
 def reflection_claims(reflection):
     """Claims on the reflected light of the gas. `reflection`: contract 'reflection', or None."""
-    return [
-        Claim(
-            f"reflection_{surface}",
-            "2, 5.1",
-            f"Reflected light of the gas is negligible for an emittance of 0.8 or more ({surface} sample).",
-            _reflected(reflection, surface) if reflection is not None else nan,
-            "%",
-            0,
-            1,
-            f"By how much it shifts the reading at {AT:.0f} K and emittance 0.8, median of the powers;"
-            " 'negligible' read as below 1 %. " + words,
-        )
-        for surface, words in (
-            ("mirror", "A mirror shows the line of sight once more."),
-            (
-                "matt",
-                "A matt sample scatters light of the torch's bright core, which the line of sight misses.",
-            ),
-        )
-    ]
+    surfaces = ("mirror", "matt")
+    values = [_reflected(reflection, one) if reflection is not None else nan for one in surfaces]
+    return [claim(f"reflection_{one}", value, at=AT) for one, value in zip(surfaces, values, strict=True)]
 
 
 def _reflected(reflection, surface):
@@ -60,82 +43,19 @@ def gas_claims(sightlines, radiances, variations, response, gas):
     -------
     list of Claim
     """
-    shares = [_molecular_share(spectrum, response) for spectrum in radiances]
+    shares = [100 * _molecular_share(spectrum, response) for spectrum in radiances]
     return [
-        Claim(
-            "wall_temperature",
-            "4.1",
-            "The temperature of the probe, 350 K in the simulation, hardly matters for the gas radiance.",
-            _warm_wall(variations, response),
-            "%",
-            0,
-            5,
-            "What a wall at 1600 K adds to the gas in the wide band, the boundary layer keeping its shape;"
-            " 'limited effect' read as below 5 %.",
-        ),
-        Claim(
-            "gas_beyond_the_domain",
-            "4.1",
-            "Beyond the simulated domain the gas may be taken as uniform: it adds nothing.",
-            100 * max(map(_beyond, sightlines, radiances)),
-            "%",
-            0,
-            1,
-            "Even as black as a body can be, at the long end of the spectrum; largest of the powers.",
-        ),
-        Claim(
-            "reynolds_number",
-            "4.1",
-            "The flow is laminar, with a Reynolds number of about 100.",
-            float(np.median([_reynolds_number(line, gas) for line in sightlines])),
-            "1",
-            30,
-            300,
-            "Mass flow over the tube's circumference and the viscosity of the hottest gas on the line of"
-            " sight, median of the powers; 'about' read as within a factor of 3; the paper does not say of"
-            " which length and state.",
-        ),
-        Claim(
-            "grid_independence",
-            "4.1",
-            "The grid does not matter.",
-            100 * float(np.median([_mesh_error(line) for line in sightlines])),
-            "%",
-            0,
-            1,
-            "Largest estimated error of the temperature in the jet from three meshes, median of the powers;"
-            " read as below 1 %. In the first millimetre at the wall it is larger.",
-        ),
-        Claim(
-            "nitrogen_background",
-            "4.2",
-            "The light between the atomic lines is mainly that of the first positive system of N2.",
-            100 * float(np.median(shares)),
-            "%",
-            50,
-            100,
-            "Its share of all that is not atomic lines, in the wide band, median of the powers (all:"
-            f" {100 * min(shares):.0f} to {100 * max(shares):.0f} %).",
-        ),
+        claim("wall_temperature", _warm_wall(variations, response)),
+        claim("gas_beyond_the_domain", 100 * max(map(_beyond, sightlines, radiances))),
+        claim("reynolds_number", np.median([_reynolds_number(line, gas) for line in sightlines])),
+        claim("grid_independence", 100 * np.median([_mesh_error(line) for line in sightlines])),
+        claim("nitrogen_background", np.median(shares), least=min(shares), most=max(shares)),
     ]
 
 
 def design_claims(designs):
     """The claim on the best wavelengths. `designs`: contract 'band_design', or None."""
-    return [
-        Claim(
-            "best_wavelength",
-            "1",
-            "Between 500 and 2500 K the sensitivity is highest around 1 µm.",
-            _best_wavelength(designs) if designs is not None else nan,
-            "nm",
-            900,
-            1100,
-            "Middle of the two bands that measure best without a gas, over design.no_gas_temperature_k and"
-            " the first detector of design.detectors; 'around' read as within 10 %. The detector decides:"
-            " its noise, not the ratio alone.",
-        )
-    ]
+    return [claim("best_wavelength", _best_wavelength(designs) if designs is not None else nan)]
 
 
 def _best_wavelength(designs):

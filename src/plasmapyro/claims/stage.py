@@ -4,12 +4,8 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.claims.analysis import error_claims, radiance_claims, threshold_claims, visibility_claims
-from plasmapyro.claims.experiment import (
-    calibration_claims,
-    correction_claims,
-    spectrometer_claims,
-    untestable_claims,
-)
+from plasmapyro.claims.claim import untestable_claims
+from plasmapyro.claims.experiment import calibration_claims, correction_claims, spectrometer_claims
 from plasmapyro.claims.flow import flow_claims
 from plasmapyro.claims.premises import design_claims, gas_claims, reflection_claims
 
