@@ -9,7 +9,6 @@ import xarray as xr
 from scipy.constants import physical_constants
 
 from plasmapyro import checks, constants, contracts, io, tables
-from plasmapyro.contracts.variables import rows_of
 
 
 def sightline():
@@ -101,7 +100,7 @@ def test_every_variable_is_in_some_dataset_and_back():
 
 
 def test_a_name_stands_once_in_the_register_and_its_range_is_one():
-    rows = rows_of("variables.csv")
+    rows = tables.rows("contracts/variables.csv")
     assert len(rows) == len(contracts.VARIABLES)
     assert all(row["unit"] and row["meaning"] and row["may be missing"] in ("", "yes") for row in rows)
     assert all(rule.low < rule.high for rule in contracts.VARIABLES.values())
@@ -109,7 +108,7 @@ def test_a_name_stands_once_in_the_register_and_its_range_is_one():
 
 def test_a_name_stands_once_in_a_contract():
     for contract in contracts.DATASETS:
-        rows = [row for row in rows_of("datasets.csv") if row["contract"] == contract]
+        rows = [row for row in tables.rows("contracts/datasets.csv") if row["contract"] == contract]
         names = [name.rstrip("?") for row in rows for name in row["variables"].split()]
         assert len(names) == len(set(names)), contract
 

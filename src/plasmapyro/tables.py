@@ -1,4 +1,7 @@
-"""Loader of the data tables in `plasmapyro/data`; a table without a valid certificate is refused."""
+"""Loader of the data tables in `plasmapyro/data`; a table without a valid certificate is refused.
+
+Registers of words and limits, beside the modules that use them, need none: see `rows`.
+"""
 
 import csv
 import hashlib
@@ -106,3 +109,8 @@ def _parsed(name, content, certificate):
             raise ValueError(f"table {name}: column {label!r} has unknown unit {unit!r}")
         columns[label].setflags(write=False)
     return Table(columns, certificate["origin"], certificate["source"])
+
+
+def rows(name):
+    """Rows of a register of the package, such as 'claims/claims.csv', as mappings by names of columns."""
+    return list(csv.DictReader((files("plasmapyro") / name).read_text(encoding="utf-8").splitlines()))

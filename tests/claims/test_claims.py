@@ -1,8 +1,6 @@
 """Verdicts say what the numbers say; measurements of claims on curves known by construction."""
 
-import csv
 import json
-from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ import xarray as xr
 from plasmapyro.claims import analysis, experiment, flow, premises
 from plasmapyro.claims.claim import REGISTER, Claim, untestable_claims
 from plasmapyro.claims.stage import as_markdown
+from plasmapyro.tables import rows
 
 
 def claim(value, low, high, **more):
@@ -43,8 +42,7 @@ def test_synthetic_and_untestable_claims_say_so():
 
 
 def test_a_row_of_the_register_is_a_claim_of_its_own():
-    with (files("plasmapyro") / "claims/claims.csv").open(encoding="utf-8", newline="") as table:
-        keys = [row["key"] for row in csv.DictReader(table)]
+    keys = [row["key"] for row in rows("claims/claims.csv")]
     assert len(keys) == len(set(keys)) == len(REGISTER)
     assert all(one.basis == "untestable" for one in untestable_claims()) and len(untestable_claims()) == 4
 

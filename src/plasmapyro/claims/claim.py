@@ -1,9 +1,9 @@
 """One printed number or statement of the paper beside what this chain gives; the register is `claims.csv`."""
 
-import csv
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from math import inf, isnan, nan
+
+from plasmapyro.tables import rows
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,7 @@ class Claim:
         return f"{self.low:g} to {self.high:g} {self.unit}"
 
 
-def _register():
-    with (files("plasmapyro") / "claims/claims.csv").open(encoding="utf-8", newline="") as table:
-        return {row["key"]: row for row in csv.DictReader(table)}
-
-
-REGISTER = _register()
+REGISTER = {row["key"]: row for row in rows("claims/claims.csv")}
 
 
 def claim(key, value, data=None, of=None, **seen):

@@ -3,7 +3,7 @@
 A row names variables of one contract that stand on the same dimensions; a name that ends in '?' is optional.
 """
 
-from plasmapyro.contracts.variables import rows_of
+from plasmapyro.tables import rows
 
 # Files of the gas of one condition may say which, in attributes: numbers, or text (see `conditions`).
 OF_A_CONDITION = ("sightline", "spectrum", "radiation", "gas_variations")
@@ -14,7 +14,7 @@ WITH_GAPS = {"study_signal", "study"}
 
 def _register():
     found = {}
-    for row in rows_of("datasets.csv"):
+    for row in rows("contracts/datasets.csv"):
         dims = tuple(row["dimensions"].split())
         found.setdefault(row["contract"], {}).update(dict.fromkeys(row["variables"].split(), dims))
     return found

@@ -1,9 +1,9 @@
 """What a name means in every netCDF file: unit, words, range. The register itself is `variables.csv`."""
 
-import csv
 from dataclasses import dataclass
-from importlib.resources import files
 from math import inf
+
+from plasmapyro.tables import rows
 
 
 @dataclass(frozen=True)
@@ -18,14 +18,8 @@ class Variable:
     standard_name: str = ""
 
 
-def rows_of(name):
-    """Rows of a register beside this module, as mappings by the names of its columns."""
-    with (files("plasmapyro") / "contracts" / name).open(encoding="utf-8", newline="") as table:
-        return list(csv.DictReader(table))
-
-
 def _register():
-    for row in rows_of("variables.csv"):
+    for row in rows("contracts/variables.csv"):
         yield (
             row["name"],
             Variable(
