@@ -1,19 +1,24 @@
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from clone import copy_of_the_project, snakemake
 from invented_campaigns import REFERENCE, campaign, plan_and_reports
 
-from plasmapyro import cli
+from plasmapyro import cli, io
 from plasmapyro.campaign import stage
 from plasmapyro.campaign.applied import applied
 from plasmapyro.campaign.hierarchy import Campaign
+from plasmapyro.commands.priors import read_priors
 from plasmapyro.diagnosis.fit.prior import Normal
 
 RANDOM = 60  # campaigns
 TRUE_KELVIN = 1500.0
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs/example"
 ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
 
 
@@ -133,8 +138,7 @@ def test_the_command_writes_a_prior_that_reads_back(folder):
         "campaign.md",
         "campaign.png",
     }
-    values = yaml.safe_load((folder / "made/priors.yaml").read_text())
-    law = stage.law_of_priors(values, "priors.yaml")
+    law = read_priors("made/priors.yaml")
     plan = yaml.safe_load((folder / "campaign.yaml").read_text())
     reports = {one["name"]: json.loads((folder / one["diagnosis"]).read_text()) for one in plan["tests"]}
     found = stage.campaign(stage.tests_of(plan, reports), REFERENCE).next
@@ -165,21 +169,56 @@ def test_bad_files_are_refused_in_one_message(folder, capsys, change, words):
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "words"),
     [
-        lambda values: values.pop("mean"),
-        lambda values: values.update(sigma=values["sigma"][1:]),
-        lambda values: values.update(mean=["x"] * len(values["mean"])),
-        lambda values: values["correlation"][0].__setitem__(1, 3.0),
-        lambda values: values["sigma"].__setitem__(0, -1.0),
+        (lambda values: values.pop("mean"), "'mean' is a required property"),
+        (lambda values: values.update(sgma=[1.0]), "unknown key 'sgma'; did you mean 'sigma'?"),
+        (lambda values: values["names"].__setitem__(0, "emitance"), "names.0: 'emitance'"),
+        (lambda values: values["names"].__setitem__(0, "ratio"), "non-unique"),
+        (lambda values: values.update(sigma=values["sigma"][1:]), "a number for each name"),
+        (lambda values: values.update(mean=["x"] * len(values["mean"])), "is not of type 'number'"),
+        (lambda values: values["mean"].__setitem__(0, 0.85), "the logarithm of the emittance"),
+        (lambda values: values["mean"].__setitem__(-1, 80.0), "the logarithm of watts"),
+        (lambda values: values["correlation"][0].__setitem__(1, 3.0), "symmetric"),
+        (lambda values: values["sigma"].__setitem__(0, -1.0), "less than or equal to the minimum of 0"),
     ],
 )
-def test_priors_that_are_no_law_are_refused(folder, change):
+def test_priors_that_are_no_law_are_refused_in_a_sentence(folder, capsys, change, words):
     assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0
-    values = yaml.safe_load((folder / "made/priors.yaml").read_text())
+    values = yaml.safe_load(Path("made/priors.yaml").read_text())
     change(values)
-    with pytest.raises(ValueError, match=r"priors\.yaml: "):
-        stage.law_of_priors(values, "priors.yaml")
+    Path("wrong.yaml").write_text(yaml.safe_dump(values))
+    capsys.readouterr()
+    for command in ("diagnose", "correct"):
+        assert cli.main([command, str(EXAMPLE / "my_test"), "--priors", "wrong.yaml", "--out", "none"]) == 2
+        said = capsys.readouterr().err
+        assert "wrong.yaml" in said and words in said
+    assert not Path("none").exists()
+
+
+def test_the_rule_makes_a_prior_that_diagnosis_and_correction_take(tmp_path, monkeypatch):
+    project = copy_of_the_project(tmp_path / "clone")
+    shutil.copytree(EXAMPLE, project / "docs/example")
+    shutil.copy(EXAMPLE / "campaign/campaign.yaml", project / "config")
+    run = snakemake(project, "campaign")
+    assert run.returncode == 0, run.stderr
+    assert (project / "results/campaign/campaign.png").stat().st_size > 10_000
+    assert (project / "results/campaign/campaign.md").read_text().startswith("# A campaign of 4 tests")
+    monkeypatch.chdir(project)
+    law = read_priors("results/campaign/priors.yaml")
+    with_it = ["--priors", "results/campaign/priors.yaml", "--out"]
+    assert cli.main(["correct", "docs/example/my_test", *with_it, "made.nc"]) == 0
+    assert cli.main(["diagnose", "docs/example/my_test", *with_it, "made"]) == 0
+    told = json.loads(Path("made/diagnosis.json").read_text())["posterior"]
+    assert told["with_priors"]
+    own = [told["names"].index(name) for name in ("emittance", "ratio", "power")]
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(told["prior"]["covariance"]))[own],
+        law.of(["emittance", "ratio", "power"]).sigma,
+        rtol=1e-6,
+    )
+    made = io.read("made.nc", "correction")
+    assert made.attrs["emittance"] == pytest.approx(np.exp(law.of(["emittance"]).mean[0]))
 
 
 def test_corrections_with_a_prior_are_those_of_an_instrument_without_its_errors():

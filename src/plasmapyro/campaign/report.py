@@ -43,8 +43,9 @@ def page(found):
         "",
         "## Tests",
         "",
-        "Pulls: how far the data of a test move what all others say, in standard deviations; beyond 3 in a"
-        " number, or named below, it does not belong.",
+        "Pulls: how far the data of a test move what all others say, in standard deviations of a law whose"
+        " scatter these others tell. A test does not belong where its being off is likelier than a wider"
+        " scatter.",
         "",
         f"| test | electric power, kW | {' | '.join(HEADS.values())} | does not belong |",
         "|---" * (len(HEADS) + 3) + "|",

@@ -213,7 +213,7 @@ def _seen(found, name):
 
 
 def priors_text(found):
-    """YAML text of the prior of the coming test, as `read_priors` takes it."""
+    """YAML text of the prior of the coming test, by `priors.schema.yaml`."""
     law = found.next
     root = law.sigma
     correlation = law.covariance / np.outer(root, root)
@@ -234,32 +234,3 @@ def _digits(number):
     """All digits, with a point before an exponent: without it YAML reads a word."""
     text = repr(float(number))
     return text.replace("e", ".0e") if "e" in text and "." not in text else text
-
-
-def law_of_priors(values, source):
-    """`Normal` law of the values of a file of priors.
-
-    Raises
-    ------
-    ValueError
-        What is missing, of another length, or no law.
-    """
-    keys = {"tests", "names", "mean", "sigma", "correlation"}
-    if not isinstance(values, dict) or set(values) != keys:
-        raise ValueError(
-            f"{source}: must hold {', '.join(sorted(keys))}, as `plasmapyro campaign` writes them"
-        )
-    size = len(values["names"]) if isinstance(values["names"], list) else -1
-    try:
-        mean, sigma, correlation = (
-            np.array(values[key], dtype=float) for key in ("mean", "sigma", "correlation")
-        )
-    except (TypeError, ValueError):
-        raise ValueError(f"{source}: mean, sigma and correlation must hold numbers alone") from None
-    if (mean.shape, sigma.shape, correlation.shape) != ((size,), (size,), (size, size)):
-        raise ValueError(f"{source}: mean and sigma need a number for each name, correlation a row")
-    covariance = correlation * np.outer(sigma, sigma)
-    sound = np.isfinite(mean).all() and (sigma > 0).all() and np.allclose(correlation, correlation.T)
-    if not sound or np.linalg.eigvalsh((correlation + correlation.T) / 2)[0] <= 0:
-        raise ValueError(f"{source}: sigma must be > 0 and correlation symmetric with positive eigenvalues")
-    return Normal(tuple(map(str, values["names"])), mean, (covariance + covariance.T) / 2)

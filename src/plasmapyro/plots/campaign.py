@@ -34,8 +34,8 @@ def _efficiency(axes, found):
     mean = found.joint.mean[at] @ rows
     sigma = np.sqrt(np.einsum("ik,ij,jk->k", rows, found.joint.covariance[np.ix_(at, at)], rows))
     ends = np.exp([mean - 1.96 * sigma, mean + 1.96 * sigma])
-    axes.fill_between(axis / 1e3, *ends, color="0.85", label="law, 95 %")
-    axes.plot(axis / 1e3, np.exp(mean), color="0.3")
+    axes.fill_between(axis / 1e3, *ends, color="0.85")
+    axes.plot(axis / 1e3, np.exp(mean), color="0.3", label="law, with its 95 % interval")
     for row, one in zip(found.rows, power, strict=True):
         if "power" not in row.test.after.names:
             continue
@@ -78,9 +78,7 @@ def _windows(axes, found):
     cleanings = [row.test.cleanings for row in found.rows] + [found.coming.cleanings]
     for run in np.flatnonzero(np.diff(cleanings)):
         axes.axvline(run + 0.5, color="0.5", ls=":", lw=0.8)
-        axes.text(
-            run + 0.55, axes.get_ylim()[0], "cleaned", rotation=90, va="bottom", fontsize=6, color="0.4"
-        )
+        axes.text(run + 0.55, axes.get_ylim()[1], "cleaned", rotation=90, va="top", fontsize=7, color="0.4")
     axes.set_xticks(runs, [*(row.test.name for row in found.rows), "next"], rotation=60, fontsize=6)
     axes.set(ylabel="Throughput, change since calibration [%]")
     axes.legend(fontsize=7, frameon=False, loc="lower left")
