@@ -12,6 +12,9 @@ import plasmapyro
 from plasmapyro.progress import show
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+EXIT_STATUS = """
+
+exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
 COMMANDS = {  # the words of each command, which need not be loaded for the help of all
     "init": "describe a folder of raw files for the first time",
     "check": "say everything that is wrong with a data folder",
@@ -54,10 +57,19 @@ def parser(names=COMMANDS):
     )
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, words in COMMANDS.items():
-        if name in names:
-            import_module(f"plasmapyro.commands.{name.replace('-', '_')}").add(commands)
-        else:
+        if name not in names:
             commands.add_parser(name, help=words)
+            continue
+        module = import_module(f"plasmapyro.commands.{name.replace('-', '_')}")
+        command = commands.add_parser(
+            name,
+            help=words,
+            description=module.DESCRIPTION,
+            epilog=module.EXAMPLE + ("" if "exit status" in module.EXAMPLE else EXIT_STATUS),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        command.set_defaults(run=module.run)
+        module.add(command)
     return top
 
 

@@ -1,6 +1,5 @@
 """`plasmapyro calibrate`: from raw calibration files to what `plasmapyro correct` needs."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -50,21 +49,11 @@ example:
   plasmapyro correct my_test --instrument lab --out temperature.nc
 
 writes calibration.nc and response.nc (pyrometer), spectrometer_calibration.nc (spectrometer),
-radiometer_calibration.nc (radiometer of any bands) into the folder
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+radiometer_calibration.nc (radiometer of any bands) into the folder"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "calibrate",
-        help="calibrate pyrometer and spectrometer from raw files",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("folder", metavar="FOLDER", help="holds calibration.yaml and the files it names")
     command.add_argument("--out", required=True, metavar="FOLDER", help="where the calibration goes")
     plot_option(command, "the calibration curve, or the factor of a spectrometer alone")

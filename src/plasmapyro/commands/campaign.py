@@ -1,6 +1,5 @@
 """`plasmapyro campaign`: what several tests say together, and the prior of the next one."""
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -29,16 +28,8 @@ writes priors.yaml, campaign.md and campaign.png, all or none.
 exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "campaign",
-        help="what several tests say together, and the prior of the next one",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("file", metavar="FILE", help="tests of the campaign (YAML)")
     command.add_argument(
         "--until", metavar="TEST", help="leave this test and later ones out: the prior is that of this test"

@@ -1,6 +1,5 @@
 """`plasmapyro check`: everything that is wrong with a data folder, at once."""
 
-import argparse
 import sys
 
 import numpy as np
@@ -31,16 +30,8 @@ examples:
 exit status: 0 the data can be processed, 2 they cannot (the faults are listed), 1 a fault of ours"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "check",
-        help="say everything that is wrong with a data folder",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
     command.add_argument(
         "--instrument", metavar="FOLDER", help="calibration to try the correction with, as for `correct`"

@@ -25,16 +25,8 @@ complete -o default -F _plasmapyro plasmapyro
 ZSH = "autoload -U +X compinit && compinit\nautoload -U +X bashcompinit && bashcompinit\n"
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "completion",
-        help=cli.COMMANDS["completion"],
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("shell", choices=("bash", "zsh"))
 
 

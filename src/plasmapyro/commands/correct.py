@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro import io, progress
+from plasmapyro import cli, io, progress
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import count, not_negative, option, plot_option, positive, seed, share
@@ -63,21 +63,11 @@ what comes out (netCDF):
   ..._uncertainty                                  [K] standard uncertainties (68 %)
   ..._status                                       valid, no_signal, gas_dominated, ...: see flag_meanings
 
-and a page beside it: signals, temperature, spectra, what was refused and why
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+and a page beside it: signals, temperature, spectra, what was refused and why"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "correct",
-        help="corrected surface temperatures of one test",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
     command.add_argument(
         "--instrument",
@@ -318,12 +308,10 @@ def trial(test, folder):
     -------
     dict
     """
-    parser = argparse.ArgumentParser()
-    add(parser.add_subparsers())
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
     first = ESTIMATORS[_estimator(test, None)][0][0]
-    result = BY_NAME[first](test, calibrations, parser.parse_args(words))
+    result = BY_NAME[first](test, calibrations, cli.parser(["correct"]).parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
 

@@ -1,6 +1,5 @@
 """`plasmapyro correct-reading`: surface temperatures where only the displayed temperature was logged."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -30,22 +29,12 @@ adds light of its own, which no simulation of air holds: what comes out is then 
 air in the error."""
 EXAMPLE = """\
 example:
-  plasmapyro correct-reading stag_point_temp.dat --condition 60kW --out surface.nc --floor-k 1264
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro correct-reading stag_point_temp.dat --condition 60kW --out surface.nc --floor-k 1264"""
 HEADER = {"time": ("time", "t"), "temperature": ("ts", "temperature", "t_app", "reading")}
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "correct-reading",
-        help="surface temperatures from logged readings, through the gas of a computed condition",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("reading", metavar="READING", help="text table of time and displayed temperature")
     command.add_argument("--condition", required=True, metavar="NAME", help="power condition, such as 60kW")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="what comes out")

@@ -1,6 +1,5 @@
 """`plasmapyro diagnose`: what the simulation of a test gets wrong."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -31,16 +30,8 @@ exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fa
 --fail-on-finding also 3 a cause was named, 4 something is wrong that no known cause explains"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "diagnose",
-        help="what a simulation gets wrong",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("test", metavar="TEST", help="test folder or netCDF file")
     command.add_argument(
         "--radiance",

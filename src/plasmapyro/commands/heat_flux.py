@@ -1,6 +1,5 @@
 """`plasmapyro heat-flux`: what a calorimeter takes in the jet where a Pitot probe reads so much."""
 
-import argparse
 import sys
 
 from plasmapyro import io
@@ -16,9 +15,7 @@ pair, for every recombination and Pitot nose that is admitted. (*): half of the 
 computed flows. Enthalpy from cold air at 298 K."""
 EXAMPLE = """\
 example:
-  plasmapyro heat-flux 5 15 50 --pressure-mbar 100 --pitot-radius-mm 12.5 12.5
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro heat-flux 5 15 50 --pressure-mbar 100 --pitot-radius-mm 12.5 12.5"""
 COLUMNS = {  # column -> quantity, factor from SI, digits
     "heat_flux_kw_m2": ("heat_flux", 1e-3, 0),
     "temperature_k": ("temperature", 1.0, 0),
@@ -28,16 +25,8 @@ COLUMNS = {  # column -> quantity, factor from SI, digits
 }
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "heat-flux",
-        help="heat flux on a probe in the facility's jet at a Pitot pressure",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("pitot", metavar="PITOT", nargs="+", type=positive, help="Pitot pressures [Pa]")
     option(command, "--pressure-mbar", positive, 50.0, "of the chamber, 50 to 100")
     option(command, "--radius-mm", positive, 25.0, "of the calorimeter")

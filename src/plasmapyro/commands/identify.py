@@ -1,6 +1,5 @@
 """`plasmapyro identify`: which species a spectrum shows."""
 
-import argparse
 import csv
 import io as text
 import sys
@@ -32,22 +31,12 @@ The table has a row per species: probability, natural logarithm of the Bayes fac
 temperature of excitation that suits them (a rough one), strongest lines [nm], and what would explain the same
 peaks about as well. What is left without a name is listed last.
 
-Not in the tables: Kr, Xe, Br, I, and elements beyond Pb but Bi, Th, U; see docs/your-own-data.md.
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+Not in the tables: Kr, Xe, Br, I, and elements beyond Pb but Bi, Th, U; see docs/your-own-data.md."""
 COLUMNS = ("species", "probability", "log_bayes", "peaks", "temperature_k", "lines_nm", "or_else")
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "identify",
-        help="atoms, ions and molecules whose lines a spectrum shows",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("spectrum", metavar="SPECTRUM", help="text file of one spectrum")
     command.add_argument("--dark", metavar="FILE", help="spectrum without light, subtracted")
     command.add_argument(

@@ -1,6 +1,5 @@
 """`plasmapyro init`: a first test.yaml for a folder of raw files."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -14,21 +13,11 @@ dates, columns and units, with a question (?) wherever the files do not say it. 
 EXAMPLE = """\
 example:
   plasmapyro init my_test
-  plasmapyro check my_test
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro check my_test"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "init",
-        help="describe a folder of raw files for the first time",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("folder", metavar="FOLDER", help="holds the raw files of one test")
 
 

@@ -1,6 +1,5 @@
 """`plasmapyro live`: corrected temperature and alarms while a test is running."""
 
-import argparse
 import json
 import sys
 import time
@@ -37,16 +36,8 @@ example:
 exit status: 0 the log or the input has ended, 2 bad input or usage, 1 a fault of ours"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "live",
-        help="temperature and alarms while a test is running",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("folder", metavar="FOLDER", help="holds test.yaml and the log that it names")
     command.add_argument(
         "--instrument", required=True, metavar="FOLDER", help="holds calibration.nc and response.nc"

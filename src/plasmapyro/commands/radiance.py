@@ -27,21 +27,11 @@ number_density [m-3]) or a line-of-sight text file as NEQAIR reads it (x [cm], d
 temperatures [K]; versions 14 and 15). The light travels from its first point to its last."""
 EXAMPLE = """\
 example:
-  plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "radiance",
-        help="spectral radiance of the gas along a sight line",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("sightline", metavar="SIGHTLINE", help="sight line, netCDF or NEQAIR-style text")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="where the spectrum goes")
     plot_option(command, "the spectrum and its brightest components")

@@ -1,6 +1,5 @@
 """`plasmapyro serve`: a page on this machine, on which the folder of a test is dropped."""
 
-import argparse
 import contextlib
 import hmac
 import io as text_io
@@ -44,16 +43,8 @@ example:
 exit status: 0 done (Ctrl-C), 2 bad input or usage, 1 a fault of ours"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "serve",
-        help="a page on this machine for the folder of a test",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument(
         "--instrument", required=True, metavar="FOLDER", help="calibration, as for `correct` and `diagnose`"
     )

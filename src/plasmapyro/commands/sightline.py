@@ -28,21 +28,11 @@ CGNS, a table of scattered points, a profile or a single state. MAP.yaml says wh
 units mean and where the line of sight starts; docs/power-conditions.md has an example for each."""
 EXAMPLE = """\
 example:
-  plasmapyro sightline torch.vtu --map torch.yaml --out sightline.nc
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro sightline torch.vtu --map torch.yaml --out sightline.nc"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "sightline",
-        help="line of sight through a flow field of another program",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("file", metavar="FILE", help="flow field")
     command.add_argument("--map", required=True, metavar="MAP.yaml", help="what the file means")
     command.add_argument("--out", required=True, metavar="FILE.nc", help="where the sight line goes")

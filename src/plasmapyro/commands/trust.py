@@ -1,6 +1,5 @@
 """`plasmapyro trust`: from when on a pyrometer can be believed."""
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,21 +15,11 @@ given errors behind the gas, with and without correction, and which second measu
 Needs results/design of the workflow: snakemake --cores 2 results/design/band_design.nc"""
 EXAMPLE = """\
 example:
-  plasmapyro trust 90kW --emittance 0.8 0.9 --heating 350 1500 0.2 --instrument "Optris CT 1M (1.0 um)"
-
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
+  plasmapyro trust 90kW --emittance 0.8 0.9 --heating 350 1500 0.2 --instrument 'Optris CT 1M (1.0 um)'"""
 
 
-def add(commands):
-    """Add the subcommand to the parser's `commands`."""
-    command = commands.add_parser(
-        "trust",
-        help="from which temperature, and how long after injection, a pyrometer can be trusted",
-        description=DESCRIPTION,
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.set_defaults(run=run)
+def add(command):
+    """Add the arguments to the subcommand's parser."""
     command.add_argument("condition", metavar="CONDITION", help="name of a power condition, such as 90kW")
     command.add_argument(
         "--emittance", nargs=2, type=float, metavar=("LOW", "HIGH"), help="range expected of the sample"
