@@ -61,6 +61,12 @@ def effect(name):
     return register
 
 
+def formulas(**functions):
+    """Register effects of one line each."""
+    for name, function in functions.items():
+        effect(name)(function)
+
+
 def _scaled(scene, factor, instruments="ps", where="surface"):
     """A copy with surface or path of some instruments times a factor that broadcasts to (t, SMOOTH)."""
     changed = scene.copy()
@@ -118,9 +124,7 @@ for _name in ("P_eff", "T_exc", "T_vib", "ripple", "selfabs"):
     effect(_name)(lambda s, a, p, c, kind=_name: _regas(s, c.variant(kind, a)))
 
 
-@effect("contin")
-def _contin(s, a, p, c):
-    return _regas(s, s.gas[0][2] + a * c.continuum)
+effect("contin")(lambda s, a, p, c: _regas(s, s.gas[0][2] + a * c.continuum))
 
 
 @effect("bl")
@@ -133,9 +137,7 @@ def _brighter(s, factor):
     return s.copy(gas=[(whom, amplitude * factor, light) for whom, amplitude, light in s.gas])
 
 
-@effect("gas_drift")
-def _gas_drift(s, a, p, c):
-    return _brighter(s, 1 + a * np.clip(s.time, 0, None) / 300)
+effect("gas_drift")(lambda s, a, p, c: _brighter(s, 1 + a * np.clip(s.time, 0, None) / 300))
 
 
 @effect("refl")
@@ -183,19 +185,11 @@ for _name in SPECIES:
 
 
 # ---- surface
-@effect("eps_slope")
-def _eps_slope(s, a, p, c):
-    return _scaled(s, 1 + a * (MICRON - 0.95))
-
-
-@effect("eps_T")
-def _eps_t(s, a, p, c):
-    return _scaled(s, 1 + a * (_column(s.kelvin) - 350) / 1250)
-
-
-@effect("eps_ox")
-def _eps_ox(s, a, p, c):
-    return _scaled(s, 1 + a * _column(1 - np.exp(-np.clip(s.time, 0, None) / p["tau_s"])))
+formulas(
+    eps_slope=lambda s, a, p, c: _scaled(s, 1 + a * (MICRON - 0.95)),
+    eps_T=lambda s, a, p, c: _scaled(s, 1 + a * (_column(s.kelvin) - 350) / 1250),
+    eps_ox=lambda s, a, p, c: _scaled(s, 1 + a * _column(1 - np.exp(-np.clip(s.time, 0, None) / p["tau_s"]))),
+)
 
 
 @effect("grad")
@@ -224,9 +218,7 @@ def _torchglow(s, a, p, c):
     return _added(s, a * (1 - s.emittance) * planck(SMOOTH, p["quartz_k"]) * _column(decay * s.seen))
 
 
-@effect("particles")
-def _particles(s, a, p, c):
-    return _added(s, a * planck(SMOOTH, 2300.0) * _column(s.plasma * s.seen))
+effect("particles")(lambda s, a, p, c: _added(s, a * planck(SMOOTH, 2300.0) * _column(s.plasma * s.seen)))
 
 
 @effect("scat")
@@ -266,34 +258,14 @@ for _name, _heads in (
 
 
 # ---- instruments
-@effect("off1")
-def _off1(s, a, p, c):
-    return _reading(s, lambda t, x: x + a * c.signals[0] * np.array([[1.0], [0.0]]))
-
-
-@effect("off2")
-def _off2(s, a, p, c):
-    return _reading(s, lambda t, x: x + a * c.signals[1] * np.array([[0.0], [1.0]]))
-
-
-@effect("off_s")
-def _off_s(s, a, p, c):
-    return _rate(s, lambda t, r: r + a * c.rate.mean())
-
-
-@effect("nonlin_p")
-def _nonlin_p(s, a, p, c):
-    return _reading(s, lambda t, x: x * (1 - a * x / c.highest[0][:, None]))
-
-
-@effect("nonlin_s")
-def _nonlin_s(s, a, p, c):
-    return _rate(s, lambda t, r: r * (1 - a * r / c.highest[1]))
-
-
-@effect("phi")
-def _phi(s, a, p, c):
-    return _reading(s, lambda t, x: x * np.array([[1 + a], [1.0]]))
+formulas(
+    off1=lambda s, a, p, c: _reading(s, lambda t, x: x + a * c.signals[0] * np.array([[1.0], [0.0]])),
+    off2=lambda s, a, p, c: _reading(s, lambda t, x: x + a * c.signals[1] * np.array([[0.0], [1.0]])),
+    off_s=lambda s, a, p, c: _rate(s, lambda t, r: r + a * c.rate.mean()),
+    nonlin_p=lambda s, a, p, c: _reading(s, lambda t, x: x * (1 - a * x / c.highest[0][:, None])),
+    nonlin_s=lambda s, a, p, c: _rate(s, lambda t, r: r * (1 - a * r / c.highest[1])),
+    phi=lambda s, a, p, c: _reading(s, lambda t, x: x * np.array([[1 + a], [1.0]])),
+)
 
 
 def _shifted(row, nanometres, low, high):
@@ -311,38 +283,24 @@ for _band, _name in enumerate(("edge1", "edge2")):
         return s.copy(bands=bands)
 
 
-@effect("resp_long")
-def _resp_long(s, a, p, c):
-    return s.copy(bands=s.bands * (1 + a * np.clip((MICRON - 1.0) / 0.1, 0, 1)))
-
-
-@effect("wshift")
-def _wshift(s, a, p, c):
-    return s.copy(shift=s.shift + a * 1e-9)
-
-
-@effect("lsf")
-def _lsf(s, a, p, c):
-    return s.copy(blur=a * 1e-9)
-
-
-@effect("stray")
-def _stray(s, a, p, c):
-    return _rate(s, lambda t, r: (1 - a) * r + a * r.mean(axis=1, keepdims=True))
-
-
-@effect("clock")
-def _clock(s, a, p, c):
-    return s.copy(clock=lambda t: t + a)
+formulas(
+    resp_long=lambda s, a, p, c: s.copy(bands=s.bands * (1 + a * np.clip((MICRON - 1.0) / 0.1, 0, 1))),
+    wshift=lambda s, a, p, c: s.copy(shift=s.shift + a * 1e-9),
+    lsf=lambda s, a, p, c: s.copy(blur=a * 1e-9),
+    stray=lambda s, a, p, c: _rate(s, lambda t, r: (1 - a) * r + a * r.mean(axis=1, keepdims=True)),
+    clock=lambda s, a, p, c: s.copy(clock=lambda t: t + a),
+)
 
 
 CATALOGUE = tuple(EFFECTS)
 
 
 # ---- faults that no catalogue holds
-@effect("range_change")
-def _range_change(s, a, p, c):
-    return _reading(s, lambda t, x: x * np.where(x[:1] > p["level"] * c.highest[0][0], 1 + a, 1.0))
+effect("range_change")(
+    lambda s, a, p, c: _reading(
+        s, lambda t, x: x * np.where(x[:1] > p["level"] * c.highest[0][0], 1 + a, 1.0)
+    )
+)
 
 
 @effect("window_etalon")
@@ -358,9 +316,11 @@ def _fibre_bend(s, a, p, c):
     return _rate(s, lambda t, r: r * (1 - a * loss * (t > p["at"] * s.off)[:, None]))
 
 
-@effect("hum")
-def _hum(s, a, p, c):
-    return _reading(s, lambda t, x: x + a * c.signals[:, None] * np.sin(2 * np.pi * p["beat_hz"] * t))
+effect("hum")(
+    lambda s, a, p, c: _reading(
+        s, lambda t, x: x + a * c.signals[:, None] * np.sin(2 * np.pi * p["beat_hz"] * t)
+    )
+)
 
 
 @effect("double_frames")
@@ -372,24 +332,16 @@ def _double_frames(s, a, p, c):
     return _rate(s, apply)
 
 
-@effect("image_lag")
-def _image_lag(s, a, p, c):
-    return _rate(s, lambda t, r: (1 - a) * r + a * np.concatenate([r[:1], r[:-1]]))
-
-
-@effect("ghost")
-def _ghost(s, a, p, c):
-    return _rate(s, lambda t, r: r + a * r[:, ::-1])
-
-
-@effect("preamp_drift")
-def _preamp_drift(s, a, p, c):
-    return _reading(
+formulas(
+    image_lag=lambda s, a, p, c: _rate(s, lambda t, r: (1 - a) * r + a * np.concatenate([r[:1], r[:-1]])),
+    ghost=lambda s, a, p, c: _rate(s, lambda t, r: r + a * r[:, ::-1]),
+    preamp_drift=lambda s, a, p, c: _reading(
         s,
         lambda t, x: (
             x + a * c.signals[:, None] * [[0.0], [1.0]] * (1 - np.exp(-np.clip(t + 20, 0, None) / p["tau_s"]))
         ),
-    )
+    ),
+)
 
 
 @effect("warm_dark")
@@ -404,9 +356,9 @@ def _warm_dark(s, a, p, c):
     )
 
 
-@effect("wavelength_drift")
-def _wavelength_drift(s, a, p, c):
-    return s.copy(shift=s.shift + a * 1e-9 * (1 - np.exp(-np.clip(s.time, 0, None) / p["tau_s"])))
+effect("wavelength_drift")(
+    lambda s, a, p, c: s.copy(shift=s.shift + a * 1e-9 * (1 - np.exp(-np.clip(s.time, 0, None) / p["tau_s"])))
+)
 
 
 @effect("flake")
@@ -422,9 +374,9 @@ def _blister(s, a, p, c):
     return _scaled(s, 1 + _column(grown) * (ratio - 1))
 
 
-@effect("sting_vibration")
-def _sting_vibration(s, a, p, c):
-    return _scaled(s, 1 + a * _column(np.sin(2 * np.pi * p["beat_hz"] * s.time) * s.seen))
+effect("sting_vibration")(
+    lambda s, a, p, c: _scaled(s, 1 + a * _column(np.sin(2 * np.pi * p["beat_hz"] * s.time) * s.seen))
+)
 
 
 @effect("arc_restart")
@@ -462,19 +414,13 @@ def _seeded_water(s, a, p, c):
     return _glow(s, light * 0.02 * c.total.sum() * 2e-11, a * s.gas[0][1])
 
 
-@effect("cover_shadow")
-def _cover_shadow(s, a, p, c):
-    return _scaled(s, 1 - a * _column(np.clip((s.time - p["at"] * s.off) / p["over_s"], 0, 1)), "ps", "path")
-
-
-@effect("clock_ppm")
-def _clock_ppm(s, a, p, c):
-    return s.copy(clock=lambda t: t * (1 - a))
-
-
-@effect("dropped_samples")
-def _dropped_samples(s, a, p, c):
-    return s.copy(clock=lambda t: t + a * (t > p["at"] * s.off))
+formulas(
+    cover_shadow=lambda s, a, p, c: _scaled(
+        s, 1 - a * _column(np.clip((s.time - p["at"] * s.off) / p["over_s"], 0, 1)), "ps", "path"
+    ),
+    clock_ppm=lambda s, a, p, c: s.copy(clock=lambda t: t * (1 - a)),
+    dropped_samples=lambda s, a, p, c: s.copy(clock=lambda t: t + a * (t > p["at"] * s.off)),
+)
 
 
 @effect("warm_filter")
@@ -490,9 +436,11 @@ def _warm_filter(s, a, p, c):
     return _reading(s, lambda t, x: x * np.array([np.ones(t.size), np.interp(t, s.time, history)]))
 
 
-@effect("missing_codes")
-def _missing_codes(s, a, p, c):
-    return _reading(s, lambda t, x: x * (1 + a * np.sin(2 * np.pi * p["steps"] * x / c.highest[0][:, None])))
+effect("missing_codes")(
+    lambda s, a, p, c: _reading(
+        s, lambda t, x: x * (1 + a * np.sin(2 * np.pi * p["steps"] * x / c.highest[0][:, None]))
+    )
+)
 
 
 @effect("fatigue")
@@ -504,14 +452,14 @@ def _fatigue(s, a, p, c):
     return _rate(s, apply)
 
 
-@effect("odd_even")
-def _odd_even(s, a, p, c):
-    return _rate(s, lambda t, r: r * (1 + a * (-1.0) ** (np.arange(r.shape[1]) // max(1, r.shape[1] // 400))))
-
-
-@effect("stitch")
-def _stitch(s, a, p, c):
-    return _rate(s, lambda t, r: r * (1 + a * (np.arange(r.shape[1]) > p["at"] * r.shape[1])))
+formulas(
+    odd_even=lambda s, a, p, c: _rate(
+        s, lambda t, r: r * (1 + a * (-1.0) ** (np.arange(r.shape[1]) // max(1, r.shape[1] // 400)))
+    ),
+    stitch=lambda s, a, p, c: _rate(
+        s, lambda t, r: r * (1 + a * (np.arange(r.shape[1]) > p["at"] * r.shape[1]))
+    ),
+)
 
 
 @effect("room_light")
