@@ -13,6 +13,7 @@ from plasmapyro.quality import agreement, series
 from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, of_test, table
 from plasmapyro.quality.rule import Case, look
 from plasmapyro.readers.stage import Reading
+from plasmapyro.tables import rows
 
 PLACE = Path("my_test")
 ALL = {rule.name: rule for rule in (*OF_TEST, *OF_CALIBRATION, *OF_SIGHTLINE)}
@@ -414,6 +415,7 @@ def test_the_page_holds_the_table_of_the_rules():
 
 def test_every_rule_is_named_once_and_says_what_to_do():
     names = [rule.name for rule in (*OF_TEST, *OF_CALIBRATION, *OF_SIGHTLINE)]
+    assert sorted(names) == sorted(row["name"] for row in rows("quality/rules.csv"))
     assert len(set(names)) == len(names)
     assert all(rule.remedy and rule.reason and rule.looks_at for rule in ALL.values())
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.quality.rule import BANDS, DOUBT, rule
+from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.record import status
 
 GOOD = (status.VALID, status.EXTRAPOLATED)
@@ -57,19 +57,7 @@ def disagreeing(result, limit):
     return moment[far], difference[far], uncertainty[far]
 
 
-@rule(
-    "instruments_disagree",
-    looks_at="pyrometer and spectrometer, where both are valid",
-    needs=("result.corrected_temperature", "result.scaled_temperature"),
-    limit=3.0,
-    unit="combined standard uncertainties",
-    reason="both see the same surface; three uncertainties are passed once in 370 spectra if all is right",
-    says="pyrometer and spectrometer contradict each other: in {count} of {all} spectra they differ by more"
-    " than three"
-    " uncertainties, at {moment:g} s by {difference:+.0f} K +- {uncertainty:.0f} K (pyrometer minus"
-    " spectrometer)",
-    remedy="trust neither before the cause is found (a gain, a clock, a dark, a source temperature, the aim)",
-)
+@rule()
 def instruments_disagree(case, limit):
     total = compared(case.result)[0].size
     moment, difference, uncertainty = disagreeing(case.result, limit)
@@ -85,34 +73,13 @@ def instruments_disagree(case, limit):
     }
 
 
-@rule(
-    "estimate_contradicted",
-    looks_at="what the joint estimate had to pull or leave out",
-    needs=("estimate",),
-    limit=5.0,
-    unit="standard uncertainties",
-    reason="sound data pull what a calibration states by 1.2 at most, a gain that is 5 % off by 18",
-    says="the joint estimate finds no temperature that fits all: {words}",
-    remedy="see which instrument, calibration or statement is wrong; what it says of such times has no value",
-)
+@rule()
 def estimate_contradicted(case, limit):
     words = case.estimate.attrs.get("contradictions")
     return {"words": words} if words else None
 
 
-@rule(
-    "ratio_outside_calibration",
-    looks_at="status of the brightest corrected samples",
-    needs=("result.corrected_signal", "calibration"),
-    limit=0.2,
-    unit="1",
-    reason="the brightest samples are those the instrument is made for; a fifth allows for a slow rise",
-    says="{share:.0%} of the brightest samples have a ratio that the calibration cannot give within"
-    " {low:g} to {high:g} K (median {ratio:.3g}, the calibration gives {least:.3g} to {most:.3g})",
-    remedy="see whether the bands are swapped, a gain changed, or the calibration is of another instrument;"
-    " or the"
-    " surface is outside the range",
-)
+@rule()
 def ratio_outside_calibration(case, limit):
     signal, state = case.result.corrected_signal.values, case.result.corrected_status.values
     share = case.result.surface_share.values
@@ -136,19 +103,7 @@ def ratio_outside_calibration(case, limit):
     }
 
 
-@rule(
-    "level_against_ratio",
-    looks_at="emittance that the level of a signal gives at the temperature of the ratio",
-    needs=("result.corrected_signal", "test", "calibration", "response"),
-    limit=3.0,
-    unit="combined standard uncertainties",
-    reason="the calibration knows both the ratio and the level of the signals; a window or an aim may cost a"
-    " tenth, a gain of one band shows as a factor of two",
-    says="at the temperature of the ratio ({kelvin:.0f} K) the level of signal_{band} asks for an emittance"
-    " of {found:.3g};"
-    " {stated:g} is stated, a factor between {least:.2g} and {most:.2g} would be within the uncertainties",
-    remedy="see whether the unit, the gain or the window of the test differs from that of the calibration",
-)
+@rule()
 def level_against_ratio(case, limit):
     good = np.isin(case.result.corrected_status.values, GOOD)
     good &= (case.result.surface_share.values > 0.7).all(axis=0)
@@ -193,18 +148,7 @@ def _apparent(result, most):
     return time[known], values[known], errors[known] / values[known]
 
 
-@rule(
-    "emittance_of_spectra",
-    looks_at="emittance that the fitted scale of the spectra gives",
-    needs=("result.apparent_emittance", "test"),
-    limit=1.5,
-    unit="1",
-    reason="aim and window may cost a third; a filter, a unit or an integration time forgotten costs more",
-    says="the spectra ask for an emittance of {found:.3g} (median of {count}); {stated:g} +- {error:g} is"
-    " stated",
-    remedy="see whether integration time, filter, window and unit of test and calibration are those that"
-    " were used",
-)
+@rule()
 def emittance_of_spectra(case, limit):
     _, values, errors = _apparent(case.result, 0.3)
     if values.size < 3:
@@ -223,20 +167,7 @@ def emittance_of_spectra(case, limit):
     }
 
 
-@rule(
-    "emittance_jumps",
-    looks_at="emittance that the fitted scale gives, from spectrum to spectrum",
-    needs=("result.apparent_emittance",),
-    limit=0.25,
-    unit="1",
-    reason="a surface changes by some per cent between spectra; a quarter at once, and five uncertainties,"
-    " is a fibre"
-    " that was bent, a window that fogged, or another exposure",
-    says="between {first:g} and {second:g} s the emittance that the spectra ask for goes from {before:.3g}"
-    " to {after:.3g}",
-    remedy="see what was touched then; temperatures from the shape stay right if only the level changed",
-    severity=DOUBT,
-)
+@rule()
 def emittance_jumps(case, limit):
     time, values, errors = _apparent(case.result, 0.2)
     jump = np.abs(np.diff(np.log(values)))
@@ -252,19 +183,7 @@ def emittance_jumps(case, limit):
     }
 
 
-@rule(
-    "shape_of_spectra",
-    looks_at="corrected spectra against the fitted Planck curve, smoothed, with the plasma off or"
-    " overpowered",
-    needs=("result.normalised_radiance",),
-    limit=0.06,
-    unit="1",
-    reason="a calibration is good to a few per cent over the range; dark, linearity or calibration of another"
-    " instrument bend the spectrum by more",
-    says="the spectra bend away from Planck's law by {worst:.0%} (root mean square of the brightest valid"
-    " ones)",
-    remedy="see whether dark, calibration and unit belong to these spectra, or lines of the gas are left",
-)
+@rule()
 def shape_of_spectra(case, limit):
     good = np.flatnonzero(case.result.spectrum_status.values == status.VALID)
     measured, fitted = (case.result[name].values[good] for name in ("normalised_radiance", "normalised_fit"))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import DOUBT, rule
+from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import blocks, fall, lag
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
@@ -24,17 +24,7 @@ def _axes(case):
     ]
 
 
-@rule(
-    "record_begins_late",
-    looks_at="begin of each record against the injection",
-    needs=("plasma",),
-    limit=2.0,
-    unit="sampling intervals",
-    reason="a record that misses the injection has another zero than the one stated, or lacks a file",
-    says="{axis} begins at {first:g} s, the injection is at {begin:g} s",
-    remedy="is the zero right, or a file missing?",
-    severity=DOUBT,
-)
+@rule()
 def record_begins_late(case, limit):
     begin = case.test.attrs["injection_time"]
     for axis in _axes(case):
@@ -44,17 +34,7 @@ def record_begins_late(case, limit):
     return None
 
 
-@rule(
-    "record_ends_early",
-    looks_at="end of each record against the end of the plasma",
-    needs=("plasma",),
-    limit=2.0,
-    unit="sampling intervals",
-    reason="records run until the plasma is off; one that ends before is cut, or its unit of time is wrong",
-    says="{axis} ends at {last:g} s, the plasma at {off:g} s",
-    remedy="is a file cut off, or the unit of the time wrong?",
-    severity=DOUBT,
-)
+@rule()
 def record_ends_early(case, limit):
     off = case.test.attrs["plasma_off_time"]
     for axis in _axes(case):
@@ -64,18 +44,7 @@ def record_ends_early(case, limit):
     return None
 
 
-@rule(
-    "few_in_plasma",
-    looks_at="samples and spectra between injection and the end of the plasma",
-    needs=("plasma",),
-    limit=4,
-    unit="samples",
-    reason="a reference and a hot surface need some each; fewer say that a unit of time or a period is wrong",
-    says="{axis} has {count} values between injection ({begin:g} s) and the end of the plasma ({off:g} s);"
-    " it runs"
-    " from {first:g} to {last:g} s",
-    remedy="check the unit of the time, `zero`, `first` and `period` (in s)",
-)
+@rule()
 def few_in_plasma(case, limit):
     for axis in _axes(case):
         time, count = case.test[axis].values, int(case.shining(axis).sum())
@@ -92,17 +61,7 @@ def few_in_plasma(case, limit):
     return None
 
 
-@rule(
-    "gaps",
-    looks_at="intervals between samples",
-    needs=("plasma",),
-    limit=GAPS,
-    unit="sampling intervals",
-    reason="loggers that lose samples leave holes; a second at least, for slow ones",
-    says="{axis} has {count} gaps, the first from {begin:g} to {end:g} s",
-    remedy="see whether files or lines are lost",
-    severity=DOUBT,
-)
+@rule(limit=GAPS)
 def gaps(case, limit):
     for axis in _axes(case):
         time = case.test[axis].values
@@ -113,16 +72,7 @@ def gaps(case, limit):
     return None
 
 
-@rule(
-    "integration_longer_than_step",
-    looks_at="pyrometer_integration_time over the sampling interval",
-    needs=("pyrometer",),
-    limit=20.0,
-    unit="1",
-    reason="a logger may ask a slow instrument too often, but not twenty times per answer",
-    says="pyrometer_integration_time is {stated:g} s, the samples follow every {step:.4g} s",
-    remedy="state it in s",
-)
+@rule()
 def integration_longer_than_step(case, limit):
     time = case.test.time.values
     step = float(np.median(np.diff(time))) if time.size > 1 else np.inf
@@ -145,18 +95,7 @@ def _falls(case):
     return {name: span for name, span in found.items() if span is not None}
 
 
-@rule(
-    "plasma_off_time",
-    looks_at="the fall of the light at the end of the plasma, in each instrument",
-    needs=("plasma",),
-    limit=0.5,
-    unit="s",
-    reason="without the plasma its light is gone and the surface cools; the fall is placed to a second of the"
-    " pyrometer or a cycle of the spectrometer, and clocks are set to half a second",
-    says="the light of the {name} falls by {drop:.0%} between {first:.5g} and {last:.5g} s, plasma_off_time"
-    " is {off:g} s",
-    remedy="correct plasma_off_time, or the zero of that instrument",
-)
+@rule()
 def plasma_off_time(case, limit):
     off = case.test.attrs["plasma_off_time"]
     for name, (first, last, drop) in _falls(case).items():
@@ -165,18 +104,7 @@ def plasma_off_time(case, limit):
     return None
 
 
-@rule(
-    "two_clocks",
-    looks_at="the lag at which the spectra fit the bands of the pyrometer best",
-    needs=("pyrometer", "spectrometer"),
-    limit=0.7,
-    unit="s",
-    reason="a surface that heats by 30 K/s is 20 K hotter after 0.7 s, as much as the pyrometer's"
-    " uncertainty",
-    says="the spectra fit the pyrometer best when moved by {lag:+.2g} s (residuals {best:.2g} % of the light"
-    " instead of {now:.2g} %)",
-    remedy="set one clock right: `zero` of the pyrometer, `first` or `zero` of the spectra",
-)
+@rule()
 def two_clocks(case, limit):
     time, pair = blocks(case.test.time.values, case.pair, -np.inf, np.inf, 0.05)
     moments, light = case.test.spectrum_time.values, case.light

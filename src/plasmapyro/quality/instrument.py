@@ -7,17 +7,7 @@ from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.quality.series import SIGMA
 
 
-@rule(
-    "points_leave_curve",
-    looks_at="ratio of the calibration points over the modelled curve",
-    needs=("calibration",),
-    limit=0.04,
-    unit="1",
-    reason="1 % per signal and 3 K of the source make 1.5 %; temperatures in Celsius taken as K make 5 to"
-    " 15 %",
-    says="at {kelvin:g} K the ratio of the calibration points is {off:+.1%} off the modelled curve",
-    remedy="see whether source_temperature is in the unit stated (degC or K), and no point is mistyped",
-)
+@rule()
 def points_leave_curve(case, limit):
     rest = case.calibration.model_residual.values
     worst = int(np.argmax(np.abs(rest)))
@@ -40,20 +30,7 @@ def level_residuals(points, response):
     return np.array(rows)
 
 
-@rule(
-    "levels_leave_curve",
-    looks_at="level of the calibration points over the modelled one",
-    needs=("points", "response"),
-    limit=0.25,
-    unit="1",
-    reason="a response that ends 1 % off in wavelength bends the levels by 7 %; Celsius taken as K makes a"
-    " factor of two and more, a mistyped or clipped point tens of per cent",
-    says="at {kelvin:g} K signal_{band} of the calibration points is {off:+.0%} off what Planck's law gives"
-    " from the others",
-    remedy="see whether source_temperature is in the unit stated (degC or K), the point is mistyped, or the"
-    " amplifier"
-    " was at its end",
-)
+@rule()
 def levels_leave_curve(case, limit):
     rest = level_residuals(case.points, case.response)
     band, worst = np.unravel_index(np.argmax(np.abs(rest)), rest.shape)
@@ -66,16 +43,7 @@ def levels_leave_curve(case, limit):
     }
 
 
-@rule(
-    "source_dark",
-    looks_at="net counts of the exposures of the source",
-    needs=("exposures",),
-    limit=3.0,
-    unit="standard deviations",
-    reason="the source adds light in most pixels; below the dark it is exchanged with it",
-    says="exposure {number} of the source is darker than its dark in {share:.0%} of the pixels",
-    remedy="exchange `light` and `dark`, or measure the dark again",
-)
+@rule()
 def source_dark(case, limit):
     net = case.exposures.exposure_counts.values - case.exposures.exposure_dark.values
     for number, row in enumerate(net, 1):
@@ -86,17 +54,7 @@ def source_dark(case, limit):
     return None
 
 
-@rule(
-    "rates_disagree",
-    looks_at="count rates of the exposures of one source against each other",
-    needs=("exposures",),
-    limit=0.1,
-    unit="1",
-    reason="one source gives one rate; a tenth allows for a detector that is not quite linear",
-    says="exposures {first} and {second} of one source give count rates that differ by a factor of"
-    " {factor:.3g}",
-    remedy="check the integration times, and that light and dark belong together",
-)
+@rule()
 def rates_disagree(case, limit):
     data = case.exposures
     net = data.exposure_counts.values - data.exposure_dark.values

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import BANDS, DOUBT, rule
+from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.quality.series import SIDE, SIGMA, blocks, longest_run, steps, widened
 from plasmapyro.record import flags
 from plasmapyro.record.record import gas_of
@@ -22,17 +22,7 @@ def _surface(case):
     return own[:, (share > 0.5).all(axis=0) & (own > BRIGHT / 10 * top).all(axis=0)]
 
 
-@rule(
-    "equal_channels",
-    looks_at="ratio of both signals",
-    needs=("pyrometer",),
-    limit=1e-5,
-    unit="1",
-    reason="two amplifiers never agree to five digits while the light changes",
-    says="both signals of the pyrometer are the same column: their ratio is {ratio:.6g} in all samples, while"
-    " they change by a factor of {change:.3g}",
-    remedy="name the column of each band in test.yaml",
-)
+@rule()
 def equal_channels(case, limit):
     good = (case.pair > 0).all(axis=0)
     if good.sum() < 3:
@@ -44,18 +34,7 @@ def equal_channels(case, limit):
     return {"ratio": float(ratio.mean()), "change": float(change)}
 
 
-@rule(
-    "swapped_bands",
-    looks_at="slope of the ratio wide/narrow over the signals of the surface, both logarithmic",
-    needs=("pyrometer", "plasma"),
-    limit=-0.02,
-    unit="1",
-    reason="shorter wavelengths grow faster: the ratio rises by 0.06 to 0.1 per unit; noise and gas give less"
-    " than 0.02 the other way",
-    says="the ratio wide/narrow falls while both signals rise (slope {slope:.3f}, a heating surface gives"
-    " +0.06 to +0.1)",
-    remedy="exchange the columns of signal_wide and signal_narrow, or see which gain changed",
-)
+@rule()
 def swapped_bands(case, limit):
     own = _surface(case)
     if own.shape[1] < 10 or own.max() < 2 * own.min():
@@ -69,16 +48,7 @@ def swapped_bands(case, limit):
     return {"slope": slope} if slope < limit else None
 
 
-@rule(
-    "negative_signal",
-    looks_at="share of samples below zero after injection",
-    needs=("pyrometer", "plasma"),
-    limit=0.1,
-    unit="1",
-    reason="light is positive; offsets and noise bring single samples below zero",
-    says="{band} is below zero in {share:.0%} of the samples after injection, the lowest is {lowest:.3g} A",
-    remedy="reverse the sign (`scale: -1`) if the amplifier inverts, or take its offset off",
-)
+@rule()
 def negative_signal(case, limit):
     injected = case.test.time.values >= case.test.attrs["injection_time"]
     for band, row in zip(BANDS, case.pair[:, injected], strict=True):
@@ -88,16 +58,7 @@ def negative_signal(case, limit):
     return None
 
 
-@rule(
-    "stuck",
-    looks_at="runs of samples in which a signal stays what it was",
-    needs=("pyrometer", "plasma"),
-    limit=flags.LONGEST,
-    unit="samples",
-    reason="plasma flickers; a longer run, rarer by chance than 1 in a million, is a logger that waits",
-    says="{what} exactly the same over {count} samples, from {begin:.6g} to {end:.6g} s",
-    remedy="remove those lines: they repeat an old sample; see why the logger stopped",
-)
+@rule(limit=flags.LONGEST)
 def stuck(case, limit):
     alone = [
         flags.stuck(row[:, None], True) & ((row < np.nanmax(row)) | (row == np.nanmin(row)))
@@ -114,19 +75,7 @@ def stuck(case, limit):
     return None
 
 
-@rule(
-    "flat_top",
-    looks_at="samples at exactly the highest value of a signal",
-    needs=("pyrometer",),
-    limit=5,
-    unit="samples",
-    reason="noise spreads the highest samples; a converter or an amplifier at its end does not. Rounding"
-    " would"
-    " fill the next value below as well: that must hold fewer than a third as many",
-    says="signal_{band} stands at exactly its highest value, {top:.6g} A, in {count} samples, first at"
-    " {begin:.6g} s: the amplifier or the converter is at its end",
-    remedy="state `signal_saturation_{band}: {limit:.6g}` in test.yaml, so that these samples are left out",
-)
+@rule()
 def flat_top(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):
         values, counts = np.unique(row[np.isfinite(row)], return_counts=True)
@@ -140,18 +89,7 @@ def flat_top(case, limit):
     return None
 
 
-@rule(
-    "rounded_top",
-    looks_at="slope of one signal over the other at its top, both logarithmic and without the gas",
-    needs=("pyrometer",),
-    limit=flags.LEAST_SLOPE,
-    unit="of the slope below",
-    reason="the slopes of two bands change by some per cent over the range of a surface; a photodiode or an"
-    " amplifier near its end gives less and less",
-    says="signal_{band} bends away from the other one above {level:.3g} A, first at {begin:.6g} s: its"
-    " detector or amplifier is near its end ({count} samples are left out)",
-    remedy="lower its gain; see whether signal_saturation_{band} should be {level:.3g}",
-)
+@rule(limit=flags.LEAST_SLOPE)
 def rounded_top(case, limit):
     beyond = flags.rounded(case.pair.T, gas_of(case.test, case.pair.T))
     for band, row, high in zip(BANDS, case.pair, beyond.T, strict=True):
@@ -165,18 +103,7 @@ def rounded_top(case, limit):
     return None
 
 
-@rule(
-    "unit_of_signals",
-    looks_at="largest signal",
-    needs=("pyrometer",),
-    limit=1.0,
-    unit="A",
-    reason="photodiodes give less than a milliampere",
-    says="{band} reaches {top:.3g} A, more than a photodiode gives",
-    remedy="see whether its unit is right (the ratio, and so the temperature, does not depend on a common"
-    " one)",
-    severity=DOUBT,
-)
+@rule()
 def unit_of_signals(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):
         top = np.nanmax(np.abs(row))
@@ -185,22 +112,7 @@ def unit_of_signals(case, limit):
     return None
 
 
-@rule(
-    "unexplained_step",
-    looks_at="steps of a signal, or of the ratio, away from injection and the end of the plasma",
-    needs=("pyrometer", "plasma"),
-    limit=0.02,
-    unit="1",
-    reason="2 % in a ratio are 30 K at 1600 K; a surface changes by seconds, an amplifier, a cable or a"
-    " window"
-    " at once. A step must also be ten times the scatter of such steps",
-    says="{what} steps by {height:+.1%} at {moment:.6g} s, away from injection ({injection:g} s) and the"
-    " end of the"
-    " plasma ({off:g} s)",
-    remedy="see whether a gain, the aim, the power or the window changed then; cut the record there, or"
-    " correct"
-    " the time that is wrong in test.yaml",
-)
+@rule()
 def unexplained_step(case, limit):
     attrs = case.test.attrs
     begin, off = attrs["injection_time"], attrs["plasma_off_time"]
@@ -235,18 +147,7 @@ def unexplained_step(case, limit):
     return None
 
 
-@rule(
-    "spikes",
-    looks_at="single samples in the reference window far from their neighbours",
-    needs=("pyrometer", "plasma"),
-    limit=12.0,
-    unit="standard deviations",
-    reason="normal noise reaches 5 in a record of millions; pick-up from the arc goes far beyond, and shifts"
-    " the mean that is subtracted",
-    says="{band} has {count} samples in the reference window more than 12 standard deviations from their"
-    " neighbours, the first at {moment:.6g} s",
-    remedy="leave those cells empty, or choose another reference window",
-)
+@rule()
 def spikes(case, limit):
     low, high = case.test.attrs["reference_window"]
     time = case.test.time.values
@@ -267,17 +168,7 @@ def spikes(case, limit):
     return None
 
 
-@rule(
-    "scatter_of_signals",
-    looks_at="scatter of the brightest samples from one to the next, relative",
-    needs=("pyrometer",),
-    limit=0.03,
-    unit="1",
-    reason="a correction takes each signal as known to 1 % (`--signal-uncertainty`); a surface does not"
-    " flicker, hum of the mains and loose contacts do",
-    says="signal_{band} scatters by {share:.1%} from sample to sample where it is brightest",
-    remedy="see whether hum or a loose contact is in it, or state a larger --signal-uncertainty",
-)
+@rule()
 def scatter_of_signals(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):
         bright = row[row > BRIGHT * np.nanmax(row)] if np.isfinite(row).any() else row[:0]
@@ -290,18 +181,7 @@ def scatter_of_signals(case, limit):
     return None
 
 
-@rule(
-    "dark_reference",
-    looks_at="light in the reference window over the dark before the record's first light",
-    needs=("pyrometer", "plasma"),
-    limit=1e-3,
-    unit="1",
-    reason="the light of the plasma is 1 % or more of the brightest surface in all conditions of the paper;"
-    " a thousandth says that the plasma did not burn",
-    says="in the reference window the signals are {share:.1g} of their highest: no light of a plasma",
-    remedy="see whether injection_time and reference_window lie where the plasma burns, or say `condition:"
-    " none`",
-)
+@rule()
 def dark_reference(case, limit):
     low, high = case.test.attrs["reference_window"]
     time = case.test.time.values

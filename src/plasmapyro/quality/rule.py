@@ -1,4 +1,4 @@
-"""What a rule is, and what it looks at."""
+"""What a rule is, and what it looks at; the words of all rules stand in `rules.csv`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,6 +13,7 @@ from plasmapyro.record import onset
 from plasmapyro.record.calibrated import halves
 from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.phases import phases
+from plasmapyro.tables import rows
 
 BANDS = ("wide", "narrow")
 CONTRADICTION, DOUBT = SEVERITIES = "contradiction", "doubt"  # both cannot be true; it may be meant so
@@ -122,7 +123,7 @@ class Rule:
     says: str  # template, filled with what `find` saw
     remedy: str  # a template as well
     find: Callable  # (case, limit) -> mapping for `says`, or None
-    severity: str = CONTRADICTION
+    severity: str
 
     def __call__(self, case):
         """The finding about a case, or None."""
@@ -155,11 +156,25 @@ class Finding(NamedTuple):
         return kept | {name: getattr(self, name) for name in ("where", "saw", "remedy")}
 
 
-def rule(name, **entry):
-    """Decorator that makes a `Rule` of the function which looks for the contradiction."""
+REGISTER = {row["name"]: row for row in rows("quality/rules.csv")}
+
+
+def rule(limit=None):
+    """Decorator that makes a `Rule` of the function which looks for the contradiction of its name.
+
+    Words and limit stand in `rules.csv`; `limit` is one that another module decides.
+    """
 
     def made(find):
-        return Rule(name=name, find=find, **entry)
+        row = REGISTER[find.__name__]
+        return Rule(
+            name=row["name"],
+            looks_at=row["looks at"],
+            needs=tuple(row["needs"].split()),
+            limit=float(row["limit"]) if limit is None else limit,
+            find=find,
+            **{name: row[name] for name in ("unit", "reason", "says", "remedy", "severity")},
+        )
 
     return made
 

@@ -5,7 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 
-from plasmapyro.quality.rule import DOUBT, rule
+from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import SIGMA
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -23,18 +23,7 @@ def _numbers(names):
     return [int(match.group(1)) for match in found] if all(found) else []
 
 
-@rule(
-    "natural_order",
-    looks_at="order of file names by their numbers, against that by letters",
-    needs=("names", "ordered"),
-    limit=0,
-    unit="files",
-    reason="1, 10, 2 by letters is 1, 2, 10 by numbers: times given by the order depend on it",
-    says="the numbers in the file names have no leading zeros: the order taken is {first}, {second}, ...,"
-    " {last} (by letters {other} would come second)",
-    remedy="nothing, if that is the order in which they were taken",
-    severity=DOUBT,
-)
+@rule()
 def natural_order(case, limit):
     names = case.files["names"]
     if names == sorted(names):
@@ -48,19 +37,7 @@ def natural_order(case, limit):
     }
 
 
-@rule(
-    "missing_frame",
-    looks_at="gaps in the numbers of the file names where times are given by the order",
-    needs=("names", "ordered"),
-    limit=0,
-    unit="frames",
-    reason="all spectra after a lost one would get a time one period too early",
-    says="{count} numbers are missing in the file names, the first after {name}: all later spectra get"
-    " times that are"
-    " {period:g} s too early for each",
-    remedy="put the lost file back, state the times by `from: date`, or read what follows as a test of its"
-    " own",
-)
+@rule()
 def missing_frame(case, limit):
     numbers = _numbers(case.files["names"])
     if len(numbers) < 3:
@@ -79,16 +56,7 @@ def missing_frame(case, limit):
     }
 
 
-@rule(
-    "mixed_series",
-    looks_at="file names that differ in more than their number",
-    needs=("names", "ordered"),
-    limit=0,
-    unit="files",
-    reason="a series has one name; a file of another one, a dark or a lamp among them, shifts all times",
-    says="{name} does not belong to the series {first}, ...: its name differs in more than the number",
-    remedy="move it out of the folder, or state the times by `from: date`",
-)
+@rule()
 def mixed_series(case, limit):
     names = case.files["names"]
     stems = [re.sub(r"\d+", "#", name) for name in names]
@@ -100,16 +68,7 @@ def mixed_series(case, limit):
     return {"where": case.files["place"], "name": odd[0], "first": first}
 
 
-@rule(
-    "dates_against_order",
-    looks_at="dates in the headers against the times given by the order of the files",
-    needs=("names", "ordered", "dated"),
-    limit=2.0,
-    unit="s",
-    reason="headers state whole seconds; two of them bound rounding at both ends",
-    says="by its header {name} was taken {own:g} s after {first}, by `from: order` {given:g} s after it",
-    remedy="correct `period`, put the files in order, or state the times by `from: date`",
-)
+@rule()
 def dates_against_order(case, limit):
     dates, time = case.files["dates"], case.test.spectrum_time.values
     own = np.array([(date - dates[0]) / timedelta(seconds=1) for date in dates])
@@ -126,17 +85,7 @@ def dates_against_order(case, limit):
     }
 
 
-@rule(
-    "repeated_spectrum",
-    looks_at="spectra that equal another one in every pixel",
-    needs=("spectrometer",),
-    limit=0,
-    unit="spectra",
-    reason="noise makes no two spectra equal: the same file was copied twice, or the program repeated a"
-    " frame",
-    says="the spectra at {first:g} and {second:g} s are equal in every pixel",
-    remedy="remove the copy, or put the right file in its place",
-)
+@rule()
 def repeated_spectrum(case, limit):
     rows = np.nan_to_num(case.net)
     for index in np.flatnonzero((rows[1:] == rows[:-1]).all(axis=1)):
@@ -145,18 +94,7 @@ def repeated_spectrum(case, limit):
     return None
 
 
-@rule(
-    "lone_spectrum",
-    looks_at="light of a spectrum over that of the one before and of the one after",
-    needs=("spectrometer", "plasma"),
-    limit=0.2,
-    unit="1",
-    reason="a surface heats or cools; a spectrum brighter, or darker, than both its neighbours by a fifth was"
-    " taken at another moment",
-    says="{count} spectra do not lie between their neighbours, the first at {moment:g} s ({share:+.0%} or"
-    " more)",
-    remedy="see whether the files are in the order in which they were taken, and all of this test",
-)
+@rule()
 def lone_spectrum(case, limit):
     time, attrs = case.test.spectrum_time.values, case.test.attrs
     if time.size < 5 or not (case.light > 0).all():
@@ -174,18 +112,7 @@ def lone_spectrum(case, limit):
     return {"count": far.size, "moment": float(time[first + 1]), "share": float(np.expm1(least))}
 
 
-@rule(
-    "gap_in_cycle",
-    looks_at="intervals between spectra",
-    needs=("spectrometer",),
-    limit=1.5,
-    unit="cycles",
-    reason="spectra come in a cycle; half of one more is a frame that is lost",
-    says="spectra come every {cycle:.4g} s, but {count} intervals are longer, the first from {begin:.6g} to"
-    " {end:.6g} s",
-    remedy="see whether files are lost",
-    severity=DOUBT,
-)
+@rule()
 def gap_in_cycle(case, limit):
     time = case.test.spectrum_time.values
     if time.size < 4:
@@ -204,16 +131,7 @@ def gap_in_cycle(case, limit):
     }
 
 
-@rule(
-    "exposures_overlap",
-    looks_at="exposure over the interval between spectra",
-    needs=("spectrometer",),
-    limit=1.02,
-    unit="1",
-    reason="an exposure ends before the next begins; 2 % for rounded times",
-    says="exposures of {exposure:g} s follow one another every {cycle:.4g} s",
-    remedy="correct the integration time or the period (which are in s)",
-)
+@rule()
 def exposures_overlap(case, limit):
     time = case.test.spectrum_time.values
     cycle = float(np.median(np.diff(time))) if time.size > 1 else np.inf
@@ -222,16 +140,7 @@ def exposures_overlap(case, limit):
     return {"exposure": case.exposure, "cycle": cycle}
 
 
-@rule(
-    "dark_constant",
-    looks_at="scatter of the dark between pixels",
-    needs=("counts",),
-    limit=0.0,
-    unit="count",
-    reason="every converter has noise and every pixel a dark current of its own",
-    says="the dark is {value:g} counts in every pixel: no spectrum of a detector",
-    remedy="measure a dark with the shutter closed and the same settings",
-)
+@rule()
 def dark_constant(case, limit):
     dark = case.test.background_counts.values[1:-1]
     if np.ptp(dark) > limit:
@@ -243,19 +152,7 @@ def _dark(case):
     return case.files.get("background") or case.place
 
 
-@rule(
-    "dark_brighter",
-    looks_at="net counts of the darkest exposure",
-    needs=("counts",),
-    limit=-3.0,
-    unit="standard deviations",
-    reason="light adds to the dark; below it by more than the noise, the dark holds light, or is of other"
-    " settings",
-    says="the dark is brighter than the spectrum at {moment:g} s in {share:.0%} of the pixels, by {value:.4g}"
-    " counts in the middle",
-    remedy="measure a dark with the shutter closed and the same settings; see whether light and dark are"
-    " exchanged",
-)
+@rule()
 def dark_brighter(case, limit):
     noise = np.sqrt(2) * max(_scatter(case.test.background_counts.values), 1e-9)
     middle = np.nanmedian(case.net, axis=1)
@@ -270,17 +167,7 @@ def dark_brighter(case, limit):
     }
 
 
-@rule(
-    "dark_like_light",
-    looks_at="light of the plasma in the reference window over the noise",
-    needs=("counts", "plasma"),
-    limit=3.0,
-    unit="standard deviations",
-    reason="the plasma shines in the reference window, and its light stands out of the noise of the mean"
-    " pixel",
-    says="the dark equals the spectrum at {moment:g} s, when the plasma shines: the dark holds its light",
-    remedy="measure a dark with the shutter closed; light of the plasma in it is taken off twice",
-)
+@rule()
 def dark_like_light(case, limit):
     time = case.test.spectrum_time.values
     low, high = case.test.attrs["reference_window"]
@@ -294,16 +181,7 @@ def dark_like_light(case, limit):
     return None
 
 
-@rule(
-    "counts_as_radiance",
-    looks_at="radiances that are whole numbers",
-    needs=("spectral_radiance",),
-    limit=0.999,
-    unit="1",
-    reason="converters count in whole numbers, calibrated radiances do not",
-    says="all radiances are whole numbers times {unit:.3g}: they look like counts",
-    remedy="state `quantity: counts` and a `background`, or check the `unit`",
-)
+@rule()
 def counts_as_radiance(case, limit):
     values = case.test.spectral_radiance.values
     values = values[np.isfinite(values) & (values != 0)]
@@ -316,17 +194,7 @@ def counts_as_radiance(case, limit):
     return None
 
 
-@rule(
-    "too_bright",
-    looks_at="radiance of the brightest spectrum over that of a black body of 3500 K",
-    needs=("spectral_radiance",),
-    limit=1.0,
-    unit="1",
-    reason="no sample of a thermal protection system is hotter; in more than half of the pixels it is no"
-    " line",
-    says="the spectrum at {moment:g} s is brighter than a black body of 3500 K in {share:.0%} of the pixels",
-    remedy="check the `unit`, and whether these are counts",
-)
+@rule()
 def too_bright(case, limit):
     bound = limit * blackbody_radiance(case.test.wavelength.values, 3500.0)
     share = np.mean(case.test.spectral_radiance.values > bound, axis=1)
@@ -336,16 +204,7 @@ def too_bright(case, limit):
     return {"moment": float(case.test.spectrum_time.values[place]), "share": float(share[place])}
 
 
-@rule(
-    "wavelength_range",
-    looks_at="wavelengths of the pixels",
-    needs=("spectrometer",),
-    limit=1200.0,
-    unit="nm",
-    reason="silicon, of which these detectors are, sees 200 to 1200 nm",
-    says="the pixels run from {first:.4g} to {last:.4g} nm, beyond what silicon sees (200 to 1200 nm)",
-    remedy="check `wavelength_unit`",
-)
+@rule()
 def wavelength_range(case, limit):
     pixels = case.test.wavelength.values * 1e9
     if pixels[0] >= 190 and pixels[-1] <= limit:
@@ -353,16 +212,7 @@ def wavelength_range(case, limit):
     return {"first": float(pixels[0]), "last": float(pixels[-1])}
 
 
-@rule(
-    "width_of_spectrometer",
-    looks_at="spectrometer_fwhm over the distance of the pixels",
-    needs=("spectrometer",),
-    limit=0.5,
-    unit="pixels",
-    reason="a slit images to a pixel or more, and to far less than a tenth of the range",
-    says="spectrometer_fwhm is {width:.3g} nm, the pixels are {pixel:.3g} nm apart over {span:.4g} nm",
-    remedy="state it in m (1.5 nm: 1.5e-9)",
-)
+@rule()
 def width_of_spectrometer(case, limit):
     pixels = case.test.wavelength.values * 1e9
     width, pixel = case.test.attrs["spectrometer_fwhm"] * 1e9, float(np.median(np.diff(pixels)))
@@ -371,16 +221,7 @@ def width_of_spectrometer(case, limit):
     return {"width": width, "pixel": pixel, "span": float(np.ptp(pixels))}
 
 
-@rule(
-    "nonlinear_end",
-    looks_at="raw counts over the limit of a 16-bit converter",
-    needs=("counts",),
-    limit=65535.0,
-    unit="count",
-    reason="spectrometers of this kind convert with 16 bits; more are sums, or counts per second",
-    says="the counts reach {top:.5g}, more than a 16-bit converter gives",
-    remedy="export raw counts of single scans or averages, and calibrate with such",
-)
+@rule()
 def nonlinear_end(case, limit):
     top = float(np.nanmax(case.test.counts.values))
     return {"top": top} if top > limit else None
