@@ -3,7 +3,9 @@ import pytest
 
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
-from plasmapyro.diagnosis.effects.effect import BOTH, ORDER, PHASES, Amplitude, effect
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.effects.effect import BOTH, ORDER, PHASES, REGISTER, effect
+from plasmapyro.diagnosis.effects.gas import LINES
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.report.kelvin import paper_temperature
 from plasmapyro.experiment.correction import Reading
@@ -31,12 +33,13 @@ def seen(model, state, which, identity, amplitude, **shape):
 def test_the_catalogue_covers_every_stage_instrument_and_phase():
     assert set(IDS) <= set(CATALOGUE)
     entries = CATALOGUE.values()
+    assert set(REGISTER) == {*CATALOGUE, *OF_CONDITION, LINES}
+    assert all(set(row["alike"].split()) <= set(CATALOGUE) for row in REGISTER.values())
     assert {entry.stage for entry in entries} == set(ORDER)
     assert {kind for entry in entries for kind in entry.instruments} == set(BOTH)
     assert {phase for entry in entries for phase in entry.phases} == set(PHASES)
     for entry in entries:
         assert entry.sigma > 0 and entry.bounds[0] <= 0 < entry.bounds[1]
-        assert set(entry.degenerate_with) <= set(CATALOGUE)
         assert sum(formula is not None for formula in (entry.light, entry.output, entry.clock)) == 1
 
 
@@ -140,6 +143,6 @@ def test_nobody_changes_the_catalogue_in_place():
         CATALOGUE["winE"] = None
 
 
-def test_a_declaration_with_a_misspelt_field_is_refused():
-    with pytest.raises(TypeError, match="fases"):
-        effect("x", "an effect", stage="gas", amplitude=Amplitude("a", "1", 1.0, (0, 1)), fases=())(None)
+def test_a_declaration_of_an_effect_without_a_row_is_refused():
+    with pytest.raises(KeyError, match="eps_slop"):
+        effect("eps_slop")(None)

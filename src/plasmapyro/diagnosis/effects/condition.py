@@ -5,16 +5,10 @@ from types import MappingProxyType
 import numpy as np
 
 from plasmapyro.diagnosis.effects import gas
-from plasmapyro.diagnosis.effects.effect import Amplitude
+from plasmapyro.diagnosis.effects.effect import effect
 
 
-@gas.of_engine(
-    "power",
-    "power of the plasma",
-    klass="strength of the plasma",
-    amplitude=Amplitude("relative change of the power", "1", sigma=0.08, bounds=(-0.5, 1.0)),
-    measurement="enthalpy of the jet; spectra at several powers",
-)
+@effect("power")
 def power(scene, amplitude):
     """The gas of another power; a condition that holds this is simulated anew at that power."""
     return scene.but(spectrum=scene.spectrum * scene.library.power_factor(np.log1p(amplitude)))

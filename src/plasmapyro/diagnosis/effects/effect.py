@@ -1,4 +1,7 @@
-"""What an effect is, and how it is declared: by a decorator at its formula."""
+"""What an effect is, and how it is declared: by a decorator at its formula, and a row of `effects.csv`.
+
+Its source "Zhang, Tsai & Machin" is their book Radiometric Temperature Measurements (2010).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -7,24 +10,13 @@ from types import MappingProxyType
 
 import numpy as np
 
+from plasmapyro.tables import rows
+
 ORDER = ("clock", "surface", "gas", "path", "optics", "detector")  # the way of the light
 CHANGES = {"clock": "clock", "detector": "output"}  # what the formula of a stage changes, else the light
 PHASES = ("pre", "cold", "heating", "steady", "cooling")
-HOT, EXPOSED, BURNING = PHASES[2:], PHASES[1:4], PHASES[:4]
 BOTH = ("pyrometer", "spectrometer")
-PYROMETER, SPECTROMETER = BOTH[:1], BOTH[1:]
-PAPER = "Fagnani et al."
-KNOWN = "Z. M. Zhang, B. K. Tsai & G. Machin, Radiometric Temperature Measurements (2010)"
-
-
-@dataclass(frozen=True)
-class Amplitude:
-    """Size of an effect: what it means, its unit, standard deviation of its prior, and where it may lie."""
-
-    name: str
-    unit: str
-    sigma: float
-    bounds: tuple
+REGISTER = {row["id"]: row for row in rows("diagnosis/effects/effects.csv")}
 
 
 @dataclass(frozen=True)
@@ -51,10 +43,8 @@ class Effect:
     phases: tuple
     measurement: str
     instruments: tuple = BOTH
-    reference: str = KNOWN
     shapes: tuple = (MappingProxyType({}),)
     shape_bounds: dict = field(default_factory=dict)
-    degenerate_with: tuple = ()
     quadratic: bool = False
     steady_gas: bool = False
     light: Callable | None = None
@@ -86,42 +76,36 @@ class Effect:
         return amplitude * abs(amplitude) / abs(self.step) if self.quadratic else amplitude
 
 
-def effect(identity, name, *, stage, amplitude, shape=MappingProxyType({}), **fields):
-    """Decorator that makes a formula an `Effect`.
+def effect(identity, shape=MappingProxyType({})):
+    """Decorator that makes a formula the `Effect` of a row of `effects.csv`.
 
     Parameters
     ----------
-    identity, name : str
-    stage : one of `ORDER`
-    amplitude : Amplitude
+    identity : str
     shape : mapping name -> (numbers at which the effect is looked for, bounds)
         It is looked for at every combination of the numbers.
-    **fields : the other fields of `Effect`
 
     Returns
     -------
     function formula -> Effect
-
-    Raises
-    ------
-    TypeError
-        A field that is missing or that no effect has.
     """
+    row = REGISTER[identity]
     tried = {number: values for number, (values, _) in shape.items() if values}
 
     def declared(formula):
         return Effect(
             id=identity,
-            name=name,
-            stage=stage,
-            amplitude=amplitude.name,
-            unit=amplitude.unit,
-            sigma=amplitude.sigma,
-            bounds=amplitude.bounds,
+            klass=row["class"],
+            sigma=float(row["sigma"]),
+            bounds=(float(row["low"]), float(row["high"])),
+            phases=tuple(row["phases"].split()),
+            instruments=tuple(row["instruments"].split()),
+            quadratic=row["quadratic"] == "yes",
+            steady_gas=row["steady gas"] == "yes",
             shapes=tuple(dict(zip(tried, numbers, strict=True)) for numbers in product(*tried.values())),
             shape_bounds={number: bounds for number, (_, bounds) in shape.items()},
-            **fields,
-            **{CHANGES.get(stage, "light"): formula},
+            **{name: row[name] for name in ("name", "stage", "amplitude", "unit", "measurement")},
+            **{CHANGES.get(row["stage"], "light"): formula},
         )
 
     return declared

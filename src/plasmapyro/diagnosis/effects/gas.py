@@ -1,12 +1,13 @@
 """Effects of the gas: other spectra from the engine, other histories, matter that does not belong there."""
 
-from functools import lru_cache, partial
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from plasmapyro import tables
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.diagnosis.effects.effect import BURNING, EXPOSED, PAPER, Amplitude, effect
+from plasmapyro.diagnosis.effects.effect import effect
 from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST
 from plasmapyro.identification.species import catalogue
 from plasmapyro.radiation.atoms import TABLE_RANGE
@@ -22,9 +23,6 @@ CONTINUUM_TEMPERATURE = 6000.0  # [K]
 WAVES = 9  # free values of a brightness that wanders
 LARGEST_WAVE = 0.3  # [1]
 
-gas = partial(effect, stage="gas")
-of_engine = partial(gas, phases=BURNING, reference=PAPER, steady_gas=True)
-
 
 def varied(name):
     """Formula that replaces the spectrum of the gas by one varied with the engine."""
@@ -35,56 +33,14 @@ def varied(name):
     return vary
 
 
-power = of_engine(
-    "P_eff",
-    "power of the plasma, temperature of its core",
-    klass="strength of the plasma",
-    amplitude=Amplitude("relative change of the gas temperature", "1", sigma=0.06, bounds=(-0.16, 0.16)),
-    measurement="enthalpy of the jet; spectra at several powers",
-    degenerate_with=("ripple", "T_exc"),
-)(varied("core_temperature"))
-ripple = of_engine(
-    "ripple",
-    "ripple of the torch",
-    klass="strength of the plasma",
-    amplitude=Amplitude("amplitude of the temperature", "1", sigma=0.08, bounds=(0.0, 0.25)),
-    measurement="a photodiode of 2 kHz or more",
-    degenerate_with=("P_eff",),
-    quadratic=True,
-)(varied("ripple"))
-excitation = of_engine(
-    "T_exc",
-    "excitation of the atoms away from equilibrium",
-    klass="excitation of the gas",
-    amplitude=Amplitude(
-        "relative change of the excitation temperature", "1", sigma=0.05, bounds=(-0.12, 0.12)
-    ),
-    measurement="lines of O I from several levels",
-    degenerate_with=("P_eff", "refl"),
-)(varied("excitation"))
-vibration = of_engine(
-    "T_vib",
-    "vibration of N2 away from equilibrium",
-    klass="vibration of the gas",
-    amplitude=Amplitude("relative change of the vibrational temperature", "1", sigma=0.2, bounds=(-0.4, 0.5)),
-    measurement="bands of N2 first positive at high resolution",
-)(varied("vibration"))
-self_absorption = of_engine(
-    "selfabs",
-    "lines that absorb themselves",
-    klass="optical depth",
-    amplitude=Amplitude("depth of the strongest line", "1", sigma=0.4, bounds=(0.0, 3.0)),
-    measurement="O I 777 against 844 nm at several powers",
-)(varied("optical_depth"))
+power = effect("P_eff")(varied("core_temperature"))
+ripple = effect("ripple")(varied("ripple"))
+excitation = effect("T_exc")(varied("excitation"))
+vibration = effect("T_vib")(varied("vibration"))
+self_absorption = effect("selfabs")(varied("optical_depth"))
 
 
-@of_engine(
-    "contin",
-    "more continuum of the gas",
-    klass="continuum",
-    amplitude=Amplitude("share of the light", "0.01", sigma=5.0, bounds=(-30.0, 100.0)),
-    measurement="spectra between the lines, calibrated absolutely",
-)
+@effect("contin")
 def continuum(scene, amplitude):
     r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the light."""
     axis = scene.spectral_axis
@@ -93,16 +49,7 @@ def continuum(scene, amplitude):
     return scene.but(spectrum=scene.spectrum + amplitude * more)
 
 
-@gas(
-    "gas_drift",
-    "brightness of the gas that drifts",
-    klass="gas in time",
-    amplitude=Amplitude("change until the end", "1", sigma=0.1, bounds=(-0.7, 0.7)),
-    phases=EXPOSED,
-    measurement="power, pressure and mass flow recorded",
-    reference=PAPER,
-    shape={f"hat_{place}": ((), (-LARGEST_WAVE, LARGEST_WAVE)) for place in range(WAVES)},
-)
+@effect("gas_drift", shape={f"hat_{place}": ((), (-LARGEST_WAVE, LARGEST_WAVE)) for place in range(WAVES)})
 def drift(scene, amplitude, **waves):
     r"""Brightness that drifts: :math:`g(t) = 1 + a\,t/t_{off}`, and follows free values in between if wanted.
 
@@ -117,16 +64,7 @@ def drift(scene, amplitude, **waves):
     return scene.but(gas_gain=scene.gas_gain * (1 + change))
 
 
-near_wall = partial(gas, klass="gas near the wall", reference=PAPER)
-
-
-@near_wall(
-    "bl",
-    "boundary layer warmed by the wall",
-    amplitude=Amplitude("share of the model", "1", sigma=1.0, bounds=(0.0, 50.0)),
-    phases=EXPOSED,
-    measurement="spectra in the wall layer",
-)
+@effect("bl")
 def warm_wall(scene, amplitude):
     """A boundary layer that warms up with the wall: light added in proportion to its temperature."""
     grown = np.clip((scene.temperature - COLD) / (HOTTEST - COLD), 0.0, None) * scene.injected
@@ -134,14 +72,7 @@ def warm_wall(scene, amplitude):
     return scene.but(more_gas=(*scene.more_gas, (share, scene.library.addition["warm_wall"])))
 
 
-@near_wall(
-    "afterglow",
-    "gas that shines after the end",
-    amplitude=Amplitude("share", "1", sigma=0.2, bounds=(0.0, 3.0)),
-    phases=("cooling",),
-    measurement="fast signals after the end",
-    shape={"decay": ((0.5, 2.0), (0.1, 10.0))},
-)
+@effect("afterglow", shape={"decay": ((0.5, 2.0), (0.1, 10.0))})
 def afterglow(scene, amplitude, *, decay):
     """Gas that still shines after the end, with the spectrum of the weakest plasma simulated."""
     after = scene.time - scene.off_time
@@ -149,24 +80,12 @@ def afterglow(scene, amplitude, *, decay):
     return scene.but(more_gas=(*scene.more_gas, (share, scene.library.weakest)))
 
 
-@gas(
-    "particles",
-    "hot grains in the sight line",
-    klass="grains",
-    amplitude=Amplitude("share of a black body", "1", sigma=3e-4, bounds=(0.0, 0.05)),
-    phases=EXPOSED,
-    measurement="fast signals: single grains flash",
-    shape={"temperature": ((2000.0, 2400.0), (1900.0, 2700.0))},
-    degenerate_with=("scat",),
-)
+@effect("particles", shape={"temperature": ((2000.0, 2400.0), (1900.0, 2700.0))})
 def particles(scene, amplitude, *, temperature):
     """Hot grains in the sight line while the plasma burns: a grey share of a black body."""
     share = amplitude * scene.injected * scene.plasma
     body = planck(scene.wavelength, np.array(temperature))
     return scene.but(added=scene.added + share[..., None] * body)
-
-
-foreign_matter = partial(gas, klass="foreign matter")
 
 
 def released(*species):
@@ -180,25 +99,12 @@ def released(*species):
     return release
 
 
-from_surface = partial(
-    foreign_matter,
-    amplitude=Amplitude("tenth of O I 777 at 1600 K", "0.1", sigma=1.0, bounds=(0.0, 500.0)),
-    phases=EXPOSED,
-    measurement="chemistry of the sample",
-    shape={"growth": ((6.0, 12.0, 20.0), (3.0, 30.0))},
-)
-alkali = from_surface("NaK", "sodium and potassium")(released("Na I", "K I"))
-calcium = from_surface("CaII", "ionised calcium")(released("Ca II"))
+GROWTH = {"growth": ((6.0, 12.0, 20.0), (3.0, 30.0))}
+alkali = effect("NaK", shape=GROWTH)(released("Na I", "K I"))
+calcium = effect("CaII", shape=GROWTH)(released("Ca II"))
 
 
-@foreign_matter(
-    "CN",
-    "cyanogen from the oxidation of carbon",
-    amplitude=Amplitude("hundredth of the light", "0.01", sigma=1.0, bounds=(0.0, 200.0)),
-    phases=EXPOSED,
-    measurement="the violet system of CN at 388 nm",
-    shape={"growth": ((4.0, 10.0), (1.0, 20.0)), "decay": ((150.0, 600.0), (20.0, 2000.0))},
-)
+@effect("CN", shape={"growth": ((4.0, 10.0), (1.0, 20.0)), "decay": ((150.0, 600.0), (20.0, 2000.0))})
 def cyanogen(scene, amplitude, *, growth, decay):
     """CN at the wall: starts as carbon oxidises, fades as oxide seals; 1 is a hundredth of the light."""
     light = scene.library.addition["cyanogen"]
@@ -218,18 +124,8 @@ def foreign(*species):
     return contaminate
 
 
-in_jet = partial(
-    foreign_matter,
-    amplitude=Amplitude("tenth of O I 777", "0.1", sigma=1.0, bounds=(0.0, 500.0)),
-    phases=BURNING,
-    steady_gas=True,
-)
-copper = in_jet("Cu", "copper of the coil or electrodes", measurement="a spectrum without a sample")(
-    foreign("Cu I")
-)
-argon = in_jet("Ar", "argon in the jet", measurement="a spectrum without a sample; purge the feed lines")(
-    foreign("Ar I")
-)
+copper = effect("Cu")(foreign("Cu I"))
+argon = effect("Ar")(foreign("Ar I"))
 
 
 def lines_of(name):
@@ -243,10 +139,8 @@ def lines_of(name):
         Not a species of the table.
     """
     by_name = {one.name: one for one in catalogue()}
-    decorate = in_jet(
-        f"{LINES} {by_name[name].name}", f"lines of {name}", measurement="a spectrum of fine resolution"
-    )
-    return decorate(foreign(name))
+    plain = effect(LINES)(foreign(name))
+    return replace(plain, id=f"{LINES} {by_name[name].name}", name=f"lines of {name}")
 
 
 def proposed(identity):

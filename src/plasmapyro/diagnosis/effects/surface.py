@@ -1,18 +1,8 @@
 """Effects of the surface: its emittance, its temperature over the spot, what it reflects."""
 
-from functools import partial
-
 import numpy as np
 
-from plasmapyro.diagnosis.effects.effect import (
-    EXPOSED,
-    HOT,
-    PAPER,
-    PYROMETER,
-    SPECTROMETER,
-    Amplitude,
-    effect,
-)
+from plasmapyro.diagnosis.effects.effect import effect
 from plasmapyro.radiation.planck import planck, planck_curvature
 
 PIVOT = 0.95e-6  # [m] where spectral slopes turn
@@ -21,65 +11,28 @@ HOTTEST, COLD = 1600.0, 350.0  # [K] between which a dependence on temperature i
 FOOTPRINT_RATIO = 10.0 / 14.0  # diameter of the spot of the spectrometer over that of the pyrometer
 COVER_EMITTANCE = 1.0  # ASSUME: the cover of the probe emits like the sample
 
-surface = partial(effect, stage="surface")
 
-
-@surface(
-    "eps_slope",
-    "emittance that varies with wavelength",
-    klass="spectral emittance",
-    amplitude=Amplitude("slope", "um-1", sigma=0.3, bounds=(-1.5, 1.5)),
-    phases=HOT,
-    measurement="spectral emittance of the sample at temperature",
-    degenerate_with=("edge2", "phi"),
-)
+@effect("eps_slope")
 def slope(scene, amplitude):
     r"""Emittance that varies with wavelength: :math:`\varepsilon[1 + b(\lambda - 0.95\,\mu m)]`."""
     return scene.but(emittance=scene.emittance * (1 + amplitude * (scene.wavelength - PIVOT) / MICROMETRE))
 
 
-@surface(
-    "eps_T",
-    "emittance that follows the temperature",
-    klass="emittance with temperature",
-    amplitude=Amplitude("change", "1", sigma=0.05, bounds=(-0.6, 0.6)),
-    phases=HOT,
-    measurement="emittance measured at two temperatures",
-    degenerate_with=("grad",),
-)
+@effect("eps_T")
 def with_temperature(scene, amplitude):
     r"""Emittance that follows the temperature: :math:`\varepsilon[1 + c (T - 350)/1250]`."""
     change = (scene.temperature[..., None] - COLD) / (HOTTEST - COLD)
     return scene.but(emittance=scene.emittance * (1 + amplitude * change))
 
 
-@surface(
-    "eps_ox",
-    "emittance that changes for good (oxidation, loss of coating)",
-    klass="emittance in time",
-    amplitude=Amplitude("change", "1", sigma=0.1, bounds=(-0.8, 0.8)),
-    phases=HOT,
-    measurement="emittance measured after the test",
-    shape={"time_constant": ((10.0, 40.0, 150.0), (3.0, 400.0))},
-    degenerate_with=("eps_T",),
-)
+@effect("eps_ox", shape={"time_constant": ((10.0, 40.0, 150.0), (3.0, 400.0))})
 def oxidation(scene, amplitude, *, time_constant):
     r"""Emittance that changes for good: :math:`\varepsilon[1 + a(1 - e^{-t/\tau})]`."""
     grown = -np.expm1(-np.maximum(scene.time, 0.0) / time_constant)[..., None]
     return scene.but(emittance=scene.emittance * (1 + amplitude * grown))
 
 
-@surface(
-    "refl",
-    "light of the gas reflected by the surface",
-    klass="reflected gas",
-    amplitude=Amplitude("share of a mirror", "1", sigma=1.0, bounds=(0.0, 3.0)),
-    phases=EXPOSED,
-    measurement="a sample of low emittance; a spectrum before injection",
-    reference=PAPER,
-    shape={"diffuse": ((0.0, 0.1), (0.0, 1.0))},
-    degenerate_with=("P_eff", "T_exc"),
-)
+@effect("refl", shape={"diffuse": ((0.0, 0.1), (0.0, 1.0))})
 def reflection(scene, amplitude, *, diffuse):
     r"""Light of the gas that the surface reflects: :math:`(1 - \varepsilon) f L^{gs}`.
 
@@ -95,15 +48,9 @@ def reflection(scene, amplitude, *, diffuse):
     return scene.but(more_gas=(*scene.more_gas, (share, spectrum)))
 
 
-@surface(
+@effect(
     "torchglow",
-    "glow of hot walls reflected by the surface",
-    klass="reflected glow",
-    amplitude=Amplitude("view factor", "1", sigma=0.004, bounds=(0.0, 0.2)),
-    phases=("cold", "heating", "cooling"),
-    measurement="a cold sample in view of the torch",
     shape={"temperature": ((850.0, 1200.0, 1550.0), (700.0, 1800.0)), "decay": ((8.0, 40.0), (2.0, 100.0))},
-    degenerate_with=("off2",),
 )
 def torch_glow(scene, amplitude, *, temperature, decay):
     r"""Reflected glow of hot walls: :math:`(1-\varepsilon) c B(T_q)`, fading after the plasma ends."""
@@ -113,16 +60,7 @@ def torch_glow(scene, amplitude, *, temperature, decay):
     return scene.but(added=scene.added + (1 - scene.emittance) * share[..., None] * body)
 
 
-@surface(
-    "grad",
-    "temperature gradient over the spot",
-    klass="spot",
-    amplitude=Amplitude("standard deviation", "K", sigma=60.0, bounds=(0.0, 250.0)),
-    phases=HOT,
-    measurement="an infrared camera; a second spot size",
-    degenerate_with=("eps_T", "clock"),
-    quadratic=True,
-)
+@effect("grad")
 def gradient(scene, amplitude):
     r"""Unequal temperature, amplitude :math:`\sigma_T` [K]: :math:`B + \tfrac12 \sigma_T^2 B''`.
 
@@ -142,23 +80,6 @@ def cover(scene, amplitude, *, ratio, lag):
     return scene.but(glow=scene.glow + amplitude * (COVER_EMITTANCE * body - scene.glow))
 
 
-beyond_sample = partial(
-    surface,
-    klass="spot",
-    amplitude=Amplitude("share of the spot", "1", sigma=0.08, bounds=(0.0, 0.6)),
-    phases=HOT,
-    measurement="an image of the spot; an alignment laser",
-    shape={"ratio": ((0.72, 0.86), (0.5, 0.98)), "lag": ((3.0, 12.0), (0.5, 30.0))},
-)
-cover_pyrometer = beyond_sample(
-    "edge_p",
-    "spot of the pyrometer beyond the sample",
-    instruments=PYROMETER,
-    degenerate_with=("edge_s",),
-)(cover)
-cover_spectrometer = beyond_sample(
-    "edge_s",
-    "spot of the spectrometer beyond the sample",
-    instruments=SPECTROMETER,
-    degenerate_with=("edge_p",),
-)(cover)
+EDGE = {"ratio": ((0.72, 0.86), (0.5, 0.98)), "lag": ((3.0, 12.0), (0.5, 30.0))}
+cover_pyrometer = effect("edge_p", shape=EDGE)(cover)
+cover_spectrometer = effect("edge_s", shape=EDGE)(cover)
