@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 import yaml
 from clone import copy_of_the_project, snakemake
-from invented_campaigns import REFERENCE, campaign, plan_and_reports
+from twin import drawn
+from twin.drawn import REFERENCE, plan_and_reports
 
 from plasmapyro import cli, io
 from plasmapyro.campaign import stage
@@ -17,24 +18,20 @@ from plasmapyro.commands.priors import read_priors
 from plasmapyro.diagnosis.fit.prior import Normal
 
 RANDOM = 60  # campaigns
-TRUE_KELVIN = 1500.0
+HOT = 1000.0  # [K]
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs/example"
 ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
 
 
-def true_numbers(truth, last):
-    return {
-        "efficiency": np.log(truth["efficiency"]),
-        "exponent": truth["exponent"],
-        "fouling gain_pyrometer": truth["fouling"][0],
-        "fouling gain_spectrometer": truth["fouling"][1],
-        "ratio": truth["ratio"],
-        "lamp": truth["lamp"],
-        "edge_wide": truth["edge_wide"],
-        "emittance of C/SiC": np.log(truth["emittance"]["C/SiC"]),
-        f"gain_pyrometer {last}": truth["gain"][0],
-        f"power {last}": truth["values"]["power"],
-    }
+def campaign(seed, *, tests=10, odd=None):
+    """A drawn campaign of tests that see what the four diagnosed ones of the example see."""
+    listed = yaml.safe_load((EXAMPLE / "campaign/campaign.yaml").read_text())["tests"]
+    seen = [
+        (1e3 * one["electric_power_kw"], one["material"], drawn.Seen(json.loads(told)["posterior"]))
+        for one in listed
+        for told in [(EXAMPLE.parents[1] / one["diagnosis"]).read_text()]
+    ]
+    return drawn.campaign([seen[place % 4] for place in range(tests)], seed, odd=odd)
 
 
 def found_in(made):
@@ -43,22 +40,25 @@ def found_in(made):
 
 
 def test_intervals_of_random_campaigns_hold_as_often_as_they_say_and_temperatures_gain():
-    inside, odd, kelvin = [], 0, []
+    inside, odd, errors, held = [], 0, [], []
     for seed in range(RANDOM):
-        truth, made = campaign(seed, bare=True)
+        truth, made = campaign(seed)
+        true = truth.pop("temperature")
         whole = Campaign(stage.tests_of(*plan_and_reports(made)), REFERENCE)
         joint = whole.joint(whole.odd_ones())
         odd += bool(joint.odd)
         last = whole.tests[-2]
-        told = stage.temperature(last, stage.law_of(joint, last.name, last.after.names))
-        kelvin.append((last.temperature["value"][0] - TRUE_KELVIN, told[0][0] - TRUE_KELVIN, told[1][0]))
-        for name, value in true_numbers(truth, made[-1][0]).items():
+        value, sigma = stage.temperature(last, stage.law_of(joint, last.name, last.after.names))
+        hot = true > HOT
+        errors.append([(one - true)[hot] for one in (last.temperature["value"], value)])
+        held.append(np.abs(value - true)[hot] < 1.96 * sigma[hot])
+        for name, number in truth.items():
             mean, sigma = joint.number(name)
-            inside.append(abs(value - mean) < 1.96 * sigma)
+            inside.append(abs(number - mean) < 1.96 * sigma)
     assert ENDS[0] < np.mean(inside) < ENDS[1]
-    alone, together, sigma = np.array(kelvin).T
-    assert np.sqrt(np.mean(alone**2)) > 1.5 * np.sqrt(np.mean(together**2))
-    assert ENDS[0] < np.mean(np.abs(together) < 1.96 * sigma) <= 1.0
+    alone, together = np.sqrt(np.mean(np.square(errors), axis=(0, 2)))
+    assert alone > 1.5 * together
+    assert ENDS[0] < np.mean(held) <= 1.0
     assert odd <= 6  # of 60 sound campaigns: 1 % of each of 40 groups would be far more
 
 
@@ -70,7 +70,8 @@ def test_a_test_that_does_not_belong_is_named_and_leaves_the_law_alone(number, o
     truth, made = campaign(3, odd=(4, number, off))
     found = found_in(made)
     assert found.joint.odd == (("run04", group),)
-    for name, value in true_numbers(truth, made[-1][0]).items():
+    truth.pop("temperature")
+    for name, value in truth.items():
         mean, sigma = found.joint.number(name)
         assert abs(value - mean) < 3.3 * sigma, name
 
@@ -81,7 +82,7 @@ def test_each_test_narrows_the_prior_of_the_next_and_their_temperatures():
         found.next.of(["ratio"]).sigma[0]
     ]
     assert (np.diff(constant) < 0).all()
-    assert constant[-1] < 0.5 * constant[0]
+    assert constant[-1] < 0.7 * constant[0]
     alone, earlier, whole = np.array([row.sigma for row in found.rows]).T
     assert (earlier[1:] < alone[1:]).all()
     assert (whole < earlier + 1e-9).all()
@@ -142,7 +143,7 @@ def test_the_command_writes_a_prior_that_reads_back(folder):
     plan = yaml.safe_load((folder / "campaign.yaml").read_text())
     reports = {one["name"]: json.loads((folder / one["diagnosis"]).read_text()) for one in plan["tests"]}
     found = stage.campaign(stage.tests_of(plan, reports), REFERENCE).next
-    np.testing.assert_allclose(law.covariance, found.covariance, rtol=1e-9, atol=1e-20)
+    np.testing.assert_allclose(law.covariance, found.covariance, rtol=1e-6, atol=1e-14)
     np.testing.assert_array_equal(law.mean, found.mean)
     first = (folder / "made/priors.yaml").read_bytes()
     assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0

@@ -21,18 +21,33 @@ SCATTER = 0.02  # of its logarithm
 LOSS = {"pyrometer": 0.004, "spectrometer": 0.008}  # of throughput in a run
 LOSS_SCATTER = 0.0015
 CLEAN = 0.01  # scatter of the throughput of a clean window over that of the calibration
-RATIO = 0.008  # of the pyrometer since its calibration
-SCALE = 0.004  # of the spectrometer, smooth over wavelength
-EMITTANCE = {"C/SiC": 0.81, "SiC": 0.93}  # of the materials
-STATED = {"C/SiC": 0.85, "SiC": 0.90}
+RATIO = 0.004  # of the pyrometer since its calibration: standard deviation of what is drawn
+SCALE = 0.008  # of the spectrometer, smooth over wavelength: standard deviation at each
+STATED = {"C/SiC": 0.85, "SiC": 0.90}  # emittance of the materials
+KNOWN = 0.05  # standard deviation of the true one
 PIECE = 0.008  # scatter of samples
 ODD, OFF = 4, -0.15  # the fifth test: its torch ran at another mass flow than the laboratory believes
 NOMINAL = 0.5  # efficiency by which the laboratory chooses a simulation
 FLUX = 4.5e5  # [W m-2] at the reference power
 
 
+def instrument(seed):
+    """What is true of all tests: `ratio`, `scale` (slope, wave, phase), `emittance` {material: value}."""
+    random = np.random.default_rng([seed, 72])
+    slope, wave, ratio, *materials = random.normal(size=3 + len(STATED))
+    return {
+        "ratio": RATIO * ratio,
+        "scale": (SCALE * slope, SCALE * wave, random.uniform(0, 2 * np.pi)),
+        "emittance": {
+            name: value + KNOWN * one for (name, value), one in zip(STATED.items(), materials, strict=True)
+        },
+    }
+
+
 def truth(plan, seed):
-    """What is true of each test of a plan: list of dicts with `power` [W], `emittance`, `clean`, `loss`."""
+    """What is true of each test of a plan: list of dicts with `power` [W], `emittance`, `clean`, `loss`, and
+    of the instrument."""
+    shared = instrument(seed)
     random = np.random.default_rng([seed, 71])
     cleanings = [date.fromisoformat(one) for one in plan.get("cleanings", [])]
     found, epoch = [], None
@@ -47,7 +62,8 @@ def truth(plan, seed):
         found.append(
             {
                 "power": electric * np.exp(law + OFF * (place == ODD)),
-                "emittance": EMITTANCE[test["material"]] * np.exp(PIECE * drawn[5]),
+                "emittance": shared["emittance"][test["material"]] * np.exp(PIECE * drawn[5]),
+                "instrument": shared,
                 "clean": start,
                 "loss": loss,
             }
@@ -74,10 +90,12 @@ def scene(test, true):
         return np.exp(true["clean"][instrument] - true["loss"][instrument] * exposed)
 
     def readings(clean, time):
-        return clean * np.exp([[RATIO], [0.0]])
+        return clean * np.exp([[true["instrument"]["ratio"]], [0.0]])
 
     def rates(clean, time):
-        return clean * (1 + SCALE * np.sin(np.pi * (plain.spectrometer.wavelength - 0.87e-6) / 0.3e-6))
+        slope, wave, phase = true["instrument"]["scale"]
+        place = (plain.spectrometer.wavelength - 0.9e-6) / 0.12e-6  # 1 at the ends of what is compared
+        return clean * np.exp(slope * place + wave * np.sqrt(2) * np.sin(2 * np.pi * place / 3 + phase))
 
     return replace(plain, transmittance=window, pyrometer_output=readings, spectrometer_output=rates)
 

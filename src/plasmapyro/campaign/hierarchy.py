@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import logsumexp
 
 EFFICIENCY = (
     np.log(0.5),
@@ -170,13 +171,12 @@ def _first(laws, name):
 @dataclass(frozen=True)
 class Joint:
     """What a campaign says: `mean` and `covariance` of all numbers `index`; `weight` of `SCATTERS`;
-    `evidence` its logarithm; `odd` {(name of a test, group)} that do not belong."""
+    `odd` {(name of a test, group)} that do not belong."""
 
     index: dict
     mean: np.ndarray
     covariance: np.ndarray
     weight: np.ndarray
-    evidence: float
     odd: tuple = ()
 
     def number(self, name):
@@ -224,50 +224,62 @@ class Campaign:
         return np.array([_first([*laws, test.before], name)[1] for name in test.after.names])
 
     def solve(self, odd=(), without=None):
-        """`Joint` law with groups {(test, group)} free, and without the data of one test."""
+        """For each of `SCATTERS`, with groups {(test, group)} free and without the data of one test: mean
+        (h, D), covariance (h, D, D), and log of its evidence (h,)."""
         information, pull, log = (part.copy() for part in self.prior)
-        groups = {}
-        for name, group in odd:
-            groups.setdefault(name, []).append(group)
+        free = dict(odd)
         for name, plain in zip(self.messages, self.summed, strict=True):
             if name == without:
                 continue
-            at, matrix, vector, shift = plain if name not in groups else self._of(name, groups[name][0])
+            at, matrix, vector, shift = self._of(name, free[name]) if name in free else plain
             information[:, np.ix_(at, at)[0], np.ix_(at, at)[1]] += matrix
             pull[:, at] += vector
             log = log + shift
-        mean = np.linalg.solve(information, pull[..., None])[..., 0]
+        covariance = np.linalg.inv(information)
+        mean = np.einsum("hij,hj->hi", covariance, pull)
         log = log + 0.5 * (np.sum(mean * pull, axis=1) - np.linalg.slogdet(information)[1])
-        weight = np.exp(log - log.max())
-        evidence = float(log.max() + np.log(weight.mean()))
-        weight /= weight.sum()
-        return information, mean, weight, evidence
+        return mean, covariance, log
 
     def joint(self, odd=(), without=None):
         """`Joint` law, the scatters averaged over."""
-        information, mean, weight, evidence = self.solve(odd, without)
+        mean, covariance, log = self.solve(odd, without)
+        weight = np.exp(log - log.max())
+        weight /= weight.sum()
         middle = weight @ mean
-        apart = mean - middle
-        covariance = np.einsum("h,hij->ij", weight, np.linalg.inv(information))
-        covariance += np.einsum("h,hi,hj->ij", weight, apart, apart)
-        return Joint(self.index, middle, covariance, weight, evidence, tuple(odd))
+        whole = np.einsum("h,hij->ij", weight, covariance) + (weight * (mean - middle).T) @ (mean - middle)
+        return Joint(self.index, middle, whole, weight, tuple(odd))
 
     def odd_ones(self):
         """Groups of tests that do not belong, one by one as long as the data make them likely.
 
-        A test has one such group at most.
+        A test has one such group at most. What a free group does to the evidence is a change of low rank
+        (matrix determinant lemma and Woodbury's identity).
         """
-        odd, evidence = [], self.solve()[3]
+        odd = []
         while len(odd) < len(self.messages) // 2:
-            taken = {name for name, _ in odd}
+            law = self.solve(odd)
             tried = {
-                (name, group): self.solve([*odd, (name, group)])[3] + ODD * (len(odd) + 1)
-                for name in self.messages
+                (name, group): logsumexp(self._freed(law, place, group)) + ODD
+                for place, name in enumerate(self.messages)
                 for group in GROUPS
-                if name not in taken and self._of(name, group) is not None
+                if name not in dict(odd) and self._of(name, group) is not None
             }
             best = max(tried, key=tried.get, default=None)
-            if best is None or not tried[best] > evidence:
+            if best is None or not tried[best] > logsumexp(law[2]):
                 break
-            odd, evidence = [*odd, best], tried[best]
+            odd.append(best)
         return tuple(odd)
+
+    def _freed(self, law, place, group):
+        """Log of the evidence (h,) of a law of `solve` once a group of one of its tests is free."""
+        mean, covariance, log = law
+        at, plain, pull, _ = self.summed[place]
+        _, matrix, vector, shift = self._of(list(self.messages)[place], group)
+        less, push = matrix - plain, vector - pull
+        inner = covariance[:, np.ix_(at, at)[0], np.ix_(at, at)[1]]
+        change = np.eye(len(at)) + less @ inner
+        moved = mean[:, at] + inner @ push
+        gain = (2 * mean[:, at] + inner @ push) @ push - np.einsum(
+            "hi,hi->h", moved, np.linalg.solve(change, (moved @ less)[..., None])[..., 0]
+        )
+        return log + shift + 0.5 * (gain - np.linalg.slogdet(change)[1])
