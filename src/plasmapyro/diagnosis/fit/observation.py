@@ -89,11 +89,18 @@ def band_nodes(response_wavelength, responsivities):
     return edges, (edges[1:] + edges[:-1]) / 2
 
 
-def band_weights(edges, response_wavelength, responsivity, oversampling=12):
-    """Integral of a responsivity over each node (M,) [m]."""
-    size = (edges[1] - edges[0]) / oversampling
-    fine = edges[0] + size * (np.arange((edges.size - 1) * oversampling) + 0.5)
-    return respond(fine, response_wavelength, responsivity).reshape(-1, oversampling).sum(axis=1) * size
+def band_weights(edges, response_wavelength, responsivity):
+    """Integral of a responsivity, linear between table points, over each node (M,) [m].
+
+    Exact, so that it has no jumps as a response moves that does not end at zero.
+    """
+    step = np.diff(response_wavelength)
+    whole = np.append(0.0, np.cumsum(step * (responsivity[1:] + responsivity[:-1]) / 2))
+    place = np.clip(edges, response_wavelength[0], response_wavelength[-1])
+    left = np.clip(np.searchsorted(response_wavelength, place, side="right") - 1, 0, step.size - 1)
+    beyond = place - response_wavelength[left]
+    rise = np.diff(responsivity)[left] / step[left]
+    return np.diff(whole[left] + beyond * (responsivity[left] + beyond * rise / 2))
 
 
 def band_gas_map(edges, wavelength, response_wavelength, responsivity):
