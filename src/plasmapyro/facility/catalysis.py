@@ -19,7 +19,7 @@ def wall_flux(number_density, wall_temperature, recombination):
     Parameters
     ----------
     number_density : ndarray [m-3]
-        Shape (11,), at the wall.
+        Shape (..., 11), at the wall.
     wall_temperature : float [K]
     recombination : float [1]
         gamma of N to N2 and O to O2, 0 to 1. ASSUME: the same for both, and no NO is formed.
@@ -27,7 +27,7 @@ def wall_flux(number_density, wall_temperature, recombination):
     Returns
     -------
     ndarray [m-2 s-1]
-        Shape (11,), positive away from the wall.
+        Shape (..., 11), positive away from the wall.
 
     Notes
     -----
@@ -35,13 +35,13 @@ def wall_flux(number_density, wall_temperature, recombination):
     wall: C. D. Scott, in Thermal Design of Aeroassisted Orbital Transfer Vehicles (AIAA, 1985) 522.
     """
     speed = np.sqrt(BOLTZMANN * wall_temperature / (2 * np.pi * MASS))
-    flux = np.zeros(len(SPECIES))
+    flux = np.zeros(number_density.shape)
     for pairs, probability in ((RECOMBINE, recombination), (NEUTRALISE, 1.0)):
         for lost, made in pairs:
             i, k = SPECIES.index(lost), SPECIES.index(made)
-            rate = 2 * probability / (2 - probability) * number_density[i] * speed[i]
-            flux[i] -= rate
-            flux[k] += rate * MASS[i] / MASS[k] if pairs is RECOMBINE else rate
+            rate = 2 * probability / (2 - probability) * number_density[..., i] * speed[i]
+            flux[..., i] -= rate
+            flux[..., k] += rate * MASS[i] / MASS[k] if pairs is RECOMBINE else rate
             if pairs is NEUTRALISE:
-                flux[ELECTRON] -= rate
+                flux[..., ELECTRON] -= rate
     return flux

@@ -77,8 +77,8 @@ def _spline(name):
 
 
 def species_enthalpy(temperature):
-    """Enthalpy of one particle of each species [J] at temperatures (points,) [K]: shape (points, 11)."""
-    return _spline("standard_enthalpies_RT")(temperature) * (BOLTZMANN * temperature)[:, None]
+    """Enthalpy of one particle of each species [J] at temperatures (...) [K]: shape (..., 11)."""
+    return _spline("standard_enthalpies_RT")(temperature) * (BOLTZMANN * temperature)[..., None]
 
 
 def species_heat_capacity(temperature):

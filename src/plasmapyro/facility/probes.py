@@ -60,7 +60,7 @@ def heat_flux(jet, calorimeter, chemistry, start=None):
     return line.heat_flux, line
 
 
-def pitot_pressure(jet, radius, *, wall_temperature=350.0):
+def pitot_pressure(jet, radius, *, wall_temperature=350.0, start=None):
     r"""Reading of a cooled Pitot probe with a hemispherical nose, above the chamber pressure.
 
     .. math:: p = p_j + \tfrac12\rho(U^2 - u_e^2) + \Delta p
@@ -72,13 +72,22 @@ def pitot_pressure(jet, radius, *, wall_temperature=350.0):
     jet : Jet
     radius : float [m]
     wall_temperature : float [K]
+    start : StagnationLine, optional
+        A solution nearby to begin with.
 
     Returns
     -------
     float [Pa]
     """
     edge = potential_edge(jet, radius)
-    line = solve(edge, radius, wall_temperature=wall_temperature, recombination=1.0, chemistry="equilibrium")
+    line = solve(
+        edge,
+        radius,
+        wall_temperature=wall_temperature,
+        recombination=1.0,
+        chemistry="equilibrium",
+        start=start,
+    )
     slowed = 0.5 * density(jet) * (jet.speed**2 - edge.normal_speed**2)
     return jet.gauge_pressure + slowed + line.pressure_rise
 

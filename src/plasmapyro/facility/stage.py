@@ -52,7 +52,7 @@ def probe_readings(
                 start=line,
             )
             row[column] = line.heat_flux
-    pitot = [pitot_pressure(jet, one, wall_temperature=wall_temperature) for one in pitot_radius]
+    pitot = [pitot_pressure(jet, one, wall_temperature=wall_temperature, start=whole) for one in pitot_radius]
     scalars = {
         "numerical_power": float(flow.numerical_power),
         "own_heat_flux": own_heat_flux(flow, gas),

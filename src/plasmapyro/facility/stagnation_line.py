@@ -54,6 +54,7 @@ HEAT_CAPACITY = 2e3  # [J kg-1 K-1]: scale of the energy equation
 PROBE = 3e-5  # relative change for slopes: 0.2 K, wider than the seams of the polynomials at 1000 and 6000 K
 RENEWED = 0.4  # share of new transport coefficients per step
 STEPS, CONVERGED = 200, 1e-5  # largest relative change of the last step
+SETTLED = 3e-3  # relative change of a step below which slopes are kept
 
 
 class NotConverged(ArithmeticError):
@@ -146,19 +147,24 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
     problem = _Problem(edge, radius, wall_temperature, recombination, chemistry)
     state = problem.first_guess() if start is None else problem.state_of(start)
     step = FIRST_STEP if start is None else 100 * FIRST_STEP
-    coefficients = problem.coefficients(state)
+    coefficients, slopes = problem.coefficients(state), None
     for _ in range(STEPS):
         coefficients = coefficients.between(problem.coefficients(state))
-        change = problem.newton_change(state, coefficients, step)
+        if slopes is None:
+            slopes = problem.slopes(state, coefficients, step)
+        change = problem.newton_change(state, coefficients, step, slopes)
         while not problem.possible(state, change) and step > LEAST_STEP:
             step /= 10
-            change = problem.newton_change(state, coefficients, step)
+            slopes = problem.slopes(state, coefficients, step)
+            change = problem.newton_change(state, coefficients, step, slopes)
         damping = problem.damping(state, change)
         state = state + damping * change
         relative = damping * problem.relative(state, change)
         log.debug("step %g s, change %g, damping %g", step, relative, damping)
         if relative < CONVERGED and step >= LARGEST_STEP:
             return problem.solution(state)
+        if step < LARGEST_STEP or relative > SETTLED:
+            slopes = None
         step = min(step * GROWTH, LARGEST_STEP) if damping > 0.5 and relative < 0.5 else step / 3
     raise NotConverged(
         f"no steady stagnation line: T {edge.temperature:g} K, {edge.pressure:g} Pa, gradient "
@@ -222,12 +228,12 @@ class _Problem:
 
     def _density(self, state):
         """Density [kg m-3] and mole fractions."""
-        moles = state[:, :COUNT] / MOLAR_MASS
-        total = moles.sum(axis=1)
-        return self.edge.pressure / (total * MOLAR_GAS * state[:, TEMPERATURE]), moles / total[:, None]
+        moles = state[..., :COUNT] / MOLAR_MASS
+        total = moles.sum(axis=-1)
+        return self.edge.pressure / (total * MOLAR_GAS * state[..., TEMPERATURE]), moles / total[..., None]
 
     def _enthalpy(self, state):
-        return np.sum(state[:, :COUNT] * species_enthalpy(state[:, TEMPERATURE]) / MASS, axis=1)
+        return np.sum(state[..., :COUNT] * species_enthalpy(state[..., TEMPERATURE]) / MASS, axis=-1)
 
     def coefficients(self, state):
         _, x = self._density(state)
@@ -235,7 +241,10 @@ class _Problem:
         x[:, ELECTRON] = x @ np.maximum(CHARGE, 0.0)
         temperature = state[:, TEMPERATURE]
         middle, xm = (temperature[1:] + temperature[:-1]) / 2, (x[1:] + x[:-1]) / 2
-        heavy, electron = self._integrals(middle, xm)
+        both = np.concatenate([middle, temperature]), np.concatenate([xm, x])
+        heavy, electron = self._integrals(*both)
+        at_nodes = _rows(heavy, slice(len(middle), None))
+        heavy, electron = (_rows(one, slice(len(middle))) for one in (heavy, electron))
         diffusion = transport.diffusion(middle, heavy, electron)
         polarisation = transport.energy_polarisation(middle, xm, heavy)
         capacity = species_heat_capacity(middle)
@@ -249,7 +258,7 @@ class _Problem:
             transport.thermal_diffusion_ratio(xm, polarisation, diffusion, heavy),
             conductivity,
             transport.viscosity(middle, xm, heavy),
-            transport.viscosity(temperature, x, self._integrals(temperature, x)[0]),
+            transport.viscosity(temperature, x, at_nodes),
         )
 
     def _integrals(self, temperature, x):
@@ -260,19 +269,19 @@ class _Problem:
     def fluxes(self, state, c):
         """Mass fluxes [kg m-2 s-1] and heat flux [W m-2] between the nodes, away from the wall."""
         _, x = self._density(state)
-        temperature = state[:, TEMPERATURE]
-        middle = (temperature[1:] + temperature[:-1]) / 2
+        temperature = state[..., TEMPERATURE]
+        middle = _mid(temperature)
         slope = np.diff(temperature) / self.size
-        mean = (x[1:] + x[:-1]) / 2
-        force = np.diff(x, axis=0) / self.size[:, None] + mean * c.thermal_ratio * (slope / middle)[:, None]
-        flux = np.einsum("pij,pj->pi", c.diffusion, force)
-        carried = species_enthalpy(middle) + BOLTZMANN * middle[:, None] * c.thermal_ratio
-        return flux * MASS, -c.conductivity * slope + np.sum(flux * carried, axis=1)
+        force = np.diff(x, axis=-2) / self.size[:, None]
+        force += _mid(x.mT).mT * c.thermal_ratio * (slope / middle)[..., None]
+        flux = np.einsum("pij,...pj->...pi", c.diffusion, force)
+        carried = species_enthalpy(middle) + BOLTZMANN * middle[..., None] * c.thermal_ratio
+        return flux * MASS, -c.conductivity * slope + np.sum(flux * carried, axis=-1)
 
     def residual(self, state, c, old, step):
-        """Residual (points, 15), scaled to changes per second of order one."""
-        y, temperature = state[:, :COUNT], state[:, TEMPERATURE]
-        v, m, pressure = state[:, TANGENTIAL], state[:, FLUX], state[:, PRESSURE]
+        """Residual (..., points, 15) of states, scaled to changes per second of order one."""
+        y, temperature = state[..., :COUNT], state[..., TEMPERATURE]
+        v, m, pressure = state[..., TANGENTIAL], state[..., FLUX], state[..., PRESSURE]
         density, _ = self._density(state)
         density_change = (density - self._density(old)[0]) / step
         u = m / density
@@ -282,81 +291,82 @@ class _Problem:
         warming = density * (enthalpy - self._enthalpy(old)) / step
         made = 0 * y
         if self.chemistry in RATES:
-            made = production(temperature, self.edge.pressure, y, self.chemistry)
+            made = production(temperature.ravel(), self.edge.pressure, y.reshape(-1, COUNT), self.chemistry)
+            made = made.reshape(y.shape)
         out = np.empty_like(state)
 
         def divergence(values, order=2):
-            weighted = values * (face**order if values.ndim == 1 else (face**order)[:, None])
             scale = self.volume[inner] * xi[inner] ** (order - 2)
-            return np.diff(weighted, axis=0) / (scale if values.ndim == 1 else scale[:, None])
+            return np.diff(values * face**order) / scale
 
-        gain = m[inner, None] * self._slope(y) + divergence(flux) - made[inner]
+        gain = m[..., inner, None] * self._slope(y.mT).mT + divergence(flux.mT).mT - made[..., inner, :]
         change = (state - old) / step
-        out[inner, :COUNT] = (density[:, None] * change[:, :COUNT])[inner] + gain
-        wall = wall_flux(y[0] * density[0] / MASS, self.wall, self.recombination) * MASS
-        half = self.volume[0]
-        out[0, :COUNT] = (
-            density[0] * change[0, :COUNT] - made[0] + (flux[0] * face[0] ** 2 - wall * xi[0] ** 2) / half
-        )
-        out[-1, :COUNT] = y[-1] - self.outer
+        out[..., inner, :COUNT] = (density[..., None] * change[..., :COUNT])[..., inner, :] + gain
+        wall = wall_flux(y[..., 0, :] * density[..., :1] / MASS, self.wall, self.recombination) * MASS
+        stored = density[..., :1] * change[..., 0, :COUNT] - made[..., 0, :]
+        out[..., 0, :COUNT] = stored + (flux[..., 0, :] * face[0] ** 2 - wall * xi[0] ** 2) / self.volume[0]
+        out[..., -1, :COUNT] = y[..., -1, :] - self.outer
         # The fluxes carry neither mass nor charge: two of the balances would say 0 = 0.
-        out[:, 0] = y.sum(axis=1) - 1
-        out[:, ELECTRON] = y @ (CHARGE / MASS) * MASS[ELECTRON]
+        out[..., 0] = y.sum(axis=-1) - 1
+        out[..., ELECTRON] = y @ (CHARGE / MASS) * MASS[ELECTRON]
         if self.chemistry == "equilibrium":
-            out[:, :COUNT] = y - self.equilibrium(temperature)
-        hot = m[inner] * self._slope(enthalpy) + divergence(heat)
-        out[inner, TEMPERATURE] = (warming[inner] + hot) / HEAT_CAPACITY
-        out[[0, -1], TEMPERATURE] = temperature[[0, -1]] - (self.wall, self.edge.temperature)
-
-        def mid(values):
-            return (values[1:] + values[:-1]) / 2
-
-        shear = c.face_viscosity * (np.diff(v) / self.size - mid(u + v) / face)
-        expansion = self._slope(u) + 2 * ((u + v) / xi)[inner]
+            out[..., :COUNT] = y - self.equilibrium(temperature)
+        hot = m[..., inner] * self._slope(enthalpy) + divergence(heat)
+        out[..., inner, TEMPERATURE] = (warming[..., inner] + hot) / HEAT_CAPACITY
+        out[..., [0, -1], TEMPERATURE] = temperature[..., [0, -1]] - (self.wall, self.edge.temperature)
+        shear = c.face_viscosity * (np.diff(v) / self.size - _mid(u + v) / face)
+        expansion = self._slope(u) + 2 * ((u + v) / xi)[..., inner]
         forces = (
-            2 * pressure[inner] / xi[inner]
+            2 * pressure[..., inner] / xi[inner]
             + divergence(shear, 3)
-            + c.viscosity[inner] / xi[inner] * (2 / 3 * expansion - 2 * ((u + v) / xi)[inner])
+            + c.viscosity[inner] / xi[inner] * (2 / 3 * expansion - 2 * ((u + v) / xi)[..., inner])
         )
-        inertia = m[inner] * self._slope(v) + (density * v * (u + v) / xi)[inner]
-        out[inner, TANGENTIAL] = (density * change[:, TANGENTIAL])[inner] + inertia - forces
+        inertia = m[..., inner] * self._slope(v) + (density * v * (u + v) / xi)[..., inner]
+        out[..., inner, TANGENTIAL] = (density * change[..., TANGENTIAL])[..., inner] + inertia - forces
         outer_speed = self.edge.gradient * xi[-1] + self.edge.normal_speed
-        out[[0, -1], TANGENTIAL] = v[[0, -1]] - (0.0, outer_speed)
-        out[0, FLUX] = m[0]
-        out[1:, FLUX] = np.diff(m * xi**2) / (self.size * face**2) + 2 * mid(density * v / xi)
-        out[1:, FLUX] += mid(density_change)
-        out[:-1, PRESSURE] = (
-            np.diff(pressure) / self.size + mid(m) * np.diff(u) / self.size + mid(density * v * (u + v) / xi)
+        out[..., [0, -1], TANGENTIAL] = v[..., [0, -1]] - (0.0, outer_speed)
+        out[..., 0, FLUX] = m[..., 0]
+        out[..., 1:, FLUX] = np.diff(m * xi**2) / (self.size * face**2) + 2 * _mid(density * v / xi)
+        out[..., 1:, FLUX] += _mid(density_change)
+        out[..., :-1, PRESSURE] = (np.diff(pressure) + _mid(m) * np.diff(u)) / self.size + _mid(
+            density * v * (u + v) / xi
         )
-        out[-1, PRESSURE] = u[-1] + self.edge.normal_speed
+        out[..., -1, PRESSURE] = u[..., -1] + self.edge.normal_speed
         return out
 
     def _slope(self, values):
-        """Second-order derivative at the inner nodes."""
+        """Second-order derivative at the inner nodes, along the last axis."""
         left, right = self.size[:-1], self.size[1:]
         a, b = (-right / left, left / right) / (left + right)
-        d = values.ndim - 1
-        a, b = a.reshape(-1, *(1,) * d), b.reshape(-1, *(1,) * d)
-        return a * values[:-2] - (a + b) * values[1:-1] + b * values[2:]
+        return a * values[..., :-2] - (a + b) * values[..., 1:-1] + b * values[..., 2:]
 
-    def newton_change(self, state, c, step):
-        base = self.residual(state, c, state, step)
+    def slopes(self, state, c, step):
+        """Derivatives of the residual in banded form, from nodes that move three apart and all at once."""
         band = 2 * UNKNOWNS - 1
         matrix = np.zeros((2 * band + 1, POINTS * UNKNOWNS))
         scale = self.scales(state)
         rows = np.arange(POINTS * UNKNOWNS).reshape(POINTS, UNKNOWNS)
+        moved = np.repeat(state[None], 3 * UNKNOWNS + 1, axis=0)
         for k in range(UNKNOWNS):
             for colour in range(3):
+                moved[3 * k + colour, colour::3, k] += PROBE * scale[k]
+        found = self.residual(moved, c, state, step)
+        for k in range(UNKNOWNS):
+            for colour in range(3):
+                slope = (found[3 * k + colour] - found[-1]) / (PROBE * scale[k])
                 nodes = np.arange(colour, POINTS, 3)
-                moved = state.copy()
-                moved[nodes, k] += PROBE * scale[k]
-                slope = (self.residual(moved, c, state, step) - base) / (PROBE * scale[k])
                 for offset in (-1, 0, 1):
                     there = nodes + offset
                     ok = (there >= 0) & (there < POINTS)
                     row, column = rows[there[ok]], rows[nodes[ok], k]
                     matrix[band + row - column[:, None], column[:, None]] = slope[there[ok]]
-        return solve_banded((band, band), matrix, -base.ravel()).reshape(POINTS, UNKNOWNS)
+        return matrix
+
+    def newton_change(self, state, c, step, slopes):
+        """Newton's change with the `slopes` of this state or of one nearby."""
+        band = 2 * UNKNOWNS - 1
+        residual = self.residual(state, c, state, step)
+        return solve_banded((band, band), slopes, -residual.ravel()).reshape(POINTS, UNKNOWNS)
 
     def scales(self, state):
         scale = np.ones(UNKNOWNS)
@@ -415,6 +425,15 @@ class _Problem:
         shear = c.viscosity * (np.gradient(v, xi, edge_order=2) - spread)
         force = -state[:, FLUX] * slope + 2 * (along + shear - across) / xi
         return float(along[-1] - along[0] + np.trapezoid(force, xi)) * -1
+
+
+def _mid(values):
+    return (values[..., 1:] + values[..., :-1]) / 2
+
+
+def _rows(integrals, rows):
+    """Collision integrals of some of the points."""
+    return type(integrals)(*(values[rows] for values in vars(integrals).values()))
 
 
 def _regular(integrals):

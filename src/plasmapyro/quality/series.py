@@ -64,8 +64,7 @@ def steps(values):
     before, after = slope[inner - SIDE], slope[inner + 2]
     height[inner] = known = values[inner + 2] - values[inner - 1] - 1.5 * (before + after)
     scatter = SIGMA * np.median(np.abs(known - np.median(known)))
-    near = np.array([_scatter(height, index) for index in range(values.size)])
-    usual = np.maximum(np.maximum(scatter, near), 1e-12)
+    usual = np.maximum(np.maximum(scatter, _scatter(height)), 1e-12)
     # A sharp bend between two samples cannot be told from a step of one sample's slope.
     known = np.where(np.abs(known) > 3 * np.maximum(np.abs(before), np.abs(after)), known, 0.0)
     # All three places from which a step is seen must show it: a bend shows its slope at one side only.
@@ -81,12 +80,14 @@ def widened(places, reach):
     return np.lib.stride_tricks.sliding_window_view(np.pad(places, reach), 2 * reach + 1).any(axis=1)
 
 
-def _scatter(height, index):
-    """Scatter of the heights around a place, without those that a step at it makes itself."""
-    low, high = max(index - 6 * SIDE, 0), index + 6 * SIDE + 1
-    own = np.abs(np.arange(low, min(high, height.size)) - index) > SIDE
-    part = height[low:high][own]
-    return SIGMA * np.median(np.abs(part - np.median(part))) if part.size else 0.0
+def _scatter(height):
+    """Scatter of the heights around each place (n,), without those that a step at it makes itself."""
+    reach = 6 * SIDE
+    padded = np.pad(height, reach, constant_values=np.nan)
+    near = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).copy()
+    near[:, reach - SIDE : reach + SIDE + 1] = np.nan
+    middle = np.nanmedian(near, axis=1, keepdims=True)
+    return SIGMA * np.nanmedian(np.abs(near - middle), axis=1)
 
 
 def fall(time, values, length):

@@ -55,7 +55,8 @@ def boundary_edges(face_node):
         Shape (edge, 2).
     """
     edges = np.concatenate([face_node[:, [k, (k + 1) % 3]] for k in range(3)])
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    low, high = np.sort(edges, axis=1).astype(np.int64).T
+    _, first, count = np.unique(low * (high.max() + 1) + high, return_index=True, return_counts=True)
     return edges[np.sort(first[count == 1])]
 
 
