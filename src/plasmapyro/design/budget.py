@@ -52,10 +52,11 @@ class Currents:
     def split(self, size):
         """The same designs, `size` at a time."""
         for start in range(0, len(self.wavelength), size):
-            part = slice(start, start + size)
-            yield Currents(
-                self.black[part], self.gas[part], self.wavelength[part], self.air[part], self.dark_noise[part]
-            )
+            yield self.rows(slice(start, start + size))
+
+    def rows(self, part):
+        """Some of the designs."""
+        return Currents(*(values[part] for values in vars(self).values()))
 
     def pick(self, index):
         """Designs made of other designs' first bands: `index` (D, N) of rows."""

@@ -213,6 +213,18 @@ class _Judge:
         """Total error alone (D,)."""
         return np.concatenate([self.bench.score(some) for some in signal.split(CHUNK)])
 
+    def best(self, signal, error):
+        """Row of the best design by its score; only designs whose `error` alone (D,) could win are judged."""
+        order, row, least = np.argsort(error, kind="stable"), 0, np.inf
+        for first in range(0, len(order), CHUNK):
+            some = order[first : first + CHUNK]
+            if error[some[0]] >= least:
+                break
+            scores = error[some] + self._excess(signal.rows(some))
+            if scores.min() < least:
+                row, least = some[np.argmin(scores)], scores.min()
+        return row
+
     def _excess(self, some):
         weights = self.bench.weights(some)
         limit = self.limits(some, weights, self.coarse)
@@ -295,7 +307,7 @@ def _searched(bench, judge, settings):
     kinds.append((2, "robust optimum", judge, settings["shapes"]))
     found = []
     for detector in settings["detectors"]:
-        reach = bench.usable_range(detector)
+        reach, starts = bench.usable_range(detector), _best_boxes(bench, detector, judge, settings)
         for bands, kind, value_of, shapes in kinds:
             for shape in shapes:
                 centre, fwhm, value = search.optimise(
@@ -304,23 +316,25 @@ def _searched(bench, judge, settings):
                     reach,
                     width,
                     **settings["search"],
-                    start=_best_boxes(bench, detector, value_of, settings) if bands == 2 else None,
+                    start=starts[kind] if bands == 2 else None,
                 )
                 name = f"{bands}-band {kind}, {detector}, {shape}"
                 found.append(_entry(name, kind, detector, shape, centre, fwhm, value))
     return found
 
 
-def _best_boxes(bench, detector, value_of, settings):
-    """Centre and fwhm (2,) [m] of the best pair of boxes on the coarse grid; None if none fits."""
+def _best_boxes(bench, detector, judge, settings):
+    """Centre and fwhm (2,) [m] of the best pair of boxes on the coarse grid by kind of optimum; None if none
+    fits.
+    """
     centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
     chosen = search.pairs(centre)
     if not len(chosen):
-        return None
-    best = chosen[
-        np.argmin(value_of(bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)))
-    ]
-    return centre[best], fwhm[best]
+        return {"optimum": None, "robust optimum": None}
+    signal = bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)
+    error = judge.error(signal)
+    best = {"optimum": chosen[np.argmin(error)], "robust optimum": chosen[judge.best(signal, error)]}
+    return {kind: (centre[pair], fwhm[pair]) for kind, pair in best.items()}
 
 
 def _brute_force(bench, judge, settings, optimum):
