@@ -39,13 +39,13 @@ shines and the sample is still dark, is subtracted until the plasma is switched 
 temperature follows from the ratio of the corrected signals, the spectrometer's from fits of Planck's law to
 the corrected spectra. Pyrometer and spectrometer may each be absent.
 
---estimator joint infers one temperature from both bands in absolute units, their ratio and, if present, the
-spectra, and follows the gas through the test (docs/temperature.md); it needs response.nc of the pyrometer.
-Without a pyrometer it is the same as
+--estimator joint infers one temperature from all bands in absolute units (of a pyrometer, a radiometer, or
+both, each on its own clock) and, if present, the spectra, and follows the gas through the test
+(docs/temperature.md); it needs response.nc of the pyrometer. For spectra alone it is the same as
 
 --estimator emissivity: temperature and an emissivity that is smooth over wavelength and time, together, from
 the spectra, or the bands of a radiometer, alone. It is what spectra of a lamp or a furnace (condition: none)
-get, and every radiometer.
+get, and a radiometer.
 
 TEST is a folder (test.yaml and raw files, or test.nc) or a netCDF file; see docs/your-own-data.md and
 `plasmapyro check`."""
@@ -229,6 +229,8 @@ def _corrected(options):
         )
     options.estimator = _estimator(test, options.estimator)  # the settings in the result name it
     names, contract = ESTIMATORS[options.estimator]
+    if options.estimator == "all" and instruments(test) == ["radiometer"]:
+        names = OF_BANDS
     parts, missing = [], {}
     for name in names:
         try:
@@ -310,7 +312,8 @@ def trial(test, folder):
     """
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
-    first = ESTIMATORS[_estimator(test, None)][0][0]
+    alone = instruments(test) == ["radiometer"]
+    first = OF_BANDS[0] if alone else ESTIMATORS[_estimator(test, None)][0][0]
     result = BY_NAME[first](test, calibrations, cli.parser(["correct"]).parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
@@ -406,24 +409,15 @@ def by_emissivity(test, calibrations, options):
 
 def _estimator(test, asked):
     """Name of the estimator: the one asked for, or the one that a test without a pyrometer needs."""
-    present, alone = instruments(test), instruments(test) == ["spectrometer"]
-    if present == ["radiometer"]:
-        if asked in ("reference", "joint"):
-            raise ValueError(
-                f"--estimator {asked} takes no radiometer: its bands need --estimator emissivity"
-            )
-        return "emissivity"
-    if "radiometer" in present and (
-        asked in (None, "all") or {asked, *present} >= {"emissivity", "spectrometer"}
-    ):
-        raise ValueError(
-            f"the test holds {', '.join(present)}; a radiometer is not joined with others yet: leave it, or"
-            " them, out of test.yaml"
-        )
+    present, plasma = instruments(test), has_plasma(test)
+    alone = len(present) == 1 and "pyrometer" not in present  # spectra, or a radiometer
+    if present == ["radiometer"] and asked == "reference":
+        raise ValueError("--estimator reference takes no radiometer: use --estimator emissivity or joint")
     if asked in (None, "all"):
-        spectral = "reference" if has_plasma(test) else "emissivity"
-        return spectral if alone else "all" if has_plasma(test) else "reference"
-    return "emissivity" if asked == "joint" and alone else asked
+        if not plasma:
+            return "emissivity" if alone or "radiometer" in present else "reference"
+        return "reference" if present == ["spectrometer"] else "all"
+    return "emissivity" if asked == "joint" and present == ["spectrometer"] else asked
 
 
 # name -> function (test, calibrations, options)
@@ -434,6 +428,7 @@ ESTIMATORS = {  # what may be asked for -> names, of which only the first must s
     "joint": (("joint",), "joint_estimate"),
     "emissivity": (("emissivity",), "emissivity_estimate"),
 }
+OF_BANDS = ("emissivity", "joint")  # all that a radiometer alone allows
 
 
 def summary(result):

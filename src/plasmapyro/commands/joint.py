@@ -2,7 +2,9 @@
 
 from plasmapyro import io, progress
 from plasmapyro.estimate.stage import estimate
-from plasmapyro.record.inputs import has_plasma
+from plasmapyro.record.inputs import has_plasma, instruments
+
+NANOMETRE = 1e-9
 
 # As experiment.joint_estimate of the workflow's configuration, in SI.
 SETTINGS = {
@@ -27,7 +29,7 @@ def by_joint_inference(test, calibrations, options):
 
     Parameters
     ----------
-    test : Dataset, contract 'test', with the pyrometer
+    test : Dataset, contract 'test', with the pyrometer or a radiometer
     calibrations : mapping of contract name -> Dataset, what the instrument folder holds
     options : Namespace of the command line
 
@@ -38,19 +40,26 @@ def by_joint_inference(test, calibrations, options):
     Raises
     ------
     ValueError
-        If the test has no pyrometer.
+        If the test has bands of neither, or no plasma.
     """
-    if "signal_wide" not in test:
-        raise ValueError("--estimator joint needs the pyrometer's signals; use --estimator reference")
+    present = instruments(test)
+    if not {"pyrometer", "radiometer"} & set(present):
+        raise ValueError(
+            "--estimator joint needs the bands of a pyrometer or a radiometer; use --estimator reference"
+        )
     if not has_plasma(test):
         raise ValueError("--estimator joint follows the light of a plasma; use --estimator reference")
     progress.say("inferring the temperature from all samples together: some 5 s")
     return estimate(
         test,
-        calibrations["calibration"],
-        io.read(f"{options.instrument}/response.nc", "response"),
+        calibrations.get("calibration"),
+        io.read(f"{options.instrument}/response.nc", "response") if "pyrometer" in present else None,
         calibrations.get("spectrometer_calibration"),
         **SETTINGS,
+        radiometer_calibration=calibrations.get("radiometer_calibration"),
+        emissivity_level=options.emissivity_level,
+        emissivity_shape=options.emissivity_shape,
+        emissivity_length=options.emissivity_length_nm * NANOMETRE,
         saturation_counts=options.saturation_counts,
         noise_block=options.noise_block_pixels,
     )

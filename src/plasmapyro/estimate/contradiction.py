@@ -8,10 +8,15 @@ from plasmapyro.estimate.observations import PyrometerData
 STATED = {
     "log_emittance": "the emittance",
     "source_error": "the temperature of the calibration source",
-    "gain_error": "a gain of the pyrometer",
-    "band_shift": "the place of a band of the pyrometer",
+    "gain_error": "a gain of the {leading}",
+    "band_shift": "the place of a band of the {leading}",
     "scale_error": "the scale of the spectrometer",
     "bin_error": "the shape of the spectrometer's calibration",
+    "emissivity_shape": "the course of the emissivity",
+    "spectrometer_source_error": "the temperature of the spectrometer's calibration source",
+    "radiometer_source_error": "the temperature of the radiometer's calibration source",
+    "radiometer_scale_error": "the scale of the radiometer",
+    "radiometer_bin_error": "a sensitivity of the radiometer",
 }
 LARGEST_PULL = 5.0  # standard deviations; sound data pull by 1.2 at most, a gain that is 5 % off by 18
 LARGEST_RESIDUAL = {True: 20.0, False: 10.0}  # [1] of the pyrometer, of a spectrum; sound ones reach 10 and 2
@@ -43,7 +48,8 @@ def contradicted(time, observations, fixed, found):
     pulls = np.abs(found.values - fixed.mean) / fixed.deviation
     largest = {name: pulls[fixed.where(name)].max(initial=0.0) for name in STATED}
     words = [
-        f"the data pull {STATED[name]} by {pull:.0f} standard uncertainties away from what is stated"
+        f"the data pull {STATED[name].format(leading=observations[0].name)} by {pull:.0f} standard"
+        " uncertainties away from what is stated"
         for name, pull in largest.items()
         if pull > LARGEST_PULL
     ]
@@ -57,10 +63,9 @@ def contradicted(time, observations, fixed, found):
         for moment in moments[far]:
             where |= np.abs(time - moment) <= NEAR
         if far.any():
-            name = "pyrometer" if of_bands else "spectrometer"
             words.append(
-                f"the {name} lies up to {size[far].max():.0f} times its noise off the common temperature,"
-                f" first at {moments[far][0]:.5g} s after the injection"
+                f"the {data.name} lies up to {size[far].max():.0f} times its noise off the common"
+                f" temperature, first at {moments[far][0]:.5g} s after the injection"
             )
     return where, words
 

@@ -4,10 +4,11 @@ import dataclasses
 
 import numpy as np
 
-from plasmapyro.estimate.bins import band_edges, bin_mean, pixel_bins, spectrometer_edges
+from plasmapyro.estimate.bins import FINE, band_edges, bin_mean, pixel_bins, spectrometer_edges
 from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
 from plasmapyro.radiation.planck import blackbody_derivatives
 
+MIDDLE = 1500.0  # [K] where x of `InverseTable` is T
 TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
 TABLE_POINTS = 400  # equal steps of 1/T; ln S is nearly straight in it: error below 1e-8
 
@@ -52,6 +53,28 @@ def pyrometer(response, calibration):
     return Instrument(edges, gains[:, None] * bin_mean(wavelength, bands, edges) * np.diff(edges))
 
 
+def radiometer(calibration, frames):
+    """A radiometer of any bands, with the sensitivities of its calibration and the window before the test.
+
+    Parameters
+    ----------
+    calibration : Dataset, contract 'radiometer_calibration'
+    frames : record.Instrument
+        Bands and window of the test.
+
+    Returns
+    -------
+    Instrument
+    """
+    bands = calibration.sel(band=list(frames.band))
+    wavelength, curves = bands.wavelength.values, bands.responsivity.values
+    seen = np.flatnonzero((curves > 0).any(axis=0))
+    low, high = wavelength[max(seen[0] - 1, 0)], wavelength[min(seen[-1] + 1, wavelength.size - 1)]
+    edges = np.linspace(low, high, int(np.ceil((high - low) / FINE)) + 1)
+    gain = bands.band_sensitivity.values[:, None] * frames.window_transmittance
+    return Instrument(edges, gain * bin_mean(wavelength, curves, edges) * np.diff(edges))
+
+
 def spectrometer(pixels):
     """The spectrometer of some pixels (W,) [m]: radiance in bins, one for each line of the gas."""
     return Instrument(spectrometer_edges(pixels))
@@ -89,6 +112,36 @@ class GreyTable:
         first = -(beta**2) * logarithmic
         second = first**2 + beta**4 * bend + 2 * beta**3 * logarithmic
         return value, value * first, value * second
+
+
+class InverseTable:
+    r"""A `GreyTable` over :math:`x = T_0 (2 - T_0/T)` instead of T: in kelvin, and dx/dT = 1, at T_0.
+
+    Temperatures of the same light at other emissivities differ by a constant in x (Wien's law), so that a
+    path that bends as little as another one bends as little, and an unknown emissivity is no reason for it
+    to shrink.
+    """
+
+    def __init__(self, table):
+        self._table, self.temperatures = table, tuple(straight(np.array(table.temperatures)))
+
+    def __call__(self, x):
+        """Signal and two derivatives by x, each (t, C)."""
+        kelvin, slope = from_straight(np.asarray(x, dtype=float))
+        value, first, second = self._table(np.clip(kelvin, *self._table.temperatures))  # rounding at the ends
+        slope, bend = slope[:, None], (2 * slope**2 / kelvin)[:, None]
+        return value, first * slope, second * slope**2 + first * bend
+
+
+def straight(kelvin):
+    """x (...) [K] of temperatures (...), see `InverseTable`."""
+    return MIDDLE * (2 - MIDDLE / kelvin)
+
+
+def from_straight(x):
+    """Temperatures (...) [K] of x (...), and their slope dT/dx (...)."""
+    kelvin = MIDDLE**2 / (2 * MIDDLE - x)
+    return kelvin, (kelvin / MIDDLE) ** 2
 
 
 def bin_pixels(pixels, spectra, usable, edges):

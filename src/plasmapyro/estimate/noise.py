@@ -1,4 +1,6 @@
-"""Noise before all else: what both bands share is flicker of the gas, the rest is the instrument's."""
+"""Noise before all else: what bands share is flicker of the gas, the rest is the instrument's."""
+
+from itertools import combinations, product
 
 import numpy as np
 
@@ -22,21 +24,21 @@ def smoothed(signal, samples):
 
 
 def signal_noise(signals, block):
-    r"""Noise of the signals of both bands, :math:`\sigma^2 = a^2 + b^2 S^2`.
+    r"""Noise of the signals of C bands, :math:`\sigma^2 = a^2 + b^2 S^2`.
 
-    Blocks of second differences of S over its running median; the covariance of the two bands, which is
-    the gas's, is taken off, then a and b follow by non-negative least squares.
+    Blocks of second differences of S over its running median; the covariance of each band with the others,
+    which is the gas's, is taken off, then a and b follow by non-negative least squares.
 
     Parameters
     ----------
-    signals : (2, n) array [A]
+    signals : (C, n) array
     block : int
         Samples per estimate.
 
     Returns
     -------
-    floor : (2,) ndarray [A]
-    relative : (2,) ndarray [1]
+    floor : (C,) ndarray, unit of the signals
+    relative : (C,) ndarray [1]
 
     Raises
     ------
@@ -51,15 +53,16 @@ def signal_noise(signals, block):
         raise ValueError(f"the noise needs {4 * block} samples; got {signals.shape[1]}")
     bend = signals[:, :-2] - 2 * signals[:, 1:-1] + signals[:, 2:]
     parts = np.array_split(np.arange(bend.shape[1]), count)
-    floor, relative = np.zeros(2), np.zeros(2)
-    found = np.full((2, count), np.nan)
+    bands = range(len(signals))
+    floor, relative = np.zeros((2, len(signals)))
+    found = np.full((len(signals), count), np.nan)
     scale = np.stack([[np.median(np.abs(row[part])) for part in parts] for row in level])
     for place, part in enumerate(parts):
-        one, other = (bend[band, part] / scale[band, place] for band in (0, 1))
-        shared = (variance(one + other) - variance(one - other)) / 4
-        for band, own in enumerate((one, other)):
-            found[band, place] = max(variance(own) - max(shared, 0.0), 0.0) / 6
-    for band in (0, 1):
+        each = bend[:, part] / scale[:, place, None]
+        for band, own in enumerate(each):
+            shared = [(variance(own + it) - variance(own - it)) / 4 for it in np.delete(each, band, axis=0)]
+            found[band, place] = max(variance(own) - max(np.mean(shared or 0.0), 0.0), 0.0) / 6
+    for band in bands:
         good = np.isfinite(found[band]) & (found[band] > 0) & (scale[band] > 0)
         inverse = scale[band, good].min() / scale[band, good]
         weight = 1 / np.maximum(found[band, good], np.median(found[band, good]))
@@ -71,14 +74,14 @@ def signal_noise(signals, block):
 
 
 def flicker(time, signals, chosen):
-    r"""Flicker of the gas from what the two bands share where only gas is seen.
+    r"""Flicker of the gas from what each two bands share where only gas is seen.
 
-    .. math:: \langle \ln S_1(t)\,\ln S_2(t + k\Delta)\rangle = \sigma_f^2\,e^{-k\Delta/\tau_f}
+    .. math:: \langle \ln S_i(t)\,\ln S_j(t + k\Delta)\rangle = \sigma_f^2\,e^{-k\Delta/\tau_f},\quad i \ne j
 
     Parameters
     ----------
     time : (n,) array [s]
-    signals : (2, n) array [A]
+    signals : (C, n) array
     chosen : sequence of (n,) bool arrays
         Windows without surface, each detrended by a straight line.
 
@@ -86,7 +89,7 @@ def flicker(time, signals, chosen):
     -------
     standard_deviation : float [1]
     correlation_time : float [s]
-        NaN for both if no window holds 30 samples, or the bands share nothing.
+        NaN for both if no window holds 30 samples, or the bands share nothing (one band: with none).
     """
     total, pairs = np.zeros(LAGS), np.zeros(LAGS)
     step = np.median(np.diff(time))
@@ -95,9 +98,9 @@ def flicker(time, signals, chosen):
         if inside.sum() < 30:
             continue
         rest = [_detrended(time[inside], np.log(row[inside])) for row in signals]
-        for lag in range(LAGS):
-            products = rest[0][: rest[0].size - lag] * rest[1][lag:]
-            total[lag] += products.sum() + (rest[1][: rest[1].size - lag] * rest[0][lag:]).sum()
+        for (one, other), lag in product(combinations(rest, 2), range(LAGS)):
+            products = one[: one.size - lag] * other[lag:]
+            total[lag] += products.sum() + (other[: other.size - lag] * one[lag:]).sum()
             pairs[lag] += 2 * products.size
     if not pairs.all() or total[0] <= 0:
         return np.nan, np.nan

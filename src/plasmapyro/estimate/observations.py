@@ -57,38 +57,44 @@ def _fields(record):
 
 @dataclasses.dataclass(frozen=True)
 class PyrometerData:
-    r"""Signals of both bands.
+    r"""Signals of C bands, on the time axis of the chain.
 
-    .. math:: S_i = e^{\ln\varepsilon - g_i\delta + n_i + d_i (D_i(T) - \bar D_i)}\,S_i^{bb}(T)
-              + e^{m + f}\,G_i\,(1 + p_i)
+    .. math:: S_i = e^{\ln\varepsilon + \phi_i\cdot a - g_i\delta + n_i + d_i (D_i(T) - \bar D_i)}
+              \,S_i^{bb}(T) + e^{m + f}\,G_i\,(1 + p_i)
 
-    with the source's error delta [K], the gain's own error n_i, a shift d_i [m] of the response along the
-    wavelength (D_i = d ln S_i / d lambda, less its mean over the calibration, which the gain has absorbed),
-    the gas signal G_i, and p_i only before injection: without the sample the gas may have another colour.
+    with the course a of the emissivity (`shape`; none: grey, or as stated), the source's error delta [K], the
+    gain's own error n_i, a shift d_i [m] of the response along the wavelength (D_i = d ln S_i / d lambda,
+    less its mean over the calibration, which the gain has absorbed), the gas signal G_i, and p_i only before
+    injection: without the sample the gas may have another colour.
     """
 
-    signal: np.ndarray  # (2, n) [A], NaN where missing or not to be used
-    noise: np.ndarray  # (2, n) [A]
+    signal: np.ndarray  # (C, n), NaN where missing or not to be used
+    noise: np.ndarray  # (C, n)
     injected: np.ndarray  # (n,) bool
     shining: np.ndarray  # (n,) bool, gas in view
     table: GreyTable
-    source_slope: np.ndarray  # (2,) [K-1] g_i
+    source_slope: np.ndarray  # (C,) [K-1] g_i
     shifted: GreyTable  # the same with the response moved by `shift`
     shift: float  # [m]
-    absorbed: np.ndarray  # (2,) [m-1] mean of D_i over the calibration points
+    absorbed: np.ndarray  # (C,) [m-1] mean of D_i over the calibration points
+    name: str = "pyrometer"
+    shape: np.ndarray | None = None  # (C, K) change of ln(emissivity) per unit of its course
+    longest: int = 1  # band of the longest waves
 
     def leverage(self, temperature):
-        """D_i(T) less its mean over the calibration (2, n) [m-1]."""
+        """D_i(T) less its mean over the calibration (C, n) [m-1]."""
         ratio = np.log(self.shifted(temperature)[0] / self.table(temperature)[0]).T
         return ratio / self.shift - self.absorbed[:, None]
 
     def predict(self, path, values, of):
-        """Surface (2, n) and gas (2, n) parts, and the derivative of the surface by the temperature."""
+        """Surface (C, n) and gas (C, n) parts, and the derivative of the surface by the temperature."""
         body, slope, _ = self.table(path[:, TEMPERATURE])
         gain = np.exp(
             values[of("log_emittance")]
             - self.source_slope * values[of("source_error")]
             + values[of("gain_error")]
+            + course(values, of, self.shape)
+            + values[of("band_level")].sum()
         )[:, None]
         gain = gain * np.exp(values[of("band_shift")][:, None] * self.leverage(path[:, TEMPERATURE]))
         seen = gain * self.injected
@@ -99,7 +105,7 @@ class PyrometerData:
         return seen * body.T, gas * amplitude, seen * slope.T
 
     def residual(self, path, values, of):
-        """Whitened residuals (2, n), NaN where there is no sample."""
+        """Whitened residuals (C, n), NaN where there is no sample."""
         surface, gas, _ = self.predict(path, values, of)
         return (self.signal - surface - gas) / self.noise
 
@@ -114,7 +120,7 @@ class PyrometerData:
         """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
         surface, gas, slope = self.predict(path, values, of)
         weight = robust_weight((self.signal - surface - gas) / self.noise)
-        rows = np.stack([self._by_state(band, gas, slope) for band in (0, 1)])
+        rows = np.stack([self._by_state(band, gas, slope) for band in range(len(gas))])
         return np.einsum("bn,bni,bnj->nij", weight, rows, rows)
 
     def information(self, path, values, of):
@@ -125,7 +131,7 @@ class PyrometerData:
         result = _nothing(count, size)
         before = ~self.injected & self.shining
         leverage = self.leverage(path[:, TEMPERATURE])
-        for band in (0, 1):
+        for band in range(len(gas)):
             w, r = weight[band], np.nan_to_num(residual[band])
             scale = 1 / self.noise[band]
             by_state = self._by_state(band, gas, slope)
@@ -139,7 +145,8 @@ class PyrometerData:
                 of("gas_signal_before")[band]: np.where(
                     before, gas[band] / (1 + values[of("gas_signal_before")[band]]), 0.0
                 ),
-            }
+            } | {at: self.shape[band, k] * surface[band] for k, at in enumerate(of("emissivity_shape"))}
+            columns |= {at: surface[band] for at in of("band_level")}
             where = list(columns)
             by_constant = np.stack([columns[place] * scale for place in where], axis=1)
             weighted = w[:, None] * by_state
@@ -151,11 +158,17 @@ class PyrometerData:
         return dataclasses.replace(result, value=robust_sum(residual))
 
 
+def course(values, of, shape):
+    """Change (C,) of ln(emissivity) in channels by its course over wavelength; 0 without one."""
+    return 0.0 if shape is None else shape @ values[of("emissivity_shape")]
+
+
 @dataclasses.dataclass(frozen=True)
 class SpectrometerData:
-    r"""Radiances of the bins in each exposure.
+    r"""Radiances of the bins, or signals of the bands, of an instrument with its own clock.
 
-    .. math:: L_c = e^{\ln\varepsilon - w_c\delta + s + r_c}\,\bar B_c(T) + e^{m}\,l_c\,(1 + p_c),
+    .. math:: L_c = e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + r_c}\,\bar B_c(T)
+              + e^{m}\,l_c\,(1 + p_c),
               \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
 
     s is the error of the scale, r_c that of a bin. The flicker within an exposure is common to all its
@@ -172,6 +185,10 @@ class SpectrometerData:
     table: GreyTable
     source_slope: np.ndarray  # (C,) [K-1] w_c
     flicker: float  # [1] standard deviation of the mean over an exposure
+    name: str = "spectrometer"
+    tag: str = ""  # before the names of its own constants
+    source: str = "source_error"  # constant that is the error of its source
+    shape: np.ndarray | None = None  # (C, K) as that of `PyrometerData`
 
     def predict(self, path, values, of):
         """Surface (S, C) and gas (S, C) parts, and the derivative of the surface by the temperature."""
@@ -181,13 +198,14 @@ class SpectrometerData:
         body = body + 0.5 * ((state[:, RATE] * self.exposure) ** 2 / 12)[:, None] * bend
         gain = np.exp(
             values[of("log_emittance")]
-            - self.source_slope * values[of("source_error")]
-            + values[of("scale_error")]
-            + values[of("bin_error")]
+            - self.source_slope * values[of(self.source)]
+            + values[of(self.tag + "scale_error")]
+            + values[of(self.tag + "bin_error")]
+            + course(values, of, self.shape)
         )
         seen = gain * self.injected[:, None]
-        gas = values[of("gas_radiance")] * np.where(
-            self.injected[:, None], 1.0, 1 + values[of("gas_radiance_before")]
+        gas = values[of(self.tag + "gas_radiance")] * np.where(
+            self.injected[:, None], 1.0, 1 + values[of(self.tag + "gas_radiance_before")]
         )
         amplitude = np.where(self.shining, np.exp(state[:, GAS]), 0.0)[:, None]
         return seen * body, gas * amplitude, seen * slope
@@ -235,13 +253,18 @@ class SpectrometerData:
         jacobian = np.zeros((frames, bins, SIZE + size))
         jacobian[:, :, :SIZE] = self._by_state(gas, slope)
         jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
-        jacobian[:, :, SIZE + of("scale_error")[0]] = surface
-        jacobian[:, :, SIZE + of("source_error")[0]] = -self.source_slope * surface
-        level, before = values[of("gas_radiance")], 1 + values[of("gas_radiance_before")]
+        jacobian[:, :, SIZE + of(self.tag + "scale_error")[0]] = surface
+        jacobian[:, :, SIZE + of(self.source)[0]] = -self.source_slope * surface
+        level, before = (
+            values[of(self.tag + "gas_radiance")],
+            1 + values[of(self.tag + "gas_radiance_before")],
+        )
+        for k, at in enumerate(of("emissivity_shape")):
+            jacobian[:, :, SIZE + at] = self.shape[:, k] * surface
         own = np.arange(bins)
-        jacobian[:, own, SIZE + of("bin_error")] = surface
-        jacobian[:, own, SIZE + of("gas_radiance")] = gas / level
-        jacobian[:, own, SIZE + of("gas_radiance_before")] = np.where(
+        jacobian[:, own, SIZE + of(self.tag + "bin_error")] = surface
+        jacobian[:, own, SIZE + of(self.tag + "gas_radiance")] = gas / level
+        jacobian[:, own, SIZE + of(self.tag + "gas_radiance_before")] = np.where(
             self.injected[:, None], 0.0, gas / before
         )
         jacobian = self._whitened(gas, jacobian)

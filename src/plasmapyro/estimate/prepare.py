@@ -16,6 +16,7 @@ from plasmapyro.record.emittance import relative_emittance
 
 MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of samples
 NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
+LEAST_SAMPLES = {"pyrometer": 4 * NOISE_BLOCK, "radiometer": 60}  # in which the noise is seen
 LEAST_NOISE = 1e-6  # of the usual noise: no sample is exact
 SHIFT = 0.5e-9  # [m] step of the derivative by the place of a response
 WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess: left to the data
@@ -25,11 +26,11 @@ RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
 
 @dataclasses.dataclass(frozen=True)
 class Samples:
-    """Signals of the pyrometer on the time axis of the chain."""
+    """Signals of the C bands of the instrument that makes the time axis of the chain."""
 
     time: np.ndarray  # (n,) [s]
-    signal: np.ndarray  # (2, n) [A], NaN where not to be used
-    noise: np.ndarray  # (2, n) [A]
+    signal: np.ndarray  # (C, n), NaN where not to be used
+    noise: np.ndarray  # (C, n)
     injected: np.ndarray  # (n,) bool
     shining: np.ndarray  # (n,) bool, gas in view
     group: np.ndarray  # (t,) which of the n each sample of the test belongs to
@@ -37,12 +38,17 @@ class Samples:
     flicker_time: float  # [s]
 
 
+def leading(record):
+    """The instrument of bands that makes the time axis of the chain: the pyrometer, else a radiometer."""
+    return record.instrument("pyrometer") or record.instrument("radiometer")
+
+
 def samples_of(record, spans, most=MOST_SAMPLES):
     """Samples of a test with their noise; those in which the probe moves in or the plasma dies are left out.
 
     Parameters
     ----------
-    record : Record, with the pyrometer
+    record : Record, with the pyrometer or a radiometer
     spans : (2,) floats [s], left out before injection and after the end of the plasma
     most : int
         A longer record is averaged over groups of neighbours, which never straddle a switch.
@@ -51,17 +57,18 @@ def samples_of(record, spans, most=MOST_SAMPLES):
     -------
     Samples
     """
-    bands = record.instrument("pyrometer")
+    bands = leading(record)
     time, off = bands.time, record.off
     moving = ((time >= -spans[0]) & (time < 0)) | ((time > off) & (time <= off + spans[1]))
     signal = np.where(moving, np.nan, bands.sound.T)
-    for band, row in zip(BANDS, signal, strict=True):
-        if np.isfinite(row).sum() < 4 * NOISE_BLOCK:
+    least = LEAST_SAMPLES[bands.name]
+    for band, row in zip(bands.band, signal, strict=True):
+        if np.isfinite(row).sum() < least:
             raise ValueError(
-                f"signal_{band} must hold {4 * NOISE_BLOCK} samples outside the switches for the joint"
+                f"signal_{band} must hold {least} samples outside the switches for the joint"
                 f" estimate; got {np.isfinite(row).sum()}"
             )
-    floor, relative = noise.signal_noise(signal, NOISE_BLOCK)
+    floor, relative = noise.signal_noise(signal, min(NOISE_BLOCK, time.size // 4))
     level = np.stack([noise.smoothed(row, 11) for row in signal])
     spread = np.hypot(floor[:, None], relative[:, None] * level)
     spread = np.maximum(spread, np.median(spread, axis=1, keepdims=True) * LEAST_NOISE)
@@ -83,12 +90,17 @@ def samples_of(record, spans, most=MOST_SAMPLES):
     return Samples(middle, mean, own, injected, middle <= off, group, deviation, correlation)
 
 
-def pyrometer_data(samples, response, calibration, slope=0.0):
-    """What the pyrometer contributes to the estimate; `slope` [m-1] as from `record.emittance.tilt`."""
+def pyrometer_data(samples, response, calibration, slope=0.0, course=None):
+    """What the pyrometer contributes to the estimate; `slope` [m-1] as from `record.emittance.tilt`.
+
+    `course`: `radiometer.Course` of the emissivity, where other bands tell it.
+    """
     moved = response.assign_coords(wavelength=response.wavelength + SHIFT)
     both = [pyrometer(own, calibration) for own in (response, moved)]
     black, black_shifted = (GreyTable(own) for own in both)
-    table, shifted = (black, black_shifted) if slope == 0 else (GreyTable(_lit(own, slope)) for own in both)
+    table, shifted = black, black_shifted
+    if slope or course is not None:
+        table, shifted = (GreyTable(lit(own, slope, course and course.relative)) for own in both)
     points = calibration.source_temperature.values
     value, by_temperature, _ = black(points)
     return PyrometerData(
@@ -101,14 +113,18 @@ def pyrometer_data(samples, response, calibration, slope=0.0):
         shifted,
         SHIFT,
         np.log(black_shifted(points)[0] / value).mean(axis=0) / SHIFT,
+        shape=None if course is None else course.of_bands(both[0]),
     )
 
 
-def _lit(instrument, slope):
-    """An instrument in front of a surface that is not grey: its bins see so much less of a black body."""
-    return dataclasses.replace(
-        instrument, weight=instrument.weight * relative_emittance(instrument.wavelength, slope)
-    )
+def lit(instrument, slope=0.0, relative=None):
+    """An instrument in front of a surface that is not grey: its bins see so much less of a black body.
+
+    `slope` [m-1] as from `record.emittance.tilt`, or `relative`: (wavelengths [m]) -> share of the emittance.
+    """
+    own = instrument.wavelength
+    share = relative_emittance(own, slope) if relative is None else relative(own)
+    return dataclasses.replace(instrument, weight=instrument.weight * share)
 
 
 def mean_flicker(deviation, correlation, exposure):
@@ -134,22 +150,27 @@ def gain_uncertainties(calibration, source_slope):
 
 def pyrometer_constants(record, data, calibration, gas, gas_change, band_shift_uncertainty):
     """Prior of what does not change, as far as the pyrometer sees it; `gas` (2,) [A] is a first guess."""
-    emittance = record.emittance
-    spread = max(record.emittance_uncertainty / emittance, NOTHING)
     source, own = gain_uncertainties(calibration, data.source_slope)
     own = np.hypot(own, record.emittance_slope_uncertainty / np.sqrt(2))  # between the bands, half in each
+    return band_constants(record, source, own, gas, gas_change, band_shift_uncertainty)
+
+
+def band_constants(record, source, own, gas, gas_change, band_shift_uncertainty):
+    """Prior of what does not change of C bands: error of the `source` [K], `own` (C,) of their gains [1]."""
+    emittance, none = record.emittance, np.zeros(len(gas))
+    spread = max(record.emittance_uncertainty / emittance, NOTHING)
     return (
         constants("log_emittance", np.log(emittance), spread)
         + constants("source_error", 0.0, max(source, NOTHING))
-        + constants("gain_error", np.zeros(2), np.maximum(own, NOTHING))
+        + constants("gain_error", none, np.maximum(own, NOTHING))
         + constants("gas_signal", gas, WIDE_PRIOR * gas)
-        + constants("gas_signal_before", np.zeros(2), max(gas_change, NOTHING))
-        + constants("band_shift", np.zeros(2), max(band_shift_uncertainty, NOTHING * SHIFT))
+        + constants("gas_signal_before", none, max(gas_change, NOTHING))
+        + constants("band_shift", none, max(band_shift_uncertainty, NOTHING * SHIFT))
     )
 
 
 def first_gas(record, samples):
-    """Gas signal (2,) [A] to start from: the median of the reference window.
+    """Gas signal (C,) to start from: the median of the reference window.
 
     Raises
     ------
@@ -161,19 +182,21 @@ def first_gas(record, samples):
     if not np.isfinite(samples.signal[:, inside]).any(axis=1).all():
         low, high = record.clock(low), record.clock(high)
         raise ValueError(
-            f"the reference window {low:g} to {high:g} s holds no sample of both bands after injection"
+            f"the reference window {low:g} to {high:g} s holds no sample of"
+            f" {'both' if len(samples.signal) == 2 else 'all'} bands after injection"
         )
     least = np.median(samples.noise[:, inside], axis=1)
     return np.maximum(np.nanmedian(samples.signal[:, inside], axis=1), least)
 
 
 def first_path(samples, data, gas, emittance, initial_temperature):
-    """Path (n, 4) to start from: the narrow band less its gas, read as a grey surface."""
-    time, narrow = samples.time, noise.smoothed(samples.signal[1], 31)
-    surface = narrow - np.where(data.shining, gas[1], 0.0)
-    clear = data.injected & (surface > np.where(data.shining, 0.3 * gas[1], 10 * data.noise[1]))
+    """Path (n, 4) to start from: the band of the longest waves less its gas, read as a grey surface."""
+    one = data.longest
+    time, signal = samples.time, noise.smoothed(samples.signal[one], 31)
+    surface = signal - np.where(data.shining, gas[one], 0.0)
+    clear = data.injected & (surface > np.where(data.shining, 0.3 * gas[one], 10 * data.noise[one]))
     inverse = np.linspace(1 / 3900.0, 1 / 250.0, 500)
-    curve = np.log(emittance * data.table(1 / inverse)[0][:, 1])
+    curve = np.log(emittance * data.table(1 / inverse)[0][:, one])
     guess = 1 / np.interp(np.log(surface[clear]), curve[::-1], inverse[::-1])
     axis, values = np.append(0.0, time[clear]), np.append(initial_temperature, guess)
     path = np.zeros((time.size, SIZE))
@@ -186,43 +209,57 @@ def first_path(samples, data, gas, emittance, initial_temperature):
     return path
 
 
-def spectrometer_data(record, frames, time, source_temperature, flicker, noise_block, spans, slope=0.0):
+def spectrometer_data(
+    record, frames, time, source_temperature, flicker, noise_block, spans, slope=0.0, shared=True, **course
+):
     """What the spectrometer contributes: means of the bins; None if no exposure is of use.
 
-    Exposures during which the probe moves in or the plasma starts or ends are left out.
+    Exposures during which the probe moves in or the plasma starts or ends are left out. `shared`:
+    its source is that of the pyrometer. `course`: `relative` and `basis` of a `radiometer.Course`.
     """
-    middle, off, half = frames.time, record.off, frames.integration_time / 2
     pixels, radiance, instrument = frames.wavelength, frames.sound, spectrometer(frames.wavelength)
     usable = np.isfinite(radiance)
     own = local_noise(radiance, noise_block)
     mean, count = bin_pixels(pixels, radiance, usable, instrument.edges)
     square, _ = bin_pixels(pixels, own**2, usable & np.isfinite(own), instrument.edges)
     spread = np.sqrt(square / np.maximum(count, 1))
-    apart = (
-        ((middle - half >= 0) & (middle + half <= off))
-        | (middle + half <= -spans[0])
-        | (middle - half >= off + spans[1])
-    )
-    inside = (middle >= time[0]) & (middle <= time[-1]) & apart
-    mean[~inside] = np.nan
+    mean[~apart(frames, time, record.off, spans)] = np.nan
     mean[~(spread > 0)] = np.nan
     good = np.isfinite(mean).any(axis=0)
     if not good.any():
         return None
-    place = np.clip(np.searchsorted(time, middle), 1, time.size - 1)
-    place = place - (middle - time[place - 1] < time[place] - middle)
+    own = _of_pixels(instrument, pixels, usable.any(axis=0), good)
     return SpectrometerData(
-        place,
-        middle - time[place],
-        2 * half,
+        *placed(frames, time),
         mean[:, good],
         np.where(np.isfinite(mean), spread, 1.0)[:, good],
-        middle >= 0,
-        middle <= off,
-        GreyTable(_lit(_of_pixels(instrument, pixels, usable.any(axis=0), good), slope)),
+        frames.time >= 0,
+        frames.time <= record.off,
+        GreyTable(lit(own, slope, course.get("relative"))),
         (SECOND_RADIATION / instrument.wavelength / source_temperature**2)[good],
         flicker,
+        source="source_error" if shared else "spectrometer_source_error",
+        shape=course["basis"](instrument.wavelength[good]) if course else None,
     )
+
+
+def apart(frames, time, off, spans):
+    """Exposures (S,) within the chain's time during which nothing moves, starts or ends."""
+    middle, half = frames.time, frames.integration_time / 2
+    still = (
+        ((middle - half >= 0) & (middle + half <= off))
+        | (middle + half <= -spans[0])
+        | (middle - half >= off + spans[1])
+    )
+    return (middle >= time[0]) & (middle <= time[-1]) & still
+
+
+def placed(frames, time):
+    """Sample nearest to the middle of each exposure (S,), the rest of the time (S,) [s], exposure [s]."""
+    middle = frames.time
+    place = np.clip(np.searchsorted(time, middle), 1, time.size - 1)
+    place = place - (middle - time[place - 1] < time[place] - middle)
+    return place, middle - time[place], frames.integration_time
 
 
 def _of_pixels(instrument, pixels, usable, good):
@@ -239,7 +276,10 @@ def _of_pixels(instrument, pixels, usable, good):
 
 
 def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change):
-    """Constants of the spectrometer; the gas spectrum starts from the exposures with the coldest surface."""
+    """Constants of an instrument on its own clock, of scale and channels (`bin_uncertainty`: one or C).
+
+    The light of the gas starts from the exposures with the coldest surface.
+    """
     injected = np.flatnonzero(data.injected & data.shining & np.isfinite(data.radiance).any(axis=1))
     before = np.flatnonzero(~data.injected & np.isfinite(data.radiance).any(axis=1))
     early = injected[:2] if injected.size else before
@@ -247,12 +287,12 @@ def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change)
     floor = np.median(data.noise, axis=0)
     gas = np.where(np.isfinite(gas), gas, floor)
     gas = np.where(np.abs(gas) > floor, gas, floor)
-    count = gas.size
+    none, tag = np.zeros(gas.size), data.tag
     return (
-        constants("scale_error", 0.0, max(scale_uncertainty, NOTHING))
-        + constants("bin_error", np.zeros(count), max(bin_uncertainty, NOTHING))
-        + constants("gas_radiance", gas, WIDE_PRIOR * np.abs(gas))
-        + constants("gas_radiance_before", np.zeros(count), max(gas_change, NOTHING))
+        constants(f"{tag}scale_error", 0.0, max(scale_uncertainty, NOTHING))
+        + constants(f"{tag}bin_error", none, np.maximum(bin_uncertainty, NOTHING))
+        + constants(f"{tag}gas_radiance", gas, WIDE_PRIOR * np.abs(gas))
+        + constants(f"{tag}gas_radiance_before", none, max(gas_change, NOTHING))
     )
 
 

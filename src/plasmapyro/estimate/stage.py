@@ -1,14 +1,18 @@
 """Stage of the joint estimate: a test and the calibrations in, surface temperature and gas out."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
-from plasmapyro.estimate import prepare
+from plasmapyro.estimate import prepare, radiometer
 from plasmapyro.estimate.contradiction import contradicted
-from plasmapyro.estimate.dynamics import GAS, TEMPERATURE, Dynamics
+from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
+from plasmapyro.estimate.emissivity_stage import UNTOLD
+from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
+from plasmapyro.estimate.observations import constants
 from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
-from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import tilt
@@ -31,8 +35,16 @@ INPUTS = (  # name of constants, words, group, unit
     ("band_shift", "place of each band on the wavelength axis", "calibration", "m"),
     ("scale_error", "scale of the spectrometer", "calibration", "1"),
     ("bin_error", "shape of the spectrometer's calibration", "calibration", "1"),
+    ("band_level", "level of the radiometer", "calibration", "1"),
+    ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
+    ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
+    ("radiometer_source_error", "temperature of the radiometer's source", "calibration", "K"),
+    ("radiometer_scale_error", "scale of the radiometer", "calibration", "1"),
+    ("radiometer_bin_error", "sensitivities of the radiometer", "calibration", "1"),
     ("gas_signal", "light of the gas in the bands", "gas", ""),
     ("gas_radiance", "light of the gas in the spectra", "gas", ""),
+    ("radiometer_gas_radiance", "light of the gas in the radiometer", "gas", ""),
+    ("radiometer_gas_radiance_before", "colour of the gas before injection, radiometer", "gas", "1"),
     ("gas_signal_before", "colour of the gas before injection, bands", "gas", "1"),
     ("gas_radiance_before", "colour of the gas before injection, spectra", "gas", "1"),
 )
@@ -60,16 +72,20 @@ def estimate(
     largest_uncertainty,
     saturation_counts,
     noise_block,
-    instruments=("pyrometer", "spectrometer"),
+    instruments=("pyrometer", "spectrometer", "radiometer"),
+    radiometer_calibration=None,
+    emissivity_level=None,
+    emissivity_shape=0.1,
+    emissivity_length=200e-9,
 ):
-    """Surface temperature of a test from both bands in absolute units and, if present, the spectra.
+    """Surface temperature of a test from its bands in absolute units and, if present, the spectra.
 
     Parameters
     ----------
     test : Dataset, contract 'test'
-        With the pyrometer; spectra are used if there are any.
-    calibration : Dataset, contract 'calibration'
-    response : Dataset, contract 'response'
+        With a pyrometer or a radiometer of any bands; spectra are used if there are any.
+    calibration : Dataset, contract 'calibration', or None without a pyrometer
+    response : Dataset, contract 'response', or None without a pyrometer
     spectrometer_calibration : Dataset, contract 'spectrometer_calibration', optional
         Needed for counts.
     gas_drift : float [1]
@@ -93,7 +109,13 @@ def estimate(
     saturation_counts : float [count]
     noise_block : int
         Pixels per noise estimate of the spectrometer.
-    instruments : names of those to use; without 'spectrometer' its data are left aside.
+    instruments : names of those to use; the data of others are left aside.
+    radiometer_calibration : Dataset, contract 'radiometer_calibration', optional
+    emissivity_level : float [1], or None
+        With a radiometer: relative standard uncertainty of the emissivity as a whole; None: as stated.
+    emissivity_shape, emissivity_length : float [1], [m]
+        With a radiometer: standard deviation of the course of the emissivity over wavelength, constant
+        through the test, and over which length it is smooth. Without one the surface is grey, or as stated.
 
     Returns
     -------
@@ -109,56 +131,101 @@ def estimate(
     Not in the paper; method and reasons in docs/temperature.md. Where instruments and calibrations contradict
     each other there is no temperature, but a status and the reason.
     """
+    given = {
+        "pyrometer": calibration,
+        "spectrometer": spectrometer_calibration,
+        "radiometer": radiometer_calibration,
+    }
     record = record_of(
         test,
-        {"pyrometer": calibration, "spectrometer": spectrometer_calibration}
-        if "spectrometer" in instruments
-        else {"pyrometer": calibration},
+        {name: one for name, one in given.items() if name in instruments},
         saturation_counts=saturation_counts,
-        needed=["pyrometer"],
     )
+    if prepare.leading(record) is None:
+        raise ValueError("the joint estimate needs the bands of a pyrometer or of a radiometer")
+    if record.instrument("radiometer") is not None:
+        level = emissivity_level or record.emittance_uncertainty / record.emittance or UNTOLD
+        record = replace(record, emittance_uncertainty=level * record.emittance)
     spans = injection_time_span, plasma_off_time_span
     samples = prepare.samples_of(record, spans)
-    slope = tilt(record.emittance_slope, response)
-    pyrometer = prepare.pyrometer_data(samples, response, calibration, slope)
     told = np.isfinite(samples.flicker)
     deviation = samples.flicker if told else gas_flicker
     correlation = samples.flicker_time if told else gas_flicker_time
     gas = prepare.first_gas(record, samples)
-    fixed = prepare.pyrometer_constants(
-        record, pyrometer, calibration, gas, gas_change, band_shift_uncertainty
-    )
-    path = prepare.first_path(samples, pyrometer, gas, record.emittance, initial_temperature)
-    observations = [pyrometer]
-    frames = record.instrument("spectrometer")
+    frames, bands = record.instrument("spectrometer"), record.instrument("radiometer")
+    slope, course, keys = 0.0, None, {}
+    if bands is not None:
+        seen = [
+            radiometer_calibration.wavelength.values,
+            *([] if response is None else [response.wavelength]),
+        ]
+        seen += [] if frames is None else [frames.wavelength]
+        course = radiometer.course_of(record, seen, emissivity_shape, emissivity_length)
+        keys = {"relative": course.relative, "basis": course.basis}
+    if record.instrument("pyrometer") is not None:
+        slope = tilt(record.emittance_slope, response)
+        leading = prepare.pyrometer_data(samples, response, calibration, slope, course)
+        fixed = prepare.pyrometer_constants(
+            record, leading, calibration, gas, gas_change, band_shift_uncertainty
+        )
+    else:
+        leading = radiometer.leading_data(samples, bands, radiometer_calibration, course)
+        fixed = radiometer.leading_constants(
+            record, radiometer_calibration, gas, gas_change, band_shift_uncertainty
+        )
+    path = prepare.first_path(samples, leading, gas, record.emittance, initial_temperature)
+    start, error, kick = initial_temperature, initial_temperature_uncertainty, KICK
+    observations = [leading]
+    if course is not None:
+        fixed = fixed + constants("emissivity_shape", np.zeros(course.shapes.shape[1]), 1.0)
+        path[:, RATE] *= (MIDDLE / path[:, TEMPERATURE]) ** 2
+        path[:, TEMPERATURE] = straight(path[:, TEMPERATURE])
+        start, error, kick = straight(start), error * (MIDDLE / start) ** 2, KICK * MIDDLE / start
+    if course is not None and leading.name == "pyrometer":
+        exposure = prepare.mean_flicker(deviation, correlation, bands.integration_time)
+        beside = radiometer.beside_data(
+            record, radiometer_calibration, samples.time, exposure, noise_block, spans, course
+        )
+        observations.append(beside)
+        fixed = fixed + radiometer.beside_constants(
+            beside, bands, radiometer_calibration, scale_uncertainty, gas_change
+        )
     if frames is not None:
-        # ASSUME: one source for both instruments; its error then does not average out.
+        # ASSUME: one source for pyrometer and spectrometer; its error then does not average out.
         source = calibration if spectrometer_calibration is None else spectrometer_calibration
+        kelvin = float(source.source_temperature.mean()) if source is not None else np.inf
         spectra = prepare.spectrometer_data(
             record,
             frames,
             samples.time,
-            float(source.source_temperature.mean()),
+            kelvin,
             prepare.mean_flicker(deviation, correlation, frames.integration_time),
             noise_block,
             spans,
             slope,
+            leading.name == "pyrometer",
+            **keys,
         )
         if spectra is not None:
             observations.append(spectra)
             fixed = fixed + prepare.spectrometer_constants(
                 spectra, scale_uncertainty, bin_uncertainty, gas_change
             )
+            if spectra.source != "source_error":
+                error = 0.0 if source is None else float(source.source_temperature_uncertainty.mean())
+                fixed = fixed + constants(spectra.source, 0.0, max(error, prepare.NOTHING))
+    if course is not None:
+        observations = [replace(one, **_inverse(one)) for one in observations]
     time = samples.time
     chain = Chain(
         time,
         (0.0, record.off),
         0.0,
-        np.array([initial_temperature, 0.0, path[0, GAS], 0.0]),
+        np.array([start, 0.0, path[0, GAS], 0.0]),
         np.diag(
             [
-                initial_temperature_uncertainty**2,
-                FIRST_RATE**2 if time[0] < 0 else KICK**2,
+                error**2,
+                FIRST_RATE**2 if time[0] < 0 else kick**2,
                 BEFORE_DEVIATION**2 if time[0] < 0 else GAS_START**2,
                 deviation**2,
             ]
@@ -166,7 +233,7 @@ def estimate(
     )
     dynamics = Dynamics(
         **START_DYNAMICS,
-        kick=KICK,
+        kick=kick,
         gas=gas_drift**2 / record.off,
         gas_start=GAS_START,
         flicker=deviation,
@@ -176,12 +243,19 @@ def estimate(
     # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
     observations = [prepare.rescaled(one, found, fixed) for one in observations]
     found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
-    found = marginalised(chain, observations, fixed, found)
+    if course is None:  # else no temperature is nearer to others than another one
+        found = marginalised(chain, observations, fixed, found)
     if not found.converged:
         raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
     spread = spread_of(chain, observations, fixed, found)
     limits = least_surface_share, largest_uncertainty
-    return _dataset(record, test, calibration, samples, observations, fixed, found, spread, limits)
+    fit_range = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
+    return _dataset(record, test, fit_range.values, samples, observations, fixed, found, spread, limits)
+
+
+def _inverse(data):
+    """Tables of an observation over the inverse temperature."""
+    return {name: InverseTable(getattr(data, name)) for name in ("table", "shifted") if hasattr(data, name)}
 
 
 def _told(time, told, temperature, largest):
@@ -199,14 +273,14 @@ def _inputs(record, pyrometer, fixed, found, spread):
         if places.size:
             one = budget.of_family(words, group, spread.across[:, places], fixed.deviation[places], unit)
             rows.append(one)
-    rows += _of_slope(record, fixed, rows)
+    rows += _of_slope(record, fixed, rows) if pyrometer.name == "pyrometer" else []
     noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], rows)
     kelvin = found.path[:, TEMPERATURE]
     signal, slope, _ = pyrometer.table(kelvin)
     level = CHANGING * np.mean(signal / slope, axis=1)
-    rows.append(budget.Input("noise of the samples; flicker and drift of the gas", "noise", noise))
+    of_bands = budget.Input("noise of the samples; flicker and drift of the gas", "noise", noise)
     words = "emittance or windows that change through the test"
-    return [*rows, budget.Input(words, "unnamed misfit", level, CHANGING, "1")]
+    return [*rows, of_bands, budget.Input(words, "unnamed misfit", level, CHANGING, "1")]
 
 
 def _of_slope(record, fixed, rows):
@@ -222,19 +296,22 @@ def _of_slope(record, fixed, rows):
     return [budget.Input(words, "emittance", row.contribution * share, own, "1")]
 
 
-def _dataset(record, test, calibration, samples, observations, fixed, found, spread, limits):
+def _dataset(record, test, fit_range, samples, observations, fixed, found, spread, limits):
     of, group = fixed.where, samples.group
     least_share, largest = limits
-    middle = found.path[:, TEMPERATURE]
-    told = _told(samples.time, spread.told, middle, largest)[group]
-    bands = record.instrument("pyrometer")
+    middle, scale = found.path[:, TEMPERATURE], np.ones(samples.time.size)
+    if isinstance(observations[0].table, InverseTable):
+        middle, scale = from_straight(middle)
+    told = _told(samples.time, spread.told / scale**2, middle, largest)[group]
+    bands, names = prepare.leading(record), [one.name for one in observations]
+    current = "gas_current" if names[0] == "pyrometer" else "radiometer_gas"
     temperature = np.interp(bands.time, samples.time, middle)
-    deviation = np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE])[group]
+    deviation = (scale * np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE]))[group]
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     share, injected = (surface / (surface + gas))[:, group], samples.injected[group]
     against, words = contradicted(samples.time, observations, fixed, found)
     known = injected & told & (deviation < largest * temperature)
-    low, high = calibration.fit_range.values
+    low, high = fit_range
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
     state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
     state[bands.flagged(flags.SATURATED, flags.CLIPPED).all(axis=1)] = status.SATURATED
@@ -250,9 +327,9 @@ def _dataset(record, test, calibration, samples, observations, fixed, found, spr
     gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
     inputs = _inputs(record, observations[0], fixed, found, spread)
     blank = np.where(known, 1.0, np.nan)
-    inputs = [one._replace(contribution=one.contribution[group] * blank) for one in inputs]
-    direction = np.zeros((2, fixed.mean.size))
-    direction[np.arange(2), of("gain_error")] = 1.0
+    inputs = [one._replace(contribution=(scale * one.contribution)[group] * blank) for one in inputs]
+    direction = np.zeros((len(gains), fixed.mean.size))
+    direction[np.arange(len(gains)), of("gain_error")] = 1.0
     direction[:, of("source_error")[0]] = -observations[0].source_slope
     gain_variance = np.einsum("bi,ij,bj->b", direction, spread.constants, direction)
     return xr.Dataset(
@@ -267,8 +344,8 @@ def _dataset(record, test, calibration, samples, observations, fixed, found, spr
             "estimated_surface_share": (("band", "time"), np.where(injected, share, np.nan)),
             "gas_amplitude": ("time", amplitude),
             "gas_amplitude_uncertainty": ("time", amplitude * np.sqrt(spread.path[:, GAS, GAS])[group]),
-            "gas_current": ("band", found.values[of("gas_signal")]),
-            "gas_current_uncertainty": ("band", of_constants[of("gas_signal")]),
+            current: ("band", found.values[of("gas_signal")]),
+            f"{current}_uncertainty": ("band", of_constants[of("gas_signal")]),
             "estimated_emittance": emittance,
             "estimated_emittance_uncertainty": emittance * float(of_constants[of("log_emittance")[0]]),
             "gain_correction": ("band", np.expm1(gains)),
@@ -279,10 +356,10 @@ def _dataset(record, test, calibration, samples, observations, fixed, found, spr
             ),
             **budget.variables(inputs),
         },
-        {"time": test.time.values, "band": list(BANDS)},
+        {"time": record.clock(bands.time), "band": list(bands.band)},
         carried(test)
         | {
-            "instruments": " ".join(["pyrometer", "spectrometer"][: len(observations)]),
+            "instruments": " ".join(sorted(names)),
             "contradictions": "; ".join(words),
             "steps": found.steps,
             "gas_flicker": float(found.dynamics.flicker),

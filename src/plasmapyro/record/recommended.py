@@ -16,12 +16,12 @@ CONTRADICTIONS = (
     "shape_of_spectra",
 )
 NORMAL_95 = 1.959964  # standard uncertainties of half a 95 % interval
-BEST_FIRST = ("extended", "base", "joint", "emissivity", "subtraction", "spectra")
+BEST_FIRST = ("extended", "base", "emissivity", "joint", "subtraction", "spectra")
 WORDS = {
     "extended": "the diagnosis with the causes that it named",
     "base": "the base model of the diagnosis",
     "joint": "the joint estimate",
-    "emissivity": "the estimate of temperature and emissivity from the spectra",
+    "emissivity": "the estimate of temperature and emissivity",
     "subtraction": "the paper's subtraction of the reference",
     "spectra": "the Planck fits to the corrected spectra",
 }
@@ -66,8 +66,8 @@ def recommended(facts):
     2. A diagnosis that follows the data: its extension if held-out data confirm it, else its base model. If
        the fit moved a calibration out of what was known of it and nothing confirmed says why, the paper's
        method, which needs no absolute level.
-    3. Else the joint estimate, which uses all light; temperature and emissivity from spectra; the paper's
-       subtraction; Planck fits.
+    3. Else temperature and emissivity from a radiometer or spectra alone; the joint estimate, which uses all
+       light; the paper's subtraction; Planck fits.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def recommended(facts):
     why = {
         "joint": f"it uses all light of {_listed(facts.instruments)}"
         + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
-        "emissivity": "it lets the emissivity depend on wavelength",
+        "emissivity": "it lets the emissivity depend on wavelength and time",
         "subtraction": "no joint estimate stands beside it",
         "spectra": "there are spectra alone behind a plasma",
     }[best]
@@ -190,7 +190,9 @@ def of_correction(parts, found=(), missing=None):
     holding = {one: part for one, (name, _) in SERIES.items() for part in parts if name in part.variables}
     given = tuple(one for one, part in holding.items() if np.isfinite(part[SERIES[one][0]].values).any())
     against = tuple(entry["saw"] for entry in found if entry["rule"] in CONTRADICTIONS)
-    if "joint" in holding and "joint" not in given and holding["joint"].attrs.get("contradictions"):
+    # A radiometer's joint estimate holds the emissivity constant, which the other one does not.
+    alone = "joint" in holding and "emissivity" not in holding
+    if alone and "joint" not in given and holding["joint"].attrs.get("contradictions"):
         against += (holding["joint"].attrs["contradictions"],)
     instruments = [
         name
