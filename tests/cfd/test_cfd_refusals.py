@@ -302,8 +302,8 @@ def test_a_wrong_unit_shows_in_the_range():
         ({"species": "LTE"}, "species: 'LTE' does not match '^equilibrium$'"),
         ({"mirror": {"radial": 0}}, "'radial' is not one of ['x', 'y', 'z']"),
         (
-            {"species": {"quantity": "mole_fraction", "unit": "1", "names": {"Ar": "xAr"}}},
-            "species.names: 'Ar' is not one of",
+            {"species": {"quantity": "mole_fraction", "unit": "1", "names": {"He": "xHe"}}},
+            "species.names: 'He' is not one of",
         ),
     ],
 )

@@ -231,5 +231,5 @@ def test_uncertainty_of_a_system_is_that_of_its_bright_lines():
 
 
 def test_unknown_atom_is_refused():
-    with pytest.raises(ValueError, match="one of N I, O I, N II, O II, C I, C II; got 'Xe I'"):
+    with pytest.raises(ValueError, match="one of N I, O I, N II, O II, Ar I, C I, C II; got 'Xe I'"):
         atomic_lines("Xe I")

@@ -204,7 +204,7 @@ def changed(text, old, new):
         ),
         (changed(COLUMNS, "Tt", "Q"), "line 4: column titles must be"),
         (changed(COLUMNS, "ntot", "rho"), "line 4: columns before the temperatures must be n, x and ntot"),
-        (changed(COLUMNS, "E-", "Ar"), "line 4: unknown species 'Ar'"),
+        (changed(COLUMNS, "E-", "He"), "line 4: unknown species 'He'"),
         (
             changed(COLUMNS, "1.5        3e", "0.5        3e"),
             "line 7: x must increase; got 0.5 cm then 0.5 cm",

@@ -62,11 +62,13 @@ def test_conditions_of_ones_own_are_files_more_and_touch_nothing_of_the_paper(pr
 
 
 def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
-    shutil.copy(project / "config/more/nitrogen_70kW.yaml", project / "config/conditions")
+    for name in ("nitrogen_70kW", "argon_60kW"):
+        shutil.copy(project / f"config/more/{name}.yaml", project / "config/conditions")
     whole = snakemake(project, "--dry-run")
     jobs = planned(whole)
-    assert jobs["gas_table"] == jobs["flow_start"] == 2
-    assert jobs["radiance"] == jobs["probe_readings"] == 10
+    assert jobs["gas_table"] == jobs["flow_start"] == 3
+    assert jobs["radiance"] == jobs["probe_readings"] == 11
+    assert "results/gas/air11_Ar_0.0093.nc" in whole.stdout
     (pairs,) = re.findall(r"rule facility:\n    input: (.*)", whole.stdout)
     assert "results/facility/70kW.nc" in pairs and "nitrogen" not in pairs
     alone = snakemake(project, "--dry-run", "results/radiation_variations/nitrogen_70kW.nc")

@@ -5,7 +5,7 @@ PAIRS_MBAR = (
 PAIRED = [
     name
     for name in COMPUTED
-    if NITROGEN[name] == AIR["N2"] and CONDITIONS[name]["chamber_pressure_mbar"] == PAIRS_MBAR
+    if GAS_OF[name][0] == AIR["N2"] and CONDITIONS[name]["chamber_pressure_mbar"] == PAIRS_MBAR
 ]
 if "facility" in config:
     RESULTS += expand("results/facility/{condition}.nc", condition=COMPUTED)

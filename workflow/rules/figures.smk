@@ -95,7 +95,7 @@ rule figures_fields:
     input:
         flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
         sightlines=expand("results/sightline/{condition}.nc", condition=COMPUTED),
-        gas=f"results/gas/{gas_key(NITROGEN.get(config['figures']['field_condition'], AIR['N2']))}.nc",
+        gas=f"results/gas/{gas_key(*GAS_OF.get(config['figures']['field_condition'], (AIR['N2'],)))}.nc",
     output:
         temperature_field=drawn("fig5a_temperature_field"),
         budgets=drawn("flow_budgets"),

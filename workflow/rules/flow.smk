@@ -14,10 +14,10 @@ def emission_of(gas):
 def of_gas(path):
     """Input function: what `path`, a pattern or a function, is for the gas of a condition."""
     made = path if callable(path) else lambda gas: path.format(gas=gas)
-    return lambda wildcards: made(gas_key(NITROGEN[wildcards.condition]))
+    return lambda wildcards: made(gas_key(*GAS_OF[wildcards.condition]))
 
 
-STARTED = {start_of(gas_key(nitrogen)): gas_key(nitrogen) for nitrogen in NITROGEN.values()}
+STARTED = {start_of(gas_key(*gas)): gas_key(*gas) for gas in GAS_OF.values()}
 RESULTS += [*STARTED, *expand("results/flow/{condition}.nc", condition=COMPUTED)]
 
 

@@ -1,10 +1,17 @@
 # One table per gas of the conditions; the names of the files say which.
-def gas_key(nitrogen):
-    return "air11" if nitrogen == AIR["N2"] else gas_name(nitrogen).split()[0].replace(":", "_")
+def gas_key(nitrogen, argon=0.0):
+    name = "air11" if nitrogen == AIR["N2"] else gas_name(nitrogen).split()[0].replace(":", "_")
+    return f"{name}_Ar_{argon:g}" if argon else name
 
 
-NITROGEN = {name: CONDITIONS[name].get("nitrogen_mole_fraction", AIR["N2"]) for name in COMPUTED}
-GASES = {gas_key(nitrogen): nitrogen for nitrogen in [AIR["N2"], *NITROGEN.values()]}
+GAS_OF = {
+    name: (
+        CONDITIONS[name].get("nitrogen_mole_fraction", AIR["N2"]),
+        CONDITIONS[name].get("argon_mole_fraction", 0.0),
+    )
+    for name in COMPUTED
+}
+GASES = {gas_key(*gas): gas for gas in [(AIR["N2"], 0.0), *GAS_OF.values()]}
 RESULTS += expand("results/gas/{gas}.nc", gas=GASES)
 
 
@@ -19,7 +26,8 @@ rule gas_table:
         gas=one_of(GASES),
     params:
         **config["gas"],
-        nitrogen_mole_fraction=lambda wildcards: GASES[wildcards.gas],
+        nitrogen_mole_fraction=lambda wildcards: GASES[wildcards.gas][0],
+        argon_mole_fraction=lambda wildcards: GASES[wildcards.gas][1],
     script:
         "../scripts/gas_table.py"
 

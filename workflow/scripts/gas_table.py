@@ -11,5 +11,6 @@ result = gas_table(
     temperature=steps(*snakemake.params.temperature_k),
     pressure=np.array(snakemake.params.pressure_mbar) * 100.0,
     nitrogen=snakemake.params.nitrogen_mole_fraction,
+    argon=snakemake.params.argon_mole_fraction,
 )
 io.write(result, snakemake.output[0], "gas", config=dict(snakemake.params))

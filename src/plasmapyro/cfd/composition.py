@@ -4,7 +4,7 @@ import numpy as np
 
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import CARBON, CARBON_IONS, IONS, SPECIES, particle_mass
+from plasmapyro.gas.species import IONS, SPECIES, TRACE_IONS, TRACES, particle_mass
 
 UNDERSHOOT = 1e-6  # negative shares down to this are rounding of a solver, and 0
 DENSITY_RTOL = 0.1  # between the density of the file and that of its species
@@ -38,7 +38,7 @@ def from_shares(quantity, values, *, temperature, electron_temperature, pressure
     Returns
     -------
     tuple : names, number densities (species, n) [m-3]
-        All species of air, then those of carbon that are given; 0 for those that are not.
+        All species of air, then the traces that are given; 0 for those that are not.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def from_shares(quantity, values, *, temperature, electron_temperature, pressure
         Negative values, shares that do not add up to 1, or species whose mass or pressure is not that of the
         gas: then a unit or a name is wrong.
     """
-    names = [*SPECIES, *(name for name in CARBON if name in values)]
+    names = [*SPECIES, *(name for name in TRACES if name in values)]
     share = np.zeros((len(names), len(temperature)))
     for name, value in values.items():
         share[names.index(name)] = value
@@ -60,7 +60,7 @@ def from_shares(quantity, values, *, temperature, electron_temperature, pressure
     mass = np.array([particle_mass(name) for name in names])[:, None]
     electron = names.index("e-")
     if "e-" not in values:
-        charged = [names.index(name) for name in (*IONS, *CARBON_IONS) if name in names]
+        charged = [names.index(name) for name in (*IONS, *TRACE_IONS) if name in names]
         per_particle = np.where(quantity in ("partial_density", "mass_fraction"), mass, 1.0)
         share[electron] = (share[charged] / per_particle[charged]).sum(axis=0) * per_particle[electron]
     _check_shares(quantity, share, missing_share)

@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro.cfd import map_of
 from plasmapyro.configuration import ConfigurationError, check
 from plasmapyro.constants import AVOGADRO
-from plasmapyro.gas.species import CARBON, SPECIES
+from plasmapyro.gas.species import SPECIES, TRACES
 from plasmapyro.readers.units import TO_SI, normalised
 
 SCHEMA = Path(__file__).with_name("map_schema.yaml")
@@ -139,7 +139,7 @@ def parse(values):
     if values["species"] != "equilibrium":
         part = values["species"]
         quantity, share = part["quantity"], part.get("missing_share", LARGEST_MISSING_SHARE)
-        for name in (*SPECIES, *CARBON):
+        for name in (*SPECIES, *TRACES):
             if name in part["names"]:
                 entry = {"name": part["names"][name], "unit": part["unit"]}
                 species[name] = _source("species", quantity, entry, faults)

@@ -96,7 +96,8 @@ class AirSpectra:
             The light travels from the first point to the last.
         density : (species, S) [m-3]
         """
-        path = gas_path(path_distance, temperature, dict(zip(SPECIES, density, strict=True)))
+        eleven = dict(zip(SPECIES, density, strict=False))  # traces are left out
+        path = gas_path(path_distance, temperature, eleven)
         return binned(self.wavelength, table_radiance(self.table, path)[0][:, ::-1], self.edges)
 
 

@@ -102,7 +102,7 @@ class Points:
             for name in self.__dataclass_fields__
             if name != "equal_order"
         }
-        return Points(**arrays, equal_order=self.equal_order)
+        return type(self)(**arrays, equal_order=self.equal_order)
 
 
 def property_lines(properties, temperature):

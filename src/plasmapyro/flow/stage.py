@@ -25,7 +25,6 @@ from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.initial import hot_torch
 from plasmapyro.flow.levels import Solution, coarse_way, estimated_error, level_factors
 from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
-from plasmapyro.gas.species import gas_name, nitrogen_of
 
 log = logging.getLogger(__name__)
 
@@ -261,12 +260,12 @@ def condition(
     )
     if mach > LOW_MACH:
         log.warning("%s: the gas enters at Mach %.2f; the equations hold for small ones", label, mach)
-    if nitrogen_of(start) != nitrogen_of(gas):
+    if _named(start) != _named(gas):
         raise ValueError(
             f"the start was computed in {start.attrs.get('gas', 'air')}, the gas table is of "
             f"{gas.attrs.get('gas', 'air')}"
         )
-    neighbours = [one for one in neighbours if nitrogen_of(one) == nitrogen_of(gas)]
+    neighbours = [one for one in neighbours if _named(one) == _named(gas)]
     known = sorted((*neighbours, start), key=lambda one: Condition.of(one).parts_to(target, power_step))
     faults = []
     for one in known[:TRIES]:
@@ -295,8 +294,8 @@ def condition(
 
 
 def _named(gas):
-    """Attribute that names the gas of a table."""
-    return {"gas": gas_name(nitrogen_of(gas))}
+    """Attribute that names the gas of a table or flow."""
+    return {"gas": gas.attrs.get("gas", "air")}
 
 
 def _checked_ratio(error_mesh_ratio):

@@ -1,4 +1,4 @@
-"""Internal partition functions of the species of air and carbon from their levels."""
+"""Internal partition functions of the species of air, carbon and argon from their levels."""
 
 from functools import cache
 
@@ -7,9 +7,9 @@ import numpy as np
 from plasmapyro import tables
 from plasmapyro.checks import positive
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.gas.species import CARBON, SPECIES
+from plasmapyro.gas.species import SPECIES, TRACES
 
-ATOMS = ("N", "O", "N+", "O+", "C", "C+")
+ATOMS = ("N", "O", "N+", "O+", "C", "C+", "Ar", "Ar+")
 HOMONUCLEAR = ("N2", "O2", "N2+", "O2+", "C2")
 DIATOMIC_TABLES = {
     "N2": ("gas/diatomic_nitrogen",),
@@ -41,7 +41,7 @@ def partition_function(species, temperature):
     Parameters
     ----------
     species : str
-        A name in `species.SPECIES` or `species.CARBON`.
+        A name in `species.SPECIES` or `species.TRACES`.
     temperature : array_like [K]
         > 0; the level lists serve to 15000 K.
 
@@ -63,8 +63,8 @@ def partition_function(species, temperature):
     NO and O2+ are 7.5 % low, N2+ is 4.6 % high. CN and C2 agree with the sums behind NASA-7 within
     0.3 and 1.3 % to 6000 K.
     """
-    if species not in SPECIES + CARBON:
-        raise ValueError(f"species must be one of {', '.join(SPECIES + CARBON)}; got {species!r}")
+    if species not in SPECIES + TRACES:
+        raise ValueError(f"species must be one of {', '.join(SPECIES + TRACES)}; got {species!r}")
     temperature = positive("temperature", temperature, "K")
     if species == "e-":
         return np.full(temperature.shape, 2.0)
@@ -89,7 +89,7 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
     Parameters
     ----------
     species : str
-        A name in `species.SPECIES` or `species.CARBON`.
+        A name in `species.SPECIES` or `species.TRACES`.
     temperature : float [K]
         Of translation and rotation, > 0.
     excitation_temperature : float [K]
@@ -110,8 +110,8 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
     Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3, for the two
     temperatures; levels as `partition_function`.
     """
-    if species not in SPECIES + CARBON:
-        raise ValueError(f"species must be one of {', '.join(SPECIES + CARBON)}; got {species!r}")
+    if species not in SPECIES + TRACES:
+        raise ValueError(f"species must be one of {', '.join(SPECIES + TRACES)}; got {species!r}")
     temperature = positive("temperature", temperature, "K")
     excitation_temperature = positive("excitation_temperature", excitation_temperature, "K")
     if species == "e-":

@@ -1,4 +1,4 @@
-"""The eleven species of a plasma of N2 and O2, and those of carbon beside them; names of the cold gases."""
+"""The eleven species of a plasma of N2 and O2, carbon and argon beside them; names of the cold gases."""
 
 import re
 
@@ -21,33 +21,46 @@ CHARGE = np.array([0, 0, 0, 0, 0, 1, 1, 1, 1, 1, -1], dtype=float)
 AIR = {"N2": 0.79, "O2": 0.21}
 """Mole fractions of cold air.
 
-ASSUME: argon (0.9 %), CO2 and water vapour are left out, as in the eleven-species air of the paper.
+ASSUME: CO2 and water vapour are left out, and argon (0.93 %) where no condition asks for it, as in the
+eleven-species air of the paper.
 """
+MOST_ARGON = 0.02
+"""Mole fraction of argon up to which it is a trace (`gas.argon`)."""
 
 
-def gas_name(nitrogen):
-    """What files call a mixture of N2 and O2: 'air', 'N2', 'O2', or such as 'N2:0.9 O2:0.1'.
+def gas_name(nitrogen, argon=0.0):
+    """What files call a cold gas: 'air', 'N2', 'O2', or such as 'N2:0.9 O2:0.1'; 'air Ar:0.0093' with argon.
 
     Parameters
     ----------
     nitrogen : float [1]
-        Mole fraction of N2 in the cold gas, 0 to 1; the rest is O2.
+        Mole fraction of N2 in the mixture of N2 and O2, 0 to 1.
+    argon : float [1]
+        Mole fraction of argon in the whole, 0 to `MOST_ARGON`.
     """
     nitrogen = float(within("nitrogen", nitrogen, 0.0, 1.0, "1"))
+    argon = float(within("argon", argon, 0.0, MOST_ARGON, "1"))
     if nitrogen in (0.0, 1.0):
-        return "N2" if nitrogen else "O2"
-    return "air" if nitrogen == AIR["N2"] else f"N2:{nitrogen!r} O2:{oxygen_beside(nitrogen)!r}"
+        name = "N2" if nitrogen else "O2"
+    else:
+        name = "air" if nitrogen == AIR["N2"] else f"N2:{nitrogen!r} O2:{oxygen_beside(nitrogen)!r}"
+    return f"{name} Ar:{argon!r}" if argon else name
+
+
+def argon_of(dataset):
+    """Mole fraction of argon [1] in the cold gas that a dataset names in its attribute `gas`."""
+    return float(dataset.attrs.get("gas", "air").partition(" Ar:")[2] or 0.0)
 
 
 def nitrogen_of(dataset):
-    """Mole fraction of N2 [1] in the cold gas that a dataset names in its attribute `gas`; air if in none.
+    """Mole fraction of N2 [1] in the N2 and O2 that a dataset names in its attribute `gas`; air if in none.
 
     Raises
     ------
     ValueError
         Another gas.
     """
-    name = dataset.attrs.get("gas", "air")
+    name = dataset.attrs.get("gas", "air").partition(" Ar:")[0]
     known = {"air": AIR["N2"], "N2": 1.0, "O2": 0.0}
     mixture = re.fullmatch(r"N2:([0-9.e-]+) O2:[0-9.e-]+", name)
     if name not in known and not mixture:
@@ -76,26 +89,38 @@ CARBON = ("CN", "C2", "C", "C+")
 CARBON_NEUTRALS = CARBON[:3]
 CARBON_IONS = CARBON[3:]
 
-ATOMIC_WEIGHT_CARBON = 12.011
+ARGON = ("Ar", "Ar+")
+"""Species of the trace that a condition may ask for (`gas.argon`)."""
 
-_CARBON_MASS = {
+TRACES = CARBON + ARGON
+"""Species that a path may hold beside the eleven."""
+
+TRACE_NEUTRALS = (*CARBON_NEUTRALS, "Ar")
+TRACE_IONS = (*CARBON_IONS, "Ar+")
+
+ATOMIC_WEIGHT_CARBON = 12.011
+ATOMIC_WEIGHT_ARGON = 39.948
+
+_TRACE_MASS = {
     "CN": ATOMIC_MASS * (ATOMIC_WEIGHT_CARBON + ATOMIC_WEIGHT_NITROGEN),
     "C2": ATOMIC_MASS * 2 * ATOMIC_WEIGHT_CARBON,
     "C": ATOMIC_MASS * ATOMIC_WEIGHT_CARBON,
     "C+": ATOMIC_MASS * ATOMIC_WEIGHT_CARBON - ELECTRON_MASS,
+    "Ar": ATOMIC_MASS * ATOMIC_WEIGHT_ARGON,
+    "Ar+": ATOMIC_MASS * ATOMIC_WEIGHT_ARGON - ELECTRON_MASS,
 }
 
 
 def particle_mass(name):
-    """Mass of one particle [kg] of a species of air or of carbon.
+    """Mass of one particle [kg] of a species of air or of a trace.
 
     Parameters
     ----------
     name : str
-        In `SPECIES` or `CARBON`.
+        In `SPECIES` or `TRACES`.
 
     Returns
     -------
     float [kg]
     """
-    return float(_CARBON_MASS[name] if name in CARBON else MASS[SPECIES.index(name)])
+    return float(_TRACE_MASS[name] if name in TRACES else MASS[SPECIES.index(name)])

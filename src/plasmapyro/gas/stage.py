@@ -1,10 +1,11 @@
-"""Table of the properties of a plasma of N2 and O2 in local thermodynamic equilibrium."""
+"""Table of the properties of a plasma of N2, O2 and a trace of argon in local thermodynamic equilibrium."""
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.constants import BOLTZMANN
+from plasmapyro.gas import argon as trace
 from plasmapyro.gas import equilibrium, transport
 from plasmapyro.gas.collisions import electron_integrals, heavy_integrals
 from plasmapyro.gas.species import AIR, ELECTRON, SPECIES, gas_name
@@ -13,7 +14,7 @@ TEMPERATURE_RANGE = (200.0, 15000.0)
 PRESSURE_RANGE = (100.0, 1e6)
 
 
-def gas_table(*, temperature, pressure, nitrogen=AIR["N2"]):
+def gas_table(*, temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
     """Composition, thermodynamics and transport coefficients of a mixture of N2 and O2 in equilibrium.
 
     Parameters
@@ -23,7 +24,9 @@ def gas_table(*, temperature, pressure, nitrogen=AIR["N2"]):
     pressure : array_like [Pa]
         Shape (pressure,), strictly increasing, 100 to 1e6.
     nitrogen : float [1]
-        Mole fraction of N2 in the cold gas, 0 to 1; the rest is O2.
+        Mole fraction of N2 in the cold N2 and O2, 0 to 1.
+    argon : float [1]
+        Mole fraction of argon in the cold gas, 0 to 0.02: a trace, see `gas.argon`.
 
     Returns
     -------
@@ -39,14 +42,24 @@ def gas_table(*, temperature, pressure, nitrogen=AIR["N2"]):
     pressure = within("pressure", increasing("pressure", pressure, "Pa"), *PRESSURE_RANGE, "Pa")
     enthalpy = equilibrium.species_enthalpy(temperature)
     heat_capacity = equilibrium.species_heat_capacity(temperature)
-    rows = [properties(temperature, one, enthalpy, heat_capacity, nitrogen) for one in pressure]
+    rows = []
+    for one in pressure:
+        shared = one
+        if argon:
+            density = trace.densities(temperature, one, nitrogen, argon)
+            shared = one * (1 - trace.particle_share(density[:, : len(SPECIES)], argon))
+        row = properties(temperature, shared, enthalpy, heat_capacity, nitrogen)
+        if argon:
+            row = trace.joined(row, temperature, argon, nitrogen)
+            row["mole_fraction"] = density / density.sum(axis=1, keepdims=True)
+        rows.append(row)
     dims = ("pressure", "temperature")
     variables = {
         name: (dims + ("species",) * (name == "mole_fraction"), np.stack([row[name] for row in rows]))
         for name in rows[0]
     }
-    coordinates = {"pressure": pressure, "temperature": temperature, "species": list(SPECIES)}
-    return xr.Dataset(variables, coordinates, attrs={"origin": "modelled", "gas": gas_name(nitrogen)})
+    coordinates = {"pressure": pressure, "temperature": temperature, "species": list(trace.species_of(argon))}
+    return xr.Dataset(variables, coordinates, attrs={"origin": "modelled", "gas": gas_name(nitrogen, argon)})
 
 
 def properties(temperature, pressure, enthalpy, heat_capacity, nitrogen):
@@ -56,7 +69,7 @@ def properties(temperature, pressure, enthalpy, heat_capacity, nitrogen):
     ----------
     temperature : ndarray [K]
         Shape (points,).
-    pressure : float [Pa]
+    pressure : float or ndarray [Pa]
     enthalpy : ndarray [J]
         Per particle of each species, shape (points, 11).
     heat_capacity : ndarray [1]

@@ -73,6 +73,8 @@ ATOMS = {
         stark=("stark_griem_ions", "O II"),
         **_IONS,
     ),
+    # Of both core levels; lines name that of theirs, the lower is taken.
+    "Ar I": Atom("Ar I", "Ar", "argon", 1, {"2P<3/2>": 12710984.2, "2P<1/2>": 12854142.5}),
     "C I": Atom("C I", "C", "carbon", 9, {"2P": 9086270.0, "4P": 13385620.0}),
     "C II": Atom(
         "C II",
@@ -177,7 +179,7 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     Notes
     -----
     Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
-    ASSUME: C I broadens like N I and C II like N II at equal binding, for want of a table.
+    ASSUME: C I and Ar I broaden like N I and C II like N II at equal binding, for want of a table.
     """
     width, power, fitted = _tabulated_widths(atom, labels, wavenumber, upper_binding)
     if atom.stark[1] != atom.system:
@@ -248,7 +250,7 @@ def atomic_lines(system):
     Parameters
     ----------
     system : str
-        In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'C I' or 'C II'.
+        In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'Ar I', 'C I' or 'C II'.
 
     Returns
     -------

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.checks import fraction
-from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import SPECIES, nitrogen_of
+from plasmapyro.gas.argon import densities, species_of
+from plasmapyro.gas.species import argon_of, nitrogen_of
 from plasmapyro.radiation.bandsignal import BANDS, band_signal, respond, responsivities
 from plasmapyro.radiation.slit import through_slit
 
@@ -100,10 +100,12 @@ def rippled(radiance, sightline, ripple):
 
 def warmer(sightline, change):
     """A sight line at temperatures T (1 + change), its composition in equilibrium at its pressure."""
-    if "excitation_temperature" in sightline or set(sightline["species"].values) != set(SPECIES):
+    argon = argon_of(sightline)
+    names = list(species_of(argon))
+    if "excitation_temperature" in sightline or set(sightline["species"].values) != set(names):
         raise ValueError("a ripple needs air or nitrogen in equilibrium along the line of sight")
     temperature = sightline["temperature"] * (1 + change)
-    density = number_density(temperature.values, sightline["pressure"].values, nitrogen_of(sightline))
-    density = xr.DataArray(density.T, {"species": list(SPECIES)}, ("species", "path_distance"))
+    density = densities(temperature.values, sightline["pressure"].values, nitrogen_of(sightline), argon)
+    density = xr.DataArray(density.T, {"species": names}, ("species", "path_distance"))
     density = density.sel(species=sightline["species"].values).variable
     return sightline.assign(temperature=temperature, number_density=density)

@@ -8,12 +8,12 @@ from plasmapyro.checks import fraction, non_negative, within
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.partition import partition_function, two_temperature_partition_function
 from plasmapyro.gas.species import (
-    CARBON,
-    CARBON_IONS,
-    CARBON_NEUTRALS,
     IONS,
     NEUTRALS,
     SPECIES,
+    TRACE_IONS,
+    TRACE_NEUTRALS,
+    TRACES,
     particle_mass,
 )
 from plasmapyro.progress import step
@@ -41,8 +41,8 @@ from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
 BOUNDARY = "boundary"  # component: what emerges of the radiance that entered at the start of the path
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
-# species with lines or bound-free continua; those of carbon only where the path has them
-RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *CARBON)
+# species with lines or bound-free continua; traces only where the path has them
+RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *TRACES)
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
@@ -86,7 +86,7 @@ class GasPath:
             lines,
             self.temperature[layer],
             self.number_density["e-"][layer],
-            self.total(NEUTRALS + CARBON_NEUTRALS)[layer],
+            self.total(NEUTRALS + TRACE_NEUTRALS)[layer],
             self.number_density[lines.species][layer],
             self.electron_temperature[layer],
         )
@@ -131,7 +131,7 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     temperature : (S,) [K]
         200-15000 K.
     number_density : mapping species -> (S,) [m-3]
-        All eleven species of air, and any of `species.CARBON`.
+        All eleven species of air, and any of `species.TRACES`.
     excitation_temperature : (S,) [K], optional
         Of vibration, electronic excitation and free electrons, 200-15000 K; `temperature` is then that of
         translation and rotation.
@@ -154,17 +154,17 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     """
     thickness = layer_thickness(path_distance)
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
-    unknown = set(number_density) - set(SPECIES + CARBON)
+    unknown = set(number_density) - set(SPECIES + TRACES)
     missing = set(SPECIES) - set(number_density)
     if unknown or missing:
         raise ValueError(
-            f"species of the path must be {', '.join(SPECIES)} (and may be {', '.join(CARBON)});"
+            f"species of the path must be {', '.join(SPECIES)} (and may be {', '.join(TRACES)});"
             f" unknown: {', '.join(sorted(unknown)) or 'none'},"
             f" missing: {', '.join(sorted(missing)) or 'none'}"
         )
     density = {
         name: non_negative(f"number_density of {name}", number_density[name], "m-3")
-        for name in SPECIES + CARBON
+        for name in SPECIES + TRACES
         if name in number_density
     }
     shaped = [("temperature", temperature), *density.items()]
@@ -284,7 +284,7 @@ class Continuum:
         axis, temperature = self.axis.wavenumber, path.electron_temperature[layer]
         density = {name: values[layer] for name, values in path.number_density.items()}
         electrons = density["e-"]
-        ions = sum(density[name] for name in IONS + CARBON_IONS if name in density)
+        ions = sum(density[name] for name in IONS + TRACE_IONS if name in density)
         neutral = electron_nitrogen_molecule_absorption(axis, temperature, electrons, density["N2"])
         for species in ("N", "O"):
             neutral += electron_atom_absorption(species, axis, temperature, electrons, density[species])

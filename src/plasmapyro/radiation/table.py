@@ -6,7 +6,7 @@ import numpy as np
 
 from plasmapyro.checks import increasing, non_negative, within
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
-from plasmapyro.gas.species import CARBON_IONS, IONS, SPECIES, particle_mass
+from plasmapyro.gas.species import IONS, SPECIES, TRACE_IONS, particle_mass
 from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma
 from plasmapyro.radiation.grid import Grid
@@ -293,7 +293,7 @@ def _pair_bound(table, path, layers, whole):
 
 def _continua(table, path, layers, first, weights):
     """Absorption of the continua on their coarse axis in the layers: (S, continua, W) [m-1]."""
-    density = path.number_density | {"ions": path.total(IONS + CARBON_IONS)}
+    density = path.number_density | {"ions": path.total(IONS + TRACE_IONS)}
     result = np.zeros((len(layers), len(table.continua), len(table.smooth.axis)))
     for (factors, component), rows in zip(CONTINUUM_PARTS, table.continuum, strict=True):
         if component not in table.continua:

@@ -9,9 +9,9 @@ import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.foreign import quote
-from plasmapyro.gas.species import CARBON, SPECIES
+from plasmapyro.gas.species import SPECIES, TRACES
 
-KNOWN = (*SPECIES, *CARBON)
+KNOWN = (*SPECIES, *TRACES)
 VERSIONS = (14, 15)
 CENTIMETRE, PER_CUBIC_CENTIMETRE = 1e-2, 1e6  # [m], [m-3]
 ELECTRON_NAMES = {"E", "E-", "e", "e-"}

@@ -5,8 +5,8 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.checks import increasing, positive
-from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import AIR, SPECIES, gas_name, nitrogen_of
+from plasmapyro.gas.argon import densities, species_of
+from plasmapyro.gas.species import AIR, argon_of, gas_name, nitrogen_of
 from plasmapyro.sightline import ray, sampling
 from plasmapyro.sightline.hemisphere import directions
 
@@ -89,6 +89,7 @@ def line_of_sight(
         whole,
         nitrogen_of(flow),
         laboratory.size,
+        argon=argon_of(flow),
         angle=float(np.degrees(angle)),
         exit_distance=leaves,
         window_distance=float(window_distance),
@@ -102,7 +103,7 @@ def _condition(flow, angle):
         return {}
     settings = {name: flow.attrs[name] for name in conditions.OF_FLOW if name in flow.attrs}
     return conditions.stated(
-        gas=gas_name(nitrogen_of(flow)),
+        gas=gas_name(nitrogen_of(flow), argon_of(flow)),
         settings={**settings, "angle": float(np.degrees(angle))},
         **{name: float(flow[name]) for name in (conditions.POWER, *conditions.STATE)},
     )
@@ -149,7 +150,13 @@ def chord(flow, *, angle, points):
     """
     inside = _inside(flow, angle, points)
     exit_distance = float(inside["path_distance"][-1])
-    return _dataset(inside, nitrogen_of(flow), angle=float(np.degrees(angle)), exit_distance=exit_distance)
+    return _dataset(
+        inside,
+        nitrogen_of(flow),
+        argon=argon_of(flow),
+        angle=float(np.degrees(angle)),
+        exit_distance=exit_distance,
+    )
 
 
 def equilibrium_sightline(path_distance, temperature, pressure):
@@ -223,7 +230,7 @@ def bundle(angles, weights, paths, title):
     ----------
     angles : (R,) [rad]
     weights : (R,) [1]
-    paths : sequence of R Dataset, contract 'sightline', of the species of air
+    paths : sequence of R Dataset, contract 'sightline', of the same species
     title : str
 
     Returns
@@ -243,7 +250,7 @@ def bundle(angles, weights, paths, title):
             "ray_pressure": (("ray", "node"), stacked("pressure")),
             "ray_number_density": (("ray", "species", "node"), stacked("number_density")),
         },
-        {"species": list(SPECIES)},
+        {"species": paths[0].species.values},
         attrs={"origin": "modelled", "title": title},
     )
 
@@ -304,18 +311,18 @@ def _two(first, first_nodes, second, second_nodes):
     return np.concatenate([np.full(first_nodes.size, first), np.full(second_nodes.size, second)])
 
 
-def _dataset(arrays, nitrogen=AIR["N2"], laboratory=0, **attributes):
+def _dataset(arrays, nitrogen=AIR["N2"], laboratory=0, argon=0.0, **attributes):
     """Dataset of contract 'sightline' with the LTE composition; its last `laboratory` nodes are in air."""
-    density = number_density(arrays["temperature"], arrays["pressure"], nitrogen)
+    density = densities(arrays["temperature"], arrays["pressure"], nitrogen, argon)
     if laboratory:
         room = slice(-laboratory, None)
-        density[room] = number_density(arrays["temperature"][room], arrays["pressure"][room])
+        density[room] = densities(arrays["temperature"][room], arrays["pressure"][room], argon=argon)
     variables = {
         name: ("path_distance", values) for name, values in arrays.items() if name != "path_distance"
     }
     variables["number_density"] = (("species", "path_distance"), density.T)
     return xr.Dataset(
         variables,
-        {"path_distance": arrays["path_distance"], "species": list(SPECIES)},
+        {"path_distance": arrays["path_distance"], "species": list(species_of(argon))},
         attrs={"origin": "modelled", **attributes},
     )
