@@ -114,11 +114,11 @@ def of_dataset(found):
 
 
 def problem_of(setup, case, gas, change):
-    """Problem of an experiment on a mesh of ours."""
+    """Problem of an experiment on a mesh of ours; `kind`: its class."""
     properties = gas_properties(
         bench.varied(gas, change.get("gas", {})), case.chamber_pressure, setup.wall_temperature
     )
-    return Problem(
+    return change.get("kind", Problem)(
         build_mesh(setup.torch, setup.mesh_factor),
         setup.torch,
         properties,

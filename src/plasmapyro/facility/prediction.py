@@ -71,7 +71,12 @@ class Jets:
         e = explanations
         nose = np.log(within("pitot radius", e.nose, NOSES[0], NOSES[-1], "m"))
         gamma = scale(within("recombination", e.recombination, RECOMBINATION[0], 1.0, "1"))
-        within("chamber pressure", pressure, self.pressure[0], self.pressure[-1], "Pa")
+        if not self.pressure[0] <= pressure <= self.pressure[-1]:
+            ends = " to ".join(f"{one / 100:g}" for one in self.pressure[[0, -1]])
+            raise ValueError(
+                f"chamber pressure must lie in {ends} mbar, where jets were computed; got"
+                f" {pressure / 100:g} mbar: compute a condition there, with `measured:`"
+            )
         read = np.einsum("dk,pmwk->dpmw", _weights(nose, np.log(NOSES)), self.pitot)
         flux = np.einsum("dk,dpmwk->dpmw", _weights(gamma, scale(RECOMBINATION)), self.flux[e.rates])
         columns = np.broadcast_to(self.state, (*flux.shape, 4))
