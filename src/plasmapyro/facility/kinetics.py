@@ -97,18 +97,16 @@ def production(temperature, pressure, mass_fraction, rates):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
+    temperature : (points,) ndarray [K]
     pressure : float [Pa]
-    mass_fraction : ndarray [1]
-        Shape (points, 11).
+    mass_fraction : (points, 11) ndarray [1]
     rates : str
         One of `RATES`.
 
     Returns
     -------
-    ndarray [kg m-3 s-1]
-        Shape (points, 11); the sum over species vanishes.
+    (points, 11) ndarray [kg m-3 s-1]
+        The sum over species vanishes.
 
     Notes
     -----

@@ -159,10 +159,8 @@ def heavy_integrals(temperature, electron_density):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    electron_density : ndarray [m-3]
-        Shape (points,), > 0.
+    temperature : (points,) ndarray [K]
+    electron_density : (points,) ndarray [m-3], > 0
 
     Returns
     -------
@@ -199,10 +197,8 @@ def electron_integrals(temperature, electron_density):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    electron_density : ndarray [m-3]
-        Shape (points,), > 0.
+    temperature : (points,) ndarray [K]
+    electron_density : (points,) ndarray [m-3], > 0
 
     Returns
     -------

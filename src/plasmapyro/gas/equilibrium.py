@@ -303,15 +303,13 @@ def enthalpy(mole_fraction, species_enthalpy):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (..., 11).
-    species_enthalpy : ndarray [J]
-        Shape (..., 11), per particle.
+    mole_fraction : (..., 11) ndarray [1]
+    species_enthalpy : (..., 11) ndarray [J]
+        Per particle.
 
     Returns
     -------
-    ndarray [J kg-1]
-        Shape (...).
+    (...) ndarray [J kg-1]
     """
     return np.sum(mole_fraction * species_enthalpy, axis=-1) / (mole_fraction @ MASS)
 
@@ -323,15 +321,13 @@ def heat_capacity(temperature, mole_fraction, species_enthalpy, species_heat_cap
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (...).
+    temperature : (...) ndarray [K]
     mole_fraction, species_enthalpy [J], species_heat_capacity [1] : ndarray
         Shape (..., 11), per particle.
 
     Returns
     -------
-    ndarray [J kg-1 K-1]
-        Shape (...).
+    (...) ndarray [J kg-1 K-1]
 
     Notes
     -----

@@ -21,15 +21,13 @@ def pair_viscosity(temperature, q22):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    q22 : ndarray [m2]
-        Shape (points, 10, 10).
+    temperature : (points,) ndarray [K]
+    q22 : (points, 10, 10) ndarray [m2]
 
     Returns
     -------
-    ndarray [Pa s]
-        Shape (points, 10, 10); the diagonal holds the pure species.
+    (points, 10, 10) ndarray [Pa s]
+        The diagonal holds the pure species.
 
     Notes
     -----
@@ -49,16 +47,13 @@ def viscosity(temperature, mole_fraction, integrals):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    temperature : (points,) ndarray [K]
+    mole_fraction : (points, 11) ndarray [1]
     integrals : HeavyIntegrals
 
     Returns
     -------
-    ndarray [Pa s]
-        Shape (points,).
+    (points,) ndarray [Pa s]
 
     Notes
     -----
@@ -89,16 +84,14 @@ def energy_polarisation(temperature, mole_fraction, integrals):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    temperature : (points,) ndarray [K]
+    mole_fraction : (points, 11) ndarray [1]
     integrals : HeavyIntegrals
 
     Returns
     -------
-    ndarray [W m-1 K-1]
-        Shape (points, 10): a_i, the conductivity of a pure species, screened by the others.
+    (points, 10) ndarray [W m-1 K-1]
+        a_i, the conductivity of a pure species, screened by the others.
 
     Notes
     -----
@@ -122,15 +115,13 @@ def heavy_conductivity(mole_fraction, polarisation):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
-    polarisation : ndarray [W m-1 K-1]
-        Shape (points, 10), from `energy_polarisation`.
+    mole_fraction : (points, 11) ndarray [1]
+    polarisation : (points, 10) ndarray [W m-1 K-1]
+        From `energy_polarisation`.
 
     Returns
     -------
-    ndarray [W m-1 K-1]
-        Shape (points,).
+    (points,) ndarray [W m-1 K-1]
 
     Notes
     -----
@@ -148,18 +139,17 @@ def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
-    polarisation : ndarray [W m-1 K-1]
-        Shape (points, 10), from `energy_polarisation`.
-    diffusion : ndarray [m-1 s-1]
-        Shape (points, 11, 11), from `diffusion`.
+    mole_fraction : (points, 11) ndarray [1]
+    polarisation : (points, 10) ndarray [W m-1 K-1]
+        From `energy_polarisation`.
+    diffusion : (points, 11, 11) ndarray [m-1 s-1]
+        From `diffusion`.
     integrals : HeavyIntegrals
 
     Returns
     -------
-    ndarray [1]
-        Shape (points, 11); zero for electrons, whose thermal diffusion only changes the field that
+    (points, 11) ndarray [1]
+        Zero for electrons, whose thermal diffusion only changes the field that
         keeps the current zero (ASSUME).
 
     Notes
@@ -203,15 +193,14 @@ def diffusion(temperature, heavy, electron):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
+    temperature : (points,) ndarray [K]
     heavy : HeavyIntegrals
     electron : ElectronIntegrals
 
     Returns
     -------
-    ndarray [m-1 s-1]
-        Shape (points, 11, 11). The electron-electron entry is infinite (no friction).
+    (points, 11, 11) ndarray [m-1 s-1]
+        The electron-electron entry is infinite (no friction).
 
     Notes
     -----
@@ -233,17 +222,15 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
-    heat_capacity : ndarray [1]
-        Shape (points, 11): heat capacity per particle at constant pressure over k.
-    diffusion : ndarray [m-1 s-1]
-        Shape (points, 11, 11), from `diffusion`.
+    mole_fraction : (points, 11) ndarray [1]
+    heat_capacity : (points, 11) ndarray [1]
+        Heat capacity per particle at constant pressure over k.
+    diffusion : (points, 11, 11) ndarray [m-1 s-1]
+        From `diffusion`.
 
     Returns
     -------
-    ndarray [W m-1 K-1]
-        Shape (points,).
+    (points,) ndarray [W m-1 K-1]
 
     Notes
     -----
@@ -265,15 +252,14 @@ def diffusion_matrix(mole_fraction, diffusion):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    mole_fraction : (points, 11) ndarray [1]
     diffusion : ndarray [m-1 s-1]
         n D, shape (points, 11, 11), from `diffusion`.
 
     Returns
     -------
-    ndarray [m-1 s-1]
-        Shape (points, 11, 11): number fluxes per gradient of the mole fractions; forces must add up to zero.
+    (points, 11, 11) ndarray [m-1 s-1]
+        Number fluxes per gradient of the mole fractions; forces must add up to zero.
 
     Notes
     -----
@@ -320,10 +306,8 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    temperature : (points,) ndarray [K]
+    mole_fraction : (points, 11) ndarray [1]
     slope : ndarray [K-1]
         dx/dT at equilibrium and uniform elements, shape (points, 11).
     enthalpy : ndarray [J]
@@ -335,8 +319,7 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 
     Returns
     -------
-    ndarray [W m-1 K-1]
-        Shape (points,).
+    (points,) ndarray [W m-1 K-1]
 
     Notes
     -----
@@ -356,14 +339,13 @@ def electron_matrix(mole_fraction, integrals):
 
     Parameters
     ----------
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    mole_fraction : (points, 11) ndarray [1]
     integrals : ElectronIntegrals
 
     Returns
     -------
-    ndarray [m2]
-        Shape (points, 3, 3), symmetric.
+    (points, 3, 3) ndarray [m2]
+        Symmetric.
 
     Notes
     -----
@@ -402,16 +384,13 @@ def electron_conductivity(temperature, mole_fraction, integrals):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    temperature : (points,) ndarray [K]
+    mole_fraction : (points, 11) ndarray [1]
     integrals : ElectronIntegrals
 
     Returns
     -------
-    ndarray [W m-1 K-1]
-        Shape (points,).
+    (points,) ndarray [W m-1 K-1]
 
     Notes
     -----
@@ -431,16 +410,13 @@ def electrical_conductivity(temperature, mole_fraction, integrals):
 
     Parameters
     ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    mole_fraction : ndarray [1]
-        Shape (points, 11).
+    temperature : (points,) ndarray [K]
+    mole_fraction : (points, 11) ndarray [1]
     integrals : ElectronIntegrals
 
     Returns
     -------
-    ndarray [S m-1]
-        Shape (points,).
+    (points,) ndarray [S m-1]
 
     Notes
     -----

@@ -51,8 +51,7 @@ def boundary_edges(face_node):
 
     Returns
     -------
-    ndarray of int
-        Shape (edge, 2).
+    (edge, 2) ndarray of int
     """
     edges = np.concatenate([face_node[:, [k, (k + 1) % 3]] for k in range(3)])
     low, high = np.sort(edges, axis=1).astype(np.int64).T
@@ -65,10 +64,8 @@ def exit_distance(node_z, node_r, face_node, nose, angle):
 
     Parameters
     ----------
-    node_z, node_r : ndarray [m]
-        Shape (node,).
-    face_node : ndarray of int
-        Shape (face, 3).
+    node_z, node_r : (node,) ndarray [m]
+    face_node : (face, 3) ndarray of int
     nose, angle : float [m], [rad]
         As in `position`.
 
@@ -121,8 +118,8 @@ def spread(path_distance, temperature, *, points, surface_length):
 
     Returns
     -------
-    ndarray [m]
-        Shape (points,), increasing strictly, both ends included.
+    (points,) ndarray [m]
+        Increasing strictly, both ends included.
 
     Raises
     ------

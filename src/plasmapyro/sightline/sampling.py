@@ -20,10 +20,8 @@ def locate(node_z, node_r, face_node, z, r):
 
     Parameters
     ----------
-    node_z, node_r : ndarray [m]
-        Shape (node,).
-    face_node : ndarray of int
-        Shape (face, 3).
+    node_z, node_r : (node,) ndarray [m]
+    face_node : (face, 3) ndarray of int
     z, r : ndarray [m]
         Points on one straight line, shape (points,).
 
@@ -78,16 +76,15 @@ def interpolate(values, face_node, face_midnode, location):
 
     Parameters
     ----------
-    values : ndarray
-        Shape (node,).
-    face_node, face_midnode : ndarray of int
-        Shape (face, 3); middle node k lies on the edge from corner k to corner k + 1 (mod 3).
+    values : (node,) ndarray
+    face_node, face_midnode : (face, 3) ndarray of int
+        Middle node k lies on the edge from corner k to corner k + 1 (mod 3).
     location : Location
 
     Returns
     -------
-    ndarray
-        Shape (points,), unit of `values`.
+    (points,) ndarray
+        Unit of `values`.
 
     Notes
     -----
