@@ -6,6 +6,8 @@ kept here only. Amplitude 0 changes nothing. `hide` composes any number of them.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,8 +65,21 @@ def _add_light(scene, radiance):
     return replace(scene, extra_radiance=lambda *state: before(*state) + radiance(*state))
 
 
+class State(NamedTuple):
+    """What the share of a `Plume` gets."""
+
+    instrument: str
+    wavelength: np.ndarray
+    time: np.ndarray
+    kelvin: np.ndarray
+    scale: np.ndarray
+    emittance: np.ndarray
+
+
 def _add_plume(scene, gas, spectrum, share):
-    return replace(scene, plumes=(*scene.plumes, Plume(gas.centres, spectrum, share)))
+    """Add light of a spectrum times share(state)."""
+    plume = Plume(gas.centres, spectrum, lambda *state: share(State(*state)))
+    return replace(scene, plumes=(*scene.plumes, plume))
 
 
 def _glow(scene, only, change):
@@ -133,10 +148,10 @@ def _oxidation(scene, a, shape, gas):
 
 
 def _reflection(scene, a, shape, gas):
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        return np.where(time >= 0, a * (1 - emittance) * scale, 0.0)
-
-    return _add_plume(scene, gas, gas.reflected(shape["diffuse"]), share)
+    spectrum = gas.reflected(shape["diffuse"])
+    return _add_plume(
+        scene, gas, spectrum, lambda s: np.where(s.time >= 0, a * (1 - s.emittance) * s.scale, 0.0)
+    )
 
 
 def _torch_glow(scene, a, shape, gas):
@@ -160,42 +175,32 @@ def _spread(scene, a, shape, gas):
     return _glow(scene, None, change)
 
 
-def _cover(only):
+def _cover(only, scene, a, shape, gas):
     """A share of the spot falls on the cover, cooler and late."""
+    tick = np.arange(scene.start, scene.end + 5.0, 0.1)
+    surface = history(scene.sample, tick, scene.plasma_off_time)
+    lagging, keep = np.empty_like(surface), np.exp(-0.1 / shape["lag_s"])
+    lagging[0] = surface[0]
+    for index in range(1, tick.size):
+        lagging[index] = keep * lagging[index - 1] + (1 - keep) * surface[index]
+    cover = 350.0 + shape["ratio"] * (lagging - 350.0)
 
-    def apply(scene, a, shape, gas):
-        tick = np.arange(scene.start, scene.end + 5.0, 0.1)
-        surface = history(scene.sample, tick, scene.plasma_off_time)
-        lagging, keep = np.empty_like(surface), np.exp(-0.1 / shape["lag_s"])
-        lagging[0] = surface[0]
-        for index in range(1, tick.size):
-            lagging[index] = keep * lagging[index - 1] + (1 - keep) * surface[index]
-        cover = 350.0 + shape["ratio"] * (lagging - 350.0)
+    def change(instrument, wl, kelvin, time, seen):
+        return (1 - a) * seen + a * planck(wl, np.interp(time, tick, cover))
 
-        def change(instrument, wl, kelvin, time, seen):
-            return (1 - a) * seen + a * planck(wl, np.interp(time, tick, cover))
-
-        return _glow(scene, only, change)
-
-    return apply
+    return _glow(scene, only, change)
 
 
 # ---- windows and path ------------------------------------------------------------------------------------
 
 
-def _deposit(only):
-    def apply(scene, a, shape, gas):
-        return _window(scene, only, lambda wl, time: 1 - a * _exposed(scene, time))
-
-    return apply
+def _deposit(only, scene, a, shape, gas):
+    return _window(scene, only, lambda wl, time: 1 - a * _exposed(scene, time))
 
 
-def _blue_deposit(only):
-    def apply(scene, a, shape, gas):
-        power = shape["power"]
-        return _window(scene, only, lambda wl, time: 1 - a * (wl / CENTRE) ** -power * _exposed(scene, time))
-
-    return apply
+def _blue_deposit(only, scene, a, shape, gas):
+    power = shape["power"]
+    return _window(scene, only, lambda wl, time: 1 - a * (wl / CENTRE) ** -power * _exposed(scene, time))
 
 
 def _water(scene, a, shape, gas):
@@ -218,32 +223,25 @@ def _scattering(scene, a, shape, gas):
 # ---- the gas ---------------------------------------------------------------------------------------------
 
 
-def _as_gas(instrument, wl, time, kelvin, scale, emittance):
-    return scale
+def _as_gas(s):
+    return s.scale
 
 
-def _other_spectrum(spectrum):
-    """Replace the spectrum of the gas by spectrum(gas, amplitude, shape)."""
-
-    def apply(scene, a, shape, gas):
-        return _add_plume(scene, gas, spectrum(gas, a, shape) - gas.total, _as_gas)
-
-    return apply
+def _other_spectrum(spectrum, scene, a, shape, gas):
+    """Replace the spectrum of the gas by spectrum(gas, amplitude)."""
+    return _add_plume(scene, gas, spectrum(gas, a) - gas.total, _as_gas)
 
 
 def _drift(scene, a, shape, gas):
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        return a * scale * _exposed(scene, time)
-
-    return _add_plume(scene, gas, gas.total, share)
+    return _add_plume(scene, gas, gas.total, lambda s: a * s.scale * _exposed(scene, s.time))
 
 
 def _warm_layer(scene, a, shape, gas):
     """The layer before a hot wall is warmer: its share of the molecular light grows with the wall's."""
     molecules = gas.radiance[gas.systems.index("N2 1P")] + gas.radiance[gas.systems.index("N2+ Meinel")]
 
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        return np.where(time >= 0, 0.004 * a * scale * (kelvin - 350.0) / 1250.0, 0.0)
+    def share(s):
+        return np.where(s.time >= 0, 0.004 * a * s.scale * (s.kelvin - 350.0) / 1250.0, 0.0)
 
     return _add_plume(scene, gas, molecules, share)
 
@@ -251,8 +249,8 @@ def _warm_layer(scene, a, shape, gas):
 def _afterglow(scene, a, shape, gas):
     weak = gas.total if gas.weakest is None else gas.weakest
 
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        after = time - scene.plasma_off_time
+    def share(s):
+        after = s.time - scene.plasma_off_time
         return np.where(after > 0, a * np.exp(-np.maximum(after, 0) / shape["decay_s"]), 0.0)
 
     return _add_plume(scene, gas, weak, share)
@@ -280,27 +278,21 @@ def _particles(scene, a, shape, gas):
     return _add_light(scene, radiance)
 
 
-def _line_light(listed, power, *, released):
+def _line_light(listed, power, released, scene, a, shape, gas):
     """Lines (place, strength); released by the surface, or there whenever the plasma is."""
     place, strength = np.array([row[:2] for row in listed]).T
+    spectrum = narrow(gas.centres, place, a * power * strength / strength.sum())
 
-    def apply(scene, a, shape, gas):
-        spectrum = narrow(gas.centres, place, a * power * strength / strength.sum())
+    def share(s):
+        return np.where((s.time >= 0) & _burning(scene, s.time), s.scale * _growth(s.kelvin), 0.0)
 
-        def share(instrument, wl, time, kelvin, scale, emittance):
-            if not released:
-                return scale
-            return np.where((time >= 0) & _burning(scene, time), scale * _growth(kelvin), 0.0)
-
-        return _add_plume(scene, gas, spectrum, share)
-
-    return apply
+    return _add_plume(scene, gas, spectrum, share if released else _as_gas)
 
 
 def _argon(scene, a, shape, gas):
     place, strength, level = np.array(lines.ARGON).T
     excited = strength * np.exp(-1.438776877 * (level - level.min()) / 6000.0)
-    return _line_light(tuple(zip(place, excited, strict=True)), 0.02, released=False)(scene, a, shape, gas)
+    return _line_light(tuple(zip(place, excited, strict=True)), 0.02, False, scene, a, shape, gas)
 
 
 def _cyanogen(scene, a, shape, gas):
@@ -308,9 +300,10 @@ def _cyanogen(scene, a, shape, gas):
     excited = strength * np.exp(-1.438776877 * lines.CYANOGEN_QUANTUM * upper / 5000.0)
     spectrum = heads(gas.centres, place, a * 0.02 * excited, 9.0, red=True)
 
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        present = (time >= 0) & _burning(scene, time)
-        return np.where(present, scale * _growth(kelvin, 6.0) * np.exp(-np.maximum(time, 0) / 200.0), 0.0)
+    def share(s):
+        present = (s.time >= 0) & _burning(scene, s.time)
+        fading = np.exp(-np.maximum(s.time, 0) / 200.0)
+        return np.where(present, s.scale * _growth(s.kelvin, 6.0) * fading, 0.0)
 
     return _add_plume(scene, gas, spectrum, share)
 
@@ -318,16 +311,13 @@ def _cyanogen(scene, a, shape, gas):
 # ---- the pyrometer ---------------------------------------------------------------------------------------
 
 
-def _offset(band):
-    def apply(scene, a, shape, gas):
-        def change(clean, time):
-            extra = np.zeros_like(clean)
-            extra[band] = a * _in_window(scene, clean, time)[band]
-            return clean + extra
+def _offset(band, scene, a, shape, gas):
+    def change(clean, time):
+        extra = np.zeros_like(clean)
+        extra[band] = a * _in_window(scene, clean, time)[band]
+        return clean + extra
 
-        return _pyrometer(scene, change)
-
-    return apply
+    return _pyrometer(scene, change)
 
 
 def _compressed_signal(scene, a, shape, gas):
@@ -338,14 +328,11 @@ def _ratio(scene, a, shape, gas):
     return _pyrometer(scene, lambda clean, time: clean * np.exp(a * np.array([[1.0], [0.0]])))
 
 
-def _edge(which):
-    def apply(scene, a, shape, gas):
-        def change(band, wl, curve):
-            return np.interp(wl - a * NANOMETRE, wl, curve) if band == which else curve
+def _edge(which, scene, a, shape, gas):
+    def change(band, wl, curve):
+        return np.interp(wl - a * NANOMETRE, wl, curve) if band == which else curve
 
-        return _response(scene, change)
-
-    return apply
+    return _response(scene, change)
 
 
 def _tail(scene, a, shape, gas):
@@ -399,8 +386,8 @@ def _second_order(scene, a, shape, gas):
     spectrum *= nitrogen_ion / (spectrum[gas.centres > 910e-9].mean())
     opening = 1 / (1 + np.exp(-(gas.centres - 915e-9) / 4e-9))
 
-    def share(instrument, wl, time, kelvin, scale, emittance):
-        return scale if instrument == "spectrometer" else 0.0 * scale
+    def share(s):
+        return s.scale if s.instrument == "spectrometer" else 0.0 * s.scale
 
     def hot_surface(instrument, wl, time, kelvin):
         if instrument != "spectrometer":
@@ -458,44 +445,48 @@ CATALOGUE = {
     "eps_slope": Hidden(_slope, 0.3, -0.6, 0.6),
     "eps_T": Hidden(_with_temperature, 0.05, -0.2, 0.15),
     "eps_ox": Hidden(_oxidation, 0.05, -0.3, 0.15, {"tau_s": (10.0, 200.0)}),
-    "winD": Hidden(_deposit("pyrometer"), 0.05, 0.0, 0.4),
-    "winE": Hidden(_deposit("spectrometer"), 0.05, 0.0, 0.4),
-    "winD_sl": Hidden(_blue_deposit("pyrometer"), 0.05, 0.0, 0.3, {"power": (1.0, 4.0)}),
-    "winE_sl": Hidden(_blue_deposit("spectrometer"), 0.05, 0.0, 0.3, {"power": (1.0, 4.0)}),
-    "off1": Hidden(_offset(0), 0.1, -0.3, 0.3),
-    "off2": Hidden(_offset(1), 0.1, -0.3, 0.3),
+    "winD": Hidden(partial(_deposit, "pyrometer"), 0.05, 0.0, 0.4),
+    "winE": Hidden(partial(_deposit, "spectrometer"), 0.05, 0.0, 0.4),
+    "winD_sl": Hidden(partial(_blue_deposit, "pyrometer"), 0.05, 0.0, 0.3, {"power": (1.0, 4.0)}),
+    "winE_sl": Hidden(partial(_blue_deposit, "spectrometer"), 0.05, 0.0, 0.3, {"power": (1.0, 4.0)}),
+    "off1": Hidden(partial(_offset, 0), 0.1, -0.3, 0.3),
+    "off2": Hidden(partial(_offset, 1), 0.1, -0.3, 0.3),
     "off_s": Hidden(_dark_counts, 0.1, -0.3, 0.3),
     "torchglow": Hidden(_torch_glow, 0.003, 0.0, 0.03, {"glow_k": (800.0, 1600.0), "decay_s": (5.0, 60.0)}),
     "nonlin_p": Hidden(_compressed_signal, 0.02, -0.1, 0.1),
     "nonlin_s": Hidden(_compressed_counts, 0.02, -0.1, 0.1),
     "phi": Hidden(_ratio, 0.02, -0.1, 0.1),
-    "edge1": Hidden(_edge("wide"), 5.0, -15.0, 15.0),
-    "edge2": Hidden(_edge("narrow"), 5.0, -15.0, 15.0),
+    "edge1": Hidden(partial(_edge, "wide"), 5.0, -15.0, 15.0),
+    "edge2": Hidden(partial(_edge, "narrow"), 5.0, -15.0, 15.0),
     "resp_long": Hidden(_tail, 0.1, -0.4, 0.4),
     "wshift": Hidden(_shift, 0.5, -1.0, 1.0),
     "lsf": Hidden(_wider_slit, 0.2, 0.0, 0.5),
     "stray": Hidden(_stray, 0.005, 0.0, 0.1),
     "second": Hidden(_second_order, 0.5, 0.0, 3.0),
-    "P_eff": Hidden(_other_spectrum(lambda gas, a, shape: gas.hotter(a)), 0.05, -0.12, 0.12),
-    "T_exc": Hidden(_other_spectrum(lambda gas, a, shape: gas.excited(1 + a)), 0.03, -0.12, 0.12),
-    "T_vib": Hidden(_other_spectrum(lambda gas, a, shape: gas.vibrating(1 + a)), 0.1, -0.4, 0.5),
-    "ripple": Hidden(_other_spectrum(lambda gas, a, shape: gas.rippled(a)), 0.05, 0.0, 0.2),
-    "selfabs": Hidden(_other_spectrum(lambda gas, a, shape: gas.self_absorbed(a)), 0.3, 0.0, 2.0),
+    "P_eff": Hidden(partial(_other_spectrum, lambda gas, a: gas.hotter(a)), 0.05, -0.12, 0.12),
+    "T_exc": Hidden(partial(_other_spectrum, lambda gas, a: gas.excited(1 + a)), 0.03, -0.12, 0.12),
+    "T_vib": Hidden(partial(_other_spectrum, lambda gas, a: gas.vibrating(1 + a)), 0.1, -0.4, 0.5),
+    "ripple": Hidden(partial(_other_spectrum, lambda gas, a: gas.rippled(a)), 0.05, 0.0, 0.2),
+    "selfabs": Hidden(partial(_other_spectrum, lambda gas, a: gas.self_absorbed(a)), 0.3, 0.0, 2.0),
     "contin": Hidden(_continuum, 1.0, 0.0, 5.0),
     "gas_drift": Hidden(_drift, 0.1, -0.3, 0.3),
     "bl": Hidden(_warm_layer, 1.0, 0.0, 5.0),
     "afterglow": Hidden(_afterglow, 0.1, 0.0, 0.5, {"decay_s": (0.3, 5.0)}),
     "particles": Hidden(_particles, 2e-4, 0.0, 5e-3, {"grain_k": (2100.0, 2500.0), "pattern": (0, 1e6)}),
-    "NaK": Hidden(_line_light(lines.SODIUM_POTASSIUM, 0.05, released=True), 0.3, 0.0, 10.0),
-    "CaII": Hidden(_line_light(lines.CALCIUM_ION, 0.05, released=True), 0.3, 0.0, 10.0),
+    "NaK": Hidden(partial(_line_light, lines.SODIUM_POTASSIUM, 0.05, True), 0.3, 0.0, 10.0),
+    "CaII": Hidden(partial(_line_light, lines.CALCIUM_ION, 0.05, True), 0.3, 0.0, 10.0),
     "CN": Hidden(_cyanogen, 3.0, 0.0, 50.0),
-    "Cu": Hidden(_line_light(lines.COPPER, 0.02, released=False), 0.3, 0.0, 10.0),
+    "Cu": Hidden(partial(_line_light, lines.COPPER, 0.02, False), 0.3, 0.0, 10.0),
     "Ar": Hidden(_argon, 0.3, 0.0, 10.0),
     "h2o": Hidden(_water, 0.02, -0.1, 0.1),
     "o2a": Hidden(_oxygen, 0.02, -0.1, 0.1),
     "grad": Hidden(_spread, 60.0, 0.0, 150.0, {"spot_ratio": (0.45, 0.75)}),
-    "edge_p": Hidden(_cover("pyrometer"), 0.05, 0.0, 0.3, {"ratio": (0.7, 0.9), "lag_s": (2.0, 15.0)}),
-    "edge_s": Hidden(_cover("spectrometer"), 0.05, 0.0, 0.3, {"ratio": (0.7, 0.9), "lag_s": (2.0, 15.0)}),
+    "edge_p": Hidden(
+        partial(_cover, "pyrometer"), 0.05, 0.0, 0.3, {"ratio": (0.7, 0.9), "lag_s": (2.0, 15.0)}
+    ),
+    "edge_s": Hidden(
+        partial(_cover, "spectrometer"), 0.05, 0.0, 0.3, {"ratio": (0.7, 0.9), "lag_s": (2.0, 15.0)}
+    ),
     "clock": Hidden(_clock, 0.5, -2.0, 2.0),
     "scat": Hidden(_scattering, 0.01, 0.0, 0.2),
 }
@@ -503,7 +494,7 @@ OUTSIDE = {
     "etalon": Hidden(_etalon, 0.01, 0.0, 0.2, {"period_nm": (4.0, 10.0), "phase": (0.0, 6.28)}),
     "fibre_step": Hidden(_fibre_step, 0.02, -0.3, 0.3, {"at_s": (50.0, 260.0)}),
     "fibre_wave": Hidden(_fibre_wave, 0.02, 0.0, 0.2, {"phase": (0.0, 6.28)}),
-    "rubidium": Hidden(_line_light(lines.RUBIDIUM, 0.02, released=True), 0.3, 0.0, 10.0),
+    "rubidium": Hidden(partial(_line_light, lines.RUBIDIUM, 0.02, True), 0.3, 0.0, 10.0),
     "emittance_band": Hidden(
         _band_in_emittance,
         0.03,
@@ -514,7 +505,6 @@ OUTSIDE = {
     "channel_drift": Hidden(_channel_drift, 0.02, -0.1, 0.1, {"tau_s": (60.0, 200.0)}),
 }
 EFFECTS = CATALOGUE | OUTSIDE
-# Spectra that need the profile along the sight line besides the radiance.
 
 
 def hide(scene: Scene, effect: str, amplitude: float, gas: Gas, shape: dict | None = None) -> Scene:
