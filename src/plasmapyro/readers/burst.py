@@ -5,7 +5,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines, refuse, require_end
+from plasmapyro.readers.text import fault, number, quote, read_lines, refuse, refuse_all, require_end
 
 LARGEST = 96_000_000  # [byte]
 ITEMS = {  # letter -> (meaning, lowest, highest)
@@ -24,7 +24,6 @@ UNIT = re.compile(r"U([CF])")
 CLOCK = re.compile(r"(?:(\d{4})-(\d{2})-(\d{2})[ T])?(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d{1,9})?)", re.ASCII)
 POWERS = ("Q", "R")
 UNDO = ("slope", "attenuation")
-REPORTED = 10
 DAY = 86400.0
 
 
@@ -73,17 +72,14 @@ def read_log(path, period=None, zero=None):
         rows.append(row)
         numbers.append(index)
     if not rows:
-        faults = faults[:REPORTED] or [fault(path, "holds no burst string", "check that this is the log")]
-        raise Refusal(faults)
+        refuse_all(path, faults or [fault(path, "holds no burst string", "check that this is the log")])
     letters = rows[0].keys()
     faults += [
         fault(path, f"holds {_names(row)}, the first line {_names(letters)}", "remove incomplete lines", line)
         for row, line in zip(rows, numbers, strict=True)
         if row.keys() != letters
     ]
-    if faults:
-        more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
-        raise Refusal(faults[:REPORTED] + more)
+    refuse_all(path, faults)
     items = {letter: np.array([row[letter] for row in rows]) for letter in letters if letter != "U"}
     if len({row.get("U") for row in rows}) > 1:
         refuse(path, "the unit of temperature changes between C and F", "split the log where it changes")

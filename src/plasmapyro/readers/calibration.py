@@ -12,7 +12,7 @@ from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers import andor, columns, description, ocean
 from plasmapyro.readers.instrument import read_instrument
 from plasmapyro.readers.parts import require_alike, vacuum
-from plasmapyro.readers.text import Refusal, fault, refuse
+from plasmapyro.readers.text import Refusal, fault, refuse, refuse_all
 from plasmapyro.record.emittance import mean_emittance
 from plasmapyro.tables import ORIGINS, weakest
 
@@ -21,7 +21,6 @@ GUIDE = "see docs/your-own-data.md"
 POINTS = ("source_temperature", "signal_wide", "signal_narrow")
 INSTRUMENTS = ("pyrometer", "spectrometer", "radiometer")
 MOST_EXPOSURES = 200
-REPORTED = 10
 
 
 def describes(folder):
@@ -77,21 +76,14 @@ def read_points(folder):
     Refusal
         One sentence per fault.
     """
-    values, faults = _described(folder)
-    top = description.Section(values, Path(folder) / NAME, "", faults)
-    origin = _origin(top)
-    section = _wanted_section(top, "pyrometer")
+    section, origin = _section(folder, "pyrometer")
     name = section.file("file", "calibration_points.csv")
-    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
-    decimal = section.text("decimal", choices=(".", ","))
-    wanted = columns.wanted(section, POINTS)
-    for absent in set(POINTS) - set(wanted):
-        section.blame(f"columns.{absent}", "is missing", "name the column that holds it")
+    marks, wanted = columns.marks(section), columns.wanted(section, POINTS, needed=POINTS)
     section.close()
-    if faults:
-        raise Refusal(faults)
+    if section.faults:
+        raise Refusal(section.faults)
     path = Path(folder) / name
-    found = columns.read_table(path, wanted, delimiter, decimal)
+    found = columns.read_table(path, wanted, *marks)
     bad = {key: np.flatnonzero(~(row > 0)) for key, row in found.items()}
     messages = [
         fault(
@@ -127,14 +119,9 @@ def read_bands(folder):
     Refusal
         One sentence per fault.
     """
-    values, faults = _described(folder)
-    top = description.Section(values, Path(folder) / NAME, "", faults)
-    origin = _origin(top)
-    section = _wanted_section(top, "radiometer")
-    name = section.file("instrument", needed=True)
-    table = section.file("file", "calibration_points.csv")
-    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
-    decimal = section.text("decimal", choices=(".", ","))
+    section, origin = _section(folder, "radiometer")
+    faults, name = section.faults, section.file("instrument", needed=True)
+    table, marks = section.file("file", "calibration_points.csv"), columns.marks(section)
     if faults:
         raise Refusal(faults)
     response = read_instrument(Path(folder) / name)
@@ -146,11 +133,9 @@ def read_bands(folder):
     else:
         kinds = {"source_temperature": "source_temperature"}
         kinds |= dict.fromkeys(response.band.values.tolist(), "radiometer_signal")
-        wanted = columns.wanted(section, tuple(kinds), kinds)
-        for absent in set(kinds) - set(wanted):
-            section.blame(f"columns.{absent}", "is missing", "name the column that holds it")
+        wanted = columns.wanted(section, tuple(kinds), kinds, needed=kinds)
         section.close()
-        points = {} if faults else columns.read_table(Path(folder) / table, wanted, delimiter, decimal)
+        points = {} if faults else columns.read_table(Path(folder) / table, wanted, *marks)
     for key, row in points.items():
         if (
             not (row[np.isfinite(row)] > 0).all()
@@ -183,11 +168,8 @@ def read_exposures(folder):
     Refusal
         One sentence per fault.
     """
-    values, faults = _described(folder)
-    folder, path = Path(folder), Path(folder) / NAME
-    top = description.Section(values, path, "", faults)
-    origin = _origin(top)
-    section = _wanted_section(top, "spectrometer")
+    section, origin = _section(folder, "spectrometer")
+    folder, path, faults = Path(folder), section.path, section.faults
     medium = section.text("wavelengths", "air", choices=("air", "vacuum"))
     column = section.text("column")
     detector = _detector(section)
@@ -230,8 +212,7 @@ def read_exposures(folder):
         spectra.append(pair[0])
         lights.append(rows[0])
         darks.append(rows[1])
-    if faults:
-        raise Refusal(faults[:REPORTED])
+    refuse_all(folder, faults)
     wavelength = vacuum(folder / exposures[0]["light"], spectra[0].wavelength, medium)
     pixels = detector.get("masked_pixels", [])
     if any(not -wavelength.size <= pixel < wavelength.size for pixel in pixels):
@@ -304,19 +285,18 @@ def _described(folder):
     return description.load(folder / NAME), []
 
 
-def _origin(top):
+def _section(folder, instrument):
+    """The section of calibration.yaml about an instrument, with the faults found so far, and the origin."""
+    values, faults = _described(folder)
+    top = description.Section(values, Path(folder) / NAME, "", faults)
     origin = top.text("origin", choices=ORIGINS, needed=True)
     top.text("title")
-    return origin
-
-
-def _wanted_section(top, wanted):
     top.used |= set(INSTRUMENTS)
     top.close()
-    if wanted not in top:
-        top.blame(wanted, "is missing", f"describe its calibration; {GUIDE}")
+    if instrument not in top:
+        top.blame(instrument, "is missing", f"describe its calibration; {GUIDE}")
         raise Refusal(top.faults)
-    return top.section(wanted)
+    return top.section(instrument), origin
 
 
 def _checked(dataset, contract, path):
@@ -375,10 +355,9 @@ def _source(section):
         found["uncertainty"] = section.number("uncertainty", above=0, needed=True)
         if (found["uncertainty"] or 0) >= 1:
             section.blame("uncertainty", "must be below 1", "state it as a fraction")
-        found["columns"] = columns.wanted(section, ("wavelength", "spectral_radiance"))
+        table = ("wavelength", "spectral_radiance")
+        found["columns"] = columns.wanted(section, table, needed=table)
         found["medium"] = section.text("wavelengths", "air", choices=("air", "vacuum"))
-        for name in {"wavelength", "spectral_radiance"} - set(found["columns"]):
-            section.blame(f"columns.{name}", "is missing", "name the column that holds it")
     section.close()
     return found
 

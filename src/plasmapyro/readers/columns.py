@@ -7,13 +7,22 @@ from types import SimpleNamespace
 import numpy as np
 
 from plasmapyro.readers import clock, units
-from plasmapyro.readers.text import MISSING, Refusal, fault, number, quote, read_lines, refuse, require_end
+from plasmapyro.readers.text import (
+    MISSING,
+    Refusal,
+    fault,
+    number,
+    quote,
+    read_lines,
+    refuse,
+    refuse_all,
+    require_end,
+)
 
 LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
-REPORTED = 10  # bad cells named before the rest is only counted
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 CLOCK = "time of day"  # key of a column that stands beside the one of the date
@@ -56,10 +65,19 @@ class Column:
             section.blame("unit", "has no meaning beside `format`", "remove one of them")
 
 
-def wanted(section, names, kinds=()):
+def marks(section):
+    """Delimiter and decimal sign that a section states, None for what is left to be found."""
+    return (
+        section.text("delimiter", choices=tuple(DELIMITERS)),
+        section.text("decimal", choices=(".", ",")),
+    )
+
+
+def wanted(section, names, kinds=(), needed=()):
     """Columns (name -> `Column`) described by the sub-section 'columns'; faults are noted.
 
-    `kinds` maps names to the variables of the register that they are; others are their own.
+    `kinds` maps names to the variables of the register that they are; others are their own. The absence of
+    `needed` ones is a fault.
     """
     listing, kinds = section.section("columns"), dict(kinds)
     found = {
@@ -70,6 +88,8 @@ def wanted(section, names, kinds=()):
     for name in names:
         listing.used.add(name)
     listing.close()
+    for absent in [name for name in needed if name not in found]:
+        section.blame(f"columns.{absent}", "is missing", "name the column that holds it")
     return found
 
 
@@ -175,9 +195,7 @@ def read_table(path, columns, delimiter=None, decimal=None):
             path, cells["time"], numbers, stamped.format, stamped.zero, stamped.set_back
         )
         faults += more
-    if faults:
-        more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
-        raise Refusal(faults[:REPORTED] + more)
+    refuse_all(path, faults)
     return result
 
 

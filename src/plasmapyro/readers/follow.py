@@ -62,8 +62,7 @@ def samples_of_table(path, section, lines):
     or None where no line has come
     """
     section.file("file", "pyrometer.csv")
-    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
-    decimal = section.text("decimal", choices=(".", ","))
+    delimiter, decimal = columns.marks(section)
     wanted = columns.wanted(section, ("time", *parts.SIGNALS, *parts.TUNNEL))
     form = wanted["time"].format if "time" in wanted else None
     zero = section.text("zero", "", needed=True) if form else section.number("zero", 0.0)

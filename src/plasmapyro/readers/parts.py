@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro.readers import andor, burst, clock, columns, ocean, tdms, units
-from plasmapyro.readers.text import Refusal, fault, number, quote, refuse
+from plasmapyro.readers.text import Refusal, fault, number, quote, refuse, refuse_all
 from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
 
@@ -19,7 +19,6 @@ MOST_SPECTRA = 20_000
 MOST_SAMPLES = 50_000_000  # of all spectra together: 400 MB
 SHIFT = 1e-12  # [m] spectra of one instrument agree in wavelength to their printed digits
 SPECTRUM_SUFFIXES = {".txt", ".jaz", ".tsv", ".dat"}
-REPORTED = 10
 
 
 def attributes(section):
@@ -51,8 +50,7 @@ def table(folder, section, names, default, kinds=()):
     """
     files = section.files("file", default)
     kind = section.text("format", choices=("csv", "tdms"))
-    delimiter = section.text("delimiter", choices=tuple(columns.DELIMITERS))
-    decimal = section.text("decimal", choices=(".", ","))
+    marks = columns.marks(section)
     wanted = columns.wanted(section, ("time", *names), kinds)
     stamped = "time" in wanted and wanted["time"].format
     if stamped:
@@ -69,7 +67,7 @@ def table(folder, section, names, default, kinds=()):
         if kind == "tdms" or (kind is None and path.suffix.lower() == ".tdms"):
             parts.append(tdms.read_tdms(path, wanted, joined=len(files) > 1))
         elif "time" in wanted:
-            parts.append(columns.read_table(path, wanted, delimiter, decimal))
+            parts.append(columns.read_table(path, wanted, *marks))
         else:
             section.blame("columns.time", "is missing", "name the column that holds the time")
             return None
@@ -151,8 +149,7 @@ def spectrometer(folder, section):
             "unit": section.text("unit", needed=True) if settings["format"] == "csv" else "count",
             "wavelength_unit": section.text("wavelength_unit", "nm"),
             "time_unit": section.text("time_unit", "s"),
-            "delimiter": section.text("delimiter", choices=tuple(columns.DELIMITERS)),
-            "decimal": section.text("decimal", choices=(".", ",")),
+            "marks": columns.marks(section),
             "zero": section.number("zero", 0.0),
             "background": section.file("background"),
         }
@@ -299,9 +296,7 @@ def _many_files(place, folder, settings):
             dark = ocean.read_spectrum(dark_path)
         except Refusal as reason:
             faults += reason.messages
-    if faults:
-        more = [f"{place}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
-        raise Refusal(faults[:REPORTED] + more)
+    refuse_all(place, faults)
     return _of_folder(paths, spectra, dark_path, dark, settings)
 
 
@@ -409,8 +404,7 @@ def _spectrum_times(paths, spectra, settings):
         faults.append(
             fault(paths[0].parent, "files of different time zones", "state the times by `from: order`")
         )
-    if faults:
-        raise Refusal(faults[:REPORTED])
+    refuse_all(paths[0].parent, faults)
     exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
     middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
     time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra]) + middle
@@ -438,7 +432,7 @@ def _tables(paths, folder, settings):
 
     def read(path):
         if settings["format"] == "csv":
-            return columns.read_matrix(path, settings["delimiter"], settings["decimal"])
+            return columns.read_matrix(path, *settings["marks"])
         series = andor.read_series(path)
         if attrs.setdefault("spectrometer_integration_time", series.exposure) != series.exposure:
             if path != background:  # a dark of another exposure holds the baseline, if little dark current

@@ -15,6 +15,7 @@ MISSING = {"", "nan", "na", "n/a", "-", "--", "null", "none"}
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
+REPORTED = 10  # faults of a kind that are named before the rest is only counted
 LONGEST_LINE = 5_000_000  # characters; a header of 50 000 wavelengths has a tenth of that
 
 
@@ -35,6 +36,13 @@ def fault(path, what, remedy, line=None):
 def refuse(path, what, remedy, line=None):
     """Raise the Refusal of one fault (see `fault`)."""
     raise Refusal([fault(path, what, remedy, line)])
+
+
+def refuse_all(path, faults):
+    """Raise the Refusal of faults, if there are any: the first ones by name, the number of the others."""
+    if faults:
+        more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
+        raise Refusal(faults[:REPORTED] + more)
 
 
 def regular_file(path, limit):
