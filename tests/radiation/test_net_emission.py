@@ -60,6 +60,21 @@ def test_thin_air_radiates_as_published(published):
     assert ratio[temperature > 8000] == pytest.approx(0.88, abs=0.13)
 
 
+def test_thin_oxygen_radiates_as_another_code_says(published):
+    """Lines of minplascalc 1.1.1 (no continuum), 1 atm; of both codes from NIST, but chosen apart.
+
+    To 9000 K lines are nearly all; what recombination and free electrons add grows from there on.
+    """
+    rows = published("net_emission_oxygen_1atm")
+    temperature, expected = np.array([[float(value) for value in row.values()] for row in rows]).T
+    gas = xr.Dataset(
+        coords={"pressure": [101325.0], "temperature": np.repeat(temperature, STEP)}, attrs={"gas": "O2"}
+    )
+    ratio = net_emission(gas).net_emission.values[0] / (4 * np.pi) / 10**expected
+    assert ratio[temperature <= 9000] == pytest.approx(1.03, abs=0.04)
+    assert (np.diff(ratio) > 0).all() and ratio.max() < 1.25
+
+
 def test_what_a_sphere_takes_up_is_as_published():
     """0.1 mm of air at 1 atm, a fit to fig. 13 of the same paper: 10^7.67 W m-3 sr-1 at 10 kK."""
     gas = xr.Dataset(coords={"pressure": [101325.0], "temperature": np.repeat([1e4, 1.1e4], STEP)})
