@@ -70,13 +70,14 @@ def test_impossible_value_is_refused_before_anything_is_written(tmp_path):
 
 
 def test_files_written_together_are_all_there_or_none(tmp_path):
-    good = {"surface_radiance": (surface(), tmp_path / "b.nc")}
-    bad = sightline()
-    bad["temperature"] = -bad.temperature
-    with pytest.raises(contracts.ContractError):
-        io.write_together(good | {"sightline": (bad, tmp_path / "a.nc")})
-    assert not list(tmp_path.iterdir())
-    io.write_together(good | {"sightline": (sightline(), tmp_path / "a.nc")})
+    good = tmp_path / "b.nc", io.labelled(surface(), "surface_radiance")
+    sound = io.labelled(sightline(), "sightline")
+    (tmp_path / "a.nc").mkdir()
+    with pytest.raises(io.StorageError):
+        io.write_labelled([good, (tmp_path / "a.nc", sound)])
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+    (tmp_path / "a.nc").rmdir()
+    io.write_labelled([good, (tmp_path / "a.nc", sound)])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "b.nc"]
 
 

@@ -1,4 +1,4 @@
-"""Guards for physical arguments. Each names the culprit, its value and the rule it broke."""
+"""Guards for physical arguments: each names the culprit, its value and the rule it broke; words of codes."""
 
 import numpy as np
 
@@ -53,3 +53,11 @@ def fraction(name, value):
     if not 0 < number <= 1:
         raise ValueError(f"{name} must lie in (0, 1]; got {number:g}")
     return number
+
+
+def flags(meanings):
+    """CF attributes of a variable of status codes: mapping of code -> word, without blanks."""
+    return {
+        "flag_values": np.array(list(meanings), dtype="int8"),
+        "flag_meanings": " ".join(meanings.values()),
+    }

@@ -104,21 +104,7 @@ def write(dataset, path, contract, *, sources=(), config=None):
     sources : paths of the files it was made from; their SHA-256 are stored
     config : mapping of the configuration values it depends on, stored as JSON
     """
-    write_together({contract: (dataset, path)}, sources=sources, config=config)
-
-
-def write_together(datasets, *, sources=(), config=None):
-    """Store several stage files of one origin, all of them or none (see `write`).
-
-    Parameters
-    ----------
-    datasets : mapping of contract -> (Dataset, path)
-    sources, config : as in `write`
-    """
-    ready = [
-        (path, labelled(dataset, contract, sources, config)) for contract, (dataset, path) in datasets.items()
-    ]
-    write_labelled(ready)
+    write_labelled([(path, labelled(dataset, contract, sources, config))])
 
 
 def write_labelled(ready):

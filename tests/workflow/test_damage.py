@@ -200,10 +200,8 @@ def test_a_full_disk_is_told_once_when_several_files_belong_together(tmp_path, r
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
-    pair = {"response": (response, tmp_path / "a.nc"), "ratio_curve": (response, tmp_path / "b.nc")}
-    monkeypatch.setattr(contracts, "check", lambda dataset, _: dataset)
     with pytest.raises(io.StorageError) as caught:
-        io.write_together(pair)
+        io.write_labelled([(tmp_path / "a.nc", response), (tmp_path / "b.nc", response)])
     assert str(caught.value).count("No space left") == str(caught.value).count("could not be written") == 1
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from plasmapyro.checks import non_negative, positive
-from plasmapyro.instrument.pyrometer import blackbody_signal, invert_ratio
+from plasmapyro.checks import flags, non_negative, positive
+from plasmapyro.instrument.pyrometer import blackbody_signals, invert_ratio
 
 BANDS = ("wide", "narrow")
 STEP = 2.0  # [K] between the surface temperatures at which the reading is known
@@ -76,10 +76,7 @@ def correct_reading(
     signal = case.gas_signal.sel(band=list(BANDS)).values
     reading = np.asarray(reading, dtype=float)
     surfaces = np.arange(SURFACES[0], SURFACES[1] + STEP / 2, STEP)
-    wavelength = response.wavelength.values
-    black = np.stack(
-        [blackbody_signal(surfaces, wavelength, response[f"responsivity_{band}"].values) for band in BANDS]
-    )
+    black = blackbody_signals(surfaces, response)
 
     def branches(light, grey):
         """Display over the surfaces, with the place of its least value."""
@@ -128,7 +125,7 @@ def correct_reading(
             "corrected_reading_status": (
                 "time",
                 status.astype("int8"),
-                {"flag_values": np.array(list(STATUS), "int8"), "flag_meanings": " ".join(STATUS.values())},
+                flags(STATUS),
             ),
             "object_temperature": ("object_temperature", surfaces),
             "display": ("object_temperature", np.where(np.isfinite(shown), shown, np.nan)),

@@ -1,7 +1,5 @@
 """The gas that the sample itself reflects into the instrument."""
 
-import numpy as np
-
 from plasmapyro.checks import non_negative, within
 
 
@@ -44,26 +42,3 @@ def reflected(emittance, specular, diffuse, roughness):
     specular = non_negative("specular", specular, "W m-2 sr-1")
     diffuse = non_negative("diffuse", diffuse, "W m-2 sr-1")
     return (1 - emittance) * ((1 - roughness) * specular + roughness * diffuse)
-
-
-def hemispherical_mean(angle, radiance):
-    r"""Mean over a hemisphere of a radiance that depends on the polar angle only, weighted with the cosine.
-
-    .. math:: \bar L = \int_0^{\pi/2} L(\theta)\,\sin 2\theta\,d\theta = \int_0^1 L\; d(\sin^2\theta)
-
-    Of a disc of radiance 1 seen face on it is the configuration factor :math:`\sin^2\theta_0`.
-
-    Parameters
-    ----------
-    angle : (A,) [rad], from 0 to pi/2, increasing
-    radiance : (..., A)
-
-    Returns
-    -------
-    (...) ndarray, unit of the radiance; exact for radiances linear in the squared sine between the angles
-
-    Notes
-    -----
-    Source: Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 4.
-    """
-    return np.trapezoid(radiance, np.sin(angle) ** 2, axis=-1)

@@ -12,8 +12,8 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
 from plasmapyro.conditions import ladder, number
-from plasmapyro.instrument.pyrometer import blackbody_signal, invert_grey, invert_ratio, measured_ratio
-from plasmapyro.radiation.bandsignal import BANDS, bands_of, responsivities, two_bands
+from plasmapyro.instrument.pyrometer import blackbody_signals, invert_grey, invert_ratio, measured_ratio
+from plasmapyro.radiation.bandsignal import BANDS, bands_of, two_bands
 from plasmapyro.radiation.planck import blackbody_radiance
 
 
@@ -73,13 +73,13 @@ def visibility(gas, response, *, object_temperature, visibility_level):
     Source: Fagnani et al., eq. 10, sec. 4.3.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
-    surface = gas.sample_emittance.values[:, None, None] * _blackbody_signal(response, temperature)[None]
+    surface = gas.sample_emittance.values[:, None, None] * blackbody_signals(temperature, response)[None]
     factor = visibility_factor(surface, gas.gas_signal.values[:, :, None])
 
     def limit(level, case, band):
         return temperature_at_visibility(
             level,
-            lambda value: _blackbody_signal(response, value)[band],
+            lambda value: blackbody_signals(value, response)[band],
             gas.gas_signal.values[case, band],
             gas.sample_emittance.values[case],
         )
@@ -242,15 +242,9 @@ def surface_radiance(*, object_temperature, emittance, wavelength):
     )
 
 
-def _blackbody_signal(response, temperature):
-    """Band signals (band, ...) [W m-2 sr-1] of a black body."""
-    wavelength = response.wavelength.values
-    return np.stack([blackbody_signal(temperature, wavelength, curve) for curve in responsivities(response)])
-
-
 def _read(gas, response, curve, emittance, temperature):
     """Reading and status of shape broadcast(emittance, temperature) with conditions first."""
-    black = _blackbody_signal(response, temperature)
+    black = blackbody_signals(temperature, response)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
     light = [gas.gas_signal.sel(band=band).values.reshape(lead) for band in bands_of(response)]
     if "calibration_signal" in curve:
@@ -311,7 +305,7 @@ def reflection_map(
     ]
     diffuse = np.stack([incident @ (row * size) for row in curves], axis=1)  # (condition, band)
     own = gas.gas_signal.sel(band=list(BANDS)).values
-    black = _blackbody_signal(response, temperature)
+    black = blackbody_signals(temperature, response)
     shape = (len(SURFACES), len(CORRECTIONS), len(order), emittance.size, temperature.size)
     error, grey = np.empty(shape), emittance[None, :, None]
     for surface, mix in enumerate(SURFACES.values()):

@@ -10,7 +10,7 @@ from plasmapyro.commands.options import not_negative, option, plot_option, posit
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.instrument.line_lamp import find_lines
-from plasmapyro.instrument.spectrometer import STATUS_WORDS
+from plasmapyro.instrument.spectrometer import STATUS
 from plasmapyro.instrument.stage import band_response, calibrate_exposures, pyrometer_calibration
 from plasmapyro.quality.catalogue import OF_CALIBRATION
 from plasmapyro.quality.rule import Case, look
@@ -269,9 +269,7 @@ def _of_lines(lamp):
 def _of_spectrometer(result):
     status = result.pixel_status.values
     counted = ", ".join(
-        f"{int((status == code).sum())} {word}"
-        for code, word in enumerate(STATUS_WORDS.split())
-        if (status == code).any()
+        f"{int((status == code).sum())} {word}" for code, word in STATUS.items() if (status == code).any()
     )
     noise, common = (
         100 * float(np.nanmedian(result[name]))

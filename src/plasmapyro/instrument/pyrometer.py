@@ -3,7 +3,7 @@
 import numpy as np
 
 from plasmapyro.checks import increasing
-from plasmapyro.radiation.bandsignal import band_signal
+from plasmapyro.radiation.bandsignal import band_signal, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
 
 GREY_STEPS = 12  # of Gauss and Newton; five give 1 mK within a table
@@ -24,6 +24,12 @@ def blackbody_signal(temperature, wavelength, responsivity):
     """
     radiance = blackbody_radiance(wavelength, np.asarray(temperature, dtype=float)[..., None])
     return band_signal(wavelength, responsivity, radiance)
+
+
+def blackbody_signals(temperature, response):
+    """Signals (band, ...) [W m-2 sr-1] of a black body in all bands of a dataset of contract 'response'."""
+    wavelength = response.wavelength.values
+    return np.stack([blackbody_signal(temperature, wavelength, curve) for curve in responsivities(response)])
 
 
 def signal_ratio(signal_wide, signal_narrow):

@@ -6,7 +6,7 @@ from plasmapyro.checks import positive
 from plasmapyro.radiation.planck import blackbody_radiance
 
 USABLE, NO_SIGNAL, SATURATED, MISSING, HOT, MASKED, LEFT_OUT = range(7)  # pixel status
-STATUS_WORDS = "usable no_signal saturated missing hot masked left_out"
+STATUS = dict(enumerate("usable no_signal saturated missing hot masked left_out".split()))
 
 
 def pixel_status(counts, background, saturation, least_net):

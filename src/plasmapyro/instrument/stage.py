@@ -4,13 +4,13 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import tables
-from plasmapyro.checks import increasing, positive
+from plasmapyro.checks import flags, increasing, positive
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument import calibration, raw_counts, spectrometer
-from plasmapyro.instrument.pyrometer import blackbody_signal, calibration_ratio
+from plasmapyro.instrument.pyrometer import blackbody_signals, calibration_ratio
 from plasmapyro.instrument.response import sandwich_response, silicon_absorption
 from plasmapyro.instrument.shape import planck_shape
-from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
+from plasmapyro.radiation.bandsignal import BANDS, two_bands
 
 SLOPE_STEP = 1e-4  # relative half step of central differences: error 1e-8 of the slope
 
@@ -103,8 +103,7 @@ def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrum
     Source: Fagnani et al., eq. 5; the sensitivity ratio 0.315 from their sec. 3.2.
     """
     curve = increasing("calibration_temperature", calibration_temperature, "K")
-    wavelength = response.wavelength.values
-    black = [blackbody_signal(curve, wavelength, weight) for weight in responsivities(response)]
+    black = blackbody_signals(curve, response)
     if "responsivity" in response:  # no one ratio: signals of a black body, for readings that take it as grey
         own = {"calibration_signal": (("band", "calibration_temperature"), black)}
         own["instrument_range"] = ("bound", np.asarray(response.attrs["instrument_range"], dtype=float))
@@ -169,10 +168,7 @@ def pyrometer_calibration(
     signals = [positive(f"signal_{band}", calibration_points[f"signal_{band}"].values, "A") for band in BANDS]
 
     def modelled(temperature):
-        return [
-            blackbody_signal(temperature, response.wavelength.values, response[f"responsivity_{band}"].values)
-            for band in BANDS
-        ]
+        return blackbody_signals(temperature, response)
 
     def covariance(logarithm, count):
         step = SLOPE_STEP * source
@@ -299,10 +295,7 @@ def spectrometer_calibration(
             "pixel_status": (
                 "wavelength",
                 status,
-                {
-                    "flag_values": np.arange(spectrometer.LEFT_OUT + 1, dtype="int8"),
-                    "flag_meanings": spectrometer.STATUS_WORDS,
-                },
+                flags(spectrometer.STATUS),
             ),
             "source_temperature": temperature,
             "source_temperature_uncertainty": float(source_temperature_uncertainty),
@@ -437,9 +430,9 @@ def exposure_calibration(
     rate, noise = raw_counts.combined(rates, noises, usable)
     pixel = np.where(usable.any(axis=0), spectrometer.USABLE, status[0]).astype("int8")
     if not usable.any():
-        words = spectrometer.STATUS_WORDS.split()
+        words = spectrometer.STATUS.items()
         counted = ", ".join(
-            f"{np.sum(pixel == i)} {word}" for i, word in enumerate(words) if np.any(pixel == i)
+            f"{np.sum(pixel == code)} {word}" for code, word in words if np.any(pixel == code)
         )
         raise ValueError(f"no usable pixel in the spectrometer calibration: {counted}")
     drift = np.min(np.where(usable, commons, np.inf), axis=0)
@@ -456,10 +449,7 @@ def exposure_calibration(
             "pixel_status": (
                 "wavelength",
                 pixel,
-                {
-                    "flag_values": np.arange(spectrometer.LEFT_OUT + 1, dtype="int8"),
-                    "flag_meanings": spectrometer.STATUS_WORDS,
-                },
+                flags(spectrometer.STATUS),
             ),
             "dark_scale": ("exposure", scales),
             "linearity_coefficient": ("linearity_power", np.asarray(linearity_coefficients, dtype=float)),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.record import status
 
@@ -119,10 +119,8 @@ def level_against_ratio(case, limit):
     )
     # ASSUME: what stands in the light of the test may have stood in that of the calibration, or not.
     width = max(limit * relative, np.log(WIDEST)) - np.log(window)
-    for index, band in enumerate(BANDS):
-        curve = blackbody_signal(
-            kelvin, case.response.wavelength.values, case.response[f"responsivity_{band}"].values
-        )
+    curves = blackbody_signals(kelvin, case.response)
+    for index, (band, curve) in enumerate(zip(BANDS, curves, strict=True)):
         level = case.result.corrected_signal.values[index, good]
         sensitivity = case.calibration.absolute_sensitivity.values[index]
         found = float(np.median(level / (sensitivity * curve)))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.quality.series import SIGMA
 
@@ -18,16 +18,9 @@ def points_leave_curve(case, limit):
 
 def level_residuals(points, response):
     """Residuals (2, N) of the signals of calibration points about the modelled ones, logarithmic."""
-    rows = []
-    for band in BANDS:
-        curve = blackbody_signal(
-            points.source_temperature.values,
-            response.wavelength.values,
-            response[f"responsivity_{band}"].values,
-        )
-        rest = np.log(points[f"signal_{band}"].values / curve)
-        rows.append(rest - np.median(rest))
-    return np.array(rows)
+    signals = np.array([points[f"signal_{band}"].values for band in BANDS])
+    rest = np.log(signals / blackbody_signals(points.source_temperature.values, response))
+    return rest - np.median(rest, axis=1, keepdims=True)
 
 
 @rule()

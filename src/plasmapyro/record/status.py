@@ -1,7 +1,6 @@
 """What the status of a temperature means."""
 
-import numpy as np
-
+from plasmapyro import checks
 from plasmapyro.instrument.calibration import ABOVE, BELOW, EXTRAPOLATED, VALID
 
 MISSING = 3  # a sample is absent
@@ -31,10 +30,7 @@ MEANINGS = {
 
 def flags():
     """CF attributes of a status variable."""
-    return {
-        "flag_values": np.array(list(MEANINGS), dtype="int8"),
-        "flag_meanings": " ".join(MEANINGS.values()),
-    }
+    return checks.flags(MEANINGS)
 
 
 REASONS = {  # in words of a user

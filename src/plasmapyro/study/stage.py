@@ -7,10 +7,10 @@ import xarray as xr
 
 from plasmapyro.analysis.stage import apparent_temperature, error_map
 from plasmapyro.analysis.visibility import visibility_factor
-from plasmapyro.checks import fraction, increasing
+from plasmapyro.checks import flags, fraction, increasing
 from plasmapyro.flow import stage as flow_stage
 from plasmapyro.flow.continuation import Extinguished, NotConverged
-from plasmapyro.instrument.pyrometer import blackbody_signal
+from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.radiation.bandsignal import BANDS, two_bands
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline.stage import line_of_sight
@@ -70,7 +70,7 @@ def flow(
         log.warning("%s", fault)
         status = EXTINGUISHED if isinstance(fault, Extinguished) else UNSTEADY
         result = xr.Dataset(place, attrs={"origin": "modelled", "reason": str(fault)})
-    return result.assign(flow_status=((), np.int8(status), _flags()))
+    return result.assign(flow_status=((), np.int8(status), flags(MEANINGS)))
 
 
 def signal(
@@ -124,7 +124,7 @@ def signal(
         {
             **place,
             "sightline_angle": float(angle),
-            "flow_status": ((), flow.flow_status.values, _flags()),
+            "flow_status": ((), flow.flow_status.values, flags(MEANINGS)),
             "gas_signal": ("band", gas_signal),
             "peak_temperature": peak,
         },
@@ -177,12 +177,7 @@ def gather(signals, response, curve, *, conditions, object_temperature, limit_te
     places, gas = _collected(signals, result, asked.any(axis=DIMS.index("emittance")))
     found = np.broadcast_to(result.flow_status.values[..., None, None], asked.shape)
     result.study_status.values[asked] = found[asked]
-    black = np.stack(
-        [
-            blackbody_signal(temperature, response.wavelength.values, response[f"responsivity_{band}"].values)
-            for band in BANDS
-        ]
-    )
+    black = blackbody_signals(temperature, response)
     for begin in range(0, len(places), BATCH):
         batch = slice(begin, begin + BATCH)
         flows, angles = places[batch, : len(FLOW_DIMS)].T, places[batch, -1]
@@ -217,8 +212,8 @@ def _empty(axes, temperature, error_level):
 
     return xr.Dataset(
         {
-            "flow_status": filled(FLOW_DIMS, np.int8(NOT_ASKED), _flags()),
-            "study_status": filled(DIMS, np.int8(NOT_ASKED), _flags()),
+            "flow_status": filled(FLOW_DIMS, np.int8(NOT_ASKED), flags(MEANINGS)),
+            "study_status": filled(DIMS, np.int8(NOT_ASKED), flags(MEANINGS)),
             "gas_signal": filled((*line, "band"), np.nan),
             "peak_temperature": filled(line, np.nan),
             "visibility_factor": filled((*DIMS, "band", "object_temperature"), np.nan),
@@ -289,11 +284,3 @@ def _readings(gas_signal, response, curve, emittance, temperature):
     read = apparent_temperature(gas, response, curve, object_temperature=temperature)
     shape = len(gas_signal), emittance.size, temperature.size
     return read.relative_error.values.reshape(shape), read.reading_status.values.reshape(shape)
-
-
-def _flags():
-    """CF attributes of a status of flows."""
-    return {
-        "flag_values": np.array(list(MEANINGS), dtype="int8"),
-        "flag_meanings": " ".join(MEANINGS.values()),
-    }
