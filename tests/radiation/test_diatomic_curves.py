@@ -61,7 +61,7 @@ def test_dvr_gives_the_rotating_levels_of_a_kratzer_oscillator():
     factor = kinetic_factor(REDUCED_MASS)
     radius = np.arange(0.5e-10, 4e-10, 0.013e-10)
     squared = DEPTH * BOTTOM**2 / factor
-    rotation_number, level = np.array([[0], [1], [40], [90]]), np.arange(5)
+    rotation_number, level = np.arange(91)[:, None], np.arange(5)
     order = level + 0.5 + np.sqrt((rotation_number + 0.5) ** 2 + squared)
     expected = DEPTH - factor / BOTTOM**2 * squared**2 / order**2
     energy, _, bound = vibrational_states(
