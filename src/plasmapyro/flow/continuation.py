@@ -85,6 +85,15 @@ class Schedule:
             and step.courant >= self.converged_courant
         )
 
+    def nearly_reached_by(self, step):
+        """Whether the Jacobian that `step` was made with also serves the next one, the last but the check."""
+        return (
+            self.confirmed
+            and step.velocity_change < self.velocity_tolerance
+            and step.temperature_change < 10 * self.temperature_tolerance
+            and step.courant >= self.largest_courant / 2
+        )
+
     def next_courant(self, step):
         """Courant number after an accepted `step`: larger while the mean changes are small."""
         if step.rms_heat < self.growth_limit and step.rms_speed < 2.5 * self.growth_limit:
@@ -154,7 +163,7 @@ def march(problem, state, power, schedule, label):
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []
-    passed, scale, first_current, share = False, None, None, 1.0
+    passed, scale, first_current, share, factors = False, None, None, 1.0, None
     for number in range(1, schedule.steps + 1):
         if schedule.linear_tolerance:
             coupling = target = None  # the factors they hold, before new ones are made
@@ -167,8 +176,13 @@ def march(problem, state, power, schedule, label):
         coupling = _blend(coupling, target, schedule.relaxation) if relaxed else target
         scale = scale or problem.rest_residual(coupling)
         points = problem.points(state, coupling, courant)
+        if not (steps and schedule.nearly_reached_by(steps[-1])):
+            factors = None  # the memory, before new ones are made
         try:
-            update, residual = problem.newton_update(state, points, target, schedule.linear_tolerance)
+            factors = factors or problem.factors(state, points)
+            update, residual = problem.newton_update(
+                state, points, target, schedule.linear_tolerance, factors
+            )
         except (ArithmeticError, OutsideTable) as fault:
             raise NotConverged(
                 f"{label}: step {number} of the flow failed at CFL {courant:.3g}: {fault}"

@@ -275,14 +275,19 @@ class Problem:
         data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
         return self.space.matrix(data)
 
-    def newton_update(self, state, points, coupling=None, linear_tolerance=0.0):
+    def factors(self, state, points):
+        """Factors of the Jacobian of the free unknowns at a state."""
+        return self._factorised.system(self.jacobian(state, points)).factors(single=True)
+
+    def newton_update(self, state, points, coupling=None, linear_tolerance=0.0, factors=None):
         """Full Newton correction (size,), zero on fixed dofs, and the norm of the free residual.
 
         With a `linear_tolerance` the correction is Newton's for flow and induction together (see `coupled`),
         `coupling` being the result of `couple` at `state`; otherwise heating and forces stay as they are.
+        `factors` of a state close by may take the place of those at `state`.
         """
         residual = self.residual(state, points)[self.free]
-        factors = self._factorised.system(self.jacobian(state, points)).factors(single=True)
+        factors = factors or self.factors(state, points)
         update = np.zeros(self.space.size)
         if linear_tolerance:
             induced = self._induced(state, points, coupling)
