@@ -126,41 +126,19 @@ rule figures_flow:
         "../scripts/figures_flow.py"
 
 
-rule figures_sightline:
+rule figures_analysis:
     input:
         sightlines=of_set("results/sightline/{condition}.nc"),
-    output:
-        line_of_sight=drawn_of_set("fig5b_line_of_sight"),
-    log:
-        "results/logs/figures_sightline{own}.log",
-    benchmark:
-        "results/benchmarks/figures_sightline{own}.tsv"
-    script:
-        "../scripts/figures_sightline.py"
-
-
-rule figures_radiation:
-    input:
         radiation=of_set("results/radiation/{condition}.nc"),
         surface="results/analysis/surface_radiance.nc",
         response="results/instrument/response.nc",
-    output:
-        spectral_radiance=drawn_of_set("fig6_spectral_radiance"),
-    log:
-        "results/logs/figures_radiation{own}.log",
-    benchmark:
-        "results/benchmarks/figures_radiation{own}.tsv"
-    script:
-        "../scripts/figures_radiation.py"
-
-
-rule figures_analysis:
-    input:
         visibility="results/analysis/visibility{own}.nc",
         apparent_temperature="results/analysis/apparent_temperature{own}.nc",
         error_map="results/analysis/error_map{own}.nc",
         transient="results/analysis/transient{own}.nc",
     output:
+        line_of_sight=drawn_of_set("fig5b_line_of_sight"),
+        spectral_radiance=drawn_of_set("fig6_spectral_radiance"),
         visibility_factors=drawn_of_set("fig7a_visibility_factors"),
         visibility_limits=drawn_of_set("fig7b_visibility_limits"),
         apparent_temperature=drawn_of_set("fig8a_apparent_temperature"),
@@ -173,54 +151,6 @@ rule figures_analysis:
         "results/benchmarks/figures_analysis{own}.tsv"
     script:
         "../scripts/figures_analysis.py"
-
-
-rule figures_pyrometer:
-    input:
-        test=test_file,
-        correction="results/experiment/{test}/pyrometer_correction.nc",
-    output:
-        sample_emittance=drawn_of_test("fig9b_sample_emittance"),
-        signals=drawn_of_test("fig10a_signals"),
-        temperatures=drawn_of_test("fig10b_temperatures"),
-        error=drawn_of_test("fig10c_error"),
-    log:
-        "results/logs/figures_pyrometer_{test}.log",
-    benchmark:
-        "results/benchmarks/figures_pyrometer_{test}.tsv"
-    script:
-        "../scripts/figures_pyrometer.py"
-
-
-rule figures_spectrometer:
-    input:
-        spectrometer="results/experiment/{test}/spectrometer_correction.nc",
-        radiation=expand("results/radiation/{condition}.nc", condition=config["experiment"]["compare_with"]),
-    output:
-        reference_spectrum=drawn_of_test("fig11a_reference_spectrum"),
-        normalised_spectra=drawn_of_test("fig11b_normalised_spectra"),
-    log:
-        "results/logs/figures_spectrometer_{test}.log",
-    benchmark:
-        "results/benchmarks/figures_spectrometer_{test}.tsv"
-    params:
-        spectrum_times_s=config["figures"]["spectrum_times_s"],
-    script:
-        "../scripts/figures_spectrometer.py"
-
-
-rule figures_both:
-    input:
-        pyrometer="results/experiment/{test}/pyrometer_correction.nc",
-        spectrometer="results/experiment/{test}/spectrometer_correction.nc",
-    output:
-        two_instruments=drawn_of_test("fig11c_two_instruments"),
-    log:
-        "results/logs/figures_both_{test}.log",
-    benchmark:
-        "results/benchmarks/figures_both_{test}.tsv"
-    script:
-        "../scripts/figures_both.py"
 
 
 rule figures_design:
@@ -248,15 +178,36 @@ rule figures_design:
         "../scripts/figures_design.py"
 
 
-rule figures_joint:
-    input:
-        correction="results/experiment/{test}/pyrometer_correction.nc",
-        joint="results/experiment/{test}/joint_estimate.nc",
-    output:
-        joint_estimate=drawn_of_test("joint_estimate"),
-    log:
-        "results/logs/figures_joint_{test}.log",
-    benchmark:
-        "results/benchmarks/figures_joint_{test}.tsv"
-    script:
-        "../scripts/figures_joint.py"
+def corrections_of(instruments):
+    return {one: f"results/experiment/{{test}}/{one}_correction.nc" for one in instruments}
+
+
+# One rule for each set of instruments that a test may have.
+for instruments in sorted({tuple(sorted(TESTS[test]["instruments"])) for test in WORKED}):
+    OF_TEST = [
+        name for needed, names in TEST_FIGURES.items() if set(needed) <= set(instruments) for name in names
+    ]
+
+    rule:
+        name:
+            f"figures_{'_'.join(instruments)}"
+        input:
+            **corrections_of(instruments),
+            **({"joint": "results/experiment/{test}/joint_estimate.nc"} if "pyrometer" in instruments else {}),
+            test=test_file,
+            radiation=expand(
+                "results/radiation/{condition}.nc", condition=config["experiment"]["compare_with"]
+            ),
+        output:
+            **{name: drawn_of_test(name) for name in OF_TEST},
+        log:
+            "results/logs/figures_{test}.log",
+        benchmark:
+            "results/benchmarks/figures_{test}.tsv"
+        wildcard_constraints:
+            test=one_of([test for test in WORKED if tuple(sorted(TESTS[test]["instruments"])) == instruments]),
+        localrule: True
+        params:
+            spectrum_times_s=config["figures"]["spectrum_times_s"],
+        script:
+            "../scripts/figures_test.py"

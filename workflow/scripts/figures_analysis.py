@@ -1,14 +1,25 @@
-"""Rule figures_analysis: visibility, apparent temperature, error, error map, transient (figures 7, 8)."""
+"""Rule figures_analysis: what the line of sight crosses, its light, and what it does (figures 5b to 8)."""
+
+from pathlib import Path
 
 from plasmapyro import io
-from plasmapyro.plots import analysis
+from plasmapyro.plots import analysis, flow, radiation
 
 io.log_to(snakemake.log[0])
-visibility = io.read(snakemake.input.visibility, "visibility")
-analysis.visibility_factors(visibility, snakemake.output.visibility_factors)
-analysis.visibility_limits(visibility, snakemake.output.visibility_limits)
-reading = io.read(snakemake.input.apparent_temperature, "apparent_temperature")
-analysis.apparent_temperature(reading, snakemake.output.apparent_temperature)
-analysis.relative_error(reading, snakemake.output.relative_error)
-analysis.error_map(io.read(snakemake.input.error_map, "error_map"), snakemake.output.error_map)
-analysis.transient(io.read(snakemake.input.transient, "transient"), snakemake.output.transient)
+given, drawn = snakemake.input, snakemake.output
+lines = {Path(path).stem: io.read(path, "sightline") for path in given.sightlines}
+flow.line_of_sight(lines, drawn.line_of_sight)
+radiation.spectral_radiance(
+    {Path(path).stem: io.read(path, "radiation") for path in given.radiation},
+    io.read(given.surface, "surface_radiance"),
+    io.read(given.response, "response"),
+    drawn.spectral_radiance,
+)
+visibility = io.read(given.visibility, "visibility")
+analysis.visibility_factors(visibility, drawn.visibility_factors)
+analysis.visibility_limits(visibility, drawn.visibility_limits)
+reading = io.read(given.apparent_temperature, "apparent_temperature")
+analysis.apparent_temperature(reading, drawn.apparent_temperature)
+analysis.relative_error(reading, drawn.relative_error)
+analysis.error_map(io.read(given.error_map, "error_map"), drawn.error_map)
+analysis.transient(io.read(given.transient, "transient"), drawn.transient)

@@ -20,6 +20,26 @@ def after_injection(dataset):
     return dataset.assign_coords(own).assign_attrs(events)
 
 
+def figures(given, radiances, times, paths):
+    """All figures of a test; `given`: its datasets by name, those of the instruments that it has.
+
+    `radiances` (contract 'radiation', by condition) are shown beside a spectrum, the spectra at `times` [s];
+    `paths` has the files of each figure under the figure's name.
+    """
+    pyrometer, spectra = given.get("pyrometer"), given.get("spectrometer")
+    if pyrometer is not None:
+        sample_emittance(given["test"], paths.fig9b_sample_emittance)
+        signals(pyrometer, paths.fig10a_signals)
+        temperatures(pyrometer, paths.fig10b_temperatures)
+        error_of_measured(pyrometer, paths.fig10c_error)
+        joint_temperature(pyrometer, given["joint"], paths.joint_estimate)
+    if spectra is not None:
+        reference_spectrum(spectra, radiances, paths.fig11a_reference_spectrum)
+        normalised_spectra(spectra, times, paths.fig11b_normalised_spectra)
+    if pyrometer is not None and spectra is not None:
+        two_instruments(pyrometer, spectra, paths.fig11c_two_instruments)
+
+
 def signals(corrected, paths):
     """Figure 10a: signals of both bands with their reference levels."""
     corrected = after_injection(corrected)
