@@ -49,10 +49,11 @@ def row_of(pressure, rival, k, ends, inside):
     for name, factor, digits, values in zip(COLUMNS, FACTORS, DIGITS, ends, strict=True):
         for end, value in zip(("low", "median", "high"), values, strict=True):
             row[f"{name}_{end}"] = f"{factor * value:.{digits}f}"
-    return row | {"between_computed_flows": f"{float(inside):.2f}"}
+    return row | {INSIDE: f"{float(inside):.2f}"}
 
 
 COLUMNS = ("heat_flux_kw_m2", "temperature_k", "enthalpy_mj_kg", "speed_m_s", "power_kw")
+INSIDE = "between_computed_flows"
 FACTORS, DIGITS = (1e-3, 1.0, 1e-6, 1.0, 1e-3), (0, 0, 1, 0, 0)
 
 
@@ -70,6 +71,11 @@ def draw(rows):
                 )
                 if rival == next(iter(RIVALS)):
                     panel.fill_between(PITOT, low, high, color=colour, label="95 %, all admitted")
+                    inside = [p for p, row in zip(PITOT, ours, strict=True) if float(row[INSIDE]) > 0.4]
+                    panel.plot(
+                        inside, [0.03] * len(inside), "k^", ms=4, transform=panel.get_xaxis_transform(),
+                        label="between computed flows (elsewhere: straight on)",
+                    )  # fmt: skip
                 else:
                     panel.plot(
                         PITOT, middle, color=colour, ls="--" if rival == NO_MIXING else "-", label=rival
