@@ -230,77 +230,28 @@ def bands(table_name):
     return column, values
 
 
-SYSTEMS = {
-    system.name: system
-    for system in (
-        # C. O. Laux, C. H. Kruger, JQSRT 48 (1992) 9, whose probabilities end at v' = 21; A up to its limit,
-        # with constants up to v'' = 20 and lambda of Huber & Herzberg (1979).
-        BandSystem(
-            "N2 1P",
-            State("B3Pi_g", (21, 22)),
-            State("A3Sigma_u+", (20, 30), spin_spin=-133.0),
-            Series("molecules/nitrogen_first_positive_moment", 1.25e-10, (0.98e-10, 1.9e-10)),
-            uncertainty=0.1,
-        ),
-        # S. Chauveau, M.-Y. Perrin, P. Riviere, A. Soufiani, JQSRT 72 (2002) 503.
-        # ASSUME: no spin-rotation splitting of X (0.01 N cm-1).
-        BandSystem(
-            "N2+ Meinel",
-            State("A2Pi_u"),
-            State("X2Sigma_g+"),
-            "molecules/nitrogen_ion_meinel_moment",
-            uncertainty=0.3,
-        ),
-        # As Meinel. ASSUME: v' <= 5, as published: at 8000 K a tenth of the molecules in D would lie above.
-        # ASSUME: the bands 3d-3p (F, H, H' to C, D; 0.97-1.07 um) stay out for want of strengths: by analogy
-        # with sodium they are 0.7 times as bright as this system at 5000 K and 1.9 times at 8000 K.
-        BandSystem(
-            "NO 11000 A",
-            State("D2Sigma+"),
-            State("A2Sigma+"),
-            "molecules/nitric_oxide_11000_moment",
-            uncertainty=0.3,
-        ),
-        # Fitted to the moments of Chauveau et al. In 650-1250 nm only tails: v' = 6-12 into v'' = 22-30,
-        # whose strengths come from r > 1.6 Angstrom and are good to a factor of two.
-        BandSystem(
-            "NO beta",
-            State("B2Pi", (19, 22)),
-            State("X2Pi", (30, 36)),
-            Series("molecules/nitric_oxide_beta_moment", 1.4e-10, (1.15e-10, 1.62e-10)),
-            uncertainty=1.0,
-            faint=True,
-        ),
-        # Chauveau et al., v' <= 22: overtones, changes of v by five and more.
-        BandSystem(
-            "NO infrared",
-            State("X2Pi", (22, 23)),
-            State("X2Pi", (22, 23)),
-            "molecules/nitric_oxide_infrared_moment",
-            uncertainty=1.0,
-            faint=True,
-        ),
-        # D. Babou, P. Riviere, M.-Y. Perrin, A. Soufiani, JQSRT 110 (2009) 89; Swan of J. S. A. Brooke et
-        # al., JQSRT 124 (2013) 11.
-        BandSystem(
-            "CN red", State("A2Pi"), State("X2Sigma+"), "molecules/cyanogen_red_probability", uncertainty=0.1
-        ),
-        BandSystem(
-            "C2 Phillips",
-            State("A1Pi_u"),
-            State("X1Sigma_g+"),
-            "molecules/carbon_phillips_probability",
-            uncertainty=0.15,
-        ),
-        BandSystem(
-            "C2 Ballik-Ramsay",
-            State("b3Sigma_g-"),
-            State("a3Pi_u"),
-            "molecules/carbon_ballik_ramsay_probability",
-            uncertainty=0.2,
-        ),
-        BandSystem(
-            "C2 Swan", State("d3Pi_g"), State("a3Pi_u"), "molecules/carbon_swan_probability", uncertainty=0.1
-        ),
+def _numbers(words):
+    """Numbers of a cell, None for an empty one."""
+    return tuple(map(float, words.split())) or None
+
+
+def _state(row, side):
+    """The upper or the lower state of a row of `band_systems.csv`."""
+    levels = _numbers(row[f"{side} levels"])
+    return State(row[side], levels and tuple(map(int, levels)), float(row[f"{side} spin-spin [m-1]"] or 0))
+
+
+def _system(row):
+    """The system of a row of `band_systems.csv`."""
+    moments, place = row["moments"], _numbers(row["centre and support [m]"])
+    return BandSystem(
+        row["name"],
+        _state(row, "upper"),
+        _state(row, "lower"),
+        moments if place is None else Series(moments, place[0], place[1:]),
+        float(row["uncertainty"]),
+        row["faint"] == "yes",
     )
-}
+
+
+SYSTEMS = {row["name"]: _system(row) for row in tables.rows("radiation/band_systems.csv")}
