@@ -3,56 +3,12 @@
 from pathlib import Path
 
 from plasmapyro.contracts import DATASETS, VARIABLES
+from plasmapyro.tables import rows
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "file-formats.md"
 MARK = "<!-- from here on written by workflow/formats.py -->\n"
-FILES = {  # contract -> where a run leaves it; "" for files that only commands write or read
-    "gas": "results/gas/{gas}.nc",
-    "net_emission": "results/gas/emission/{gas}.nc",
-    "flow": "results/flow/{condition}.nc",
-    "probe_readings": "results/facility/{condition}.nc",
-    "facility": "results/facility.nc",
-    "sightline": "results/sightline/{condition}.nc",
-    "surface_view": "results/surface_view/{condition}.nc",
-    "radiometer_calibration": "",
-    "radiation": "results/radiation/{condition}.nc",
-    "spectrum": "",
-    "reflected_radiance": "results/reflection/{condition}.nc",
-    "gas_variations": "results/radiation_variations/{condition}.nc",
-    "response": "results/instrument/response.nc",
-    "ratio_curve": "results/instrument/ratio_curve.nc",
-    "calibration_points": "results/instrument/calibration_points.nc",
-    "calibration": "results/instrument/calibration.nc",
-    "spectrometer_counts": "results/twin/spectrometer_counts.nc",
-    "spectrometer_exposures": "results/instrument/spectrometer_exposures.nc",
-    "spectrometer_calibration": "results/instrument/spectrometer_calibration.nc",
-    "gas_signal": "results/analysis/gas_signal.nc",
-    "surface_radiance": "results/analysis/surface_radiance.nc",
-    "visibility": "results/analysis/visibility.nc",
-    "apparent_temperature": "results/analysis/apparent_temperature.nc",
-    "corrected_reading": "",
-    "error_map": "results/analysis/error_map.nc",
-    "transient": "results/analysis/transient.nc",
-    "test": "results/experiment/{test}/test.nc",
-    "pyrometer_correction": "results/experiment/{test}/pyrometer_correction.nc",
-    "spectrometer_correction": "results/experiment/{test}/spectrometer_correction.nc",
-    "joint_estimate": "results/experiment/{test}/joint_estimate.nc",
-    "temperature": "results/experiment/{test}/temperature.nc",
-    "truth": "results/twin/{test}/truth.nc",
-    "emissivity_estimate": "",
-    "correction": "",
-    "simulations": "",
-    "residual_map": "results/diagnosis/{test}/residual_map.nc",
-    "diagnosis_temperature": "results/diagnosis/{test}/temperature.nc",
-    "gas_spectra": "results/design/gas_spectra.nc",
-    "band_design": "results/design/band_design.nc",
-    "reflection": "results/design/reflection.nc",
-    "trust": "results/design/trust.nc",
-    "claims": "results/claims.nc",
-    "study": "results/study.nc",
-    "study_flow": "results/study/flow/{flow}.nc",
-    "study_signal": "results/study/signal/{sight_line}.nc",
-}
+# Contract -> where a run leaves it; "" for files that only commands write or read.
+FILES = {row["contract"]: row["file"] for row in rows("contracts/files.csv")}
 
 
 def describe(contract):
