@@ -101,16 +101,18 @@ def run(options):
     truth = diagnosis.truth_of(sources[0]) if sources else None
     diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer(), truth=truth)
     said = result.report["verdict"]["sentences"][0], result.temperature.attrs["recommended_because"]
-    sys.stdout.write("\n".join([*said, *_following(result.report["next"])]) + "\n")
+    sys.stdout.write("\n".join([*said, *_following(result.report)]) + "\n")
     progress.say("done")
     return diagnosis.exit_status(result.report, options.fail_on_finding)
 
 
-def _following(rows):
+def _following(report):
     """Table of the three best measurements that may follow."""
+    rows, known = report["next"], {row["id"]: row["name"] for row in report["candidates"]}
     yield f"Measure next, where T is now known to {rows[0]['kelvin_before']:.2g} K:"
     for row in rows[:3]:
-        decides = "".join(f", tells {' from '.join(group)}" for group in row["resolves"])
+        groups = (" from ".join(known.get(one, one) for one in group) for group in row["resolves"])
+        decides = "".join(f", tells {group}" for group in groups)
         yield f"  {row['kelvin_after']:5.2g} K  {row['measurement']}{decides}"
 
 

@@ -229,7 +229,8 @@ def following(report):
         for row in report["next"]
     ]
     heads = ("measurement", "#then T is known to", "#with the first one too", "tells apart")
-    return table(heads, rows)
+    told = len(heads) if any(row["resolves"] for row in report["next"]) else -1
+    return table(heads[:told], [row[:told] for row in rows])
 
 
 def limits(report, most=12):

@@ -89,7 +89,7 @@ def recommended(facts):
         return _of_diagnosis(facts, given)
     best = given[0]
     why = {
-        "joint": f"it uses all light of {_listed(facts.instruments)}"
+        "joint": f"it uses all light of {listed(facts.instruments)}"
         + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
         "emissivity": "it lets the emissivity depend on wavelength and time",
         "subtraction": "no joint estimate stands beside it",
@@ -128,12 +128,13 @@ def _of_diagnosis(facts, given):
 def _beside(given):
     def words(best):
         rest = [WORDS[one] for one in given if one != best and (best, one) != ("extended", "base")]
-        return f"; {_listed(rest)} {'stand' if len(rest) > 1 else 'stands'} beside it" if rest else ""
+        return f"; {listed(rest)} {'stand' if len(rest) > 1 else 'stands'} beside it" if rest else ""
 
     return words
 
 
-def _listed(words):
+def listed(words):
+    """Words as a list in a sentence: a, b and c."""
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words) or "the instrument"
 
 

@@ -1,6 +1,7 @@
 """The verdict in words."""
 
 from plasmapyro.diagnosis.select.held_out import SURE
+from plasmapyro.record.recommended import listed
 
 LEAST = 0.5  # [K] below which a cost is not worth a sentence
 NOTHING = "0 K"
@@ -24,7 +25,9 @@ def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, 
         Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
-    names, gas = (" and ".join(candidates[identity]["name"] for identity in ids) for ids in (named, of_gas))
+    names, gas = (
+        listed([candidates[identity]["name"] for identity in ids]) if ids else "" for ids in (named, of_gas)
+    )
     if status == "not-adequate":
         lines = ["The base model does not fit well enough to judge single causes."]
     elif named:
