@@ -245,7 +245,7 @@ def test_numbers_are_written_as_they_are_worth():
     assert kelvin(float("nan")) == kelvin(None) == "–"
     assert number(1.23456e-21) == "1.23·10⁻²¹" and number(0.0412) == "0.0412"
     assert with_error(0.0412, 0.0031) == "0.0412 ± 0.0031" and with_error(214.0, 31.0) == "214 ± 31"
-    assert with_error(5.0, 0.0, "nm") == "5 nm" and with_error(3.2, 0.4, "0.01") == "3.20 ± 0.40 × 0.01"
+    assert with_error(5.0, 0.0, "nm") == "5 nm" and with_error(3.2, 0.4, "0.01") == "3.20 ± 0.40 %"
     assert probability(3e-6) == "< 0.0001" and probability(0.91) == "0.91" and probability(0.0) == "0"
     assert without_folders("see /data/a/b.nc, m/s, a/b") == "see b.nc, m/s, a/b"
 

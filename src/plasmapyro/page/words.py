@@ -83,5 +83,4 @@ def probability(value):
 def _unit(unit):
     if unit in ("", "1"):
         return ""
-    # A unit such as 0.01 is a factor.
-    return f" × {unit}" if re.fullmatch(r"[\d.]+", unit) else f" {unit}"
+    return " %" if unit == "0.01" else f" {unit}"

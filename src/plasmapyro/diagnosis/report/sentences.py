@@ -63,7 +63,7 @@ def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, 
 
 def candidate_sentence(entry):
     """One sentence about a candidate: how large, and what it costs."""
-    unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+    unit = {"1": "", "0.01": " %"}.get(entry["unit"], f" {entry['unit']}")
     size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g}{unit}"
     shift = entry["temperature_shift"]
     paper, fitted = (_kelvin(shift[name]) for name in ("paper", "base"))
