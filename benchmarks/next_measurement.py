@@ -6,7 +6,8 @@ Tests of the first laboratory (`workflow/twin`) with drawn emittance and its sta
 noise, error of the ratio, instruments, and with some of the measurements already made. Each other one is
 simulated: calibration, lamp, responses or emittance as numbers drawn about the truth and put into a new fit,
 further tests by another record and its own fit, whose law of the instruments joins. Measurements within 2 %
-of the best count as the best; those expected to leave more than 1.15 times what the first leaves are not made.
+of the best count as the best; those expected to leave more than 1.15 times what the first leaves are not
+made.
 """
 
 import argparse
