@@ -5,6 +5,8 @@ from scipy.optimize import brentq
 
 from plasmapyro.checks import fraction, non_negative, positive
 
+BRACKET = (250.0, 6000.0)  # [K] where a temperature is looked for
+
 
 def visibility_factor(object_signal, gas_signal):
     r"""Share of the surface in a band signal.
@@ -45,7 +47,7 @@ def visibility_factor(object_signal, gas_signal):
     return object_signal / (object_signal + gas_signal)
 
 
-def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance, bracket=(250.0, 6000.0)):
+def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance):
     r"""Surface temperature at which the visibility factor reaches `level`.
 
     Solves :math:`\varepsilon B_i(T) = \frac{\nu}{1-\nu}\,G_i`, where :math:`B_i` is the blackbody band
@@ -57,12 +59,10 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance, br
     blackbody_signal : callable, temperature [K] -> band signal [W m-2 sr-1], increasing
     gas_signal : float [W m-2 sr-1], > 0
     emittance : float [1], in (0, 1]
-    bracket : two floats [K]
-        Where to look.
 
     Returns
     -------
-    float [K]; NaN if the level is not reached within the bracket.
+    float [K]; NaN if the level is not reached within `BRACKET`.
 
     Raises
     ------
@@ -82,7 +82,6 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance, br
     def excess(temperature):
         return np.log(blackbody_signal(temperature) / target)
 
-    low, high = bracket
-    if excess(low) > 0 or excess(high) < 0:
+    if excess(BRACKET[0]) > 0 or excess(BRACKET[1]) < 0:
         return np.nan
-    return brentq(excess, low, high, xtol=1e-6, rtol=1e-12)
+    return brentq(excess, *BRACKET, xtol=1e-6, rtol=1e-12)

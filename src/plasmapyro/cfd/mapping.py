@@ -9,38 +9,26 @@ from plasmapyro.cfd import map_of
 from plasmapyro.configuration import ConfigurationError, check
 from plasmapyro.constants import AVOGADRO
 from plasmapyro.gas.species import SPECIES, TRACES
-from plasmapyro.readers.units import TO_SI, normalised
+from plasmapyro.readers.units import TO_SI, normalised, offset
 
 SCHEMA = Path(__file__).with_name("map_schema.yaml")
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
-ZERO_CELSIUS = 273.15  # [K]
-TEMPERATURE = {"K": (1.0, 0.0), "kK": (1e3, 0.0), "degC": (1.0, ZERO_CELSIUS), "C": (1.0, ZERO_CELSIUS)}
-PRESSURE = {unit: (factor, 0.0) for unit, factor in TO_SI["Pa"].items()} | {"MPa": (1e6, 0.0)}
-PRESSURE["atm"] = (101325.0, 0.0)
-DENSITY = {"kg m-3": (1.0, 0.0), "kg/m3": (1.0, 0.0), "g m-3": (1e-3, 0.0), "g/m3": (1e-3, 0.0)}
-DENSITY |= {"g cm-3": (1e3, 0.0), "g/cm3": (1e3, 0.0)}
-UNITS = {
-    "temperature": TEMPERATURE,
-    "rotational_temperature": TEMPERATURE,
-    "vibrational_temperature": TEMPERATURE,
-    "electron_temperature": TEMPERATURE,
-    "pressure": PRESSURE,
+DENSITY = {"kg m-3": 1.0, "kg/m3": 1.0, "g m-3": 1e-3, "g/m3": 1e-3, "g cm-3": 1e3, "g/cm3": 1e3}
+TEMPERATURES = ("temperature", "rotational_temperature", "vibrational_temperature", "electron_temperature")
+UNITS = {  # kind of quantity -> {unit: factor}
+    **dict.fromkeys(TEMPERATURES, {"K": 1.0, "kK": 1e3, "degC": 1.0, "C": 1.0}),
+    "pressure": TO_SI["Pa"] | {"MPa": 1e6, "atm": 101325.0},
     "density": DENSITY,
-    "number_density": {
-        unit: (factor, 0.0) for unit, factor in {"m-3": 1.0, "1/m3": 1.0, "cm-3": 1e6, "1/cm3": 1e6}.items()
-    },
+    "number_density": {"m-3": 1.0, "1/m3": 1.0, "cm-3": 1e6, "1/cm3": 1e6},
     "molar_density": {
-        unit: (factor, 0.0)
-        for unit, factor in {
-            "mol m-3": AVOGADRO,
-            "mol/m3": AVOGADRO,
-            "kmol/m3": 1e3 * AVOGADRO,
-            "mol/cm3": 1e6 * AVOGADRO,
-        }.items()
+        "mol m-3": AVOGADRO,
+        "mol/m3": AVOGADRO,
+        "kmol/m3": 1e3 * AVOGADRO,
+        "mol/cm3": 1e6 * AVOGADRO,
     },
     "partial_density": DENSITY,
-    "mole_fraction": {"1": (1.0, 0.0), "%": (1e-2, 0.0)},
-    "mass_fraction": {"1": (1.0, 0.0), "%": (1e-2, 0.0)},
+    "mole_fraction": {"1": 1.0, "%": 1e-2},
+    "mass_fraction": {"1": 1.0, "%": 1e-2},
 }
 GRID_COORDINATES = {
     "axisymmetric": ("axial", "radial"),
@@ -196,8 +184,9 @@ def _source(where, kind, part, faults):
     if unit not in known:
         faults.append(f"{where}: unknown unit '{part['unit']}' of a {kind}; known: {', '.join(UNITS[kind])}")
         return None
-    factor, offset = known[unit]
-    return Source(part.get("name"), part.get("value"), factor, factor * part.get("add", 0.0) + offset)
+    factor = known[unit]
+    shift = factor * part.get("add", 0.0) + offset(unit)
+    return Source(part.get("name"), part.get("value"), factor, shift)
 
 
 def _coordinates(geometry, given, faults):

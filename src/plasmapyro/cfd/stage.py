@@ -20,7 +20,6 @@ START_GAP = 1e-3  # [m]
 """ASSUME: a field that begins within 1 mm of the origin begins at it (facets of a curved surface, an axis
 that the cells do not reach); the first state holds up to the origin."""
 PLAUSIBLE_LENGTH = (0.01, 10.0)  # [m] of a path through a field; beyond, mm was taken for m or the reverse
-SAME_TEMPERATURE = 0.1  # [K]
 OTHER_TEMPERATURES = ("rotational_temperature", "vibrational_temperature", "electron_temperature")
 
 

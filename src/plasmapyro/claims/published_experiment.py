@@ -11,6 +11,7 @@ THRESHOLDS = ((1350.0, 0.01), (1120.0, 0.10), (1600.0, 0.002))
 steady state, whose temperature the paper shows in a figure only, is read at 1600 K."""
 COMPARED = (80e3, 90e3)  # [W] simulations that the reference spectrum resembles, sec. 5.3
 EFFICIENCY = (56e3, 64e3)  # [W] 35 to 40 % of 160 kW, sec. 4.1
+TRIED = 60  # amplitudes of each explanation
 CURVE = np.arange(400.0, 6001.0, 5.0)  # [K] of the ratio curve
 
 
@@ -68,7 +69,7 @@ def implied_powers(library, reader):
     return np.array(found)
 
 
-def explain(library, reader, emittance, steps=60):
+def explain(library, reader, emittance):
     """What each explanation must amount to so that a weaker plasma gives the published errors.
 
     Parameters
@@ -76,8 +77,6 @@ def explain(library, reader, emittance, steps=60):
     library : GasLibrary of the power that the efficiency implies
     reader : Reader
     emittance : float [1]
-    steps : int
-        Amplitudes tried per explanation.
 
     Returns
     -------
@@ -91,7 +90,7 @@ def explain(library, reader, emittance, steps=60):
         [factors(library, library.base * library.power_factor(np.log(p / library.power))) for p in COMPARED]
     )
     for identity, (name, amplitudes, change) in explanations(library, emittance).items():
-        tried = np.linspace(amplitudes[0], amplitudes[-1], steps)
+        tried = np.linspace(amplitudes[0], amplitudes[-1], TRIED)
         results = []
         for amplitude in tried:
             spectrum = change(amplitude)

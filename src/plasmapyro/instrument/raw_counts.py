@@ -8,6 +8,7 @@ from plasmapyro.instrument.spectrometer import local_noise
 ROBUST = 1.4826  # median absolute deviation to standard deviation of a Gaussian
 ROUNDS = 5  # of outlier rejection; it settles in two or three
 REJECTED = 4.0  # standard deviations
+AROUND = 10  # pixels on either side that make the surroundings of one
 
 
 def linear_signal(signal, coefficients):
@@ -122,7 +123,7 @@ def _orthogonal_slope(x, y):
     return (yy - xx + np.hypot(yy - xx, 2 * xy)) / (2 * xy)
 
 
-def hot_pixels(dark, threshold, half_width=10):
+def hot_pixels(dark, threshold):
     """Pixels whose dark signal lies far above that of their neighbours.
 
     Parameters
@@ -130,16 +131,14 @@ def hot_pixels(dark, threshold, half_width=10):
     dark : (W,) array [count]
     threshold : float [1]
         In standard deviations of the pattern of its surroundings (robust).
-    half_width : int
-        Pixels on either side that make the surroundings.
 
     Returns
     -------
     (W,) bool ndarray
     """
     dark = np.asarray(dark, dtype=float)
-    padded = np.pad(dark, half_width, mode="reflect")
-    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * half_width + 1)
+    padded = np.pad(dark, AROUND, mode="reflect")
+    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
     level = np.nanmedian(around, axis=-1)
     spread = ROBUST * np.nanmedian(np.abs(dark - level))
     return dark - level > positive("threshold", threshold, "1") * spread
