@@ -63,7 +63,9 @@ def test_variance_of_a_mean_is_that_of_the_simulated_record(random):
 
 @pytest.fixture
 def spectrometer():
-    return SimpleNamespace(kind="spectrometer", channels=90, wavelength=np.linspace(7e-7, 1e-6, 90))
+    return SimpleNamespace(
+        kind="spectrometer", channels=90, known=None, wavelength=np.linspace(7e-7, 1e-6, 90)
+    )
 
 
 def covariance_of(errors, time, sizes):
@@ -90,7 +92,7 @@ def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(
 
 
 def test_bands_wander_together_and_apart():
-    errors = persistent.persistent(SimpleNamespace(kind="pyrometer", channels=2), -20.0, 340.0)
+    errors = persistent.persistent(SimpleNamespace(kind="pyrometer", channels=2, known=None), -20.0, 340.0)
     sizes = np.array([parameter.sigma for parameter in errors.parameters])
     found = covariance_of(errors, errors.knots[:1], sizes)[0, :, 0]
     assert found[0, 0] + found[1, 1] - 2 * found[0, 1] == pytest.approx(persistent.WANDER["ratio"] ** 2)

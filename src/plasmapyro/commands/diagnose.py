@@ -128,8 +128,8 @@ def _diagnosed(options, folder):
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
-    if "radiometer" in instruments(data):
-        raise ValueError(f"{options.test}: a diagnosis takes a pyrometer and spectra, no radiometer yet")
+    if {"pyrometer", "radiometer"} <= set(instruments(data)):
+        progress.warn("the diagnosis takes the pyrometer; the radiometer is left aside")
     others = [_read(one) for one in options.also]
     findings = of_test(options.test, reading, **_tried(data, folder))
     for finding in findings:

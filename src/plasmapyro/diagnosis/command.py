@@ -22,7 +22,7 @@ from plasmapyro.record.recommended import CONTRADICTIONS
 from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
-INSTRUMENT = ("response", "calibration", "spectrometer_calibration")
+INSTRUMENT = ("response", "calibration", "spectrometer_calibration", "radiometer_calibration")
 VARIATIONS = "radiation_variations"  # folder beside that of the radiance
 SATURATION_COUNTS = 65000.0  # [count] as `experiment.spectrometer.saturation_counts` of the configuration
 LIMITS = {  # as `experiment.pyrometer` of the configuration
@@ -46,6 +46,7 @@ class Inputs:
     spectrometer_calibration: xr.Dataset | None
     origin: str
     digests: dict
+    radiometer_calibration: xr.Dataset | None = None
 
 
 def load_inputs(radiance, instrument, variations=None):
@@ -106,7 +107,8 @@ def with_instrument(inputs, folder):
     Parameters
     ----------
     inputs : Inputs
-    folder : with `response.nc`, and `calibration.nc`, `spectrometer_calibration.nc` as far as needed
+    folder : with `response.nc` or `radiometer_calibration.nc`, and `calibration.nc`,
+        `spectrometer_calibration.nc` as far as needed
 
     Returns
     -------
@@ -118,8 +120,9 @@ def with_instrument(inputs, folder):
         A file that is missing or breaches its contract.
     """
     found = {name: Path(folder) / f"{name}.nc" for name in INSTRUMENT}
+    other = found["radiometer_calibration"].exists()  # bands whose responses it holds
     read = {
-        name: io.read(path, name) if name == "response" or path.exists() else None
+        name: io.read(path, name) if path.exists() or (name == "response" and not other) else None
         for name, path in found.items()
     }
     kept = {name: digest for name, digest in inputs.digests.items() if name.startswith("radiation/")}
@@ -209,6 +212,7 @@ def diagnose_test(
             given=given,
             against=[entry["saw"] for entry in findings if entry["rule"] in CONTRADICTIONS],
             known=known,
+            radiometer_calibration=inputs.radiometer_calibration,
         )
     result.report["posterior"]["with_priors"] = known is not None
     result.report["findings"] = list(findings)
@@ -229,6 +233,7 @@ def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
     varied = inputs.variations.get(_usable(test, inputs))
     instrument = inputs.response, inputs.calibration, inputs.spectrometer_calibration
     settings = {"saturation_counts": saturation_counts, "given": tuple(given)}
+    settings["radiometer_calibration"] = inputs.radiometer_calibration
     with np.errstate(all="ignore"):
         return restore.without_given(test, inputs.radiation, varied, *instrument, **settings)
 

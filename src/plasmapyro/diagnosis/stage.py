@@ -19,8 +19,10 @@ from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
+from plasmapyro.record.inputs import instruments
 
 STRANGE_LINE = "line_gas_pattern"  # structure that a line which nobody simulates is
+OF_TWO_BANDS = {"edge1", "edge2", "resp_long", "phi", "off1", "off2"}  # effects of the wide and narrow band
 SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
 
 
@@ -55,6 +57,7 @@ def diagnose(
     given=(),
     against=(),
     known=None,
+    radiometer_calibration=None,
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -88,6 +91,8 @@ def diagnose(
         recommended.
     known : Normal, optional
         What other tests say about the instruments, the emittance and the power: the prior of this one.
+    radiometer_calibration : Dataset or None
+        Bands that take the place of the pyrometer's in a test without these; `response` may be None then.
 
     Returns
     -------
@@ -100,15 +105,22 @@ def diagnose(
     """
     taken = {term.setting.id for term in given} & set(effects)
     looked_for = without(effects, {*exclude, *taken})
+    if "pyrometer" not in instruments(test):
+        looked_for = without(looked_for, OF_TWO_BANDS & set(looked_for))
     if variations is None:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
     instrument = response, calibration, spectrometer_calibration
 
     def fitted(test, variations, **more):
-        return fit_test(test, radiation, variations, *instrument, saturation_counts=saturation_counts, **more)
+        more |= {"saturation_counts": saturation_counts, "radiometer_calibration": radiometer_calibration}
+        return fit_test(test, radiation, variations, *instrument, **more)
 
     slope = float(test.attrs.get("emittance_slope", 1.0))
-    reading = None if calibration is None else Reading.of(calibration, slope, **limits)
+    reading = (
+        None
+        if calibration is None or "pyrometer" not in instruments(test)
+        else Reading.of(calibration, slope, **limits)
+    )
     base = fitted(test, variations, given=tuple(given), known=known)
     questions = [
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)

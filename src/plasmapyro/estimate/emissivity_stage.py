@@ -8,12 +8,11 @@ from plasmapyro.estimate.emissivity import follow, infer, log_emissivity, smooth
 from plasmapyro.estimate.light import of_bands, of_spectra
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
-from plasmapyro.record.emittance import mean_emittance
+from plasmapyro.record.emittance import UNTOLD, mean_emittance
 from plasmapyro.record.inputs import instruments
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
-UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncertainty
 MISFIT = 3.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 

@@ -8,13 +8,13 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record.emittance import ANY_LEVEL
 
 LINES = 0.01  # [1] ASSUME: of the gas in a channel, beyond its common change: its lines do not keep in step
 BASELINE = 0.15  # ASSUME: of a pixel's noise: how far the baseline of a frame is off that of the dark
 GAS_MEMORY = 20.0  # [s] over which the common change of the gas persists
 LEAST_BINS = 3
 LEAST_SERIES = 5  # samples that tell their noise
-ANY_LEVEL = 3.0  # of the logarithm of a level that is not known
 
 
 class Light(NamedTuple):

@@ -8,11 +8,10 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate import prepare
 from plasmapyro.estimate.emissivity import smooth_prior
 from plasmapyro.estimate.instrument import GreyTable, radiometer
-from plasmapyro.estimate.light import ANY_LEVEL
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
-from plasmapyro.record.emittance import HOT, mean_emittance
+from plasmapyro.record.emittance import ANY_LEVEL, HOT, mean_emittance
 
 GRID = 10e-9  # [m] on which shapes of the emissivity are held
 TAG = "radiometer_"

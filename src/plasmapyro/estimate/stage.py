@@ -8,14 +8,13 @@ import xarray as xr
 from plasmapyro.estimate import prepare, radiometer
 from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
-from plasmapyro.estimate.emissivity_stage import UNTOLD
 from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import constants
 from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
-from plasmapyro.record.emittance import tilt
+from plasmapyro.record.emittance import UNTOLD, tilt
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval

@@ -1,6 +1,6 @@
 """Which species a spectrum shows: named one after the other, judged together."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,9 @@ QUICK = ((4000.0, 5.0), (9000.0, 50.0))
 SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a line
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
 PLACE = 0.12  # and after
+ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
+RAREST = 1.0  # log evidence, the most that this may speak for a species
+CERTAIN = 12.0  # log evidence from which chance is not asked
 SEEN = 1.5  # log evidence from which a species tells the scale
 NEIGHBOURS = 40e-9  # [m] over which the error of a wavelength scale changes
 
@@ -100,7 +103,8 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
         scene = Scene(peaks, response, scale, place, QUICK)
         scale = scale.refined(scene, _named(scene, anchors, _evidence, least=SEEN))
     scene = Scene(peaks, response, scale, PLACE)
-    return _answer(scene, inside, _named(scene, inside))
+    chance = {}
+    return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
 
 
 @dataclass(frozen=True)
@@ -156,6 +160,20 @@ def _offset(peaks, response, species):
     return scales[int(np.argmax(np.array(score) - SHIFTS**2 / 2))]
 
 
+def _by_chance(scene, one, others):
+    r"""Logarithm of the evidence that the lines of a species have where they are not.
+
+    .. math:: \ln \frac{1 + \sum_k B(\lambda (1 + x_k))}{1 + K}
+
+    of K shifts :math:`x_k` of all its lines together (`ELSEWHERE`): many lines among many peaks agree by
+    chance. A factor that is one on average where nothing is there needs no correction.
+    """
+    moved = (replace(one, wavelength=one.wavelength * factor) for factor in ELSEWHERE)
+    fits = [scene.fit(other, others) for other in moved]
+    scores = [fit.log_bayes for fit in fits if fit]
+    return max(float(np.logaddexp.reduce([0.0, *scores]) - np.log(1 + len(ELSEWHERE))), -RAREST)
+
+
 def _log_odds(one, fit, fits):
     """Logarithm of the odds of a species beside those named."""
     chance = PRIOR_COMMON if one.element in COMMON else PRIOR
@@ -171,10 +189,14 @@ def _evidence(_one, fit, _fits):
     return fit.log_bayes
 
 
-def _named(scene, species, log_odds=_log_odds, least=LEAST):
-    """Species named one after the other: species -> fit, each given the others."""
+def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
+    """Species named one after the other: species -> fit, each given the others.
+
+    `chance`: mapping to be filled, species -> `_by_chance` where it was asked for.
+    """
     fits = {}
     waiting = list(species)
+    chance = {} if chance is None else chance
     while waiting:
         others = together(fit.explained for fit in fits.values())
         odds = {}
@@ -183,26 +205,30 @@ def _named(scene, species, log_odds=_log_odds, least=LEAST):
             odds[one] = (log_odds(one, fit, fits) if fit else -np.inf, fit)
         waiting = [one for one in waiting if odds[one][0] > -4.0]  # explained peaks only take evidence away
         best = max(waiting, key=lambda one: odds[one][0], default=None)
-        if best is None or odds[best][0] < least:
+        if best is None or odds[best][0] < least - (RAREST if log_odds is _log_odds else 0.0):
             return fits
-        fits[best] = odds[best][1]
         waiting.remove(best)
+        if log_odds is _log_odds and best not in chance and odds[best][1].log_bayes < CERTAIN:
+            chance[best] = _by_chance(scene, best, others)
+        if odds[best][0] - chance.get(best, 0.0) < least:
+            continue
+        fits[best] = odds[best][1]
         for one in list(fits):  # again, each beside the others
             others = together(fit.explained for other, fit in fits.items() if other is not one)
             fits[one] = scene.fit(one, others)
-            if log_odds(one, fits[one], fits) < least:
+            if log_odds(one, fits[one], fits) - chance.get(one, 0.0) < least:
                 del fits[one]
     return fits
 
 
-def _answer(scene, species, fits):
+def _answer(scene, species, fits, chance):
     """Probabilities, rivals and what remains."""
     named = []
     for one, fit in fits.items():
         others = together(
             other for key, other in ((k, f.explained) for k, f in fits.items()) if key is not one
         )
-        own = _log_odds(one, fit, fits)
+        own = _log_odds(one, fit, fits) - chance.get(one, 0.0)
         beside = {}
         for other in species:
             if other.element != one.element and other not in fits:

@@ -13,6 +13,7 @@ from plasmapyro.page.tables import names
 from plasmapyro.plots.colours import BASE, EXTENDED, NARROW, PAPER, PHASES, SPECTRUM, WIDE
 
 RESIDUAL_LIMIT = 4.0
+MOST_BANDS = 6  # drawn
 LETTER = 0.015  # of the width of the axes: a phase that is too narrow for its name has none
 NANOMETRE = 1e-9
 WORST_STEP = 0.3  # standard deviation of a step at plasma-off that is still shown
@@ -42,23 +43,42 @@ def _shade(axes, phases, *, labelled=True):
                 )
 
 
+def _colours(bands):
+    """Band -> colour: the pyrometer's own, of others from short to long waves."""
+    own = {"wide": WIDE, "narrow": NARROW}
+    if set(bands) <= set(own):
+        return {band: own[band] for band in bands}
+    from matplotlib import colormaps
+
+    places = np.linspace(0, 0.9, len(bands))
+    return {band: colormaps["viridis"](place) for band, place in zip(bands, places, strict=True)}
+
+
+def _some(bands):
+    """Bands that are drawn: all of a few, else evenly chosen ones."""
+    return [bands[place] for place in np.unique(np.linspace(0, len(bands) - 1, MOST_BANDS).astype(int))]
+
+
 def signals(report):
-    """Signals of both bands with the model's."""
+    """Signals of the bands with the model's."""
     shown, phases = report["show"]["signals"], report["dataset"]["phases"]
     time = _array(shown["time"])
+    bands = _some([band for band in shown if f"{band}_model" in shown])
+    paper = bands == ["wide", "narrow"]
 
     def draw(axes):
         _shade(axes, phases)
-        for band, colour in (("wide", WIDE), ("narrow", NARROW)):
+        for band, colour in _colours(bands).items():
             axes.plot(
                 time, _array(shown[band]), ".", ms=2.5, color=colour, alpha=0.6, label=f"{band}, measured"
             )
-            axes.plot(time, _array(shown[f"{band}_model"]), color=colour, lw=1.2, label=f"{band}, base model")
-        values = np.concatenate([_array(shown["wide"]), _array(shown["narrow"])])
+            model = f"{band}, base model" if paper else None
+            axes.plot(time, _array(shown[f"{band}_model"]), color=colour, lw=1.2, label=model)
+        values = np.concatenate([_array(shown[band]) for band in bands])
         if np.nanmax(values, initial=0) > 0:
             axes.set_yscale("log")
             axes.set_ylim(bottom=max(np.nanmin(values[values > 0]) / 2, np.nanmax(values) * 1e-6))
-        axes.set(xlabel="time [s]", ylabel="signal [A]", xlim=(time.min(), time.max()))
+        axes.set(xlabel="time [s]", ylabel="signal [A]" if paper else "signal", xlim=(time.min(), time.max()))
         axes.legend(ncols=2)
 
     return drawn(draw, "signals")
@@ -111,12 +131,13 @@ def residual_maps(report, dataset):
 
 
 def signal_residuals(report, dataset):
-    """Residuals of both bands over time."""
+    """Residuals of the bands over time."""
     time = dataset["time_bin"].values
+    bands = _some([str(band) for band in dataset["band"].values])
 
     def draw(axes):
-        for one, band, colour in zip(axes, ("wide", "narrow"), (WIDE, NARROW), strict=True):
-            _shade(one, report["dataset"]["phases"], labelled=band == "wide")
+        for one, (band, colour) in zip(axes, _colours(bands).items(), strict=True):
+            _shade(one, report["dataset"]["phases"], labelled=band == bands[0])
             base = dataset["signal_residual"].sel(model="base", band=band).values
             one.plot(time, base, ".", ms=3, color=colour, label="base model")
             if report["extended"]:
@@ -125,9 +146,10 @@ def signal_residuals(report, dataset):
             one.axhline(0, color="k", lw=0.7)
             one.set(ylabel=f"{band} [sd]", xlim=(min(time), max(time)))
         axes[0].legend(ncols=2, loc="upper left")
-        axes[1].set_xlabel("time [s]")
+        axes[-1].set_xlabel("time [s]")
 
-    return drawn(draw, "signal-residuals", (SIZE[0], 3.6), nrows=2, sharex=True)
+    count = len(bands)
+    return drawn(draw, "signal-residuals", (SIZE[0], 1.0 + 1.3 * count), nrows=count, sharex=True)
 
 
 def step(report):
@@ -147,7 +169,7 @@ def step(report):
             ms=4,
             lw=0.7,
             color=SPECTRUM,
-            label="spectrometer",
+            label="spectrometer" if "spectrometer" in report["dataset"]["instruments"] else "bands",
         )
         for band, place, colour in (("wide", 0.93, WIDE), ("narrow", 1.0, NARROW)):
             if finite(kappa[band]) and (kappa[f"{band}_error"] or 0) < WORST_STEP and wavelength.size:
@@ -310,7 +332,7 @@ def component(report, index):
         history = entry["singular_value"] * largest * _array(entry["time_weight"])
         axes[0].plot(_array(entry["time"]), history, color=SPECTRUM)
         axes[0].set(xlabel="time [s]", ylabel="largest channel [sd]")
-        spectral = axis.size > 2
+        spectral = np.nanmax(axis) < 0.5  # [m]; else places of the two bands
         axes[1].plot(
             axis / NANOMETRE if spectral else axis,
             profile / largest,

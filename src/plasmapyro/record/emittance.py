@@ -6,6 +6,8 @@ from plasmapyro.radiation.bandsignal import two_bands
 from plasmapyro.radiation.planck import blackbody_radiance
 
 PIVOT = 0.95e-6  # [m] ASSUME: where the stated emittance holds
+UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncertainty
+ANY_LEVEL = 3.0  # of the logarithm of a level that is not known
 HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 

@@ -4,14 +4,14 @@ import logging
 
 import numpy as np
 
-from plasmapyro.diagnosis.fit import observation
+from plasmapyro.diagnosis.fit import observation, radiometer
 from plasmapyro.diagnosis.fit.model import TAIL, History, Model, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
 from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.diagnosis.fit.persistent import persistent
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.instrument.pyrometer import blackbody_signal
-from plasmapyro.radiation.bandsignal import responsivities
+from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record import binning, flags
 from plasmapyro.record.emittance import tilt
@@ -33,7 +33,15 @@ TAIL_ERROR = 0.02  # [1] ASSUME: of silicon at its long-wave end, 1 % per kelvin
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
-def base_model(record, library, calibration, response, spectrometer_calibration=None, given=()):
+def base_model(
+    record,
+    library,
+    calibration,
+    response,
+    spectrometer_calibration=None,
+    given=(),
+    radiometer_calibration=None,
+):
     """Instruments on bins and the base model of a test.
 
     Parameters
@@ -41,10 +49,12 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
     record : Record of the test
     library : GasLibrary of its condition
     calibration : Dataset, contract 'calibration', or None without a pyrometer
-    response : Dataset, contract 'response'
+    response : Dataset, contract 'response', or None without a pyrometer
     spectrometer_calibration : Dataset, contract 'spectrometer_calibration', or None
     given : sequence of Term
         Effects that are taken as given: what is uncertain of them joins the parameters.
+    radiometer_calibration : Dataset, contract 'radiometer_calibration', or None
+        Bands take the place of the pyrometer's where the test has none of these.
 
     Returns
     -------
@@ -52,31 +62,42 @@ def base_model(record, library, calibration, response, spectrometer_calibration=
         Its times count from the injection, as those of the record.
     """
     edges = observation.time_bins(record)
-    response_arrays = (
-        response["wavelength"].values,
-        responsivities(response),
-    )
-    instruments, lamp = [], {}
+    axis = None if response is None else (response["wavelength"].values, responsivities(response))
+    instruments, lamp, sources = [], {}, None
     bands, frames = (record.instrument(name) for name in ("pyrometer", "spectrometer"))
+    others = record.instrument("radiometer") if bands is None else None
     if bands is not None and calibration is not None:
-        instruments.append(_pyrometer(bands, record.off, calibration, response_arrays, library, edges))
-        lamp["pyrometer"] = _lamp_of_pyrometer(calibration, response_arrays)
+        sources = [calibration["source_temperature"].values] * len(bands.band)
+        instruments.append(
+            _bands(bands, record.off, calibration["absolute_sensitivity"], axis, library, edges)
+        )
+    elif others is not None and radiometer_calibration is not None:
+        others, known = radiometer.covered(others, radiometer_calibration, library.wavelength)
+        axis = known["wavelength"].values, list(known["responsivity"].values)
+        sources = list(known["band_source_temperature"].values[:, None])
+        sensitivity = known["band_sensitivity"] * others.window_transmittance
+        instruments.append(_bands(others, record.off, sensitivity, axis, library, edges))
+    if instruments:
+        lamp["pyrometer"] = _lamp_of_bands(sources, axis)
     if frames is not None:
         fwhm = float(record.attributes["spectrometer_fwhm"])
         instruments.append(_spectrometer(frames, record.off, library, edges, fwhm))
         lamp["spectrometer"] = _lamp_of_spectrometer(instruments[-1], spectrometer_calibration)
+    if others is not None:
+        instruments = radiometer.of_an_emissivity(instruments, record, known)
     instruments = _sufficient(instruments, record.off)
     end = max(instrument.moment.max() for instrument in instruments)
     history = History(knots(edges, 0.0, record.off, end), record.off)
     parameters = base_parameters(record, calibration)
+    if others is not None:
+        parameters = radiometer.instead(parameters, instruments, record, known)
     if "pyrometer" in lamp:
-        parameters += _responses(calibration, response_arrays)
+        names = BANDS if others is None else others.band
+        parameters += _responses(sources, axis, names)[: len(names) + (others is None)]
     parameters = (*parameters, *of_given(given))
-    slope = tilt(record.emittance_slope, response)
+    slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
-    return Model(
-        instruments, library, history, parameters, record, slope, response_arrays, lamp, errors, given
-    )
+    return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)
 
 
 def _sufficient(instruments, off):
@@ -123,23 +144,27 @@ def base_parameters(record, calibration):
     )
 
 
-def _responses(calibration, response):
-    """Errors of the stated responses of the two bands, which their calibration saw as well."""
-    wavelength, (wide, narrow) = response
-    source, shift = calibration["source_temperature"].values, 1e-9
+def _responses(sources, response, names):
+    """Errors of the stated responses of bands of some `names`, which their calibrations saw as well.
+
+    `sources`: temperatures [K] of each band's calibration. The tail, common to all, comes last.
+    """
+    (wavelength, curves), shift = response, 1e-9
     rise = 1 + np.clip((wavelength - TAIL[0]) / np.ptp(TAIL), 0, 1)
 
-    def change(axis, curve, plain):
-        signals = (blackbody_signal(source, *one) for one in ((axis, curve), (wavelength, plain)))
+    def change(kelvin, axis, curve, plain):
+        signals = (blackbody_signal(kelvin, *one) for one in ((axis, curve), (wavelength, plain)))
         return float(np.mean(np.log(np.divide(*signals))))
 
-    moved = [change(wavelength + shift, curve, curve) for curve in (wide, narrow)]
-    grown = [change(wavelength, curve * rise, curve) for curve in (wide, narrow)]
-    return (
-        Parameter("edge_wide", "edges of the wide band", EDGE, "nm", 0.0, "pyrometer", (moved[0], 0.0)),
-        Parameter("edge_narrow", "edges of the narrow band", EDGE, "nm", 0.0, "pyrometer", (0.0, moved[1])),
-        Parameter("tail", "long-wave tail of the responses", TAIL_ERROR, "1", 0.0, "pyrometer", tuple(grown)),
-    )
+    each = list(zip(sources, curves, strict=True))
+    moved = np.diag([change(kelvin, wavelength + shift, curve, curve) for kelvin, curve in each])
+    grown = [change(kelvin, wavelength, curve * rise, curve) for kelvin, curve in each]
+    rows = [
+        Parameter(f"edge_{name}", f"edges of the {name} band", EDGE, "nm", 0.0, "pyrometer", tuple(row))
+        for name, row in zip(names, moved, strict=True)
+    ]
+    tail = "tail", "long-wave tail of the responses", TAIL_ERROR, "1", 0.0, "pyrometer", tuple(grown)
+    return (*rows, Parameter(*tail))
 
 
 def of_given(terms):
@@ -175,31 +200,34 @@ def _membership(one, edges, off):
     return binning.membership(one.time - half, one.time + half, edges, 0.0, off)
 
 
-def _pyrometer(bands, off, calibration, response, library, edges):
+def _bands(bands, off, sensitivity, response, library, edges):
+    """Bands of a pyrometer or a radiometer, each on the nodes of its response (wavelength, curves)."""
     bands = binning.thinned(bands, off, MOST_SAMPLES)
     raw = np.ascontiguousarray(bands.sound)
     index = observation.without_lost(_membership(bands, edges, off), raw)
     axis, curves = response
-    places, centres = observation.band_nodes(axis, curves)
-    weight = np.zeros((2, 2 * centres.size))
+    spans = [observation.band_nodes(*radiometer.seen_part(bands.name, axis, curve)) for curve in curves]
+    ends = np.cumsum([0, *(centres.size for _, centres in spans)])
+    weight = np.zeros((len(curves), ends[-1]))
     maps = []
-    for band, curve in enumerate(curves):
-        weight[band, band * centres.size : (band + 1) * centres.size] = observation.band_weights(
-            places, axis, curve
-        )
+    for band, (curve, (places, _)) in enumerate(zip(curves, spans, strict=True)):
+        weight[band, ends[band] : ends[band + 1]] = observation.band_weights(places, axis, curve)
         maps.append(observation.band_gas_map(places, library.wavelength, axis, curve))
+    count = len(curves)
     return Instrument(
         kind="pyrometer",
-        wavelength=np.tile(centres, 2),
+        wavelength=np.concatenate([centres for _, centres in spans]),
         weight=weight,
-        gain=calibration["absolute_sensitivity"].values.astype(float),
+        gain=sensitivity.values.astype(float),
         gas_map=observation.side_by_side(maps),
-        node_edges=places,
+        node_edges=tuple(places for places, _ in spans),
         factor=None,
         pixel_edges=None,
-        gas_error=np.full(2, FREE_GAS),
-        pattern=np.zeros(2),
-        dark=np.zeros(2),
+        gas_error=np.full(count, FREE_GAS),
+        pattern=np.zeros(count),
+        dark=np.zeros(count),
+        band=tuple(bands.band),
+        source=bands.name,
         **_on_bins(bands, raw, index, edges.size - 1),
     )
 
@@ -241,11 +269,12 @@ def _spectrometer(frames, off, library, edges, fwhm):
     pattern, _ = observation.in_pixel_bins(relative, pixels)
     return Instrument(
         kind="spectrometer",
+        source="spectrometer",
         wavelength=centres,
         weight=None,
         gain=np.ones(centres.size),
         gas_map=observation.pixel_gas_map(library.wavelength, wavelength, pixels),
-        node_edges=None,
+        node_edges=(),
         factor=binned_factor,
         pixel_edges=pixels,
         gas_error=np.full(centres.size, FREE_GAS),
@@ -255,20 +284,19 @@ def _spectrometer(frames, off, library, edges, fwhm):
     )
 
 
-def _lamp_of_pyrometer(calibration, response):
-    """Relative change (2,) of the sensitivities per kelvin of the source [K-1]."""
-    source = calibration["source_temperature"].values
-    step = 0.5
+def _lamp_of_bands(sources, response):
+    """Relative change (C,) of the sensitivities per kelvin of the sources [K-1]."""
+    step, axis = 0.5, response[0]
     return np.array(
         [
             np.mean(
                 np.log(
-                    blackbody_signal(source + step, response[0], curve)
-                    / blackbody_signal(source - step, response[0], curve)
+                    blackbody_signal(source + step, axis, curve)
+                    / blackbody_signal(source - step, axis, curve)
                 )
             )
             / (2 * step)
-            for curve in response[1]
+            for source, curve in zip(sources, response[1], strict=True)
         ]
     )
 

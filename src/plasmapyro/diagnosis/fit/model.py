@@ -174,18 +174,27 @@ class Model:
             wavelength=instrument.wavelength,
             off_time=self.off,
             glow=body * injected,
-            emittance=self.emittance * np.exp(values[self.index["emittance"]]) * self.relative[which],
+            emittance=self._emittance(which, values),
             gas_gain=gain,
             spectral_axis=self.library.wavelength,
             spectrum=self.spectrum(values),
             library=self.library,
             power=float(self.value(values, "power")),
             more_gas=self._before(instrument, values, before),
-            response_shift=tuple(1e-9 * self.value(values, name) for name in ("edge_wide", "edge_narrow")),
+            response_shift=tuple(1e-9 * self.value(values, f"edge_{name}") for name in instrument.band),
             response_tail=self.value(values, "tail"),
             history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),
         )
         return scene, slope * injected, basis
+
+    def _emittance(self, which, values):
+        """Emittance, a number or (M,) at the nodes of an instrument."""
+        level = self.emittance * np.exp(values[self.index["emittance"]]) * self.relative[which]
+        course = self.instruments[which].course
+        if course is None:
+            return level
+        own = [values[self.index[f"course_{place}"]] for place in range(course.shape[1])]
+        return level * self.instruments[which].relative * np.exp(course @ own)
 
     def _before(self, instrument, values, brightness):
         """What the gas before the injection shines more or less than the same gas, as if at another power."""
@@ -257,7 +266,7 @@ class Model:
         if np.any(error):
             error = np.broadcast_to(error, instrument.channels)
             if instrument.weight is not None:
-                error = np.repeat(error, instrument.wavelength.size // instrument.channels)
+                error = np.repeat(error, [edges.size - 1 for edges in instrument.node_edges])
                 level = nodes[0]
             else:
                 level = np.maximum(nodes[0], FAINTEST * nodes[0].mean())
@@ -276,25 +285,25 @@ class Model:
         if instrument.weight is None:
             return None
         key = (*scene.response_shift, scene.response_tail)
-        if key == (0.0, 0.0, 0.0):
+        if not any(key):
             return instrument.weight
         if key not in self._weights:
             self._weights = {key: self._other_response(instrument, scene)}
         return self._weights[key]
 
     def _other_response(self, instrument, scene):
-        """Weights (2, M) of responses moved along the wavelength or with another tail."""
+        """Weights (C, M) of responses moved along the wavelength or with another tail."""
         wavelength, responses = self.response
-        half = instrument.wavelength.size // 2
-        edges = instrument.node_edges
-        weight = np.zeros_like(instrument.weight)
-        for band, (shift, row) in enumerate(zip(scene.response_shift, responses, strict=True)):
-            part = slice(band * half, (band + 1) * half)
-            tail = 1 + scene.response_tail * np.clip((wavelength - TAIL[0]) / (TAIL[1] - TAIL[0]), 0, 1)
+        weight, first = instrument.weight.copy(), 0
+        tail = 1 + scene.response_tail * np.clip((wavelength - TAIL[0]) / (TAIL[1] - TAIL[0]), 0, 1)
+        each = zip(scene.response_shift, responses, instrument.node_edges, strict=True)
+        for band, (shift, row, edges) in enumerate(each):
+            part = slice(first, first + edges.size - 1)
             plain = band_weights(edges, wavelength, row)
             other = band_weights(edges, wavelength + shift, row * tail)
             # The nodes of the gas hold means over the unchanged response: change by what the change does.
             weight[band, part] = instrument.weight[band, part] + (other - plain)
+            first = part.stop
         return weight
 
     @staticmethod
@@ -306,7 +315,7 @@ class Model:
         instrument = self.instruments[which]
         logarithm = self.value(values, f"gain_{instrument.kind}")
         if instrument.kind == "pyrometer":
-            logarithm = logarithm + np.array([self.value(values, "ratio"), 0.0])
+            logarithm = logarithm + np.append(self.value(values, "ratio"), np.zeros(instrument.channels - 1))
             for place, parameter in enumerate(self.own):
                 if parameter.calibrated:
                     logarithm = logarithm - values[place] * np.array(parameter.calibrated)

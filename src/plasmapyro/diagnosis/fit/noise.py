@@ -108,9 +108,10 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     )
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.kind == "pyrometer":
-        law, memory, flicker, flicker_memory, gain, left = _two_bands(
-            residual, prediction, gas, used, phase, period_of(instrument)
+        law, memory, flicker, flicker_memory, gain, left = _of_bands(
+            residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument)
         )
+        left = left * factor
     else:
         law, memory, flicker, flicker_memory, gain, left = _many(
             instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker
@@ -133,21 +134,26 @@ def _unchanged(phase):
     return np.append(False, phase[1:] == phase[:-1])
 
 
-def _two_bands(residual, prediction, gas, used, phase, period):
-    """Law of the noise of a pyrometer, from what its two bands do not share, and what they do."""
-    same = _unchanged(phase)
+def _halves(values):
+    """Means (t, 2) over every other band of values (t, C)."""
+    return np.stack([values[:, ::2].mean(axis=1), values[:, 1::2].mean(axis=1)], axis=1)
+
+
+def _of_bands(residual, prediction, gas, used, phase, period):
+    """Law of the noise of C bands, from what they do not share, and what their halves do."""
+    same, bands = _unchanged(phase), residual.shape[1]
     share = gas / np.maximum(prediction, 1e-30)
     relative = residual / np.maximum(prediction, 1e-30)
     bright = used & (share.min(axis=1) > 0.6)
     clear = used & (share.max(axis=1) < 0.02)
     rows, variances, memories = [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
-    gain = coloured(*logarithm.T, np.zeros(used.size), clear, phase, period, LONGEST_LAG)
+    gain = coloured(*_halves(logarithm).T, np.zeros(used.size), clear, phase, period, LONGEST_LAG)
     one, two, place = differences(relative, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
-        for band in range(2):
-            inverse = np.zeros(2)
+        for band in range(bands):
+            inverse = np.zeros(bands)
             inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
             rows.append((*inverse, 1.0))
             own_part = clipped_variance(one[group, band]) / 2 - gain.between(period)
@@ -155,22 +161,21 @@ def _two_bands(residual, prediction, gas, used, phase, period):
     if own.sum() > 20 and not gain.variance:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     flicker, flicker_memory = 0.0, 0.0
-    apart = relative[:, 0] / np.maximum(share[:, 0], 1e-9) - relative[:, 1] / np.maximum(share[:, 1], 1e-9)
-    one, two, place = differences(apart, bright)
+    each = _halves(relative / np.maximum(share, 1e-9))
+    one, two, place = differences(each[:, 0] - each[:, 1], bright)
     own = same[place + 1]
     if own.sum() >= 8:
-        inverse = np.mean(prediction[place[own]] ** -2.0, axis=0)
-        rows.append((*inverse, 2.0))
+        weight = 1 / np.where(np.arange(bands) % 2, bands // 2, (bands + 1) // 2) ** 2.0
+        rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
         variances.append(clipped_variance(one[own]) / 2)
-        each = (relative / np.maximum(share, 1e-9)).T
-        light = coloured(*each, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
+        light = coloured(*each.T, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
         flicker = light.total
         flicker_memory = light.variance / max(flicker, 1e-300) * np.exp(-period / light.time)
     if not rows:  # too few samples of either kind, or none
         return (0.0, 0.0, START_RELATIVE**2), 0.0, flicker, flicker_memory, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
-    # One constant for both bands: the two columns are one.
-    rows = np.stack([rows[:, 0] + rows[:, 1], rows[:, 2]], axis=1)
+    # One constant for all bands: their columns are one.
+    rows = np.stack([rows[:, :-1].sum(axis=1), rows[:, -1]], axis=1)
     scale = np.maximum(rows.max(axis=0), 1e-300)
     weight = 1 / np.maximum(variances, 1e-300)
     for _ in range(ROUNDS):

@@ -16,7 +16,7 @@ NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
 
 @dataclass(frozen=True)
 class Instrument:
-    """One instrument on bins: C channels (two bands, or P wavelength bins) seen through M wavelength nodes.
+    """One instrument on bins: C channels (bands, or P wavelength bins) seen through M wavelength nodes.
 
     `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, 2) [s] the
     two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from
@@ -32,7 +32,7 @@ class Instrument:
     weight: np.ndarray | None
     gain: np.ndarray
     gas_map: object
-    node_edges: np.ndarray | None
+    node_edges: tuple  # of each band, (m + 1,) [m]; the nodes of the bands stand one after the other
     factor: np.ndarray | None  # spectrometer: radiance per count rate in each channel
     pixel_edges: np.ndarray | None  # first pixel of each bin
     raw: np.ndarray  # (t, C) samples in the unit of `value`
@@ -42,11 +42,23 @@ class Instrument:
     gas_error: np.ndarray  # (C,) prior standard deviation of the gas of a channel over its simulated light
     pattern: np.ndarray  # (C,) relative error of each channel, constant in time
     dark: np.ndarray  # (C,) error of the background of each channel, in the unit of the values
+    band: tuple = ()  # names of the bands of a pyrometer or radiometer
+    source: str = ""  # name in the record; `kind` is "pyrometer" for both of these
+    relative: np.ndarray | None = None  # (M,) stated emissivity at the nodes over its level
+    course: np.ndarray | None = None  # (M, K) shapes that ln(emissivity) may differ by
+    known: np.ndarray | None = None  # (C,) relative errors of the sensitivities of a radiometer
 
     @property
     def channels(self):
         """Number of channels."""
         return self.value.shape[1]
+
+    @property
+    def middle(self):
+        """Mean wavelength of each channel (C,) [m]."""
+        if self.weight is None:
+            return self.wavelength
+        return self.weight @ self.wavelength / self.weight.sum(axis=1)
 
     @property
     def time(self):

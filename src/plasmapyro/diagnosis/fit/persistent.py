@@ -51,7 +51,9 @@ def persistent(instrument, start, end):
     """
     knots = np.linspace(start, end, KNOTS)
     root = np.linalg.cholesky(np.exp(-np.abs(np.subtract.outer(knots, knots)) / (MEMORY * (end - start))))
-    kinds = {"pyrometer": [1.0, 1.0], "ratio": [0.5, -0.5]}
+    kinds = {"pyrometer": np.ones(instrument.channels), "ratio": [0.5, -0.5]}
+    if instrument.channels != 2:
+        del kinds["ratio"]
     if instrument.kind == "spectrometer":
         kinds = {"spectrometer": np.ones(instrument.channels)}
     time, channel, parameters = [], [], []
@@ -60,6 +62,12 @@ def persistent(instrument, start, end):
         channel.append(np.outer(row, np.ones(KNOTS)))
         name = f"wandering gain of the {kind}" if kind != "ratio" else "wandering ratio of the bands"
         parameters += [Parameter(f"wander_{kind}", name, WANDER[kind])] * KNOTS
+    for place, band in enumerate(instrument.band if instrument.known is not None else ()):
+        row = np.eye(instrument.channels)[place]
+        time.append(np.column_stack([root, np.ones(KNOTS)]))
+        channel.append(np.outer(row, np.ones(KNOTS + 1)))
+        own = [Parameter(f"wander_{band}", f"wandering gain of {band}", WANDER["ratio"] / np.sqrt(2))] * KNOTS
+        parameters += [*own, Parameter(f"gain_{band}", f"sensitivity of {band}", instrument.known[place])]
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
         value, vector = np.linalg.eigh(sum(np.exp(-0.5 * (apart / one) ** 2) for one in SMOOTH_LENGTHS))

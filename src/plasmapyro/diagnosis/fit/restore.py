@@ -49,7 +49,8 @@ def without_given(test, *inputs, **settings):
         return made, []
     root = np.linalg.cholesky(solution.covariance[np.ix_(own, own)])
     plain = made()
-    seen = [name for name in ("signal_wide", "signal_narrow", "spectral_radiance") if name in plain]
+    kinds = "signal_wide", "signal_narrow", "radiometer_signal", "spectral_radiance"
+    seen = [name for name in kinds if name in plain]
     change = np.array(
         [
             np.concatenate([np.ravel(moved[name] / plain[name]) for name in seen]) - 1
@@ -90,10 +91,16 @@ def restored(test, record, base, moved=None):
     for name, value in (moved or {}).items():
         values[model.index[name]] = value
     for which, one in enumerate(model.instruments):
-        data = record.instrument(one.kind)
+        data = record.instrument(one.source)
         half = data.integration_time / 2
         moment = data.time[:, None] + half / UNIFORM * observation.nodes_of(data.integration_time)
         change = _change(base, which, moment, values)
+        if one.source == "radiometer":
+            value = data.value.copy()
+            value[:, [data.band.index(band) for band in one.band]] /= change
+            result = result.drop_vars(["radiometer_reading", "radiometer_setting"], errors="ignore")
+            result["radiometer_signal"] = ("radiometer_time", "band"), value, {"units": "1"}
+            continue
         if one.kind == "pyrometer":
             for place, band in enumerate(data.band):
                 name = f"signal_{band}"

@@ -18,15 +18,20 @@ def fit_test(
     saturation_counts,
     given=(),
     known=None,
+    radiometer_calibration=None,
 ):
     """Base fit of a test; parameters as of `stage.diagnose`."""
     calibrations = {"spectrometer": spectrometer_calibration}
     if calibration is not None:
         calibrations["pyrometer"] = calibration
+    if radiometer_calibration is not None:
+        calibrations["radiometer"] = radiometer_calibration
     record = record_of(test, calibrations, saturation_counts=saturation_counts)
     if not record.instruments:
-        raise ValueError("the test holds pyrometer signals only: calibration.nc of the pyrometer is needed")
+        raise ValueError("the test holds signals of bands only: their calibration is needed")
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
-    model = base_model(record, library, calibration, response, spectrometer_calibration, given)
+    model = base_model(
+        record, library, calibration, response, spectrometer_calibration, given, radiometer_calibration
+    )
     return fit_base(model if known is None else with_prior(model, relative(known, model)))

@@ -71,9 +71,16 @@ class Findings:
 
     @property
     def fitted(self):
-        """Numbers that a fit without effects takes from the data: knots, parameters, light of the gas."""
+        """Numbers that a fit without effects takes from the data: knots, parameters, light of the gas.
+
+        How a radiometer's bands wander and an emissivity bends is held by priors: few bands tell less.
+        """
         free = sum(int(np.count_nonzero(one.gas_error)) for one in self.model.instruments)
-        return self.size + free
+        pairs = zip(self.model.instruments, self.model.persistent, strict=True)
+        held = [len(errors.parameters) for one, errors in pairs if one.known is not None]
+        if held:
+            held.append(sum(one.id.startswith(("course_", "edge_")) for one in self.model.own))
+        return self.size + free - sum(held)
 
     @property
     def applied(self):

@@ -107,7 +107,7 @@ def _next(findings, entries, groups):
 def _noise(base):
     rows = []
     for instrument, law in zip(base.model.instruments, base.noise_models, strict=True):
-        kinds = ("wide", "narrow") if instrument.kind == "pyrometer" else ("spectrometer",)
+        kinds = instrument.band or ("spectrometer",)
         for place, name in enumerate(kinds):
             level = np.nanmedian(
                 instrument.value[:, place] if instrument.kind == "pyrometer" else instrument.value

@@ -43,7 +43,7 @@ def residual_map(findings):
             variables["wavelength_edge"] = (("wavelength_bin", "bound"), _edges(instrument.wavelength))
         else:
             dims = ("band", "time_bin")
-            coordinates["band"] = ["wide", "narrow"]
+            coordinates["band"] = list(instrument.band)
             variables["measured_signal"] = (dims, measured.T)
             variables["modelled_signal"] = (("model", *dims), modelled.transpose(0, 2, 1))
             variables["signal_residual"] = (("model", *dims), residual.transpose(0, 2, 1))

@@ -4,6 +4,7 @@ import numpy as np
 from scipy import stats
 
 from plasmapyro.diagnosis.select.screen import best_by_id
+from plasmapyro.radiation.bandsignal import BANDS
 
 LINES = ((777.6, "O I 777"), (844.9, "O I 845"), (868.3, "N I 868"), (822.0, "N I 822"), (926.9, "O I 927"))
 LINE_REACH = 1.6e-9  # [m] around a line
@@ -27,7 +28,7 @@ def numbers(values):
 def channel_kinds(one):
     """Index arrays of the channels of an instrument by kind."""
     if one.kind == "pyrometer":
-        return {"wide": np.array([0]), "narrow": np.array([1])}
+        return {name: np.array([place]) for place, name in enumerate(one.band)}
     near = np.zeros(one.channels, dtype=bool)
     for place, _ in LINES:
         near |= np.abs(one.wavelength - place * 1e-9) < LINE_REACH
@@ -126,7 +127,7 @@ def kappa(model, fitter, solution):
         (high, high_variance), (low, low_variance) = mean(before), mean(after)
         level = gas[before].mean(axis=0)
         value, error = (high - low) / level, np.sqrt(high_variance + low_variance) / level
-        if instrument.kind == "pyrometer":
+        if instrument.band == BANDS:
             result |= {
                 "wide": number(value[0]),
                 "narrow": number(value[1]),
@@ -135,7 +136,7 @@ def kappa(model, fitter, solution):
             }
         else:
             spectrum = {
-                "wavelength": numbers(instrument.wavelength),
+                "wavelength": numbers(instrument.middle),
                 "kappa": numbers(value),
                 "error": numbers(error),
             }
@@ -200,12 +201,12 @@ def gas_monitor(model, fitter, solution):
 
 
 def signals(model, base, extended):
-    """Signals of both bands, measured, of the base and of the extended fit; empty without a pyrometer."""
+    """Signals of the bands, measured, of the base and of the extended fit; empty without bands."""
     rows = {"": [], "_model": [], "_extended": []}
-    time = []
+    time, names = [], BANDS
     for which, instrument in enumerate(model.instruments):
-        if instrument.kind == "pyrometer":
-            time = numbers(instrument.time)
+        if instrument.band:
+            time, names = numbers(instrument.time), instrument.band
             rows = {
                 "": instrument.value.T,
                 "_model": base.prediction[which].T,
@@ -214,9 +215,14 @@ def signals(model, base, extended):
     bands = {
         f"{band}{suffix}": numbers(values[place]) if len(values) else []
         for suffix, values in rows.items()
-        for place, band in enumerate(("wide", "narrow"))
+        for place, band in enumerate(names)
     }
     return {"time": time} | bands
+
+
+def _axis(instrument):
+    """Wavelengths [m] of the channels; of the pyrometer's two bands their places."""
+    return [0.0, 1.0] if instrument.band == BANDS else numbers(instrument.middle)
 
 
 def leading_pattern(model, z):
@@ -227,7 +233,7 @@ def leading_pattern(model, z):
     return {
         "time": numbers(instrument.time),
         "time_weight": numbers(u[:, 0]),
-        "wavelength": numbers(instrument.wavelength) if instrument.weight is None else [0.0, 1.0],
+        "wavelength": _axis(instrument),
         "wavelength_weight": numbers(v[0]),
         "channel": instrument.kind,
         "share": float(s[0] ** 2 / np.sum(s**2)),
@@ -258,7 +264,7 @@ def components(model, z, screen, columns):
                 "expected": float(np.max(null)),
                 "time": numbers(instrument.time),
                 "time_weight": numbers(u[:, 0]),
-                "axis": numbers(instrument.wavelength) if instrument.weight is None else [0.0, 1.0],
+                "axis": _axis(instrument),
                 "axis_weight": numbers(v[0]),
                 "resembles": [{"id": identity, "cosine": cosine[identity]} for identity in best],
             }

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro.diagnosis.fit.observation import line_shapes
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
 
 MAP_WAVES = 8
@@ -114,8 +115,8 @@ def structures_of(model, solution):
             classes.add_products("wave_spectrometer", f"periodic {name}", {place: [(gain, wave)]})
             patterns += [(place, *row) for row in _spectral_patterns(model, solution, time, value, gas)]
         else:
-            bands = [products.row(value * np.eye(2)[band]) for band in (0, 1)]
-            _add_bands(classes, place, bands, walk, wave)
+            bands = [products.row(value * one) for one in np.eye(instrument.channels)]
+            _add_bands(classes, place, bands, walk, wave, classes_of_bands(instrument.band))
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -131,9 +132,20 @@ def structures_of(model, solution):
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
 
 
-def _add_bands(classes, place, bands, walk, wave):
+def classes_of_bands(names):
+    """(id, name, signs) of gains of bands: together, against each other where they are two, apart."""
+    each = np.eye(len(names))
+    yield "pyrometer", "gain of the pyrometer", np.ones(len(names))
+    if len(names) == 2:
+        yield "ratio", "ratio of the pyrometer", (1.0, -1.0)
+    for name, signs in zip(names, each, strict=True):
+        word = f"{name} band" if tuple(names) == BANDS else f"band {name}"
+        yield name if tuple(names) == BANDS else f"pyrometer_{name}", f"{word} of the pyrometer", signs
+
+
+def _add_bands(classes, place, bands, walk, wave, kinds):
     """Wandering and periodic gains of the bands, together, apart and against each other."""
-    for identity, name, signs in _BANDS:
+    for identity, name, signs in kinds:
         for kind, word, steps in (("walk", "wandering", walk), ("wave", "periodic", wave)):
             if kind == "walk" or identity in WAVING:
                 parts = [(band, sign * steps) for band, sign in zip(bands, signs, strict=True)]
@@ -168,12 +180,6 @@ SINGLE_NAMES = {
 MAP_PLACES = (0.01, 1 / 30, 1 / 12, 0.2, 0.5, 299 / 300, 305 / 300, 1.1)  # shares of the exposure
 GROWN = 1 / 15  # of the exposure: how fast the light of the surface comes up
 FRINGE_PHASES = np.arange(3) * np.pi / 3
-_BANDS = (
-    ("pyrometer", "gain of the pyrometer", (1.0, 1.0)),
-    ("ratio", "ratio of the pyrometer", (1.0, -1.0)),
-    ("wide", "wide band of the pyrometer", (1.0, 0.0)),
-    ("narrow", "narrow band of the pyrometer", (0.0, 1.0)),
-)
 WAVING = ("pyrometer", "ratio")
 
 

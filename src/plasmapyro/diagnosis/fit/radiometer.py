@@ -1,0 +1,92 @@
+"""A radiometer of any bands in the place of the pyrometer: its bands, and an emissivity over wavelength."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+
+from plasmapyro.diagnosis.fit.parameter import Parameter
+from plasmapyro.record.emittance import ANY_LEVEL, UNTOLD, mean_emittance
+
+LOG = logging.getLogger(__name__)
+LEAST_BANDS = 2  # of one, nothing tells light of the gas from that of the surface
+UNSEEN = 1e-3  # [1], of the response of a band that may lie outside the simulated spectra
+GRID = 10e-9  # [m] on which shapes of the emissivity are held
+# ASSUME: course of an emissivity over wavelength about the stated one, as of the estimate with `emissivity`.
+COURSE, LENGTH = 0.1, 200e-9  # [1], [m]
+LEAST = 1e-4  # of the largest variance: shapes of less are left out
+
+
+def covered(frames, calibration, wavelength):
+    """The bands that lie within simulated spectra (K,) [m], and their calibration.
+
+    Parameters
+    ----------
+    frames : record.Instrument
+    calibration : Dataset, contract 'radiometer_calibration'
+    wavelength : (K,) array [m]
+
+    Raises
+    ------
+    ValueError
+        If they are too few.
+    """
+    axis, kept = calibration.wavelength.values, []
+    inside = (axis >= wavelength[0]) & (axis <= wavelength[-1])
+    for place, band in enumerate(frames.band):
+        curve = calibration.responsivity.sel(band=band).values
+        if np.trapezoid(curve * ~inside, axis) <= UNSEEN * np.trapezoid(curve, axis):
+            kept.append(place)
+    span = f"the simulated spectra, {wavelength[0] * 1e9:.0f} to {wavelength[-1] * 1e9:.0f} nm"
+    lost = [band for place, band in enumerate(frames.band) if place not in kept]
+    if len(kept) < LEAST_BANDS:
+        raise ValueError(
+            f"a diagnosis needs {LEAST_BANDS} bands within {span}; the radiometer has {len(kept)}: compute"
+            " the radiance over its range, or leave it out"
+        )
+    if lost:
+        LOG.warning("bands beyond %s are left out: %s", span, ", ".join(lost))
+    bands = tuple(frames.band[place] for place in kept)
+    part = replace(frames, value=frames.value[:, kept], flag=frames.flag[:, kept], band=bands)
+    return part, calibration.sel(band=list(bands))
+
+
+def seen_part(name, axis, curve):
+    """Wavelengths and response of a band, where nodes are needed: all of a pyrometer's table."""
+    if name == "pyrometer":
+        return axis, curve
+    seen = np.flatnonzero(curve > 0)
+    part = slice(max(seen[0] - 1, 0), seen[-1] + 2)
+    return axis[part], curve[part]
+
+
+def of_an_emissivity(instruments, record, calibration):
+    """The instruments before a surface whose emissivity bends over wavelength, as a smooth prior lets it."""
+    every = np.concatenate([one.wavelength for one in instruments])
+    grid = np.arange(every.min(), every.max() + GRID, GRID)
+    apart = (grid[:, None] - grid) / LENGTH
+    variance, vector = np.linalg.eigh(COURSE**2 * np.exp(-(apart**2) / 2))
+    kept = variance > LEAST * variance[-1]
+    shapes = (vector * np.sqrt(np.maximum(variance, 0.0)))[:, kept]
+    found = []
+    for one in instruments:
+        course = np.stack([np.interp(one.wavelength, grid, row) for row in shapes.T], axis=1)
+        relative = mean_emittance(record.attributes, one.wavelength) / record.emittance
+        own = {"relative": relative, "course": course}
+        if one.source == "radiometer":
+            own["known"] = calibration["band_sensitivity_uncertainty"].values
+            own["factor"] = np.nanmedian(np.abs(one.value), axis=0)  # bands differ in unit: noise is relative
+        found.append(replace(one, **own))
+    return found
+
+
+def instead(base, instruments, record, calibration):
+    """Parameters of the base model for a radiometer instead of a pyrometer."""
+    level = record.emittance_uncertainty / record.emittance or UNTOLD
+    changed = {"emittance": level, "lamp": max(float(calibration.source_temperature_uncertainty), 1e-3)}
+    if calibration.attrs["calibration"] == "relative":
+        changed["gain_pyrometer"] = ANY_LEVEL
+    kept = [replace(one, sigma=changed.get(one.id, one.sigma)) for one in base if one.id != "ratio"]
+    name = "course of the emissivity over wavelength"
+    count = instruments[0].course.shape[1]
+    return (*kept, *(Parameter(f"course_{place}", name, 1.0) for place in range(count)))
