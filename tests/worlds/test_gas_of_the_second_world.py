@@ -112,18 +112,21 @@ def test_bands_of_nitrogen_have_their_p1_heads(upper, lower, head):
     high, low = gas.states("N2")["B3Pg"], gas.states("N2")["A3Su"]
     origin = high["te"] + gas.vibrational(high, upper) - low["te"] - gas.vibrational(low, lower)
     j = np.arange(41.0)
-    above, below = molecules._terms(high, upper, j)[0][:-1, 0], molecules._terms(low, lower, j)[0][1:, 0]
+    above, below = (
+        molecules._terms(high, upper, j).value[:-1, 0],
+        molecules._terms(low, lower, j).value[1:, 0],
+    )
     assert 1e7 / (origin + above - below).min() / AIR == pytest.approx(head, abs=0.15)
 
 
 def _shares(j):
     """Shares (3, 3, 3) of the light from J: by upper component, change of J and lower component."""
     high, low = gas.states("N2")["B3Pg"], gas.states("N2")["A3Su"]
-    _, vector, omega, _ = molecules._terms(high, 0, np.array([j]))
+    above = molecules._terms(high, 0, np.array([j]))
     parts = []
     for step in (-1, 0, 1):
-        _, below, lower_omega, _ = molecules._terms(low, 0, np.array([j + step]))
-        found = molecules.amplitudes(np.array([j]), vector, omega, np.array([j + step]), below, lower_omega)
+        below = molecules._terms(low, 0, np.array([j + step]))
+        found = molecules.amplitudes(above, below)
         parts.append((2 * (j + step) + 1) * found[0] ** 2)
     return np.array(parts).transpose(1, 0, 2)
 

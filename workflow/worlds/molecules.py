@@ -9,6 +9,7 @@ Condon factors.
 
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import quad
@@ -116,10 +117,24 @@ def moments(system):
     return np.abs((high * moment) @ low.T)
 
 
-def _terms(state, v, j):
-    """Energies (j, i) [cm-1] without the vibrational part and vectors (j, Omega, i), from the operator
-    N^2.
+class Levels(NamedTuple):
+    """Rotational levels of one v: energies (j, i) [cm-1] without the vibrational part, vectors
+    (j, Omega, i), Omega, and whether there is such a level.
     """
+
+    j: np.ndarray
+    value: np.ndarray
+    vector: np.ndarray
+    omega: np.ndarray
+    real: np.ndarray
+
+    def at(self, rows):
+        """Those of some J."""
+        return Levels(self.j[rows], self.value[rows], self.vector[rows], self.omega, self.real[rows])
+
+
+def _terms(state, v, j):
+    """`Levels` from the operator N^2."""
     spin, lam = (state["multiplicity"] - 1) / 2, state["lambda"]
     sigma = np.arange(-spin, spin + 1)
     omega = lam + sigma
@@ -141,15 +156,15 @@ def _terms(state, v, j):
     missing = np.abs(omega)[None, :] > j[:, None]  # no such component at this J: out of the way
     energy[:, np.arange(sigma.size), np.arange(sigma.size)] += np.where(missing, 1e7, 0.0)
     value, vector = np.linalg.eigh(energy)
-    return value, np.where(missing[:, :, None], 0.0, vector), omega, value < 5e6
+    return Levels(j, value, np.where(missing[:, :, None], 0.0, vector), omega, value < 5e6)
 
 
-def amplitudes(j, vector, omega, lower_j, lower_vector, lower_omega):
-    """Amplitudes (j, i, k) between levels; (2J''+1) times their squares add up to 1 over J'' and k."""
-    total, q = 0.0, int(omega[0] - lower_omega[0])
-    for k in range(omega.size):  # the spin looks on: Sigma stays
-        element = three_j_square_root(j, omega[k], lower_j, q)
-        total = total + vector[:, k, :, None] * lower_vector[:, k, None, :] * element[:, None, None]
+def amplitudes(upper, lower):
+    """Amplitudes (j, i, k) between `Levels`; (2J''+1) times their squares add up to 1 over J'' and k."""
+    total, q = 0.0, int(upper.omega[0] - lower.omega[0])
+    for k in range(upper.omega.size):  # the spin looks on: Sigma stays
+        element = three_j_square_root(upper.j, upper.omega[k], lower.j, q)
+        total = total + upper.vector[:, k, :, None] * lower.vector[:, k, None, :] * element[:, None, None]
     return total
 
 
@@ -162,7 +177,7 @@ def lines(system):
     j = np.arange(MOST_J) + (high["multiplicity"] - 1) / 2 % 1
     found = []
     for v in range(min(HIGHEST[system], bound(high)[-1]) + 1):
-        value, vector, omega, real = _terms(high, v, j)
+        above = _terms(high, v, j)
         for w in range(min(moment.shape[1], bound(low)[-1] + 1)):
             origin = high["te"] + vibrational(high, v) - low["te"] - vibrational(low, w)
             if not 7500 < origin < 16500 or moment[v, w] == 0:
@@ -171,65 +186,31 @@ def lines(system):
             for step in (-1, 0, 1):
                 rows = slice(max(0, -step), j.size - max(0, step))
                 partner = slice(rows.start + step, rows.stop + step)
-                found.append(
-                    _branch(
-                        system,
-                        high,
-                        v,
-                        zero,
-                        origin,
-                        moment[v, w],
-                        j[rows],
-                        value[rows],
-                        vector[rows],
-                        real[rows],
-                        omega,
-                        j[partner],
-                        *(part[partner] for part in below[:2]),
-                        below[2],
-                        below[3][partner],
-                    )
-                )
+                pair = above.at(rows), below.at(partner)
+                found.append(_branch(system, high, v, zero, origin, moment[v, w], *pair))
     parts = [np.concatenate(part) for part in zip(*found, strict=True)]
     kept = parts[1] * np.exp(-C2 * (parts[2] + parts[3] - high["te"]) / 9000) > FAINT * 1e3
     return Bands(*(part[kept] for part in parts))
 
 
-def _branch(
-    system,
-    high,
-    v,
-    zero,
-    origin,
-    moment,
-    j,
-    value,
-    vector,
-    real,
-    omega,
-    lower_j,
-    below,
-    lower_vector,
-    lower_omega,
-    lower_real,
-):
+def _branch(system, high, v, zero, origin, moment, upper, lower):
     """Lines of one change of J: arrays (wavenumber, strength, vibration, rotation, v)."""
-    amplitude = amplitudes(j, vector, omega, lower_j, lower_vector, lower_omega)
-    wavenumber = origin + value[:, :, None] - below[:, None, :]
-    share = (2 * lower_j + 1)[:, None, None] * amplitude**2
-    n = np.rint(lower_j[:, None] - (lower_omega.size - 1) / 2 + np.arange(lower_omega.size)).astype(int)
+    amplitude = amplitudes(upper, lower)
+    wavenumber = origin + upper.value[:, :, None] - lower.value[:, None, :]
+    share = (2 * lower.j + 1)[:, None, None] * amplitude**2
+    n = np.rint(lower.j[:, None] - (lower.omega.size - 1) / 2 + np.arange(lower.omega.size)).astype(int)
     spins = np.where(n % 2 == 0, *SPINS[system])[:, None, :]
     doubling = 2 if high["lambda"] > 0 else 1
     probability = MOMENT * np.maximum(wavenumber, 0) ** 3 * moment**2
-    strength = (2 * j + 1)[:, None, None] * doubling * spins * share * probability
-    use = real[:, :, None] & lower_real[:, None, :] & (wavenumber > 8000) & (wavenumber < 15385)
-    use &= value[:, :, None] + vibrational(high, v) < high["depth"] + vibrational(high, 0)
+    strength = (2 * upper.j + 1)[:, None, None] * doubling * spins * share * probability
+    use = upper.real[:, :, None] & lower.real[:, None, :] & (wavenumber > 8000) & (wavenumber < 15385)
+    use &= upper.value[:, :, None] + vibrational(high, v) < high["depth"] + vibrational(high, 0)
     vibration = high["te"] + vibrational(high, v) - zero + 0 * wavenumber
     return (
         wavenumber[use],
         strength[use],
         vibration[use],
-        np.broadcast_to(value[:, :, None], wavenumber.shape)[use],
+        np.broadcast_to(upper.value[:, :, None], wavenumber.shape)[use],
         np.full(use.sum(), v),
     )
 
