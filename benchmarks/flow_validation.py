@@ -3,8 +3,7 @@
     python benchmarks/flow_validation.py
 
 Needs results/gas/air11.nc. Keeps its solutions in results/benchmark_flow and takes up where it stopped.
-Writes docs/flow_validation.csv (one row per experiment), docs/flow_validation_profiles.csv and
-docs/flow_validation.png, which docs/flow.md shows.
+Writes docs/flow_validation.csv (one row per experiment) and docs/flow_validation.png for docs/flow.md.
 """
 
 import argparse

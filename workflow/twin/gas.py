@@ -34,6 +34,7 @@ FOLLOWS = {  # the fainter systems: what their emission follows, with a typical 
     "O- detachment": ("e-", 12000.0),
     "e-ion free-free": ("e-", 10000.0),
     "free-bound": ("e-", 5000.0),
+    "Ar I": ("Ar", 106000.0),
 }
 
 
