@@ -185,3 +185,28 @@ def test_the_page_names_the_temperatures_and_refuses_unknown_conditions(trusted)
     assert f"{first:.0f} K" in page and "Matt sample" in page and "What helps most" in page
     with pytest.raises(ValueError, match="95kW"):
         trust.as_markdown(trusted, "95kW")
+
+
+@pytest.mark.parametrize("count", [1, 3, 25])
+def test_the_reference_may_have_any_bands(designs, spectra, response, count):
+    wavelength = response.wavelength.values
+    centres = [1.03e-6] if count == 1 else np.linspace(0.75e-6, 1.1e-6, count)
+    curves = (np.abs(wavelength - np.array(centres)[:, None]) < 5.5e-9).astype(float)
+    names = [f"b{place}" for place in range(count)]
+    bands = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), curves)},
+        {"wavelength": wavelength, "band": names},
+        {"instrument": "mine"},
+    )
+    found = trust.trust(spectra, designs, bands, TABLES, settings=SETTINGS)
+    assert [name for name in found.setup.values if name.startswith("mine, ")] == list(found.setup.values[:3])
+    limit = found.trust_temperature.isel(trust_level=0)
+    # The gas shines from 700 nm to where it ends; its own light taken out, a reading is right from colder on.
+    assert (limit.isel(setup=1) <= limit.isel(setup=0)).all() and np.isfinite(limit[:, :, :2]).all()
+    bench = stage.make_bench(spectra, TABLES, SETTINGS)
+    judge = stage._Judge(bench, spectra.numerical_power.values, bands, SETTINGS)
+    assert judge.reference_weights.shape == (1, count)
+    moved = bands.assign_coords(wavelength=wavelength - 100e-9)
+    if count > 1:
+        with pytest.raises(ValueError, match="must cover the b0 band"):
+            trust.trust(spectra, designs, moved, TABLES, settings=SETTINGS)

@@ -13,12 +13,13 @@ from plasmapyro.design.spectra import HOTTEST, AirSpectra, heated
 from plasmapyro.gas.species import nitrogen_of
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.band_systems import SYSTEMS
-from plasmapyro.radiation.bandsignal import responsivities, two_bands
+from plasmapyro.radiation.bandsignal import bands_of, require_cover, responsivities
 from plasmapyro.radiation.path import CONTINUA
 from plasmapyro.sightline.stage import surface_view
 
 STATES = ("nominal", "cold", "hot")
 LARGEST_BANDS = 3
+PAPERS = "MR1SB"  # the instrument of the paper
 CHUNK = 400  # designs at a time: their errors fit into the cache's neighbourhood
 LIMIT_STEP = 25.0  # [K] of the search's temperatures; 5 K of the table that is kept
 FINE_STEP = 5.0
@@ -181,6 +182,20 @@ def make_bench(spectra, tables, settings):
     )
 
 
+def covered(response, edges):
+    """Responsivities of the reference instrument, of any bands; ValueError if one leaves the spectra."""
+    wavelength, curves = response.wavelength.values, responsivities(response)
+    for name, curve in zip(bands_of(response), curves, strict=True):
+        if "responsivity" in response:
+            require_cover((edges[0], edges[-1]), wavelength, curve, name)
+    return curves
+
+
+def reference_name(response):
+    """What the reference instrument is called: the paper's, or as its file says."""
+    return response.attrs["instrument"] if "responsivity" in response else PAPERS
+
+
 class _Judge:
     """Scores of designs: total error over all gases, and how far the gain leaves its tolerance."""
 
@@ -191,7 +206,7 @@ class _Judge:
         first, last = settings["limit_temperature_k"]
         self.coarse = np.arange(first, last + 1, LIMIT_STEP)
         self.fine = np.arange(first, last + 1, FINE_STEP)
-        curves = responsivities(two_bands(response, "the design of bands"))
+        curves = covered(response, bench.edges)
         self.build_reference = lambda some: some.currents_of(response.wavelength.values, curves)
         self.reference = self.build_reference(bench)
         self.reference_weights = bench.weights(self.reference)
@@ -260,9 +275,10 @@ def band_design(spectra, response, tables, *, settings):
     """
     bench = make_bench(spectra, tables, settings)
     judge = _Judge(bench, spectra.numerical_power.values, response, settings)
-    found = [
-        _Entry("MR1SB, modelled response", "reference", "silicon", "response", build=judge.build_reference)
-    ]
+    name = (
+        f"{reference_name(response)}, {'modelled' if 'responsivity' not in response else 'stated'} response"
+    )
+    found = [_Entry(name, "reference", "silicon", "response", build=judge.build_reference)]
     found += _searched(bench, judge, settings)
     optimum = min((entry for entry in found if entry.kind == "robust optimum"), key=lambda entry: entry.score)
     grid, candidates = _brute_force(bench, judge, settings, optimum)
@@ -475,10 +491,11 @@ def _tabulate(found, bench, judge, spectra, settings):
     )
     split = replace(bench, gas=binned.reshape(-1, binned.shape[-1]))
     reference = _perturbed_limits(judge, judge.build_reference, split, spectra, perturbations)
+    widest = max(LARGEST_BANDS, judge.reference_weights.shape[1])
     table = {
-        "band_centre": np.full((count, LARGEST_BANDS), np.nan),
-        "band_width": np.full((count, LARGEST_BANDS), np.nan),
-        "band_weight": np.full((count, LARGEST_BANDS), np.nan),
+        "band_centre": np.full((count, widest), np.nan),
+        "band_width": np.full((count, widest), np.nan),
+        "band_weight": np.full((count, widest), np.nan),
         "total_error": np.full(count, np.nan),
         "error_by_source": np.full((count, len(budget.SOURCES)), np.nan),
         "ratio_sensitivity": np.full(count, np.nan),

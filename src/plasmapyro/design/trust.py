@@ -10,8 +10,7 @@ from plasmapyro.analysis.error import error_limit
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.design import budget
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE
-from plasmapyro.design.stage import FINE_STEP, STATES, make_bench
-from plasmapyro.radiation.bandsignal import responsivities, two_bands
+from plasmapyro.design.stage import FINE_STEP, STATES, covered, make_bench, reference_name
 
 SURFACES = {"mirror": 0.0, "matt": 1.0}  # share of diffuse reflection
 LATEST = 1e5  # [s]
@@ -72,7 +71,7 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     first, last = settings["limit_temperature_k"]
     temperature = np.arange(first, last + 1, FINE_STEP)
     light = replace(bench, gas=spectra.incident_binned.sel(reflection="diffuse").values)
-    curves = responsivities(two_bands(response, "the table of trust"))
+    curves, name = covered(response, bench.edges), reference_name(response)
 
     def reference(some):
         return some.currents_of(response.wavelength.values, curves)
@@ -88,9 +87,9 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     filters, single = (_first(designs, kind, bands) for kind, bands in (("filters", 2), ("optimum", 1)))
     best, lowest = (designs.sel(design=designs.attrs[name]) for name in ("best_two_band", "lowest_two_band"))
     setups = [
-        (f"MR1SB, {AS_READ}", reference, AS_READ),
-        (f"MR1SB, {SUBTRACTED}", reference, SUBTRACTED),
-        (f"MR1SB, {SIMULATED}", reference, SIMULATED),
+        (f"{name}, {AS_READ}", reference, AS_READ),
+        (f"{name}, {SUBTRACTED}", reference, SUBTRACTED),
+        (f"{name}, {SIMULATED}", reference, SIMULATED),
         (f"{filters.design.item()}, {AS_READ}", of_design(filters), AS_READ),
         (f"{single.design.item()}, {AS_READ}", of_design(single), AS_READ),
         (f"{lowest.design.item()}, {AS_READ}", of_design(lowest), AS_READ),

@@ -114,7 +114,8 @@ def error_maps(designs, paths):
         centres = case.band_centre.values * 1e9
         widths = case.band_width.values * 1e9
         text = " + ".join(f"{c:.0f}/{w:.0f}" for c, w in zip(centres, widths, strict=True) if np.isfinite(c))
-        title = {"reference": "MR1SB", "robust optimum": "robust two bands", "optimum": "smallest error"}
+        own = str(name).split(",")[0]
+        title = {"reference": own, "robust optimum": "robust two bands", "optimum": "smallest error"}
         heading = title[str(case.design_kind.values)]
         axes.set_title(
             heading + (f"\n{case.design_detector.item()}, {text} nm" if text else "\nmodelled"), fontsize=7
