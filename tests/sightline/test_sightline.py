@@ -4,7 +4,9 @@ import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.constants import BOLTZMANN
-from plasmapyro.gas.species import CHARGE
+from plasmapyro.gas.species import CHARGE, NITROGEN_ATOMS, OXYGEN_ATOMS, SPECIES
+from plasmapyro.radiation.atoms import atomic_lines
+from plasmapyro.radiation.path import gas_path
 from plasmapyro.sightline import ray, sampling
 from plasmapyro.sightline.stage import chord, equilibrium_sightline, line_of_sight, surface_view
 
@@ -79,6 +81,24 @@ def test_the_gas_of_the_flow_fills_the_chamber_and_air_the_laboratory():
     assert (oxygen.where(~inside, 1) > 0).all()
     particles = path.pressure / (BOLTZMANN * path.temperature)
     assert path.number_density.sum("species").values == pytest.approx(particles.values, rel=FLOAT_RTOL)
+
+
+def test_argon_of_the_flow_is_on_the_path_and_shines():
+    field = flow(jet).assign_attrs(gas="air Ar:0.0093")
+    line = line_of_sight(field, angle=ANGLE, points=60, **RULE)
+    hottest = int(np.argmax(line.temperature.values))
+    hot = line.isel(path_distance=hottest)
+    argon = float(hot.number_density.sel(species="Ar"))
+    atoms = hot.number_density.sel(species=list(SPECIES)).values @ (NITROGEN_ATOMS + OXYGEN_ATOMS)
+    assert argon / (argon + atoms / 2) == pytest.approx(0.0093, rel=0.02)  # but for the ions
+    density = {str(name): line.number_density.sel(species=name).values for name in line.species.values}
+    path = gas_path(line.path_distance.values, line.temperature.values, density)
+    lines = atomic_lines("Ar I")
+    strongest = int(np.argmin(abs(1 / lines.wavenumber - 811.7542e-9)))
+    light = path.emission(lines, hottest)[strongest]
+    # By hand: g = 7, E = 105462.76 cm-1, A = 3.31e7 s-1, partition function 1.
+    upper = argon * 7 * np.exp(-1.438777 * 105462.76 / float(hot.temperature))
+    assert light == pytest.approx(upper * 3.31e7 * 1.986446e-25 / 811.7542e-9 / (4 * np.pi), rel=1e-3)
 
 
 def test_cubic_fields_converge_with_the_third_power_of_the_cell():
