@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.experiment.correction import (
+    Reading,
     _ranked_temperature,
     budget_of,
     read_corrected,
@@ -26,26 +27,20 @@ def pair(temperature, narrow=1.0):
     return np.stack([ratio * narrow, np.full(ratio.size, narrow)])
 
 
+def reading(slope=1.0, u=0.01, variation=0.0, covariance=COVARIANCE, slope_uncertainty=0.0):
+    limits = u, variation, 2.0, 0.5
+    return Reading(COEFFICIENT, FIT, INSTRUMENT, slope, *limits, covariance, slope_uncertainty)
+
+
 def measured(signals, saturated=False, slope=1.0):
-    return read_measured(signals, np.full(signals.shape[1], saturated), slope, COEFFICIENT, FIT, INSTRUMENT)
+    return read_measured(reading(slope), signals, np.full(signals.shape[1], saturated))
 
 
 def corrected(signals, gas=0.0, uncertainty=1e-6, injected=True, saturated=False, slope=1.0):
     clean = signals - gas
     shape = clean.shape
-    return read_corrected(
-        signals,
-        clean,
-        np.full(shape, uncertainty),
-        np.full(shape[1], injected),
-        np.full(shape[1], saturated),
-        slope,
-        COEFFICIENT,
-        FIT,
-        INSTRUMENT,
-        2.0,
-        0.5,
-    )
+    states = np.full(shape[1], injected), np.full(shape[1], saturated)
+    return read_corrected(reading(slope), signals, clean, np.full(shape, uncertainty), *states)
 
 
 def test_known_temperatures_come_back():
@@ -105,19 +100,9 @@ def test_a_selective_surface_is_read_with_its_slope():
 def spread_of(
     signals, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, draws=10000, slope=(1, 0)
 ):
-    return temperature_uncertainty(
-        signals,
-        np.broadcast_to(gas, signals.shape),
-        np.full(signals.shape, gas_uncertainty),
-        *slope,
-        COEFFICIENT,
-        covariance,
-        FIT,
-        u,
-        variation,
-        draws,
-        np.random.default_rng(3),
-    )
+    of_gas = np.broadcast_to(gas, signals.shape), np.full(signals.shape, gas_uncertainty)
+    read = reading(slope[0], u, variation, covariance, slope[1])
+    return temperature_uncertainty(read, signals, *of_gas, draws, np.random.default_rng(3))
 
 
 def linear(temperature, gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE):
@@ -154,9 +139,9 @@ def test_monte_carlo_agrees_with_linear_propagation_and_the_budget_with_both(par
 
 
 def of_parts(gas, gas_uncertainty=0.0, variation=0.0, u=0.01, covariance=COVARIANCE, monte_carlo=None):
-    signals, known = pair([1400.0]) + gas[:, None], (1.0, 0.0, COEFFICIENT, covariance, FIT, u, variation)
-    means = np.full(signals.shape, gas_uncertainty)
-    return budget_of(signals, np.broadcast_to(gas[:, None], signals.shape), means, *known, monte_carlo)
+    signals, means = pair([1400.0]) + gas[:, None], np.full((2, 1), gas_uncertainty)
+    read = reading(1.0, u, variation, covariance)
+    return budget_of(read, signals, np.broadcast_to(gas[:, None], signals.shape), means, monte_carlo)
 
 
 def test_each_input_has_its_own_row_and_a_curved_one_grows_to_monte_carlo():

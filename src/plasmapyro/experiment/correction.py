@@ -29,17 +29,14 @@ STEP = 0.1  # of a standard uncertainty, for slopes
 VALIDATED = 1.1  # [1] of a Monte Carlo over a linear uncertainty: a weak signal bends the curve
 
 
-def read_measured(signals, saturated, slope, coefficient, fit_range, instrument_range):
+def read_measured(reading, signals, saturated):
     """Temperature the pyrometer reads from its signals as they are.
 
     Parameters
     ----------
+    reading : Reading
     signals : (2, t) array [A], wide and narrow, NaN where missing
     saturated : (t,) bool array
-    slope : float [1]
-        Emittance of the surface in the wide band over that in the narrow one; the ratio is divided by it.
-    coefficient : (3,) array [1]
-    fit_range, instrument_range : (2,) arrays [K]
 
     Returns
     -------
@@ -51,41 +48,23 @@ def read_measured(signals, saturated, slope, coefficient, fit_range, instrument_
     -----
     Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
     """
-    ratio = signal_ratio(*signals) / slope
-    temperature, status = invert_quadratic(ratio, coefficient, fit_range, instrument_range)
+    ratio = signal_ratio(*signals) / reading.slope
+    temperature, status = invert_quadratic(ratio, *reading.fit)
     status[np.isnan(ratio)] = NO_SIGNAL
     status[saturated] = SATURATED
     status[np.isnan(signals).any(axis=0)] = MISSING
     return np.where(np.isin(status, WITH_VALUE), temperature, np.nan), status
 
 
-def read_corrected(
-    signals,
-    corrected,
-    uncertainty,
-    injected,
-    saturated,
-    slope,
-    coefficient,
-    fit_range,
-    instrument_range,
-    detection_level,
-    least_share,
-):
+def read_corrected(reading, signals, corrected, uncertainty, injected, saturated):
     """Temperature from the corrected signals, and why there is none.
 
     Parameters
     ----------
+    reading : Reading
     signals, corrected, uncertainty : (2, t) arrays [A]
         Measured signals, corrected ones, and the uncertainty of these.
     injected, saturated : (t,) bool arrays
-    slope : float [1], as in `read_measured`
-    coefficient : (3,) array [1]
-    fit_range, instrument_range : (2,) arrays [K]
-    detection_level : float [1]
-        A corrected signal of fewer uncertainties than this is no signal.
-    least_share : float [1]
-        A corrected signal that is a smaller share of the measured one is dominated by the gas.
 
     Returns
     -------
@@ -99,11 +78,11 @@ def read_corrected(
     -----
     Source: Fagnani et al., eqs. 6 and 13, sec. 5.2.
     """
-    detected = (corrected > detection_level * uncertainty).all(axis=0)
-    ratio = np.where(detected, signal_ratio(*corrected), np.nan) / slope
-    temperature, status = invert_quadratic(ratio, coefficient, fit_range, instrument_range)
+    detected = (corrected > reading.detection_level * uncertainty).all(axis=0)
+    ratio = np.where(detected, signal_ratio(*corrected), np.nan) / reading.slope
+    temperature, status = invert_quadratic(ratio, *reading.fit)
     share = np.where(detected, corrected, np.nan) / signals
-    status[(share < least_share).any(axis=0) & np.isfinite(temperature)] = GAS_DOMINATED
+    status[(share < reading.least_surface_share).any(axis=0) & np.isfinite(temperature)] = GAS_DOMINATED
     status[~detected] = NO_SIGNAL
     status[saturated] = SATURATED
     status[np.isnan(corrected).any(axis=0)] = MISSING
@@ -113,20 +92,26 @@ def read_corrected(
 
 @dataclass(frozen=True)
 class Reading:
-    """How the paper's method reads a temperature from two signals: curve of the calibration and limits."""
+    """How the paper's method reads a temperature from two signals: curve of the calibration and limits.
+
+    The ratio is divided by `slope`, the emittance of the surface in the wide band over that in the narrow
+    one. A corrected signal of fewer uncertainties than `detection_level` is no signal; one that is a smaller
+    share of the measured one than `least_surface_share` is dominated by the gas.
+    """
 
     coefficient: np.ndarray  # (3,) of the quadratic fit of the ratio
     fit_range: np.ndarray  # (2,) [K]
     instrument_range: np.ndarray  # (2,) [K]
-    slope: float  # [1] emittance in the wide band over that in the narrow one
+    slope: float  # [1]
     signal_uncertainty: float  # [1] relative, of one signal
     gas_variation: float  # [1] relative, of the gas about the reference
     detection_level: float  # [1]
     least_surface_share: float  # [1]
     covariance: np.ndarray | None = None  # (3, 3) of the fit
+    slope_uncertainty: float = 0.0  # [1] absolute
 
     @classmethod
-    def of(cls, calibration, slope, **limits):
+    def of(cls, calibration, slope, **more):
         """From a dataset of the contract 'calibration' and the fields after `slope` by name.
 
         Raises
@@ -136,7 +121,7 @@ class Reading:
         """
         fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
         require_rising(*fit)
-        return cls(*fit, slope, **limits, covariance=calibration["fit_covariance"].values)
+        return cls(*fit, slope, **more, covariance=calibration["fit_covariance"].values)
 
     @property
     def fit(self):
@@ -168,27 +153,14 @@ class Reading:
         uncertainty = corrected_signal_uncertainty(
             signals, reference, reference_uncertainty, shining, self.signal_uncertainty, self.gas_variation
         )
-        limits = self.detection_level, self.least_surface_share
-        temperature, status = read_corrected(
-            signals, corrected, uncertainty, injected, saturated, self.slope, *self.fit, *limits
+        return (
+            corrected,
+            uncertainty,
+            *read_corrected(self, signals, corrected, uncertainty, injected, saturated),
         )
-        return corrected, uncertainty, temperature, status
 
 
-def temperature_uncertainty(
-    signals,
-    gas,
-    gas_uncertainty,
-    slope,
-    slope_uncertainty,
-    coefficient,
-    covariance,
-    fit_range,
-    signal_uncertainty,
-    gas_variation,
-    draws,
-    generator,
-):
+def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, generator):
     """Standard uncertainty of a temperature read from two signals less those of the gas.
 
     Every draw takes its own calibration, its own level of the gas (common to both bands: the gas
@@ -196,13 +168,10 @@ def temperature_uncertainty(
 
     Parameters
     ----------
+    reading : Reading, with the covariance of its fit
     signals : (2, t) array [A], measured
     gas : (2, t) array [A], reference signals, 0 where nothing is taken away
     gas_uncertainty : (2, t) array [A], of the reference mean
-    slope, slope_uncertainty : float [1], as in `read_measured`; the uncertainty is absolute
-    coefficient, covariance : (3,), (3, 3) arrays [1]
-    fit_range : (2,) array [K]
-    signal_uncertainty, gas_variation : float [1], relative
     draws : int
     generator : numpy Generator
 
@@ -217,23 +186,25 @@ def temperature_uncertainty(
     Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the
     variation of the gas is an input; the paper assumes none.
     """
-    fits = generator.multivariate_normal(coefficient, covariance, size=draws)[:, None, :]
-    level = gas_variation * generator.standard_normal((draws, 1))
+    fits = generator.multivariate_normal(reading.coefficient, reading.covariance, size=draws)[:, None, :]
+    level = reading.gas_variation * generator.standard_normal((draws, 1))
     offset = generator.standard_normal((2, draws, 1))
-    if slope_uncertainty > 0:
-        slope = np.maximum(slope + slope_uncertainty * generator.standard_normal((draws, 1)), LEAST_SLOPE)
+    slope = reading.slope
+    if reading.slope_uncertainty > 0:
+        slope = slope + reading.slope_uncertainty * generator.standard_normal((draws, 1))
+        slope = np.maximum(slope, LEAST_SLOPE)
     result = np.full(signals.shape[1], np.nan)
     for first in range(0, signals.shape[1], BLOCK):
         step(f"{draws} draws of each sample, from sample", first, signals.shape[1])
         part = slice(first, first + BLOCK)
         noise = generator.standard_normal((2, draws, signals[0, part].size))
         wide, narrow = (
-            signals[band, part] * (1 + signal_uncertainty * noise[band])
+            signals[band, part] * (1 + reading.signal_uncertainty * noise[band])
             - gas[band, part] * (1 + level)
             - gas_uncertainty[band, part] * offset[band]
             for band in (0, 1)
         )
-        result[part] = spread(_ranked_temperature(wide / slope, narrow, fits, fit_range))
+        result[part] = spread(_ranked_temperature(wide / slope, narrow, fits, reading.fit_range))
     return result
 
 
@@ -245,19 +216,7 @@ def _ranked_temperature(wide, narrow, fits, fit_range):
     return np.where(lost, np.where(narrow <= 0, np.inf, -np.inf), temperature)
 
 
-def budget_of(
-    signals,
-    gas,
-    gas_uncertainty,
-    slope,
-    slope_uncertainty,
-    coefficient,
-    covariance,
-    fit_range,
-    signal_uncertainty,
-    gas_variation,
-    monte_carlo=None,
-):
+def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
     r"""What each input adds to the uncertainty of a temperature read from two signals less those of the gas.
 
     .. math:: T = H_c^{-1}\!\left(\frac{S_1 - g\,G_1 - o_1}{(S_2 - g\,G_2 - o_2)\,s}\right)
@@ -266,7 +225,7 @@ def budget_of(
 
     Parameters
     ----------
-    signals, ..., gas_variation : as of `temperature_uncertainty`
+    reading, signals, gas, gas_uncertainty : as of `temperature_uncertainty`
     monte_carlo : (t,) array [K], optional
         What that gives; where it exceeds the linear uncertainty by more than a tenth, all contributions grow
         in proportion.
@@ -283,13 +242,16 @@ def budget_of(
 
     def read(wide=0.0, narrow=0.0, level=0.0, means=(0.0, 0.0), tilt=0.0, moved=0.0):
         pair = [
-            row * (1 + signal_uncertainty * error) - own * (1 + gas_variation * level) - spread_ * mean
+            row * (1 + reading.signal_uncertainty * error)
+            - own * (1 + reading.gas_variation * level)
+            - spread_ * mean
             for row, own, spread_, error, mean in zip(
                 signals, gas, gas_uncertainty, (wide, narrow), means, strict=True
             )
         ]
-        ratio = signal_ratio(*pair) / max(slope + slope_uncertainty * tilt, LEAST_SLOPE)
-        found = invert_quadratic_freely(ratio, coefficient + moved, fit_range)
+        slope = max(reading.slope + reading.slope_uncertainty * tilt, LEAST_SLOPE)
+        ratio = signal_ratio(*pair) / slope
+        found = invert_quadratic_freely(ratio, reading.coefficient + moved, reading.fit_range)
         return np.where(np.isfinite(found), found, np.nan)
 
     def by(**error):
@@ -299,24 +261,29 @@ def budget_of(
         ]
         return (ends[0] - ends[1]) / (2 * STEP)
 
-    values, vectors = np.linalg.eigh(covariance)
+    values, vectors = np.linalg.eigh(reading.covariance)
     of_curve = [
         by(moved=np.sqrt(max(value, 0.0)) * row) for value, row in zip(values, vectors.T, strict=True)
     ]
     means = [float(row.max()) for row in gas_uncertainty]
+    one, varied = reading.signal_uncertainty, reading.gas_variation
     found = [
-        Input("signal of the wide band", "noise", by(wide=1.0), signal_uncertainty, "1"),
-        Input("signal of the narrow band", "noise", by(narrow=1.0), signal_uncertainty, "1"),
+        Input("signal of the wide band", "noise", by(wide=1.0), one, "1"),
+        Input("signal of the narrow band", "noise", by(narrow=1.0), one, "1"),
         Input("mean of the reference, wide band", "gas", by(means=(1.0, 0.0)), means[0], "A"),
         Input("mean of the reference, narrow band", "gas", by(means=(0.0, 1.0)), means[1], "A"),
-        Input("brightness of the gas since the reference", "gas", by(level=1.0), gas_variation, "1"),
+        Input("brightness of the gas since the reference", "gas", by(level=1.0), varied, "1"),
         Input(
             "calibration curve (its source and its signals)",
             "calibration",
             np.sqrt(sum(np.square(of_curve))),
         ),
         Input(
-            "emittance of the wide over the narrow band", "emittance", by(tilt=1.0), slope_uncertainty, "1"
+            "emittance of the wide over the narrow band",
+            "emittance",
+            by(tilt=1.0),
+            reading.slope_uncertainty,
+            "1",
         ),
     ]
     if monte_carlo is None:

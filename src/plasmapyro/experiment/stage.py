@@ -75,28 +75,17 @@ def correct_pyrometer(
         gas_variation=gas_variation,
         detection_level=detection_level,
         least_surface_share=least_surface_share,
+        slope_uncertainty=record.emittance_slope_uncertainty,
     )
     corrected, uncertainty, corrected_temperature, corrected_status = reading.corrected(
         raw, reference, reference_uncertainty, injected, shining, saturated
     )
-    measured_temperature, measured_status = correction.read_measured(
-        raw, saturated, record.emittance_slope, *reading.fit
-    )
-
-    known = (
-        record.emittance_slope,
-        record.emittance_slope_uncertainty,
-        reading.coefficient,
-        calibration.fit_covariance.values,
-        reading.fit_range,
-        signal_uncertainty,
-        gas_variation,
-    )
+    measured_temperature, measured_status = correction.read_measured(reading, raw, saturated)
 
     def monte_carlo(gas, gas_uncertainty, temperature, stream):
         generator = np.random.default_rng([seed, stream])
         spread_of_draws = correction.temperature_uncertainty(
-            raw, gas, gas_uncertainty, *known, draws, generator
+            reading, raw, gas, gas_uncertainty, draws, generator
         )
         return np.where(np.isfinite(temperature), spread_of_draws, np.nan)
 
@@ -130,7 +119,7 @@ def correct_pyrometer(
             ),
             "instrument_range": calibration.instrument_range,
             "fit_range": calibration.fit_range,
-            **budget.variables(correction.budget_of(raw, *taken, *known, corrected_uncertainty)),
+            **budget.variables(correction.budget_of(reading, raw, *taken, corrected_uncertainty)),
         },
         {"time": test.time.values, "band": list(BANDS)},
         carried(test) | _window_attributes("pyrometer", record, bands.time, sound),

@@ -1,5 +1,7 @@
 """Surface temperatures of a test: of the paper, of the base model, of the extended model."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded
@@ -217,10 +219,9 @@ def _paper(findings):
                 instrument.value, instrument.time, record, reading, reference
             )
             taken = [np.where(record.phases(instrument.time)[1], row[:, None], 0.0) for row in reference]
-            slopes = record.emittance_slope, record.emittance_slope_uncertainty
-            known = reading.coefficient, reading.covariance, reading.fit_range
-            limits = reading.signal_uncertainty, reading.gas_variation
-            inputs = budget_of(instrument.value.T, *taken, *slopes, *known, *limits)
+            own = record.emittance_slope, record.emittance_slope_uncertainty
+            sloped = replace(reading, slope=own[0], slope_uncertainty=own[1])
+            inputs = budget_of(sloped, instrument.value.T, *taken)
             blank = np.full(times.size, np.nan)
             return kelvin, state, [_placed(one, blank, places) for one in inputs]
     return kelvin, state, []
