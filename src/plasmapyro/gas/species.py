@@ -86,17 +86,14 @@ MASS = (
 CARBON = ("CN", "C2", "C", "C+")
 """Species that radiate where an ablating wall gives off carbon; never in the equilibrium of air."""
 
-CARBON_NEUTRALS = CARBON[:3]
-CARBON_IONS = CARBON[3:]
-
 ARGON = ("Ar", "Ar+")
 """Species of the trace that a condition may ask for (`gas.argon`)."""
 
 TRACES = CARBON + ARGON
 """Species that a path may hold beside the eleven."""
 
-TRACE_NEUTRALS = (*CARBON_NEUTRALS, "Ar")
-TRACE_IONS = (*CARBON_IONS, "Ar+")
+TRACE_NEUTRALS = ("CN", "C2", "C", "Ar")
+TRACE_IONS = ("C+", "Ar+")
 
 ATOMIC_WEIGHT_CARBON = 12.011
 ATOMIC_WEIGHT_ARGON = 39.948
