@@ -152,6 +152,11 @@ def test_the_example_described_anew_is_read_as_before(tmp_path, capsys):
     assert guessed.attrs["plasma_off_time"] == pytest.approx(50, abs=0.5)  # the plateau ends at 50 s
     assert guessed.attrs["reference_window"][1] < 6.5  # the surface begins to shine at 6 s
     assert cli.main(["check", str(place)]) == 0
+    marked = (place / "test.yaml").read_text().count("  # ?")
+    assert f"{marked} guesses of `init` are still marked" in capsys.readouterr().out and marked > 5
+    (place / "test.yaml").write_text((place / "test.yaml").read_text().replace("  # ?", "  #"))
+    assert cli.main(["check", str(place)]) == 0
+    assert "guesses" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00\x01\x02", b"hello\n", b"1;2;3\n4;5;6\n", b"a;b\nx;y\n"])

@@ -1,6 +1,7 @@
 """`plasmapyro check`: everything that is wrong with a data folder, at once."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -59,7 +60,19 @@ def run(options):
         progress.warn(finding.words)
     if failed:
         raise failed
-    sys.stdout.write("\n".join([f"{options.test}: can be processed", *contents(test)]) + "\n")
+    lines = [
+        f"{options.test}: can be processed",
+        *contents(test),
+        *_guesses(Path(options.test) / "test.yaml"),
+    ]
+    sys.stdout.write("\n".join(lines) + "\n")
+
+
+def _guesses(description):
+    """A line that says how many guesses of `init` nobody has looked at, if there are any."""
+    text = description.read_text(encoding="utf-8-sig") if description.is_file() else ""
+    count = sum("  # ?" in line for line in text.splitlines())
+    return [f"  test.yaml: {count} guesses of `init` are still marked '# ?'"] * bool(count)
 
 
 def checked(place, instrument=None):
