@@ -8,7 +8,7 @@ from plasmapyro import contracts
 from plasmapyro.instrument import raw_counts, spectrometer
 from plasmapyro.instrument.line_lamp import find_lines, lamp_lines
 from plasmapyro.instrument.shape import compare, planck_shape
-from plasmapyro.instrument.stage import exposure_calibration
+from plasmapyro.instrument.stage import calibrate_exposures
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
@@ -74,8 +74,16 @@ SETTINGS = {
 }
 
 
+def calibrated(data, **changes):
+    """Calibration with the settings, or others; what is None is not stated."""
+    settings = SETTINGS | changes
+    run = {name: settings.pop(name) for name in ("saturation_counts", "least_net_counts", "noise_block")}
+    stated = {name: value for name, value in settings.items() if value is not None}
+    return calibrate_exposures(data.assign_attrs(stated), **run)
+
+
 def test_linearity_dark_and_exposures_are_undone():
-    found = exposure_calibration(exposures(noise=1e-6), **SETTINGS)
+    found = calibrated(exposures(noise=1e-6))
     contracts.check(contracts.label(found, "spectrometer_calibration"), "spectrometer_calibration")
     lit = found.pixel_status.values == spectrometer.USABLE
     assert lit.sum() > 800
@@ -90,9 +98,9 @@ def test_linearity_dark_and_exposures_are_undone():
 
 def test_a_dark_current_that_drifts_is_measured_from_its_pattern():
     data = exposures(drift=(0.92, 1.05), noise=2.0)
-    found = exposure_calibration(data, **SETTINGS)
+    found = calibrated(data)
     np.testing.assert_allclose(found.dark_scale, [0.92, 1.05], atol=0.03)
-    plain = exposure_calibration(data, **SETTINGS | {"dim_range": None})
+    plain = calibrated(data, **{"dim_range": None})
     band = (WAVELENGTH > 350e-9) & (WAVELENGTH < 420e-9) & (found.pixel_status.values == 0)
     wrong = [np.median(np.abs(c.calibration_factor.values * GAIN - 1)[band]) for c in (found, plain)]
     assert wrong[0] < 0.5 * wrong[1]
@@ -102,16 +110,16 @@ def test_saturated_pixels_come_from_the_short_exposure():
     data = exposures(times=(0.2, 4.0), noise=1e-6)
     clipped = data.exposure_counts.values[1] >= 63000
     assert clipped.sum() > 100
-    found = exposure_calibration(data, **SETTINGS)
+    found = calibrated(data)
     good = clipped & (found.pixel_status.values == 0)
     assert good.sum() > 100
     np.testing.assert_allclose(found.calibration_factor.values[good], 1 / GAIN[good], rtol=DARK_RTOL)
-    alone = exposure_calibration(data.isel(exposure=[1]), **SETTINGS)
+    alone = calibrated(data.isel(exposure=[1]))
     assert (alone.pixel_status.values[clipped] == spectrometer.SATURATED).all()
 
 
 def test_hot_and_masked_pixels_are_flagged():
-    found = exposure_calibration(exposures(noise=1e-6), **SETTINGS)
+    found = calibrated(exposures(noise=1e-6))
     assert (found.pixel_status.values[[400, 700, 900]] == spectrometer.HOT).all()
     assert (found.pixel_status.values[MASKED] == spectrometer.MASKED).all()
     assert (found.pixel_status.values == spectrometer.HOT).sum() == 3
@@ -121,13 +129,13 @@ def test_a_filter_before_the_source_divides_out():
     data = exposures(noise=1e-6)
     filtered = data.copy(deep=True)
     filtered["source_radiance"] = data.source_radiance * 10
-    found = exposure_calibration(filtered, **SETTINGS | {"transmittance": 0.1})
-    direct = exposure_calibration(data, **SETTINGS)
+    found = calibrated(filtered, **{"transmittance": 0.1})
+    direct = calibrated(data)
     np.testing.assert_allclose(found.calibration_factor, direct.calibration_factor, rtol=FLOAT_RTOL)
 
 
 def test_uncertainty_has_a_part_per_pixel_and_a_common_one():
-    found = exposure_calibration(exposures(noise=5.0), **SETTINGS)
+    found = calibrated(exposures(noise=5.0))
     lit = (found.pixel_status.values == 0) & (WAVELENGTH > 500e-9) & (WAVELENGTH < 900e-9)
     error = (found.calibration_factor.values * GAIN - 1)[lit] / found.calibration_factor_uncertainty.values[
         lit
@@ -169,7 +177,7 @@ def test_no_usable_pixel_is_refused_with_the_reasons():
     data = exposures()
     data["exposure_counts"] = data.exposure_counts * 0 + 64000.0
     with pytest.raises(ValueError, match="no usable pixel.*saturated"):
-        exposure_calibration(data, **SETTINGS | {"dim_range": None})
+        calibrated(data, **{"dim_range": None})
 
 
 def test_certificate_is_interpolated_as_a_planckian():

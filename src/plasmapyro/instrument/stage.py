@@ -305,53 +305,6 @@ def spectrometer_calibration(
 
 
 def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise_block, fit_range=None):
-    """`exposure_calibration` with the facts of the detector that a calibration folder states.
-
-    Parameters
-    ----------
-    exposures : Dataset, contract 'spectrometer_exposures'
-        With the attributes `linearity_coefficients`, `linearity_uncertainty`, `hot_threshold`,
-        `transmittance` and perhaps `masked_pixels`, `dim_range` [m], `saturation_counts`.
-    saturation_counts : float [count]
-        Where the exposures state none.
-    least_net_counts : float [count]
-    noise_block : int
-    fit_range : (2,) floats [m], optional
-
-    Returns
-    -------
-    Dataset, contract 'spectrometer_calibration'
-    """
-    facts = exposures.attrs
-    return exposure_calibration(
-        exposures,
-        linearity_coefficients=np.atleast_1d(facts["linearity_coefficients"]),
-        linearity_uncertainty=float(facts["linearity_uncertainty"]),
-        masked_pixels=np.atleast_1d(facts.get("masked_pixels", np.array([], dtype=int))),
-        dim_range=facts.get("dim_range"),
-        saturation_counts=float(facts.get("saturation_counts", saturation_counts)),
-        hot_threshold=float(facts["hot_threshold"]),
-        least_net_counts=least_net_counts,
-        transmittance=float(facts["transmittance"]),
-        noise_block=noise_block,
-        fit_range=fit_range,
-    )
-
-
-def exposure_calibration(
-    exposures,
-    *,
-    linearity_coefficients,
-    linearity_uncertainty,
-    masked_pixels,
-    dim_range,
-    saturation_counts,
-    hot_threshold,
-    least_net_counts,
-    transmittance,
-    noise_block,
-    fit_range=None,
-):
     r"""Calibration factor of a spectrometer from raw exposures of a certified source.
 
     .. math:: f_\lambda = \tau_\lambda L^{source}_\lambda / \bar r_\lambda
@@ -361,23 +314,18 @@ def exposure_calibration(
     Parameters
     ----------
     exposures : Dataset, contract 'spectrometer_exposures'
-    linearity_coefficients : (K,) floats [count^-k]
-        See `raw_counts.linear_signal`; (1,) for a linear detector.
-    linearity_uncertainty : float [1]
-        Relative standard uncertainty left after that.
-    masked_pixels : indices
-        Pixels that no light reaches and that settle after the bright ones; negative from the end.
-    dim_range : (2,) floats [m], or None
-        Wavelengths at which the source is dark enough to see the pattern of the dark current; None takes
-        each dark as it is.
+        With the facts of the detector that a calibration folder states, as attributes:
+        `linearity_coefficients` (K,) [count^-k], see `raw_counts.linear_signal`, (1,) for a linear detector;
+        `linearity_uncertainty` [1], relative and standard, left after that; `hot_threshold` [1], standard
+        deviations by which a hot pixel exceeds its neighbours in the dark; `transmittance` [1] of what stood
+        before the source and will not stand before the test; perhaps `masked_pixels`, indices (negative from
+        the end) that no light reaches and that settle after the bright ones; `dim_range` (2,) [m], where the
+        source is dark enough to see the pattern of the dark current (without it each dark is taken as it
+        is); `saturation_counts` [count].
     saturation_counts : float [count]
-        Raw counts from here on are saturated.
-    hot_threshold : float [1]
-        Standard deviations by which a hot pixel exceeds its neighbours in the dark.
+        Raw counts from here on are saturated, where the exposures state none.
     least_net_counts : float [count]
         Net counts up to here are no signal.
-    transmittance : float or (W,) array [1]
-        Of what stood before the source and will not stand before the test: neutral-density filter, window.
     noise_block : int
         Pixels per noise estimate.
     fit_range : (2,) floats [m], optional
@@ -399,6 +347,11 @@ def exposure_calibration(
     Source: Fagnani et al., eq. 9. Deviation: the paper subtracts one background and takes counts as
     linear; the dark's scale, linearity and several exposures are ours.
     """
+    facts = exposures.attrs
+    linearity_coefficients = np.atleast_1d(facts["linearity_coefficients"])
+    masked_pixels = np.atleast_1d(facts.get("masked_pixels", np.array([], dtype=int)))
+    dim_range, transmittance = facts.get("dim_range"), float(facts["transmittance"])
+    saturation_counts = float(facts.get("saturation_counts", saturation_counts))
     wavelength = increasing("wavelength", exposures.wavelength.values, "m")
     counts, dark = exposures.exposure_counts.values, exposures.exposure_dark.values
     times = positive("exposure_time", exposures.exposure_time.values, "s")
@@ -419,7 +372,7 @@ def exposure_calibration(
     status = spectrometer.pixel_status(counts, dark, saturation_counts, -np.inf)
     weak = (status == spectrometer.USABLE) & ~(rates * times[:, None] > least_net_counts)
     status[weak] = spectrometer.NO_SIGNAL
-    hot = np.stack([raw_counts.hot_pixels(black, hot_threshold) for black in dark])
+    hot = np.stack([raw_counts.hot_pixels(black, float(facts["hot_threshold"])) for black in dark])
     status[hot & (status == spectrometer.USABLE)] = spectrometer.HOT
     status[:, np.asarray(masked_pixels, dtype=int)] = spectrometer.MASKED
     source = np.asarray(exposures.source_radiance.values, dtype=float)
@@ -437,7 +390,8 @@ def exposure_calibration(
         raise ValueError(f"no usable pixel in the spectrometer calibration: {counted}")
     drift = np.min(np.where(usable, commons, np.inf), axis=0)
     source_uncertainty = exposures.source_radiance_uncertainty.values
-    common = np.sqrt(source_uncertainty**2 + linearity_uncertainty**2 + (drift / rate) ** 2)
+    linearity = float(facts["linearity_uncertainty"])
+    common = np.sqrt(source_uncertainty**2 + linearity**2 + (drift / rate) ** 2)
     lit = pixel == spectrometer.USABLE
     seen = planck_shape(wavelength, np.where(lit, source, np.nan), (wavelength[0], wavelength[-1]))
     middle = np.flatnonzero(lit)[lit.sum() // 2]

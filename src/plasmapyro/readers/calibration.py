@@ -161,7 +161,7 @@ def read_exposures(folder):
     -------
     Dataset, contract 'spectrometer_exposures'
         Attributes: `linearity_coefficients`, `linearity_uncertainty`, `masked_pixels`, `dim_range` [m],
-        `hot_threshold`, `transmittance` and, where stated, `saturation_counts`: as in `exposure_calibration`.
+        `hot_threshold`, `transmittance` and, where stated, `saturation_counts`: as in `calibrate_exposures`.
 
     Raises
     ------
