@@ -247,12 +247,13 @@ def grid(start, off, end):
     parts = [
         np.arange(start, 0, 1.0),
         [-1e-6],
-        np.arange(0, 3, 0.1),
-        np.arange(3, 30, 0.5),
+        np.arange(0, 3, 0.05),
+        np.arange(3, 12, 0.1),  # light between the times is taken as linear: 1e-4 of it
+        np.arange(12, 30, 0.25),
         np.arange(30, off, 1.5),
         [off - 1e-6],
-        off + np.arange(0, 3, 0.1),
-        np.arange(off + 3, end, 0.5),
+        off + np.arange(0, 12, 0.1),
+        np.arange(off + 12, end, 0.25),
         [end],
     ]
     return np.unique(np.concatenate(parts))
