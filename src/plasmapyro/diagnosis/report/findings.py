@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag, cho_solve
 from scipy.stats import chi2
 
 from plasmapyro.diagnosis.fit.base import Base
@@ -19,7 +20,8 @@ from plasmapyro.diagnosis.select.unknowns import Unknowns
 from plasmapyro.diagnosis.simulation.compare import SYSTEM, Comparison
 from plasmapyro.experiment.correction import Reading
 
-LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it
+LARGEST_MISFIT = 1.25  # chi-squared per number beyond which no effect is judged, if nothing explains it,
+BY_CHANCE = 5.0  # and standard deviations of it by which it must exceed 1
 BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
 EVEN = 0.5  # probability of nothing beyond which no extension is applied
 OF_GAS = "gas"  # row of the table of stated probabilities where the gas alone has a name
@@ -69,18 +71,21 @@ class Findings:
         """Knots and parameters, which come before the numbers of effects in a covariance."""
         return self.model.size + len(self.model.parameters)
 
-    @property
+    @cached_property
     def fitted(self):
-        """Numbers that a fit without effects takes from the data: knots, parameters, light of the gas.
+        r"""Numbers that a fit without effects takes from the data and not from priors, about.
 
-        How a radiometer's bands wander and an emissivity bends is held by priors: few bands tell less.
+        .. math:: K - \mathrm{tr}(P M^{-1})
+
+        of K numbers with the inverse covariance P before and M after the data.
+
+        Notes
+        -----
+        Source: D. J. Spiegelhalter et al., J. R. Stat. Soc. B 64 (2002) 583, for normal laws.
         """
-        free = sum(int(np.count_nonzero(one.gas_error)) for one in self.model.instruments)
-        pairs = zip(self.model.instruments, self.model.persistent, strict=True)
-        held = [len(errors.parameters) for one, errors in pairs if one.known is not None]
-        if held:
-            held.append(sum(one.id.startswith(("course_", "edge_")) for one in self.model.own))
-        return self.size + free - sum(held)
+        fitter, factor = self.base.fitter, self.base.solution.factor
+        prior = block_diag(fitter.prior(()), np.diag(fitter.pattern_prior))
+        return float(len(prior) - np.trace(cho_solve(factor, prior)))
 
     @property
     def applied(self):
@@ -139,10 +144,11 @@ class Findings:
     def misfit(self):
         """Why the base model is not adequate, or ''."""
         last = self.final
-        misfit = last.objective / max(last.count - self.fitted, 1)
+        misfit = last.objective / last.count
         if not last.converged:
             return "The fit did not converge."
-        if self.selection.status == "null" and misfit > LARGEST_MISFIT:
+        chance = 1 + BY_CHANCE * np.sqrt(2 / last.count)
+        if self.selection.status == "null" and misfit > max(LARGEST_MISFIT, chance):
             return f"Chi-squared per number stays at {misfit:.2f} although nothing explains it."
         return ""
 

@@ -23,7 +23,7 @@ def posterior(findings):
     """
     model, fit = findings.model, findings.final if findings.applied else findings.base.solution
     after, before, at_hand = posterior_of(model, fit), prior_of(model), stated(model)
-    misfit = max(fit.objective / max(fit.count - findings.fitted, 1), 1.0)
+    misfit = max(fit.objective / fit.count, 1.0)
     after_gas = before_gas = None
     if POWER in at_hand:
         change, error = findings.comparison.power

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import expit
 
 from plasmapyro.diagnosis.fit.inference import log_evidence
+from plasmapyro.diagnosis.fit.noise import period_of
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
 from plasmapyro.diagnosis.report.extended import extension, worth
@@ -130,11 +131,13 @@ def _noise(base):
         rows.append(
             {
                 "channel": f"gas flicker ({instrument.kind})",
-                "relative": float(np.sqrt(law.flicker)),
+                "relative": float(np.sqrt(law.flicker.total)),
                 "constant": 0.0,
                 "linear": 0.0,
-                "quadratic": float(law.flicker),
-                "lag1": float(law.flicker_memory),
+                "quadratic": law.flicker.total,
+                "lag1": 1 - float(law.flicker.between(period_of(instrument))) / law.flicker.total
+                if law.flicker.total
+                else 0.0,
                 "tail": 1.0,
                 "unit": "1",
             }

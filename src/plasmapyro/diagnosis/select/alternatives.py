@@ -8,6 +8,7 @@ from plasmapyro.diagnosis.select.search import setting_of
 
 PAIRS = 3  # of effects, fitted from the start, of those
 NEARLY = 0.95  # that promise as much of what the best pair does
+CLEARER = 3.0  # log odds of a window that takes a deposit against one that grows clearer
 OTHER = {"winD": "winE", "winE": "winD", "winD_sl": "winE_sl", "winE_sl": "winD_sl"}
 
 
@@ -70,7 +71,7 @@ def _worth(search, step, unknown):
 
 def by_other_window(search, steps):
     """Rounds that end with a loss of the other window where one was found to grow clearer, if that explains
-    as much: beside a change of the emittance the two are each other's opposite.
+    nearly as much: beside a change of the emittance the two are each other's opposite.
     """
     last = steps[-1]
     for place, one in enumerate(last.settings):
@@ -80,6 +81,6 @@ def by_other_window(search, steps):
         settings = list(last.settings)
         settings[place] = Setting(other, -one.amplitude, one.shape)
         fit = search.fit(last.solution, tuple(settings))
-        if search.evidence(fit) > search.evidence(last.solution):
+        if search.evidence(fit) > search.evidence(last.solution) - CLEARER:
             return [*steps[:-1], search.look(search.pruned(fit))]
     return steps

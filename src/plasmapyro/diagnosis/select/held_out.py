@@ -13,10 +13,15 @@ BLOCKS = (  # shares of the exposure: dense where the sample heats
     (0.01, 0.03),
     (0.04, 0.06),
     (0.08, 0.107),
+    (0.107, 0.133),
     (0.133, 0.173),
+    (0.173, 0.213),
     (0.213, 0.28),
+    (0.28, 0.36),
     (0.36, 0.467),
+    (0.467, 0.6),
     (0.6, 0.733),
+    (0.733, 0.84),
     (0.84, 0.967),
 )
 AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
@@ -42,8 +47,8 @@ class Gain:
 
     @property
     def worsens(self):
-        """Whether held-out data speak against the effects: no name stands that they make improbable."""
-        return self.total < -max(ENOUGH, self.standard_error)
+        """Whether held-out data speak against the effects: no name stands that they make less probable."""
+        return self.total < 0
 
 
 def blocks_of(start, off, end):
@@ -56,7 +61,8 @@ def blocks_of(start, off, end):
         Of the record, and the end of the plasma.
     """
     rows = np.concatenate([during(BLOCKS, off), afterwards(AFTER_BLOCKS, off, end)])
-    before = [(start, 0.0)] if start < 0 else []
+    # In halves: the gas before the injection is known from nothing but the other half.
+    before = [(start, start / 2), (start / 2, 0.0)] if start < 0 else []
     return [*before, *((float(a), float(b)) for a, b in rows if a < end and b > a)]
 
 

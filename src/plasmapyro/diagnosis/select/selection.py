@@ -12,6 +12,7 @@ from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
+from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
 
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
@@ -34,15 +35,20 @@ class Selection:
     evidence: float = 0.0  # log Bayes factor of the final over the base fit
 
     def unnamed(self):
-        """The same without names: something is wrong, and the effects found are not what it is."""
-        first = self.steps[0]
+        """The same without names: something is wrong, and the effects found are not what it is; or nothing
+        is, if they are little more than chance may reach and no structure is there either."""
+        first, limits, unknown = self.steps[0], self.thresholds, self.unknown_class
+        if unknown is None and first.unknown.max() > limits.unknown:
+            unknown = first.structure
+        elif unknown is None and np.max(first.gains, initial=0.0) > limits.third:
+            unknown = _likeliest(first, {one for setting in self.final.settings for one in _seers(setting)})
         return replace(
             self,
             steps=(first,),
             final=first.solution,
             sets=(),
-            status="unknown",
-            unknown_class=self.unknown_class or first.structure,
+            status="unknown" if unknown else "null",
+            unknown_class=unknown,
             reserve="",
             evidence=0.0,
         )
@@ -96,6 +102,19 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         doubt,
         search.evidence(final) - search.evidence(first.solution),
     )
+
+
+def _seers(setting):
+    """Kinds of the instruments that see an effect, as of structures: "both" for an effect that all see."""
+    kinds = setting.effect.instruments
+    return kinds if len(kinds) == 1 else (*kinds, "both")
+
+
+def _likeliest(step, instruments):
+    """The most likely structure in the data of some instruments, or of all if there is none."""
+    order = np.argsort(-step.unknown)
+    mine = [i for i in order if seen_by(step.screen.structures[i].id)["instrument"] in instruments]
+    return step.screen.structures[(mine or order)[0]].id
 
 
 def _likelier(search, first, last):
