@@ -18,6 +18,7 @@ from small_laboratory import (
     SLIT_FWHM,
     black_body,
     error_modes,
+    flicker_of,
     gas_components,
     temperature_of,
 )
@@ -148,6 +149,9 @@ def record(axis, response):
         end=150.0,
         off=OFF,
         rise_time=12.0,
+        height=1150.0,
+        drop=0.0,
+        flicker=0.0,
         period=0.5,
         frame=1.0,
     ):
@@ -159,11 +163,10 @@ def record(axis, response):
 
         def light(wavelength, gas, moment):
             moment = moment[:, None]
-            surface = (
-                emittance * black_body(wavelength, temperature_of(moment, off, rise_time)) * (moment >= 0)
-            )
+            kelvin = temperature_of(moment, off, rise_time, height, drop)
+            surface = emittance * black_body(wavelength, kelvin) * (moment >= 0)
             scale = np.where(moment < 0, 1.6, (moment < off).astype(float))
-            return surface + scale * gas
+            return surface + scale * flicker_of(moment, flicker, np.random.default_rng([seed, 1])) * gas
 
         wavelength = response.wavelength.values
         inside = np.interp(wavelength, axis, plume)
@@ -175,11 +178,11 @@ def record(axis, response):
             ]
         )
         signals = signals * (1 + noise * 0.003 * random.standard_normal(signals.shape))
-        nodes = middle[:, None] + 0.45 * frame * np.array([-1, 0, 1]) * np.sqrt(3 / 5)
+        place, share = np.polynomial.legendre.leggauss(3 if frame < 5 else 16)
         seen = gas_components(pixels, power).sum(axis=0)
         spectra = sum(
-            share * light(pixels, seen, nodes[:, place])
-            for place, share in enumerate((5 / 18, 8 / 18, 5 / 18))
+            one / 2 * light(pixels, seen, middle + 0.45 * frame * at)
+            for at, one in zip(place, share, strict=True)
         )
         spectra = spectra * (1 - window_loss * np.clip(middle / off, 0, 1)[:, None])
         spectra = spectra * (1 + fringe * np.sin(2 * np.pi * 1.1e-4 / pixels))

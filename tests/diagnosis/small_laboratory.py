@@ -8,12 +8,23 @@ OFF = 120.0  # s
 FIT = (900.0, 1700.0)  # K, of the calibration points
 
 
-def temperature_of(time, off=OFF, rise_time=12.0):
-    rise = 350 + 1150 * -np.expm1(-np.maximum(time, 0) / rise_time)
-    top = 350 + 1150 * -np.expm1(-off / rise_time)
+def temperature_of(time, off=OFF, rise_time=12.0, height=1150.0, drop=0.0):
+    """Temperature [K]; `drop` [K s-1/2] at the end, as of a body that conducts badly, fading in 0.5 s."""
+    rise = 350 + height * -np.expm1(-np.maximum(time, 0) / rise_time)
+    top = 350 + height * -np.expm1(-off / rise_time)
     # radiative cooling: T^-3 grows linearly
-    fall = (top**-3.0 + 3e-12 * 4 * np.maximum(time - off, 0)) ** (-1 / 3)
+    after = np.maximum(time - off, 0)
+    fall = (top**-3.0 + 3e-12 * 4 * after) ** (-1 / 3) - drop * np.sqrt(after / (1 + 2 * after))
     return np.where(time < off, rise, fall)
+
+
+def flicker_of(time, size, random):
+    """Brightness (t,) of a gas that flickers as 1/f between 0.01 and 5 Hz, standard deviation `size`."""
+    axis = np.arange(-100.0, 300.0, 0.1)
+    frequency = np.fft.rfftfreq(axis.size, 0.1)
+    noise = random.normal(size=(2, frequency.size)) * np.where(frequency > 0.01, 1, 0)
+    value = np.fft.irfft((noise[0] + 1j * noise[1]) / np.sqrt(np.maximum(frequency, 0.01)), axis.size)
+    return 1 + size * np.interp(time, axis, value / value.std())
 
 
 H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23

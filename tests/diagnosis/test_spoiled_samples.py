@@ -101,9 +101,7 @@ def test_law_of_the_noise_survives_hits(random, share):
     sigma = np.sqrt(noise.sample_variance(*law, level, factor, pixels))
     sample = sigma * random.standard_normal(level.shape)
     sample[random.random(level.shape) < share] += 60.0
-    found = noise._fit_variance(
-        np.diff(sample, axis=0), (level[1:] + level[:-1]) / 2, factor, pixels, "spectrometer"
-    )
+    found = noise._fit_variance(np.diff(sample, axis=0), (level[1:] + level[:-1]) / 2, factor, pixels)
     fitted = noise.sample_variance(*found, level, factor, pixels)
     # Clipping at 4.5 and 60 000 differences: one per cent.
     assert np.median(fitted / sigma**2) == pytest.approx(1, abs=0.02)

@@ -9,7 +9,7 @@ from plasmapyro.record import flags
 LEAVE_OUT_BEFORE = 1.0  # [s] before injection, while the probe swings in
 LEAVE_OUT_AFTER_OFF = 0.25  # [s] while the plasma dies
 LONG = (400.0, 1600.0)  # [s] of a phase, beyond which bins are 4 and 16 times as long
-STEPS = ((20.0, 1.0), (60.0, 2.0), (100.0, 4.0))  # after injection: up to [s], bin [s]
+STEPS = ((5.0, 0.5), (20.0, 1.0), (60.0, 2.0), (100.0, 4.0))  # after injection: up to [s], bin [s]
 STEPS_OFF = ((3.0, 0.5), (12.0, 1.0), (40.0, 2.0))  # after the end of the plasma
 LAST_STEP, LAST_STEP_OFF, PRE_STEP = 8.0, 5.0, 4.0  # [s] from there to `LONG`
 SHORT = 30.0  # [s] of an exposure; all steps of a shorter one shrink with it

@@ -11,9 +11,10 @@ from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
 from plasmapyro.record import binning
 
-START_TIME, START_LEVEL = 14.0, 1550.0  # of the first guess of the temperature [s], [K]
+SLOW = 4.0  # [s]: flicker that lasts longer tells of the minutes
+START_TIME = 14.0  # [s] of the first guess of the temperature
 LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
-SEEN = 0.5  # [1], of the gas: light of the surface from which a temperature can be guessed
+SEEN, LEAST_SEEN = 0.2, 4  # [1], of the gas: light of the surface that tells a temperature, so many times
 
 
 @dataclass(frozen=True)
@@ -27,40 +28,51 @@ class Base:
 
 
 def guess_temperature(model):
-    """First temperatures of the knots (K,) [K], from the light of the last instrument less that of the gas.
+    """First temperatures of the knots (K,) [K], from the light of an instrument less that of the gas: of the
+    one that sees the surface most often.
 
-    Before the surface outshines half the gas, a parabola that starts at the first temperature of the model.
+    Before the surface outshines a part of the gas, a parabola that starts at the first temperature of the
+    model; where it never does, a rise to the temperature at which it would.
     """
-    history, which = model.history, len(model.instruments) - 1
-    one = model.instruments[which]
+    knots = model.history.knots
+    seen = [_seen(model, which) for which in range(len(model.instruments))]
+    (time, found), limit = max(seen, key=lambda one: one[0][0].size)
+    if time.size < LEAST_SEEN:
+        return INITIAL_TEMPERATURE + (limit - INITIAL_TEMPERATURE) * -np.expm1(
+            -np.maximum(knots, 0) / START_TIME
+        )
+    result = np.interp(knots, time, found)
+    early = knots < time[0]
+    result[early] = INITIAL_TEMPERATURE + (found[0] - INITIAL_TEMPERATURE) * (
+        1 - (1 - knots[early] / time[0]) ** 1.5
+    )
+    return np.clip(result, 300.0, MOST_GUESS)
+
+
+def _seen(model, which):
+    """Times and temperatures at which an instrument sees the surface, and that at which it begins to [K]."""
+    one, knots = model.instruments[which], model.history.knots
     share = 1.0 if one.factor is None else 1 / one.factor
     total = np.nansum(one.value * share, axis=1)
     total[~np.isfinite(one.value).all(axis=1)] = np.nan
     values = np.array([parameter.centre for parameter in model.parameters])
     middle = one.time
     burning = (middle > 0) & (middle < model.off)
-    gas = np.where(burning, _median(total[model.record.in_window(middle)]), 0.0)
+    reference = model.record.in_window(middle)
+    gas = _median(total[reference]) if reference.any() else np.nanmin(total[burning], initial=np.inf)
+    gas = np.where(burning, gas if np.isfinite(gas) else 0.0, 0.0)
     ladder = np.linspace(LEAST_GUESS, MOST_GUESS, 60)
     dark = int(np.argmax(middle >= model.off)) if (middle >= model.off).any() else middle.size - 1
     flat = [
-        np.sum((model.evaluate(which, np.full(history.knots.size, kelvin), values) * share)[dark])
+        np.sum((model.evaluate(which, np.full(knots.size, kelvin), values) * share)[dark])
         for kelvin in (INITIAL_TEMPERATURE, *ladder)
     ]
     table = np.log(np.maximum(np.array(flat[1:]) - (flat[0] if burning[dark] else 0.0), 1e-300))
     light = total - gas
-    seen = np.flatnonzero((middle > 0) & (light > SEEN * gas) & (light > 0))
-    if seen.size < 4:
-        return INITIAL_TEMPERATURE + (START_LEVEL - INITIAL_TEMPERATURE) * -np.expm1(
-            -np.maximum(history.knots, 0) / START_TIME
-        )
+    seen = np.flatnonzero((middle > 0) & (light > SEEN * gas.max(initial=0.0)) & (light > 0))
+    limit = np.log(max(SEEN * gas.max(initial=0.0), 1e-300))
     found = 1 / np.interp(np.log(light[seen]), table, 1 / ladder)
-    result = np.interp(history.knots, middle[seen], found)
-    first, at = found[0], middle[seen][0]
-    early = history.knots < at
-    result[early] = INITIAL_TEMPERATURE + (first - INITIAL_TEMPERATURE) * (
-        1 - (1 - history.knots[early] / at) ** 1.5
-    )
-    return np.clip(result, 300.0, MOST_GUESS)
+    return (middle[seen], found), float(1 / np.interp(limit, table, 1 / ladder))
 
 
 def _median(values):
@@ -109,7 +121,7 @@ def renoised(model, solution, settings=()):
         residual = np.where((instrument.raw_bin >= 0)[:, None], instrument.raw - value, np.nan)
         phase = phase_of(instrument.raw_moment.mean(axis=1), model.off)
         law, left = noises.estimate(instrument, residual, value, gas, phase, flicker)
-        flicker = (law.flicker, law.flicker_memory, float(np.median(np.diff(instrument.raw_moment[:, 0]))))
+        flicker = law.flicker
         pixels = (
             np.ones(instrument.channels)
             if instrument.pixel_edges is None
@@ -118,7 +130,7 @@ def renoised(model, solution, settings=()):
         factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
         sigma = np.sqrt(
             noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
-            + law.flicker * gas**2
+            + law.flicker.total * gas**2
         )
         # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
         hit = noises.outliers(left / sigma, instrument.raw_bin >= 0, phase)
@@ -132,23 +144,46 @@ def renoised(model, solution, settings=()):
         found.append(law)
         instruments.append(cleaned)
         bins.append(noises.on_bins(law, cleaned, solution.prediction[which]))
-    return model_with(model, instruments), tuple(found), bins
+    return (
+        model_with(_restless(model, max(law.flicker.slower(SLOW) for law in found)), instruments),
+        tuple(found),
+        bins,
+    )
 
 
-def model_with(model, instruments):
-    """The model on other data."""
+def _restless(model, flicker):
+    """The model of a gas that wanders as much as it flickers slowly [1] (variance), if that is more than
+    assumed: 1/f noise is as strong in each decade of time."""
+    if not model.wandering:
+        return model
+    sigma = max(float(np.sqrt(flicker)), model.own[model.wandering[0]].sigma)
+    return _with_law(model, {place: {"sigma": sigma} for place in model.wandering})
+
+
+def _with_law(model, changes):
+    """The model with other centres or standard deviations of parameters, {place: fields}, independent of
+    the others."""
+    own, precision = list(model.own), model.precision.copy()
+    for place, fields in changes.items():
+        own[place] = replace(own[place], **fields)
+        precision[place, place] = own[place].sigma ** -2.0
+    return model_with(model, model.instruments, tuple(own), precision)
+
+
+def model_with(model, instruments, own=None, precision=None):
+    """The model on other data, with other parameters of its own if given."""
     return Model(
         instruments,
         model.library,
         model.history,
-        model.own,
+        model.own if own is None else own,
         model.record,
         model.slope,
         model.response,
         model.lamp,
         model.persistent,
         model.given,
-        model.precision,
+        model.precision if precision is None else precision,
         model.power,
     )
 
@@ -161,6 +196,9 @@ def fit_base(model, rounds=2):
     Base
     """
     values, errors = first_gas.guess(model)
+    # Its light is free in each channel: how bright it is as a whole, the simulation is not asked.
+    bright = model.index["gas"]
+    model = _with_law(model, {bright: {"centre": float(values[bright])}})
     cold = np.full(model.size, 300.0)
     gas = [
         model.evaluate(which, cold, values, gas_error=errors[which]) * (instrument.moment[:, :1] < model.off)

@@ -8,7 +8,7 @@ from plasmapyro.diagnosis.fit import observation, radiometer
 from plasmapyro.diagnosis.fit.model import TAIL, History, Model, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
 from plasmapyro.diagnosis.fit.parameter import Parameter
-from plasmapyro.diagnosis.fit.persistent import persistent
+from plasmapyro.diagnosis.fit.persistent import persistent, wandering_gas
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.radiation.bandsignal import BANDS, responsivities
@@ -94,7 +94,7 @@ def base_model(
     if "pyrometer" in lamp:
         names = BANDS if others is None else others.band
         parameters += _responses(sources, axis, names)[: len(names) + (others is None)]
-    parameters = (*parameters, *of_given(given))
+    parameters = (*parameters, *of_given(given), *wandering_gas(edges[0], edges[-1]))
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
     return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)

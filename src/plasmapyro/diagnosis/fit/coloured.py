@@ -1,6 +1,6 @@
 """Noise with a memory: how fast the values of a common factor part with the time between them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import nnls
@@ -12,36 +12,70 @@ THIRD = np.array(
     [1.0, -3.0, 3.0, -1.0]
 )  # a third difference sees no heating, and no fit that follows the noise
 TREND = 0.05  # [1] by which the factor may change on its way
-TIMES = 24  # memories tried, from a sample to the longest lag
+TIMES = 12  # memories of which noise may be made, from a sample to the longest lag
+KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
 
 @dataclass(frozen=True)
 class Coloured:
-    """Relative noise of samples: variance `white` without memory, `variance` that decays over `time` [s]."""
+    """Relative noise of samples: variance `white` without memory, and parts of some `variance` that decay
+    over some `time` [s] each."""
 
     white: float = 0.0
-    variance: float = 0.0
-    time: float = 1.0
+    variance: float | np.ndarray = 0.0
+    time: float | np.ndarray = 1.0
 
     @property
     def total(self):
         """Variance of one sample."""
-        return self.white + self.variance
+        return self.white + float(np.sum(self.variance))
+
+    @property
+    def remembers(self):
+        """Whether samples know of those before."""
+        return bool(np.any(self.variance))
+
+    def slower(self, time):
+        """Variance of the parts that last longer than a time [s]."""
+        variance, own = np.atleast_1d(self.variance), np.atleast_1d(self.time)
+        return float(np.sum(variance[own > time]))
+
+    def _parts(self, function, over):
+        """Sum of the variances of the parts times a function (p, ...) of lags or ratios."""
+        variance, time = np.atleast_1d(self.variance), np.atleast_1d(self.time)
+        return np.tensordot(variance, function(np.multiply.outer(1 / time, over)), axes=1)
 
     def between(self, lag):
         """Half the mean square of the difference of two samples, some time [s] apart."""
-        return self.white - self.variance * np.expm1(-lag / self.time)
+        return self.white - self._parts(lambda x: np.expm1(-x), lag)
+
+    def parted(self, lag):
+        """Variance of a third difference of samples, one each lag [s], over that of independent ones of
+        variance 1."""
+        return self.white + self._parts(_parted, lag)
 
     def of_mean(self, number, period):
         r"""Variance of the mean of n samples (n,), one each period [s].
 
         .. math:: w/n + 2 v r [1 - r (1 - e^{-1/r})], \qquad r = \tau/(n p)
         """
-        ratio = self.time / (np.maximum(number, 1) * period)
-        return self.white / np.maximum(number, 1) + self.variance * np.minimum(
-            2 * ratio * (1 + ratio * np.expm1(-1 / ratio)), 1.0
-        )
+        number = np.maximum(number, 1)
+        return self.white / number + self._parts(_mean, number * period)
+
+    def scaled(self, share):
+        """The same with all variances times a number."""
+        return replace(self, white=self.white * share, variance=np.multiply(self.variance, share))
+
+    def seen_over(self, exposure):
+        """The same as exposures [s] see it: parts averaged over each, what has no memory gone."""
+        share = _mean(exposure / np.atleast_1d(self.time))
+        return replace(self, white=0.0, variance=np.multiply(self.variance, share))
+
+
+def _mean(x):
+    """Variance of a mean over x memories of noise of variance 1."""
+    return np.minimum(2 / x * (1 + np.expm1(-x) / x), 1.0)
 
 
 def coloured(one, other, error, chosen, phase, period, longest):
@@ -50,7 +84,8 @@ def coloured(one, other, error, chosen, phase, period, longest):
     Parameters
     ----------
     one, other : (t,) logarithms of the factor; the same for one record
-    error : (t,) variance [1] that both share besides
+    error : (t,) variance [1] that both share besides, or (share (t,), `Coloured`) of a factor of a share of
+        the light
     chosen : (t,) bool
     phase : (t,) int, across which no difference is taken
     period : float [s] between samples
@@ -62,9 +97,10 @@ def coloured(one, other, error, chosen, phase, period, longest):
 
     Notes
     -----
-    Source: structure functions, A. N. Kolmogorov, Dokl. Akad. Nauk SSSR 26 (1940) 115; the memory is the best
-    of `TIMES`, the variances are non-negative least squares.
+    Source: structure functions, A. N. Kolmogorov, Dokl. Akad. Nauk SSSR 26 (1940) 115; the
+    variances of `TIMES` memories are non-negative least squares.
     """
+    part, besides = error if isinstance(error, tuple) else (np.ones(one.size), None)
     lags, rows = [], []
     lag = 1
     while lag == 1 or lag * period <= longest:
@@ -76,23 +112,27 @@ def coloured(one, other, error, chosen, phase, period, longest):
         product = (THIRD @ one[four]) * (THIRD @ other[four])
         kept = np.abs(product) <= CLIP * np.median(np.abs(product)) if product.size else product > 0
         if kept.sum() >= LEAST_PAIRS:
-            own = (product - THIRD**2 @ error[four])[kept] / np.sum(THIRD**2)
+            out = THIRD**2 @ (error[four] if besides is None else part[four] * besides.parted(lag * period))
+            own = (product - out)[kept] / np.sum(THIRD**2)
             # Differences that overlap are no independent samples.
             spread = np.sqrt(np.mean(own**2) * 3 / kept.sum())
+            if besides is not None:
+                spread = np.hypot(spread, KNOWN * out[kept].mean() / np.sum(THIRD**2))
             lags.append(lag * period)
             rows.append((own.mean(), max(spread, 1e-300)))
         lag *= 2
     if not rows:
-        return Coloured(white=few(one, other, error, chosen, phase))
+        plain = error if besides is None else part * besides.total
+        return Coloured(white=few(one, other, plain, chosen, phase))
     lags, (value, spread) = np.array(lags), np.array(rows).T
     plain, missed = nnls((1 / spread)[:, None], value / spread)
-    best, least = Coloured(white=float(plain[0])), missed**2 - SURE
-    for time in np.geomspace(period, max(longest, 2 * period), TIMES):
-        columns = np.stack([np.ones_like(lags), _parted(lags / time)], axis=1)
-        found, missed = nnls(columns / spread[:, None], value / spread)
-        if missed**2 < least:
-            best, least = Coloured(*map(float, found), float(time)), missed**2
-    return best
+    times = np.geomspace(period, max(longest, 2 * period), TIMES)
+    columns = np.stack([np.ones_like(lags), *(_parted(lags / time) for time in times)], axis=1)
+    found, left = nnls(columns / spread[:, None], value / spread)
+    if left**2 > missed**2 - SURE:
+        return Coloured(white=float(plain[0]))
+    kept = np.flatnonzero(found[1:] > 0)
+    return Coloured(float(found[0]), found[1:][kept], times[kept])
 
 
 def few(one, other, error, chosen, phase):

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-EARLY = 3.0  # [s] after injection: the surface does not shine yet
+EARLY = 3.0  # [s] after injection: the surface does not shine yet; or the first exposure, if that is longer
+SHAPE = 0.3  # [1] by which the simulated light of a channel errs, for its weight
 LEAST, MOST = 1e-3, 1e3  # of a brightness over the simulated one
 
 
@@ -13,29 +14,42 @@ def guess(model):
     there are none.
     """
     values = np.array([parameter.centre for parameter in model.parameters])
-    early, ratios = [], []
+    early, ratio = [], None
     for which, one in enumerate(model.instruments):
         time = one.moment.mean(axis=1)
         level, simulated = model.gas_level(which)
-        before, after = (_mean(one.value[rows]) for rows in (time < 0, (time > 0) & (time < EARLY)))
-        if np.isfinite(before).any() and np.isfinite(after).any():
-            ratios.append(np.nansum(before) / max(np.nansum(after), 1e-300))
+        first = min(time[time > 0], default=EARLY)
+        before, after = (
+            _mean(one.value[rows]) for rows in (time < 0, (time > 0) & (time <= max(EARLY, first)))
+        )
+        known = np.isfinite(before) & np.isfinite(after)
+        if ratio is None and known.any():
+            weight = _weight(one, after)[known]
+            ratio = (weight @ (before * after)[known]) / max(weight @ after[known] ** 2, 1e-300)
         early.append((level, simulated, after, before))
-    if ratios:
-        values[model.index["before_injection"]] = np.log(np.clip(ratios[-1], LEAST, MOST))
+    if ratio is not None:
+        values[model.index["before_injection"]] = np.log(np.clip(ratio, LEAST, MOST))
     fading = np.exp(-values[model.index["before_injection"]])
     seen = [np.where(np.isfinite(after), after, before * fading) for _, _, after, before in early]
     level, simulated, _, _ = early[-1]
     known = np.isfinite(seen[-1])
     brightness = 1.0
     if known.any():
-        brightness = np.clip(seen[-1][known].sum() / simulated[known].sum(), LEAST, MOST)
+        weight = _weight(model.instruments[-1], seen[-1])[known]
+        light = simulated[known]
+        brightness = np.clip((weight * light) @ seen[-1][known] / ((weight * light) @ light), LEAST, MOST)
         values[model.index["gas"]] = np.log(brightness)
     errors = [
         np.where(np.isfinite(light), (light / brightness - simulated) / level, 0.0)
         for light, (level, simulated, _, _) in zip(seen, early, strict=True)
     ]
     return values, tuple(np.nan_to_num(row) for row in errors)
+
+
+def _weight(one, light):
+    """Weights (C,) of the channels of an instrument: inverse variances of noise and of a wrong shape."""
+    step = np.nanmedian(np.abs(np.diff(one.value, axis=0)), axis=0) if len(one.value) > 1 else 0.0
+    return 1 / np.maximum(np.nan_to_num(step) ** 2 + (SHAPE * np.nan_to_num(light)) ** 2, 1e-300)
 
 
 def _mean(rows):

@@ -15,6 +15,7 @@ AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
+PATIENCE = 4  # steps without gain: what a step gains, weights that follow the light may take back
 FEW_CHANNELS, FULL = 8, 0.4  # below so many, or if so many columns are not zero, bins are not told apart
 
 
@@ -294,13 +295,18 @@ class Fitter:
             others = np.empty((*value.shape, self.sigma.size + len(free)))
             others[..., : self.sigma.size] = 0.0
             for j, (sigma, parameter) in enumerate(zip(self.sigma, self.model.own, strict=False)):
-                if parameter.instrument not in (None, self.model.instruments[which].kind):
+                if parameter.history or parameter.instrument not in (
+                    None,
+                    self.model.instruments[which].kind,
+                ):
                     continue
                 values = state.values.copy()
                 step = 1e-3 * sigma
                 values[j] += step
                 changed = self.model.evaluate(which, state.knots, values, now, gas_error=state.lines[which])
                 others[..., j] = (changed - value) / step
+            gas = others[..., self.model.index["gas"], None]
+            others[..., self.model.wandering] = gas * self.model.gas_histories[which].mean(axis=1)[:, None]
             others[..., self.model.places[which]] = self.model.persistent_columns(which, value)
             for j, number in enumerate(free):
                 numbers = state.amplitudes.copy()
@@ -397,6 +403,7 @@ class Fitter:
         state, damping, converged = start, 0.0, False
         here = self._at(state, settings)
         left, bold = None, True  # where a climb began; whether climbs are tried
+        best, idle = here.objective, 0
         for _ in range(steps):
             trial, objective, damping, whole = self._tried(state, settings, here, damping, bold and not left)
             limit = left[1].objective if left else here.objective
@@ -412,6 +419,9 @@ class Fitter:
             state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
             converged = better and limit - objective < tolerance and whole
             here = self._at(state, settings)
+            idle = 0 if here.objective < best - tolerance else idle + 1
+            best = min(best, here.objective)
+            converged = converged or idle >= PATIENCE and not left
             if converged:
                 break
         if left:

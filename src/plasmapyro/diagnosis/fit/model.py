@@ -20,7 +20,8 @@ CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature ju
 CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
 CURVATURE_TIME = 15.0  # [s] which falls off with this time
 CURVATURE_FLOOR = 0.002  # [K s-2] to this
-ROOT = 20.0  # [K s-1/2] besides, a quarter of T over the root of the time: a slab cools so, by 80 K in 1 s,
+ROOT = 100.0  # [K s-1/2] besides, a quarter of T over the root of the time: 400 K in 1 s, as what loses
+# 175 kW/m2 and has an effusivity of 500 W s1/2 m-2 K-1, between light ablators (300) and ceramics (5000),
 ROOT_TIME = 60.0  # [s] until its back feels it,
 SHORTEST = 0.2  # [s] from when on
 
@@ -127,9 +128,16 @@ class Model:
         self.errors = [
             errors.basis(instrument.time) for errors, instrument in zip(persistent, instruments, strict=True)
         ]
+        self.wandering = [place for place, one in enumerate(self.own) if one.history]
+        self.gas_histories = [self._gas_history(instrument.moment) for instrument in instruments]
         self._weights = {}
         self._glows = {}
         self._power = {}
+
+    def _gas_history(self, moment):
+        """Change (..., w) of the brightness of the gas at times (...) [s] per unit of what wanders."""
+        rows = [np.interp(moment, *self.own[place].history) for place in self.wandering]
+        return np.stack(rows, axis=-1) if rows else np.zeros((*moment.shape, 0))
 
     @property
     def size(self):
@@ -167,6 +175,7 @@ class Model:
         injected = (instrument.moment >= 0)[..., None]
         before = np.exp(values[self.index["before_injection"]])
         gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
+        gain = gain * np.exp(self.gas_histories[which] @ values[self.wandering])
         scene = Scene(
             kind=instrument.kind,
             time=instrument.moment,
@@ -180,7 +189,7 @@ class Model:
             spectrum=self.spectrum(values),
             library=self.library,
             power=float(self.value(values, "power")),
-            more_gas=self._before(instrument, values, before),
+            more_gas=self._before(instrument, values, gain),
             response_shift=tuple(1e-9 * self.value(values, f"edge_{name}") for name in instrument.band),
             response_tail=self.value(values, "tail"),
             history=lambda moment: np.maximum(self.history.basis(moment) @ temperatures, 250.0),

@@ -26,7 +26,9 @@ LONGEST_LAG = (
     6.0  # [s] over which a gain is told from the temperature: the bins of the steady state are 8 s long
 )
 LONGEST_FLICKER = 20.0  # [s] over which the gas flickers, not drifts
+SEEN_GAS = 0.03  # [1] error of the brightness of the gas of a frame that still tells of it
 SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
+BRIGHT, LITTLE = 0.6, 0.3  # [1], of the gas in the light: samples that tell how it flickers, how gains do
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
 START_CONSTANT = 0.05  # [1] and of the gas
@@ -37,25 +39,26 @@ START_GAIN = 3e-3  # with less, the temperature follows the gain, and no residua
 @dataclass(frozen=True)
 class NoiseModel:
     r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
-    from sample to sample (lag-1), the variance of the brightness of the gas and the memory of that; `gain` of
-    all light; `tail`: samples beyond 4 standard deviations over what a normal law has."""
+    from sample to sample (lag-1), `flicker` of the brightness of the gas, `gain` of all light; `tail`: the
+    samples beyond 4 standard deviations over what a normal law has."""
 
     constant: float
     linear: float
     quadratic: float
     memory: float
-    flicker: float
-    flicker_memory: float
+    flicker: Coloured
     tail: float
     gain: Coloured = Coloured()
 
 
 def first_guess(model, gas):
-    """Noise for the first fit, from round numbers."""
+    """Noise for the first fit, from round numbers and from what neighbouring bins differ by."""
     result = []
     for instrument, own in zip(model.instruments, gas, strict=True):
         level = np.median(own[own.max(axis=1) > 0], axis=0)  # some bin is lit: see `build`
         variance = (START_RELATIVE * np.nan_to_num(instrument.value)) ** 2 + (START_CONSTANT * level) ** 2
+        if len(instrument.value) > 1:
+            variance += np.nan_to_num(clipped_variance(np.diff(instrument.value, axis=0), axis=0)) / 2
         variance = np.where(np.isfinite(instrument.value), variance, np.inf)
         bins = instrument.value.shape[0]
         result.append(Noise(variance, np.full(bins, START_FLICKER**2), np.full(bins, START_GAIN**2)))
@@ -94,7 +97,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     residual, prediction, gas : (t, C) of the raw samples; NaN where not used
     phase : (t,) int
         Differences are not taken across phases.
-    other_flicker : (variance, memory, period [s]) of the gas as a faster instrument saw it, optional
+    other_flicker : Coloured, of the gas as a faster instrument saw it, optional
 
     Returns
     -------
@@ -108,12 +111,12 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     )
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.kind == "pyrometer":
-        law, memory, flicker, flicker_memory, gain, left = _of_bands(
+        law, memory, flicker, gain, left = _of_bands(
             residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument)
         )
         left = left * factor
     else:
-        law, memory, flicker, flicker_memory, gain, left = _many(
+        law, memory, flicker, gain, left = _many(
             instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker
         )
     one, _, place = differences(left, used)
@@ -121,7 +124,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     sigma = np.sqrt(np.maximum(sample_variance(*law, level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
     tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
-    return NoiseModel(*law, memory, flicker, flicker_memory, float(tail), gain), left
+    return NoiseModel(*law, memory, flicker, float(tail), gain), left
 
 
 def period_of(instrument):
@@ -144,11 +147,16 @@ def _of_bands(residual, prediction, gas, used, phase, period):
     same, bands = _unchanged(phase), residual.shape[1]
     share = gas / np.maximum(prediction, 1e-30)
     relative = residual / np.maximum(prediction, 1e-30)
-    bright = used & (share.min(axis=1) > 0.6)
+    bright = used & (share.min(axis=1) > BRIGHT)
     clear = used & (share.max(axis=1) < 0.02)
+    each, light = _halves(relative / np.maximum(share, 1e-9)), Coloured()
+    if np.count_nonzero(bright[1:] & bright[:-1] & same[1:]) >= 8:
+        light = coloured(*each.T, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
     rows, variances, memories = [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
-    gain = coloured(*_halves(logarithm).T, np.zeros(used.size), clear, phase, period, LONGEST_LAG)
+    little = used & (share.max(axis=1) < LITTLE)
+    both = _halves(share).prod(axis=1)
+    gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
     one, two, place = differences(relative, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
@@ -158,21 +166,16 @@ def _of_bands(residual, prediction, gas, used, phase, period):
             rows.append((*inverse, 1.0))
             own_part = clipped_variance(one[group, band]) / 2 - gain.between(period)
             variances.append(max(own_part, OWN * gain.between(period)))
-    if own.sum() > 20 and not gain.variance:
+    if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
-    flicker, flicker_memory = 0.0, 0.0
-    each = _halves(relative / np.maximum(share, 1e-9))
     one, two, place = differences(each[:, 0] - each[:, 1], bright)
     own = same[place + 1]
     if own.sum() >= 8:
         weight = 1 / np.where(np.arange(bands) % 2, bands // 2, (bands + 1) // 2) ** 2.0
         rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
         variances.append(clipped_variance(one[own]) / 2)
-        light = coloured(*each.T, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
-        flicker = light.total
-        flicker_memory = light.variance / max(flicker, 1e-300) * np.exp(-period / light.time)
     if not rows:  # too few samples of either kind, or none
-        return (0.0, 0.0, START_RELATIVE**2), 0.0, flicker, flicker_memory, gain, residual
+        return (0.0, 0.0, START_RELATIVE**2), 0.0, light, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
     # One constant for all bands: their columns are one.
     rows = np.stack([rows[:, :-1].sum(axis=1), rows[:, -1]], axis=1)
@@ -185,7 +188,7 @@ def _of_bands(residual, prediction, gas, used, phase, period):
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
     swell = 1 / (1 - memory)
-    return (constant * swell, 0.0, quadratic * swell), memory, flicker, flicker_memory, gain, residual
+    return (constant * swell, 0.0, quadratic * swell), memory, light, gain, residual
 
 
 def _least_memory(count):
@@ -209,15 +212,14 @@ def _many(instrument, residual, prediction, gas, used, phase, factor, pixels, ot
     """Law of the noise of a spectrometer, the brightness of gas and of all light of each frame taken out."""
     same, gain = _unchanged(phase), Coloured()
     law = np.array([1.0, 0.0, 0.0])
-    left, flicker, memory = residual, 0.0, 0.0
-    flicker_memory = 0.0
+    left, flicker, memory = residual, Coloured(), 0.0
     exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
     period = period_of(instrument)
     for last in range(ROUNDS):
         one, _, place = differences(left, used)
         whole = same[place + 1]
         level = (prediction[place + 1] + prediction[place])[whole] / 2
-        law = _fit_variance(one[whole], level, factor, pixels, "spectrometer")
+        law = _fit_variance(one[whole], level, factor, pixels)
         memory = _memory(left, prediction, used, law, factor, pixels)
         variance = sample_variance(*law, prediction, factor, pixels) / (1 - memory)
         if last < ROUNDS - 1:
@@ -227,19 +229,22 @@ def _many(instrument, residual, prediction, gas, used, phase, factor, pixels, ot
             pull = np.sum(shared * (weight * np.nan_to_num(residual))[:, None], axis=2)
             # Each with the other as uncertain as was found in the round before.
             level, error = _beside(size, pull, 0, gain.total)
-            flicker = _frame_flicker(level, error, used & (error < 0.03**2), same)
-            if other_flicker is not None:
-                flicker, flicker_memory = _pooled(flicker, other_flicker, exposure, period)
-            level, error = _beside(size, pull, 1, flicker[0])
+            bright = used & (error < SEEN_GAS**2)
+            if other_flicker is None:
+                flicker = coloured(level, level, error, bright, phase, period, LONGEST_FLICKER)
+            else:
+                own = _frame_flicker(level, error, bright, same)
+                flicker = _pooled(*own, other_flicker.seen_over(exposure))
+            level, error = _beside(size, pull, 1, flicker.total)
             seen = used & (error < SEEN_GAIN**2)
             whole = prediction @ np.median((weight * prediction)[seen], axis=0) if seen.any() else level
             level = np.log(np.maximum(whole, 1e-300)) + level
             gain = coloured(level, level, error, seen, phase, period, LONGEST_LAG)
-            inner = np.linalg.inv(size + np.diag(1 / np.maximum([flicker[0], gain.total], 1e-12)))
+            inner = np.linalg.inv(size + np.diag(1 / np.maximum([flicker.total, gain.total], 1e-12)))
             pair = inner @ pull[..., None]
             left = residual - (pair.transpose(0, 2, 1) @ shared)[:, 0]
     swell = 1 / (1 - memory)
-    return tuple(law * swell), memory, flicker[0], flicker_memory, gain, left
+    return tuple(law * swell), memory, flicker, gain, left
 
 
 def _beside(size, pull, which, variance):
@@ -263,20 +268,11 @@ def _frame_flicker(level, error, chosen, same):
     return max(float(value), 0.0), int(own.sum())
 
 
-def _pooled(own, other, exposure, period):
-    """Flicker of the exposures: what the frames show, pooled with what a faster instrument makes expect.
-
-    A process with correlation time T_c averaged over an exposure T keeps the share
-    2 (T_c/T) [1 - (T_c/T)(1 - e^(-T/T_c))] of its variance.
-    """
-    variance, memory, step = other
-    time = step / -np.log(np.clip(memory, 1e-3, 1 - 1e-6))
-    ratio = time / exposure
-    share = min(2 * ratio * (1 - ratio * -np.expm1(-1 / ratio)), 1.0)
-    expected = variance * share
-    count = own[1]
-    pooled = (count * own[0] + FLICKER_FRAMES * expected) / (count + FLICKER_FRAMES)
-    return (pooled, count), float(np.exp(-period / time) if time > 0 else 0.0)
+def _pooled(own, count, expected):
+    """Flicker of exposures: what `count` pairs of frames show [1], a variance, pooled with what a faster
+    instrument makes expect."""
+    pooled = (count * own + FLICKER_FRAMES * expected.total) / (count + FLICKER_FRAMES)
+    return expected.scaled(pooled / expected.total) if expected.total else Coloured(white=pooled)
 
 
 def sample_variance(constant, linear, quadratic, level, factor, pixels):
@@ -285,13 +281,14 @@ def sample_variance(constant, linear, quadratic, level, factor, pixels):
     return (constant * factor**2 + linear * factor * level) / pixels + quadratic * level**2
 
 
-def _fit_variance(difference, level, factor, pixels, kind):
+def _fit_variance(difference, level, factor, pixels):
     """Non-negative a, b, c of `NoiseModel` from differences of neighbours (d, C): in each channel in groups
-    of alike level or, where these are too few, in each pair of neighbours in groups of channels."""
-    constant = np.broadcast_to(factor**2 / pixels, level.shape)
-    linear = factor * level / pixels if kind == "spectrometer" else np.zeros_like(level)
+    of alike level or, where these are too few, in each pair of neighbours in groups of channels; in counts,
+    of which channels of unlike sensitivity have the same noise."""
+    one = factor / np.sqrt(pixels)  # the mean of a channel, in its unit, that is uncertain by one count
+    difference, whole, level = difference / one, level / one, level / factor
     if np.isfinite(difference).sum(axis=0).max(initial=0) < LEVELS * LEAST_IN_GROUP:
-        difference, level, constant, linear = difference.T, level.T, constant.T, linear.T
+        difference, level, whole = difference.T, level.T, whole.T
     order = np.argsort(np.where(np.isfinite(difference), level, np.inf), axis=0)
     number = np.isfinite(difference).sum(axis=0)
     # Ranks (L, m, C) of the samples of each group, alike in number; beyond the end of a group: none.
@@ -307,8 +304,8 @@ def _fit_variance(difference, level, factor, pixels, kind):
     enough = (count >= LEAST_IN_GROUP) & (number >= LEAST_IN_CHANNEL)
     if not enough.any():
         return np.array([0.0, 0.0, START_RELATIVE**2])
-    means = [grouped(part, 0.0).sum(axis=1) / np.maximum(count, 1) for part in (constant, linear, level)]
-    rows = np.stack([means[0], means[1], means[2] ** 2], axis=-1)[enough]
+    means = [grouped(part, 0.0).sum(axis=1) / np.maximum(count, 1) for part in (level, whole)]
+    rows = np.stack([np.ones_like(means[0]), means[0], means[1] ** 2], axis=-1)[enough]
     variances = _clipped_by_sorting(grouped(difference, np.nan), count)[enough] / 2
     variances = np.maximum(variances, LEAST_NOISE**2 * rows[:, 2])
     scale = np.maximum(rows.max(axis=0), 1e-300)
@@ -344,13 +341,11 @@ def on_bins(model_noise, instrument, prediction):
     samples = np.maximum(instrument.number, 1)
     variance = one / samples * (1 + model_noise.memory) / (1 - model_noise.memory)
     mean_samples = np.maximum(instrument.number.max(axis=1), 1)
-    memory = model_noise.flicker_memory
-    # Variance of the mean of n samples with geometric memory (exact).
-    n = mean_samples
-    shared = (1 + memory) / (1 - memory) - 2 * memory * (1 - memory**n) / (n * (1 - memory) ** 2)
-    flicker = FLICKER_MARGIN * model_noise.flicker / n * shared
-    gain = model_noise.gain.of_mean(n, period_of(instrument)) if model_noise.gain.total else np.zeros(n.size)
-    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker, FLICKER_MARGIN * gain)
+    shared = (
+        FLICKER_MARGIN * law.of_mean(mean_samples, period_of(instrument))
+        for law in (model_noise.flicker, model_noise.gain)
+    )
+    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), *shared)
 
 
 def slow_part(scaled, chosen, phase):

@@ -18,8 +18,8 @@ NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
 class Instrument:
     """One instrument on bins: C channels (bands, or P wavelength bins) seen through M wavelength nodes.
 
-    `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, 2) [s] the
-    two instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from
+    `value` (n, C) measured means, NaN where none; `number` (n, C) of samples; `moment` (n, q) [s] the
+    instants that stand for the times of a bin; `wavelength` (M,) [m] of the nodes; `weight` (C, M) from
     the radiance at the nodes to the channels, or None where each channel is its node; `gain` (C,) from there
     to the unit of the values; `gas_map` (M, K) from a spectrum of the library to the nodes.
     """
@@ -36,7 +36,7 @@ class Instrument:
     factor: np.ndarray | None  # spectrometer: radiance per count rate in each channel
     pixel_edges: np.ndarray | None  # first pixel of each bin
     raw: np.ndarray  # (t, C) samples in the unit of `value`
-    raw_moment: np.ndarray  # (t, 2)
+    raw_moment: np.ndarray  # (t, q)
     raw_bin: np.ndarray  # (t,)
     raw_clean: np.ndarray  # (t, C) bool: samples that are used
     gas_error: np.ndarray  # (C,) prior standard deviation of the gas of a channel over its simulated light
@@ -66,23 +66,20 @@ class Instrument:
         return self.moment.mean(axis=1)
 
 
-TWO = np.array([-1.0, 1.0])  # in standard deviations: instants of equal weight for a time that is spread
-FOUR = np.sqrt(3) * np.array([-0.794654472291766, -0.187592474085080, 0.187592474085080, 0.794654472291766])
-LONG_EXPOSURE = 1.5  # [s]: a sample that heats by 100 K/s changes its light several times in a longer one
+FINE = 0.5  # [s] between the instants of an exposure: a sample heats by 100 K/s, by less each second
+MOST_INSTANTS = 40
 
 
 def nodes_of(integration_time):
-    """Places (q,) of the instants of a bin about its mean time, in standard deviations.
+    """Places (q,) of the instants of a bin about its mean time, in standard deviations; of equal weight.
 
-    Notes
-    -----
-    Source: Chebyshev's quadrature with equal weights (Abramowitz & Stegun, 25.4.28): two instants are exact
-    for light that is cubic in time, four for one of fifth order.
+    Two are exact for light that is cubic in time; a long exposure has more, `FINE` apart.
     """
-    return FOUR if integration_time > LONG_EXPOSURE else TWO
+    count = int(np.clip(np.ceil(integration_time / FINE), 2, MOST_INSTANTS))
+    return np.sqrt(12 / (count**2 - 1)) * (np.arange(count) - (count - 1) / 2)
 
 
-def instants(begin, finish, index, count, nodes=TWO):
+def instants(begin, finish, index, count, nodes):
     """Instants (count, q) with the mean and the variance of the times of the samples of each bin."""
     middle, half = (begin + finish) / 2, (finish - begin) / 2
     keep = index >= 0

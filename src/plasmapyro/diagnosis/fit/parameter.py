@@ -8,7 +8,8 @@ class Parameter:
     """One number of the base model, 0 in the middle of its prior; those of a family share id and name.
 
     `instrument` that it is of, None for all; `calibrated` (2,): relative change of the signals of the two
-    bands per unit that their calibration has taken up.
+    bands per unit that their calibration has taken up; `history`: times [s] and relative changes of the
+    brightness of the gas at them per unit.
     """
 
     id: str
@@ -18,3 +19,4 @@ class Parameter:
     centre: float = 0.0
     instrument: str | None = None
     calibrated: tuple = ()
+    history: tuple = ()

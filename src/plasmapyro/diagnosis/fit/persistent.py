@@ -1,4 +1,4 @@
-"""Errors of instruments that persist: gains that wander, a scale that is smoothly wrong over wavelength."""
+"""What persists: gains and a gas that wander, a scale that is smoothly wrong over wavelength."""
 
 from dataclasses import dataclass
 
@@ -13,6 +13,10 @@ WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplif
 }
 KNOTS = 10  # of each gain over the record
 MEMORY = 0.25  # [1], of the record: correlation time of the gains
+GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
+# of a per cent, and lines follow the power by its third to sixth power
+GAS_TIMES = 20.0, MEMORY  # [s], and [1] of the record, over which that lasts: as much of each
+GAS_STEP, GAS_KNOTS = 8.0, 40  # [s] between knots of it, and the most of them
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
@@ -77,3 +81,18 @@ def persistent(instrument, start, end):
         name = "scale of the spectrometer over wavelength"
         parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
+
+
+def wandering_gas(start, end):
+    """Parameters of a brightness of the gas that wanders over a record from `start` to `end` [s].
+
+    Two Ornstein-Uhlenbeck processes, linear between knots.
+    """
+    knots = np.linspace(start, end, int(np.clip((end - start) / GAS_STEP, KNOTS, GAS_KNOTS)))
+    apart = np.abs(np.subtract.outer(knots, knots))
+    times = GAS_TIMES[0], GAS_TIMES[1] * (end - start)
+    root = np.linalg.cholesky(sum(np.exp(-apart / one) for one in times) / len(times))
+    name = "wandering brightness of the gas"
+    return tuple(
+        Parameter("gas_wander", name, GAS_WANDER, history=(tuple(knots), tuple(column))) for column in root.T
+    )

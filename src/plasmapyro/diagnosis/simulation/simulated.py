@@ -43,6 +43,7 @@ class Simulated:
         )
         self.measured, self.effects, self.power = measured, effects, model.power
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])
+        self.centre[self.model.index["gas"]] = 0.0
         self.cold = np.full(model.size, COLD)
         self.unit = measured.simulated / self._signals(self.centre, ())
         library = model.library
