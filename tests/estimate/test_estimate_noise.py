@@ -59,6 +59,8 @@ def test_without_flicker_or_window_nothing_is_claimed():
 def test_few_samples_are_refused():
     with pytest.raises(ValueError, match="needs 200 samples; got 100"):
         signal_noise(np.ones((2, 100)), 50)
+    with pytest.raises(ValueError, match="a signal has no noise at all"):
+        signal_noise(np.ones((2, 400)), 50)
 
 
 def test_variance_does_not_see_outliers():

@@ -162,8 +162,13 @@ class Filter:
         self._mean = np.concatenate([[settings["initial_temperature"], 0.0, 0.0, 0.0], fixed.mean])
         # Entries differ by twenty powers of ten: matrices are inverted in units of these deviations.
         self._scale = np.concatenate([first, [self._dynamics.flicker], fixed.deviation])
+        self._first = self._mean.copy()
+        self._forget()
+
+    def _forget(self):
+        self._mean = self._first.copy()
         self._covariance = np.diag(self._scale**2)
-        self._by_constants = np.zeros((fixed.mean.size, SIZE, SIZE))  # derivative of the chain's covariance
+        self._by_constants = np.zeros((self._mean.size - SIZE, SIZE, SIZE))  # of the chain's covariance
 
     def _predict(self, time):
         moved, added = transition(self._dynamics, np.array([self._time, time]), (0.0, self.off), 0.0)
@@ -179,9 +184,23 @@ class Filter:
         return np.linalg.inv(matrix / outer) / outer
 
     def _update(self, data):
-        """Move the state to what the sample says; the sample's own matrix (4, 4) of the states."""
+        """Move the state to what the sample says; the sample's own matrix (4, 4) of the states.
+
+        Samples that contradict the model beyond what numbers hold make it begin anew.
+        """
+        self._mean[TEMPERATURE] = np.clip(self._mean[TEMPERATURE], *data.table.temperatures)
         if not np.isfinite(data.signal).any():
             return np.zeros((SIZE, SIZE))
+        try:
+            matrix = self._moved(data)
+            if np.isfinite(self._mean).all() and (np.diagonal(self._covariance) > 0).all():
+                return matrix
+        except ValueError:  # a singular matrix, a temperature that is none
+            pass
+        self._forget()
+        return np.zeros((SIZE, SIZE))
+
+    def _moved(self, data):
         weight = self._inverse_of(self._covariance, self._scale)
         ends = [self._descend(start, weight, data) for start in self._starts(data)]
         _, mean, gathered = min(ends, key=lambda end: end[0])
@@ -289,7 +308,10 @@ class Filter:
         if (np.isfinite(pair).sum(axis=1) > MEMORY // 2).all():
             # What the last samples say holds near their level: carried on as a share of the signal, it is too
             # much for a brighter surface, never too little.
-            self._floor, relative = noise.signal_noise(pair, prepare.NOISE_BLOCK)
+            try:
+                self._floor, relative = noise.signal_noise(pair, prepare.NOISE_BLOCK)
+            except ValueError:  # samples without any noise: what was known before holds on
+                return
             level = np.abs(np.nanmedian(pair[:, -prepare.NOISE_BLOCK :], axis=1))
             self._relative = np.hypot(self._floor / level, relative)
 

@@ -43,7 +43,7 @@ def signal_noise(signals, block):
     Raises
     ------
     ValueError
-        If there are fewer than four blocks.
+        If there are fewer than four blocks, or a signal has no noise.
     """
     from scipy.optimize import nnls
 
@@ -64,6 +64,8 @@ def signal_noise(signals, block):
             found[band, place] = max(variance(own) - max(np.mean(shared or 0.0), 0.0), 0.0) / 6
     for band in bands:
         good = np.isfinite(found[band]) & (found[band] > 0) & (scale[band] > 0)
+        if not good.any():
+            raise ValueError("a signal has no noise at all; give the record as measured, not interpolated")
         inverse = scale[band, good].min() / scale[band, good]
         weight = 1 / np.maximum(found[band, good], np.median(found[band, good]))
         design = np.stack([inverse**2, np.ones(good.sum())], axis=1) * weight[:, None]
