@@ -353,7 +353,9 @@ def save(result: xr.Dataset | xr.DataTree, place: Place) -> None:
         parts = {Path(place) / f"{name}.nc": node.to_dataset() for name, node in result.children.items()}
     for part in parts.values():
         if part.attrs.get("contract") not in contracts.DATASETS:
-            raise ValueError("only what a function of plasmapyro returned can be saved; use to_netcdf")
+            raise ValueError(
+                "only results of calibrate, correct, diagnose and radiance can be saved; use to_netcdf"
+            )
         contracts.check(part, part.attrs["contract"])
     io.write_labelled(list(parts.items()))
 
