@@ -2,6 +2,8 @@
 
     python benchmarks/real.py --furnace FOLDER --elements FOLDER --lamp FOLDER --plasmatron FOLDER
 
+With --page FILE.md the tables of furnace, elements and mixtures are written into that page.
+
 The folders hold public files that are not shipped (docs/real-data.md says where they come from); rows whose
 folder is not given are left out. Every row but those of the lamp and of mixtures is made by the commands that
 a user would call.
@@ -64,6 +66,23 @@ def command(*words):
     return code, said.getvalue()
 
 
+TABLES = {}  # name -> rows of the page's tables, filled as the board is made
+MARK = "<!-- board: {} -->"  # before each table of the page
+
+
+def rewrite(page):
+    """Write the tables that were made into the page, in the place of those after the marks."""
+    text = page.read_text(encoding="utf-8")
+    for name, rows in TABLES.items():
+        before, mark, after = text.partition(MARK.format(name) + "\n")
+        if not mark:
+            raise SystemExit(f"{page}: has no mark {MARK.format(name)!r}")
+        rest = re.sub(r"\A(\|.*\n)*", "", after)
+        head, *body = ("| " + " | ".join(map(str, cells)) + " |\n" for cells in rows)
+        text = before + mark + head + "|---" * len(rows[0]) + "|\n" + "".join(body) + rest
+    page.write_text(text, encoding="utf-8")
+
+
 def row(*cells):
     """One line of the table."""
     print("| " + " | ".join(map(str, cells)) + " |", flush=True)
@@ -77,7 +96,7 @@ def furnace(folder, work):
     light = next(path for path, known in celsius.items() if known == REFERENCE)
     lines = (folder / "Ta_emissivity.csv").read_text(encoding="utf-8-sig").split()
     table = [[float(cell) for cell in line.split(",")] for line in lines]
-    told = {"told the table": table, "not told": 1.0}
+    told, said_of = {"told the table": table, "not told": 1.0}, {}
     for word, emittance in told.items():
         place = work / word.replace(" ", "_")
         (place / "calibration").mkdir(parents=True)
@@ -121,6 +140,7 @@ def furnace(folder, work):
                 verdict,
             )
             if known != REFERENCE:
+                said_of.setdefault(f"{known:g} C", []).append((value - known, (high - low) / 3.92))
                 off.append(abs(value - known))
                 inside += low <= known <= high
         row(
@@ -130,6 +150,11 @@ def furnace(folder, work):
             f"at most {max(off):.1f}",
             f"{inside} of {len(off)} inside the 95 % interval",
         )
+
+    TABLES["furnace"] = [("thermocouple", "told the table", "standard uncertainty", "not told")] + [
+        (known, f"{first[0]:+.1f} K", f"{first[1]:.1f} K", f"{second[0]:+.1f} K")
+        for known, (first, second) in sorted(said_of.items(), key=lambda item: float(item[0].split()[0]))
+    ]
 
 
 def lamp(folder, _):
@@ -183,6 +208,8 @@ def elements(folder, work, pairs):
     """Spectra of laser plasmas in air: what is named beside the air, alone and in mixtures."""
     import species
 
+    TABLES["elements"] = [("spectrum", "named", "of the formula, not named")]
+    TABLES["mixtures"] = [("share", "of SNR 8", "right name", "mixtures", "with a false name")]
     for path in sorted(folder.glob("*.csv")):
         known, out = species.known(path), work / f"{path.stem}_species.csv"
         what = f"{path.stem}: {' '.join(known) or 'not known'}"
@@ -194,9 +221,14 @@ def elements(folder, work, pairs):
             told = [line["species"].split()[0] for line in csv.DictReader(file)]
         beside = [one for one in dict.fromkeys(told) if one not in species.AIR]
         row("elements", what, " ".join(beside), "-", species.verdict(known, beside) if known else "-")
+        missed = " ".join(one for one in known if one not in beside) or "-"
+        TABLES["elements"].append(
+            (re.match("[A-Za-z]*?(?=E?[0-9]|$)", path.stem)[0], ", ".join(beside), missed)
+        )
     for share, clear, hit, false, count in species.board(folder, pairs):
         seen = f"right name in {hit} of {clear} at SNR {species.CLEAR:g}, false in {false} of {count}"
         row("elements", f"mixtures, {share:.0%}", "-", "-", seen)
+        TABLES["mixtures"].append((f"{share:.0%}", f"{clear:g}", f"{hit:g}", f"{count:g}", f"{false:g}"))
 
 
 def parser():
@@ -210,6 +242,7 @@ def parser():
     top.add_argument(
         "--results", type=Path, metavar="FOLDER", help="a finished run for (e); default: what is shipped"
     )
+    top.add_argument("--page", type=Path, metavar="FILE.md", help="writes its tables into docs/real-data.md")
     return top
 
 
@@ -226,3 +259,5 @@ if __name__ == "__main__":
             lamp(options.lamp, Path(work))
         if options.plasmatron:
             plasmatron(options.plasmatron, Path(work), options.results)
+    if options.page:
+        rewrite(options.page)
