@@ -65,6 +65,14 @@ def test_both_are_named_where_the_first_alone_leads_to_others(base):
         found = select(base, CATALOGUE, draws=300)
     assert found.status in ("named", "named+unknown")  # an edge within its tolerance looks alike
     amplitude = {one.id: one.amplitude for one in found.final.settings}
+    print(
+        "AMP",
+        amplitude,
+        found.status,
+        [(len(s.settings), s.solution.objective) for s in found.steps],
+        found.reserve,
+        found.thresholds,
+    )
     assert set(amplitude) == {"edge1", "nonlin_p"}
     # The base model has edges that err as well, by 1 nm; both together are the shift. 10 %: an effect moves
     # the band after its calibration, the hidden shift and the base model's are in the calibration too.

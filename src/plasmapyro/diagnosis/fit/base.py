@@ -103,7 +103,7 @@ def phase_of(time, off):
 def renoised(model, solution, settings=()):
     """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
     raw = raw_model(model)
-    found, instruments, bins = [], [], []
+    found, instruments = [], []
     flicker = None
     for which, instrument in enumerate(model.instruments):
         state = solution.state
@@ -143,12 +143,10 @@ def renoised(model, solution, settings=()):
         cleaned = noises.without_outliers(instrument, expected, hit)
         found.append(law)
         instruments.append(cleaned)
-        bins.append(noises.on_bins(law, cleaned, solution.prediction[which]))
-    return (
-        model_with(_restless(model, max(law.flicker.slower(SLOW) for law in found)), instruments),
-        tuple(found),
-        bins,
-    )
+    slowest = max((law.flicker for law in found), key=lambda one: one.slower(0.0))
+    found = [replace(law, flicker=law.flicker.with_memory_of(slowest)) for law in found]
+    bins = [noises.on_bins(*three) for three in zip(found, instruments, solution.prediction, strict=True)]
+    return model_with(_restless(model, slowest.slower(SLOW)), instruments), tuple(found), bins
 
 
 def _restless(model, flicker):

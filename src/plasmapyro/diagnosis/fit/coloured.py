@@ -67,6 +67,12 @@ class Coloured:
         """The same with all variances times a number."""
         return replace(self, white=self.white * share, variance=np.multiply(self.variance, share))
 
+    def with_memory_of(self, other):
+        """The same total, with the parts of another record of the factor if this one shows none."""
+        if self.remembers:
+            return self
+        return replace(other, white=max(self.total - other.slower(0.0), 0.0))
+
     def seen_over(self, exposure):
         """The same as exposures [s] see it: parts averaged over each, what has no memory gone."""
         share = _mean(exposure / np.atleast_1d(self.time))

@@ -230,9 +230,8 @@ def _many(instrument, residual, prediction, gas, used, phase, factor, pixels, ot
             # Each with the other as uncertain as was found in the round before.
             level, error = _beside(size, pull, 0, gain.total)
             bright = used & (error < SEEN_GAS**2)
-            if other_flicker is None:
-                flicker = coloured(level, level, error, bright, phase, period, LONGEST_FLICKER)
-            else:
+            flicker = coloured(level, level, error, bright, phase, period, LONGEST_FLICKER)
+            if other_flicker is not None and not flicker.remembers:
                 own = _frame_flicker(level, error, bright, same)
                 flicker = _pooled(*own, other_flicker.seen_over(exposure))
             level, error = _beside(size, pull, 1, flicker.total)

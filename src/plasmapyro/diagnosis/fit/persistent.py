@@ -11,12 +11,11 @@ WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplif
     "ratio": 1e-3,
     "spectrometer": 3e-3,
 }
-KNOTS = 10  # of each gain over the record
-MEMORY = 0.25  # [1], of the record: correlation time of the gains
+STEP, LEAST_KNOTS, MOST_KNOTS = 8.0, 10, 40  # [s] between knots of what wanders, and how many there may be
+MEMORY = 0.25  # [1], of the record: correlation time of the gains, and of half of the gas,
+GAS_TIME = 20.0  # [s] and of its other half
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
-GAS_TIMES = 20.0, MEMORY  # [s], and [1] of the record, over which that lasts: as much of each
-GAS_STEP, GAS_KNOTS = 8.0, 40  # [s] between knots of it, and the most of them
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
@@ -53,8 +52,7 @@ def persistent(instrument, start, end):
     -----
     Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006), eq. 4.9 and B.29.
     """
-    knots = np.linspace(start, end, KNOTS)
-    root = np.linalg.cholesky(np.exp(-np.abs(np.subtract.outer(knots, knots)) / (MEMORY * (end - start))))
+    knots, root = _wandering(start, end, MEMORY * (end - start))
     kinds = {"pyrometer": np.ones(instrument.channels), "ratio": [0.5, -0.5]}
     if instrument.channels != 2:
         del kinds["ratio"]
@@ -63,35 +61,39 @@ def persistent(instrument, start, end):
     time, channel, parameters = [], [], []
     for kind, row in kinds.items():
         time.append(root)
-        channel.append(np.outer(row, np.ones(KNOTS)))
+        channel.append(np.outer(row, np.ones(knots.size)))
         name = f"wandering gain of the {kind}" if kind != "ratio" else "wandering ratio of the bands"
-        parameters += [Parameter(f"wander_{kind}", name, WANDER[kind])] * KNOTS
+        parameters += [Parameter(f"wander_{kind}", name, WANDER[kind])] * knots.size
     for place, band in enumerate(instrument.band if instrument.known is not None else ()):
         row = np.eye(instrument.channels)[place]
-        time.append(np.column_stack([root, np.ones(KNOTS)]))
-        channel.append(np.outer(row, np.ones(KNOTS + 1)))
-        own = [Parameter(f"wander_{band}", f"wandering gain of {band}", WANDER["ratio"] / np.sqrt(2))] * KNOTS
+        time.append(np.column_stack([root, np.ones(knots.size)]))
+        channel.append(np.outer(row, np.ones(knots.size + 1)))
+        own = [
+            Parameter(f"wander_{band}", f"wandering gain of {band}", WANDER["ratio"] / np.sqrt(2))
+        ] * knots.size
         parameters += [*own, Parameter(f"gain_{band}", f"sensitivity of {band}", instrument.known[place])]
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
         value, vector = np.linalg.eigh(sum(np.exp(-0.5 * (apart / one) ** 2) for one in SMOOTH_LENGTHS))
         kept = value > LEAST * value.max()
-        time.append(np.ones((KNOTS, kept.sum())))
+        time.append(np.ones((knots.size, kept.sum())))
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
         name = "scale of the spectrometer over wavelength"
         parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
 
 
-def wandering_gas(start, end):
-    """Parameters of a brightness of the gas that wanders over a record from `start` to `end` [s].
-
-    Two Ornstein-Uhlenbeck processes, linear between knots.
-    """
-    knots = np.linspace(start, end, int(np.clip((end - start) / GAS_STEP, KNOTS, GAS_KNOTS)))
+def _wandering(start, end, *times):
+    """Knots (K,) [s], and a root (K, K) of the covariance of what wanders with variance 1, alike in parts
+    over some times [s]."""
+    knots = np.linspace(start, end, int(np.clip((end - start) / STEP, LEAST_KNOTS, MOST_KNOTS)))
     apart = np.abs(np.subtract.outer(knots, knots))
-    times = GAS_TIMES[0], GAS_TIMES[1] * (end - start)
-    root = np.linalg.cholesky(sum(np.exp(-apart / one) for one in times) / len(times))
+    return knots, np.linalg.cholesky(sum(np.exp(-apart / one) for one in times) / len(times))
+
+
+def wandering_gas(start, end):
+    """Parameters of a brightness of the gas that wanders over a record from `start` to `end` [s]."""
+    knots, root = _wandering(start, end, GAS_TIME, MEMORY * (end - start))
     name = "wandering brightness of the gas"
     return tuple(
         Parameter("gas_wander", name, GAS_WANDER, history=(tuple(knots), tuple(column))) for column in root.T

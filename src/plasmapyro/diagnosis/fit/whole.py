@@ -28,7 +28,10 @@ def fit_test(
         calibrations["radiometer"] = radiometer_calibration
     record = record_of(test, calibrations, saturation_counts=saturation_counts)
     if not record.instruments:
-        raise ValueError("the test holds signals of bands only: their calibration is needed")
+        raise ValueError(
+            "the test holds signals of bands only: calibration.nc of the pyrometer is needed, or that of the"
+            " radiometer"
+        )
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
     model = base_model(
