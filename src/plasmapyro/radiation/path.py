@@ -188,6 +188,23 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     return GasPath(thickness, temperature, density, partition, excitation_temperature, dict(departures or {}))
 
 
+def incident_path(ray):
+    """Layers of a ray of a 'surface_view', which counts from the surface, towards the surface.
+
+    Parameters
+    ----------
+    ray : Dataset, contract 'surface_view', of one ray
+
+    Returns
+    -------
+    GasPath
+    """
+    distance = ray["ray_distance"].values[::-1]
+    species = [str(name) for name in ray["species"].values]
+    density = dict(zip(species, ray["ray_number_density"].values[:, ::-1], strict=True))
+    return gas_path(distance[0] - distance, ray["ray_temperature"].values[::-1], density)
+
+
 def thin_lines(path, lines):
     r"""Radiance of each line if nothing were absorbed, and what leaving a layer out could change.
 

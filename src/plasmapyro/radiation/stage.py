@@ -18,7 +18,7 @@ from plasmapyro.radiation.bandsignal import (
 )
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.levels import departures
-from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance, require_any_resolution
+from plasmapyro.radiation.path import CONTINUA, gas_path, incident_path, path_radiance, require_any_resolution
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
 from plasmapyro.radiation.uncertainty import error_modes
@@ -186,7 +186,7 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
     incident = np.zeros((len(REFLECTIONS), len(components), len(grid)))
     signals = []
     for ray, weight in enumerate(weights):
-        radiance = path_radiance(_towards_surface(view.isel(ray=ray)), lists, grid).radiance[:, ::-1]
+        radiance = path_radiance(incident_path(view.isel(ray=ray)), lists, grid).radiance[:, ::-1]
         incident[1 if weight else 0] += radiance * (weight or 1.0)
         total = radiance.sum(axis=0)
         signals.append([band_signal(wavelength, weight, total) for weight in seen])
@@ -231,11 +231,3 @@ def _responses(band_response, wavelength_range):
     for band, response in zip(bands_of(band_response), responses, strict=True):
         require_cover(wavelength_range, wavelength, response, band)
     return wavelength, responses
-
-
-def _towards_surface(ray):
-    """Layers of a ray in the order of the light that comes down on the surface."""
-    distance = ray["ray_distance"].values[::-1]
-    species = [str(name) for name in ray["species"].values]
-    density = dict(zip(species, ray["ray_number_density"].values[:, ::-1], strict=True))
-    return gas_path(distance[0] - distance, ray["ray_temperature"].values[::-1], density)

@@ -8,7 +8,7 @@ from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES, nitrogen_of
 from plasmapyro.radiation.grid import log_grid
-from plasmapyro.radiation.path import gas_path
+from plasmapyro.radiation.path import incident_path
 from plasmapyro.radiation.slit import through_slit
 from plasmapyro.radiation.systems import line_lists
 from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
@@ -133,16 +133,13 @@ def _falling(view, lists, fine, slit, fwhm, pressure):
     """Radiance (2, K) [W m-2 sr-1 m-1] behind the slit of what falls on the stagnation point: from where a
     mirror shows it, and the mean over the half space that a matt surface scatters."""
     grid = log_grid((fine[0], fine[-1]), LINE_GRID_POINTS)
-    temperature = view["ray_temperature"].values
-    nodes = table_nodes(COLDEST, temperature.max(), TABLE_NODES)
+    nodes = table_nodes(COLDEST, view["ray_temperature"].values.max(), TABLE_NODES)
     table = emission_table(
         lists, grid, nodes, dict(zip(SPECIES, number_density(nodes, pressure).T, strict=True))
     )
-    species = [str(name) for name in view["species"].values]
     light = np.zeros((2, len(grid)))
     for ray, weight in enumerate(view["ray_weight"].values):
-        density = dict(zip(species, view["ray_number_density"].values[ray], strict=True))
-        path = gas_path(view["ray_distance"].values[ray], temperature[ray], density)
+        path = incident_path(view.isel(ray=ray))
         light[1 if weight else 0] += (weight or 1.0) * table_radiance(table, path)[0].sum(axis=0)
     return through_slit(grid.wavelength[::-1], light[:, ::-1], slit, fwhm)
 
