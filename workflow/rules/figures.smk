@@ -203,7 +203,7 @@ for instruments in sorted({tuple(sorted(TESTS[test]["instruments"])) for test in
         log:
             "results/logs/figures_{test}.log",
         benchmark:
-            "results/benchmarks/figures_{test}.tsv"
+            f"results/benchmarks/figures_{'_'.join(instruments)}_{{test}}.tsv"
         wildcard_constraints:
             test=one_of([test for test in WORKED if tuple(sorted(TESTS[test]["instruments"])) == instruments]),
         localrule: True
