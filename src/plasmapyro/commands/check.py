@@ -9,8 +9,9 @@ from plasmapyro import progress
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
+from plasmapyro.readers.description import LARGEST
 from plasmapyro.readers.stage import read_with_files
-from plasmapyro.readers.text import Refusal
+from plasmapyro.readers.text import Refusal, read_lines
 from plasmapyro.record.inputs import has_plasma, instruments
 
 DESCRIPTION = """\
@@ -70,8 +71,8 @@ def run(options):
 
 def _guesses(description):
     """A line that says how many guesses of `init` nobody has looked at, if there are any."""
-    text = description.read_text(encoding="utf-8-sig") if description.is_file() else ""
-    count = sum("  # ?" in line for line in text.splitlines())
+    lines, _ = read_lines(description, LARGEST) if description.is_file() else ([], True)
+    count = sum("  # ?" in line for line in lines)
     return [f"  test.yaml: {count} guesses of `init` are still marked '# ?'"] * bool(count)
 
 

@@ -47,8 +47,9 @@ def contradicted(time, observations, fixed, found):
     """
     pulls = np.abs(found.values - fixed.mean) / fixed.deviation
     largest = {name: pulls[fixed.where(name)].max(initial=0.0) for name in STATED}
+    leading = observations[0].name if observations else "pyrometer"
     words = [
-        f"the data pull {STATED[name].format(leading=observations[0].name)} by {pull:.0f} standard"
+        f"the data pull {STATED[name].format(leading=leading)} by {pull:.0f} standard"
         " uncertainties away from what is stated"
         for name, pull in largest.items()
         if pull > LARGEST_PULL
