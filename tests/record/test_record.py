@@ -196,6 +196,7 @@ def test_parts_of_a_test_are_shares_of_its_exposure():
 def test_bins_of_a_short_exposure_are_short():
     edges = binning.time_edges(-4.0, 12.0, 0.0, 6.0)
     np.testing.assert_allclose(np.diff(edges[(edges >= 1) & (edges <= 4)]), 0.2)
+    np.testing.assert_allclose(np.diff(edges[(edges >= 0) & (edges <= 1)]), 0.1)
 
 
 def test_no_bin_holds_a_sample_beside_a_switch():

@@ -13,6 +13,7 @@ THIRD = np.array(
 )  # a third difference sees no heating, and no fit that follows the noise
 TREND = 0.05  # [1] by which the factor may change on its way
 TIMES = 12  # memories of which noise may be made, from a sample to the longest lag
+SHORTEST = 1e-6  # memories of an exposure; the formula for less is 0/0
 KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
@@ -81,6 +82,7 @@ class Coloured:
 
 def _mean(x):
     """Variance of a mean over x memories of noise of variance 1."""
+    x = np.maximum(x, SHORTEST)
     return np.minimum(2 / x * (1 + np.expm1(-x) / x), 1.0)
 
 
