@@ -1,10 +1,12 @@
 """The command line: what it writes, what it refuses, how it ends."""
 
+import csv
 import io as io_streams
 import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +15,10 @@ import xarray as xr
 import plasmapyro
 from plasmapyro import cli, io, progress
 from plasmapyro.commands import radiance
+from plasmapyro.commands.correct import ESTIMATORS
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
+from plasmapyro.quality.catalogue import OF_CALIBRATION
 from plasmapyro.radiation import stage as radiation_stage
 from plasmapyro.radiation.spectrum_text import parse_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -279,8 +283,17 @@ def called(*words, then="print(*sys.modules)"):
 def test_help_loads_nothing_that_computes_and_says_what_the_commands_say():
     *said, loaded = called("--help")
     assert not set(loaded.split()) & HEAVY
+    assert not set(called("correct", "--help")[-1].split()) & HEAVY
     assert "\n".join(said) == "\n".join(called("--help", then=""))
     assert cli.parser(()).format_help() == cli.parser().format_help()
+
+
+def test_words_to_choose_from_are_those_that_the_commands_know():
+    with (Path(cli.__file__).parent / "commands/options.csv").open(newline="") as table:
+        kinds = {(row["command"], row["option"]): row["kind"].split("|") for row in csv.DictReader(table)}
+    assert kinds["correct", "--estimator"] == sorted(ESTIMATORS)
+    assert kinds["calibrate", "--accept"] == [rule.name for rule in OF_CALIBRATION]
+    assert {command for command, _ in kinds} == set(cli.COMMANDS)
 
 
 def test_check_loads_neither_pictures_nor_what_an_extra_brings():

@@ -6,9 +6,11 @@ import os
 import sys
 import traceback
 import warnings
+from functools import partial
 from importlib import import_module
 
 import plasmapyro
+from plasmapyro.commands import options
 from plasmapyro.progress import show
 
 DONE, FAULT_OF_OURS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -49,6 +51,11 @@ class _Version(argparse.Action):
         sys.exit(DONE)
 
 
+def _run(name, given):
+    """Run a command; it is loaded for that, not for its help."""
+    return import_module(f"plasmapyro.commands.{name.replace('-', '_')}").run(given)
+
+
 def parser(names=COMMANDS):
     """The argument parser with the options of the named subcommands; each of them sets `run`."""
     top = argparse.ArgumentParser(prog="plasmapyro", description=plasmapyro.__doc__)
@@ -60,16 +67,16 @@ def parser(names=COMMANDS):
         if name not in names:
             commands.add_parser(name, help=words)
             continue
-        module = import_module(f"plasmapyro.commands.{name.replace('-', '_')}")
+        description, epilog = options.words(name)
         command = commands.add_parser(
             name,
             help=words,
-            description=module.DESCRIPTION,
-            epilog=module.EXAMPLE + ("" if "exit status" in module.EXAMPLE else EXIT_STATUS),
+            description=description,
+            epilog=epilog + ("" if "exit status" in epilog else EXIT_STATUS),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        command.set_defaults(run=module.run)
-        module.add(command)
+        command.set_defaults(run=partial(_run, name))
+        options.add(command, name)
     return top
 
 
@@ -90,12 +97,12 @@ def main(arguments=None):
         warnings.simplefilter("ignore", RuntimeWarning)
     arguments = sys.argv[1:] if arguments is None else arguments
     os.environ.update(ONE_THREAD)  # before a command loads numpy
-    options = parser(arguments[:1]).parse_args(arguments)
+    given = parser(arguments[:1]).parse_args(arguments)
     # What the library logs, the commands say in their own words.
     logging.getLogger("plasmapyro").addHandler(logging.NullHandler())
     show(sys.stderr)
     try:
-        status = options.run(options)
+        status = given.run(given)
     except (ValueError, OSError) as fault:
         sys.stderr.write(f"plasmapyro: {fault}\n")
         return BAD_INPUT

@@ -1,1 +1,1 @@
-"""Subcommands of `plasmapyro`: each module adds its options to a parser and runs them."""
+"""Subcommands of `plasmapyro`: a module with `run` each, options in options.csv, words of help in words/."""

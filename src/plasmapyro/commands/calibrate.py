@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import io, progress
-from plasmapyro.commands.options import not_negative, option, plot_option, positive, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.instrument.line_lamp import find_lines
@@ -36,71 +35,6 @@ RESPONSE = {  # the modelled MR1SB, as in config/config.yaml
 }
 LINE_SEARCH, LINE_TO_NOISE = 1e-9, 50.0  # [m] how far off a line may be; fainter lines are left out
 CURVE = np.arange(400.0, 4001.0, 10.0)  # [K] where the curves are tabulated
-
-DESCRIPTION = """\
-Turn raw calibration files into the calibration of a pyrometer, a spectrometer, or both.
-
-FOLDER holds calibration.yaml, which names the raw files (docs/your-own-data.md): for the pyrometer
-a table of source temperatures and both signals; for the spectrometer light and dark exposures of a black body
-or a certified lamp, with the detector's non-linearity, masked pixels, filters and window."""
-EXAMPLE = """\
-example:
-  plasmapyro calibrate lamp_2026 --out lab
-  plasmapyro correct my_test --instrument lab --out temperature.nc
-
-writes calibration.nc and response.nc (pyrometer), spectrometer_calibration.nc (spectrometer),
-radiometer_calibration.nc (radiometer of any bands) into the folder"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("folder", metavar="FOLDER", help="holds calibration.yaml and the files it names")
-    command.add_argument("--out", required=True, metavar="FOLDER", help="where the calibration goes")
-    plot_option(command, "the calibration curve, or the factor of a spectrometer alone")
-    command.add_argument(
-        "--response",
-        metavar="FILE.nc",
-        help="responses of both bands, as results/instrument/response.nc (default: modelled, of the MR1SB)",
-    )
-    option(
-        command,
-        "--source-temperature-uncertainty-k",
-        not_negative,
-        3.0,
-        "of the black body before the pyrometer, standard [K]",
-    )
-    option(command, "--signal-uncertainty", share, 0.01, "of one pyrometer signal, relative, standard")
-    option(command, "--least-net-counts", not_negative, 50.0, "net counts up to here are no signal")
-    option(
-        command,
-        "--saturation-counts",
-        positive,
-        65000.0,
-        "raw counts from here on are saturated, if calibration.yaml says nothing",
-    )
-    command.add_argument(
-        "--fit-range-nm",
-        nargs=2,
-        type=positive,
-        metavar=("SHORT", "LONG"),
-        help="pixels of the spectrometer to which Planck's law is fitted, in vacuum (default: all usable)",
-    )
-    command.add_argument(
-        "--accept",
-        nargs="+",
-        default=[],
-        choices=[rule.name for rule in OF_CALIBRATION],
-        metavar="RULE",
-        help="go on although these rules find a contradiction",
-    )
-    command.add_argument(
-        "--instrument-range-k",
-        nargs=2,
-        type=positive,
-        default=[973.0, 2073.0],
-        metavar=("LOW", "HIGH"),
-        help="lowest and highest temperature the pyrometer reads (default: 973 2073)",
-    )
 
 
 def run(options):

@@ -13,28 +13,6 @@ from plasmapyro.plots.campaign import laws
 
 SCHEMA = Path(plasmapyro.campaign.__file__).with_name("campaign.schema.yaml")
 NAMES = ("priors.yaml", "campaign.md", "campaign.png")
-DESCRIPTION = """\
-Put the diagnoses of several tests of one laboratory together: the law of the efficiency, what the windows
-lose from run to run, sensitivity ratio, responses, emittances, scale of the spectrometer; which test does
-not belong; and what all of them say before the next test.
-
-FILE lists tests with dates, diagnoses (diagnosis.json), electric powers and materials; docs/campaign.md."""
-EXAMPLE = """\
-example:
-  plasmapyro campaign config/campaign.yaml --out campaign
-  plasmapyro diagnose my_test --priors campaign/priors.yaml --out diagnosis
-
-writes priors.yaml, campaign.md and campaign.png, all or none.
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("file", metavar="FILE", help="tests of the campaign (YAML)")
-    command.add_argument(
-        "--until", metavar="TEST", help="leave this test and later ones out: the prior is that of this test"
-    )
-    command.add_argument("--out", metavar="FOLDER", default="campaign", help="where the three files go")
 
 
 def run(options):

@@ -14,31 +14,6 @@ from plasmapyro.readers.stage import read_with_files
 from plasmapyro.readers.text import Refusal, read_lines
 from plasmapyro.record.inputs import has_plasma, instruments
 
-DESCRIPTION = """\
-Say everything that is wrong with the data of a test or of a calibration, at once: for each fault the file,
-the line or column, the rule it breaks and what to do. Nothing is written.
-
-TEST is a folder (test.yaml and the raw files it describes, or test.nc) or a netCDF file; what may stand
-in it is told in docs/your-own-data.md. A folder with calibration.yaml is checked as a calibration.
-
-What can be processed may still contradict itself: bands exchanged, a logger that stuck, clocks that differ,
-a dark that holds light. Rules look for it; docs/your-own-data.md lists them. With --instrument a trial
-correction is made, so that pyrometer and spectrometer are compared."""
-EXAMPLE = """\
-examples:
-  plasmapyro check my_test
-  plasmapyro check my_test --instrument lab
-
-exit status: 0 the data can be processed, 2 they cannot (the faults are listed), 1 a fault of ours"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("test", metavar="TEST", help="folder or netCDF file of a test")
-    command.add_argument(
-        "--instrument", metavar="FOLDER", help="calibration to try the correction with, as for `correct`"
-    )
-
 
 def run(options):
     """Run `plasmapyro check`.

@@ -5,11 +5,6 @@ import sys
 
 from plasmapyro import cli
 
-DESCRIPTION = "Write what lets bash or zsh complete commands, options, their choices, and file names."
-EXAMPLE = """\
-examples:
-  plasmapyro completion bash > ~/.local/share/bash-completion/completions/plasmapyro
-  plasmapyro completion zsh >> ~/.zshrc"""
 SCRIPT = """\
 _plasmapyro() {{
     local words
@@ -23,11 +18,6 @@ _plasmapyro() {{
 complete -o default -F _plasmapyro plasmapyro
 """
 ZSH = "autoload -U +X compinit && compinit\nautoload -U +X bashcompinit && bashcompinit\n"
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("shell", choices=("bash", "zsh"))
 
 
 def run(options):

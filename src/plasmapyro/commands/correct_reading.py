@@ -8,7 +8,6 @@ import numpy as np
 from plasmapyro import io, shipped
 from plasmapyro.analysis.reading import STATUS, correct_reading
 from plasmapyro.commands.calibrate import RESPONSE
-from plasmapyro.commands.options import count, not_negative, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.stage import band_response, ratio_curve
 from plasmapyro.readers import text, units
@@ -19,44 +18,7 @@ CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "instrument_range": (973.0, 2073.0),
 }
 LARGEST = 96_000_000  # [byte]
-DESCRIPTION = """\
-Turn the temperatures that a two-colour pyrometer displayed through the plasma into those of the surface, with
-the light that the gas of a computed condition adds, and a 95 % interval.
-
-READING is a text table with a time and a temperature column, such as 'time [s], Ts [K]'. Behind the gas two
-surface temperatures give one reading; the hot one is given, and the other beside it. An ablating surface
-adds light of its own, which no simulation of air holds: what comes out is then no more than the share of the
-air in the error."""
-EXAMPLE = """\
-example:
-  plasmapyro correct-reading stag_point_temp.dat --condition 60kW --out surface.nc --floor-k 1264"""
 HEADER = {"time": ("time", "t"), "temperature": ("ts", "temperature", "t_app", "reading")}
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("reading", metavar="READING", help="text table of time and displayed temperature")
-    command.add_argument("--condition", required=True, metavar="NAME", help="power condition, such as 60kW")
-    command.add_argument("--out", required=True, metavar="FILE.nc", help="what comes out")
-    command.add_argument(
-        "--results",
-        metavar="FOLDER",
-        help="of the workflow (default: the simulations that come with the package)",
-    )
-    instrument = command.add_argument_group("instrument")
-    option(instrument, "--slope", positive, 1.0, "slope setting, told emittance ratio wide over narrow")
-    option(instrument, "--floor-k", not_negative, 0.0, "least temperature that is displayed [K]")
-    option(instrument, "--quantum-k", not_negative, 1.0, "step of the display [K]")
-    option(instrument, "--noise-k", not_negative, 0.0, "standard deviation of one reading [K]")
-    surface = command.add_argument_group("surface")
-    surface.add_argument("--emittance", type=positive, metavar="X", help="default: that of the condition")
-    option(surface, "--emittance-uncertainty", share, 0.05, "relative")
-    option(surface, "--at-least-k", not_negative, 0.0, "the surface is known to be no colder [K]")
-    simulation = command.add_argument_group("gas")
-    option(simulation, "--power-uncertainty", share, 0.05, "of the power in the gas, relative")
-    option(simulation, "--engine-uncertainty", share, 0.1, "of the gas's light in each band, relative")
-    option(simulation, "--draws", count, 400, "draws of the interval")
-    option(simulation, "--seed", seed, 1, "of the draws")
 
 
 def run(options):

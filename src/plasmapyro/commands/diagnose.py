@@ -4,90 +4,15 @@ import sys
 from pathlib import Path
 
 from plasmapyro import io, progress
-from plasmapyro.commands.correct import positive, trial
+from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.outputs import require_folder
-from plasmapyro.commands.priors import HELP as PRIORS
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import read_with_files
 from plasmapyro.record.inputs import instruments
-
-DESCRIPTION = """\
-Compare a test with the simulation of its condition: where they depart, which effect of a catalogue
-explains it (or that none does), what that costs in kelvin, and the temperature with the effect in the model.
-
-TEST is a netCDF file (contract 'test') or a folder with test.nc, or with raw files and test.yaml."""
-EXAMPLE = """\
-example:
-  plasmapyro diagnose results/twin/csic_160kW --radiance results/radiation \\
-      --instrument results/instrument --out diagnosis
-
-writes diagnosis.json, residual_map.nc, temperature.nc, index.html and terms.yaml, all or none.
-exit status: 0 done, 2 bad input or usage (one message, nothing written), 1 a fault of ours; with
---fail-on-finding also 3 a cause was named, 4 something is wrong that no known cause explains"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("test", metavar="TEST", help="test folder or netCDF file")
-    command.add_argument(
-        "--radiance",
-        metavar="FOLDER",
-        help="spectra of all conditions, {condition}.nc (default: those that come with the package: air, 50"
-        " mbar, 16 g/s, 50kW to 130kW)",
-    )
-    command.add_argument(
-        "--instrument",
-        metavar="FOLDER",
-        help="response.nc, calibration.nc, spectrometer_calibration.nc; or raw files with calibration.yaml"
-        " (default: the folder `calibration` in the test's or beside it)",
-    )
-    command.add_argument(
-        "--variations",
-        metavar="FOLDER",
-        help="varied spectra, {condition}.nc (default: radiation_variations beside the spectra)",
-    )
-    command.add_argument(
-        "--out",
-        metavar="FOLDER",
-        help="where the five files go; replaced as a whole (default: TEST_diagnosis, here)",
-    )
-    command.add_argument(
-        "--without",
-        nargs="*",
-        default=[],
-        metavar="EFFECT",
-        help="effects to leave out",
-    )
-    command.add_argument(
-        "--also",
-        nargs="*",
-        default=[],
-        metavar="TEST",
-        help="tests at other conditions with the same instruments: what is named is tried on them",
-    )
-    command.add_argument(
-        "--with",
-        dest="given",
-        metavar="FILE.yaml",
-        help="effects that are taken as given, as terms.yaml of an earlier diagnosis holds them",
-    )
-    command.add_argument("--priors", metavar="FILE.yaml", help=PRIORS)
-    command.add_argument(
-        "--saturation-counts",
-        type=positive,
-        default=diagnosis.SATURATION_COUNTS,
-        metavar="X",
-        help=f"raw counts from here on are saturated (default: {diagnosis.SATURATION_COUNTS:g})",
-    )
-    command.add_argument(
-        "--fail-on-finding",
-        action="store_true",
-        help="exit status 3 or 4 for a finding",
-    )
 
 
 def run(options):

@@ -3,19 +3,9 @@
 import sys
 
 from plasmapyro import io
-from plasmapyro.commands.options import count, option, positive, seed, share
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.facility.prediction import predict
 
-DESCRIPTION = """\
-Predict the heat flux of a cold copper calorimeter in the air jet of the Plasmatron (16 g/s, probe 385 mm
-behind the exit) where a cooled Pitot probe reads PITOT above the chamber pressure, and the jet there, with
-95 % intervals. Computed jets with radiation loss and mixing are used with whatever mixing meets a measured
-pair, for every recombination and Pitot nose that is admitted. (*): half of the draws or more lie beyond the
-computed flows. Enthalpy from cold air at 298 K."""
-EXAMPLE = """\
-example:
-  plasmapyro heat-flux 5 15 50 --pressure-mbar 100 --pitot-radius-mm 12.5 12.5"""
 COLUMNS = {  # column -> quantity, factor from SI, digits
     "heat_flux_kw_m2": ("heat_flux", 1e-3, 0),
     "temperature_k": ("temperature", 1.0, 0),
@@ -23,33 +13,6 @@ COLUMNS = {  # column -> quantity, factor from SI, digits
     "speed_m_s": ("speed", 1.0, 0),
     "power_kw": ("numerical_power", 1e-3, 0),
 }
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("pitot", metavar="PITOT", nargs="+", type=positive, help="Pitot pressures [Pa]")
-    option(command, "--pressure-mbar", positive, 50.0, "of the chamber, 50 to 100")
-    option(command, "--radius-mm", positive, 25.0, "of the calorimeter")
-    command.add_argument(
-        "--shape",
-        choices=("hemisphere", "blunt"),
-        default="hemisphere",
-        help="of the calorimeter; blunt: a flat face with a shoulder",
-    )
-    pair(command, "--pitot-radius-mm", (5.0, 25.0), "of the Pitot nose, between 5 and 25")
-    pair(command, "--recombination", (0.01, 0.1), "admitted of the calorimeter, between 0.01 and 1")
-    command.add_argument("--pair", default="Num-2", help="measured pair that is met (default: Num-2)")
-    option(command, "--flux-uncertainty", share, 0.1, "of its heat flux, relative")
-    option(command, "--pressure-uncertainty", share, 0.05, "of its Pitot pressure, relative")
-    option(command, "--draws", count, 400, "draws of the interval")
-    option(command, "--seed", seed, 1, "of the draws")
-    command.add_argument("--csv", metavar="FILE.csv", help="write the table there, too")
-
-
-def pair(command, name, default, words):
-    """Add an option with a low and a high end."""
-    words = f"{words} (default: {default[0]:g} {default[1]:g})"
-    command.add_argument(name, nargs=2, type=positive, default=default, metavar=("LOW", "HIGH"), help=words)
 
 
 def run(options):

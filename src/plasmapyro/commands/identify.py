@@ -7,7 +7,6 @@ import sys
 import numpy as np
 
 from plasmapyro import io
-from plasmapyro.commands.options import option, plot_option, positive
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.identification.identify import identify
 from plasmapyro.readers.spectrum import read_frames
@@ -16,44 +15,7 @@ from plasmapyro.refraction import air_wavelength
 NANOMETRE = 1e-9
 LEAST_FRAMES = 5  # that tell their own noise
 SHOWN = 12  # peaks without a name, strongest first
-DESCRIPTION = """\
-Name the atoms, ions and molecules whose lines or bands a spectrum shows: all lines of a species together, at
-a free temperature of excitation and optical depth, with an error of the wavelength scale fitted along. Lines
-that must be there and are not speak against a species; peaks that fit by chance count for nothing.
-
-SPECTRUM is a text file: wavelength [nm], then the signal in one or more columns (frames, averaged), or a
-file of SpectraSuite, OceanView or Jaz."""
-EXAMPLE = """\
-example:
-  plasmapyro identify lamp.csv --plot lamp.png --out lamp_species.csv
-
-The table has a row per species: probability, natural logarithm of the Bayes factor, peaks that speak for it,
-temperature of excitation that suits them (a rough one), strongest lines [nm], and what would explain the same
-peaks about as well. What is left without a name is listed last.
-
-Not in the tables: Kr, Xe, Br, I, and elements beyond Pb but Bi, Th, U; see docs/your-own-data.md."""
 COLUMNS = ("species", "probability", "log_bayes", "peaks", "temperature_k", "lines_nm", "or_else")
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("spectrum", metavar="SPECTRUM", help="text file of one spectrum")
-    command.add_argument("--dark", metavar="FILE", help="spectrum without light, subtracted")
-    command.add_argument(
-        "--vacuum", action="store_true", help="its wavelengths are those in vacuum, not in air"
-    )
-    command.add_argument(
-        "--calibrated", action="store_true", help="the signal is proportional to radiance at all wavelengths"
-    )
-    command.add_argument(
-        "--fwhm-nm",
-        type=positive,
-        metavar="X",
-        help="width of a sharp line (default: from the sharpest peaks)",
-    )
-    option(command, "--least-probability", positive, 0.5, "from which a species is listed")
-    command.add_argument("--out", metavar="FILE.csv", help="write the table there too")
-    plot_option(command, "the spectrum with the names of its lines")
 
 
 def run(options):

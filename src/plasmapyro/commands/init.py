@@ -7,19 +7,6 @@ from plasmapyro import io
 from plasmapyro.readers.guess import describe
 from plasmapyro.readers.stage import check_test
 
-DESCRIPTION = """\
-Look at the raw files of a test and write FOLDER/test.yaml: which file is what, its delimiter, decimal sign,
-dates, columns and units, with a question (?) wherever the files do not say it. Nothing is overwritten."""
-EXAMPLE = """\
-example:
-  plasmapyro init my_test
-  plasmapyro check my_test"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("folder", metavar="FOLDER", help="holds the raw files of one test")
-
 
 def run(options):
     """Run `plasmapyro init`: folder in, test.yaml in it, and the questions."""

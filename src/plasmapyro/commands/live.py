@@ -10,7 +10,6 @@ import numpy as np
 
 from plasmapyro import io
 from plasmapyro.commands.joint import SETTINGS
-from plasmapyro.commands.options import positive
 from plasmapyro.estimate.live import Filter
 from plasmapyro.readers import description, follow, parts
 from plasmapyro.readers.text import Refusal
@@ -21,42 +20,6 @@ from plasmapyro.record.record import Record
 
 STUCK = 10  # samples equal to the last digit in both bands, as in `record.flags`
 OFTEN, APART = 50, 3.0  # samples, and the root mean square of their residuals [sd] that contradicts the model
-
-DESCRIPTION = """\
-Follow the log of a pyrometer while it grows, or JSON lines on standard input, and write one JSON line per
-sample: the temperature of the surface without the light of the gas, its 95 % interval, a status and alarms.
-
-FOLDER holds test.yaml (docs/your-own-data.md): the facts of the test, and for a log its columns.
-plasma_off_time may be left out as long as the plasma burns. The model is that of `correct --estimator joint`,
-as a filter: what comes later does not improve what was said before."""
-EXAMPLE = """\
-example:
-  plasmapyro live my_test --instrument lab --alarm-above-k 1550 --stop-after-s 1
-
-exit status: 0 the log or the input has ended, 2 bad input or usage, 1 a fault of ours"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("folder", metavar="FOLDER", help="holds test.yaml and the log that it names")
-    command.add_argument(
-        "--instrument", required=True, metavar="FOLDER", help="holds calibration.nc and response.nc"
-    )
-    command.add_argument("--stdin", action="store_true", help="read JSON lines instead of the log")
-    command.add_argument(
-        "--like", metavar="FILE.nc", help="an earlier joint estimate: its temperature bent as fast"
-    )
-    command.add_argument("--alarm-above-k", type=positive, default=np.inf, metavar="X", help="alarm above it")
-    command.add_argument(
-        "--alarm-silence-s",
-        type=positive,
-        default=np.inf,
-        metavar="X",
-        help="alarm when nothing came so long",
-    )
-    command.add_argument(
-        "--stop-after-s", type=positive, default=np.inf, metavar="X", help="end when the log rests so long"
-    )
 
 
 def run(options):

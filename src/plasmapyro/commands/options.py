@@ -1,13 +1,66 @@
-"""Kinds of numbers that commands take, each refused in words when it means nothing."""
+"""Options of the commands, from the table options.csv, and the kinds of numbers that they take.
+
+A row per option: `kind` is the name of a function of this module or of Python, `flag`, `append`, or the words
+that may be chosen, between bars; `default` may be `required`; a `metavar` of several words takes as many
+values, one that ends in ... any number, in [] also none. Texts of help stand in words/.
+"""
 
 import argparse
+import csv
+from math import inf
+from pathlib import Path
 
-import numpy as np
+HERE = Path(__file__).parent
 
 
-def option(group, flag, kind, default, words):
-    """Add an option with a number of some kind and its default in the help."""
-    group.add_argument(flag, type=kind, default=default, metavar="X", help=f"{words} (default: {default:g})")
+def words(name):
+    """Description of a command and what its help ends with."""
+    text = (HERE / f"words/{name}.txt").read_text(encoding="utf-8")
+    return (part.strip("\n") for part in text.split("\n----\n"))
+
+
+def add(command, name):
+    """Add the options of a command to its parser."""
+    groups = {"": command}
+    with (HERE / "options.csv").open(encoding="utf-8", newline="") as table:
+        rows = [row for row in csv.DictReader(table) if row["command"] == name]
+    for row in rows:
+        group = row["group"]
+        if group not in groups:
+            groups[group] = command.add_argument_group(group)
+        groups[group].add_argument(row["option"], **_settings(row))
+
+
+def _settings(row):
+    """Arguments of `add_argument` for a row of the table."""
+    kind, default, metavar, text = (row[name] for name in ("kind", "default", "metavar", "help"))
+    if kind == "flag":
+        return {"action": "store_true", "help": text}
+    found = {"help": text, "metavar": metavar or None}
+    if row["destination"]:
+        found["dest"] = row["destination"]
+    if kind == "append":
+        return found | {"action": "append", "default": []}
+    if "|" in kind:
+        found["choices"] = kind.split("|")
+    elif kind:
+        found["type"] = KINDS[kind]
+    names = metavar.strip("[].").split()
+    if metavar.endswith((".", "]")):
+        found |= {"nargs": "*" if metavar.startswith("[") else "+", "metavar": names[0]}
+        if row["option"].startswith("-"):
+            found["default"] = []
+    elif len(names) > 1:
+        found |= {"nargs": len(names), "metavar": tuple(names)}
+    if default == "required":
+        return found | {"required": True}
+    if default == "inf":
+        return found | {"default": inf}
+    if default:
+        values = [found.get("type", str)(value) for value in default.split(" ")]
+        found["default"] = values if len(names) > 1 else values[0]
+        found["help"] += f" (default: {default})"
+    return found
 
 
 def _number(word, rule, holds, kind=float):
@@ -22,12 +75,12 @@ def _number(word, rule, holds, kind=float):
 
 def positive(word):
     """A number > 0."""
-    return _number(word, "must be a number > 0", lambda value: 0 < value < np.inf)
+    return _number(word, "must be a number > 0", lambda value: 0 < value < inf)
 
 
 def not_negative(word):
     """A number >= 0."""
-    return _number(word, "must be a number >= 0", lambda value: 0 <= value < np.inf)
+    return _number(word, "must be a number >= 0", lambda value: 0 <= value < inf)
 
 
 def share(word):
@@ -35,14 +88,14 @@ def share(word):
     return _number(word, "must be a number from 0 to 1", lambda value: 0 <= value <= 1)
 
 
-def count(word):
-    """A number of things to average over."""
-    return _number(word, "must be a whole number from 3 to 100000", lambda value: 3 <= value <= 100_000, int)
-
-
 def seed(word):
     """A seed of random numbers."""
     return _number(word, "must be a whole number >= 0", lambda value: value >= 0, int)
+
+
+def _whole(low, high):
+    rule = f"must be a whole number from {low} to {high}"
+    return lambda word: _number(word, rule, lambda value: low <= value <= high, int)
 
 
 def picture(word):
@@ -52,6 +105,9 @@ def picture(word):
     return word
 
 
-def plot_option(command, shows):
-    """Add `--plot FILE`."""
-    command.add_argument("--plot", type=picture, metavar="FILE", help=f"draw {shows} (.png or .svg)")
+KINDS = {
+    **{kind.__name__: kind for kind in (float, int, positive, not_negative, share, seed, picture)},
+    "count": _whole(3, 100_000),
+    "points": _whole(20, 5000),
+    "grid_points": _whole(1, 5_000_000),  # 2 GB of memory
+}

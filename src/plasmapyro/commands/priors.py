@@ -8,7 +8,6 @@ import plasmapyro.campaign
 from plasmapyro import configuration
 from plasmapyro.diagnosis.fit.prior import POWER, Normal
 
-HELP = "what earlier tests say of instruments, emittance and power: priors.yaml of `plasmapyro campaign`"
 SCHEMA = Path(plasmapyro.campaign.__file__).with_name("priors.schema.yaml")
 # Logarithms that such a file holds; emittance, 0.8, or a power in kilowatt are none of them.
 LOGARITHMS = {"emittance": (np.log(0.01), 0.1, "the emittance"), POWER: (np.log(1e3), np.log(1e8), "watts")}

@@ -1,10 +1,8 @@
 """`plasmapyro radiance`: the gas's light along a sight line."""
 
-import argparse
 import sys
 
 from plasmapyro import contracts, io, progress
-from plasmapyro.commands.options import plot_option
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.quality.catalogue import OF_SIGHTLINE
 from plasmapyro.quality.rule import Case, look
@@ -15,73 +13,7 @@ from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.sightline import neqair
 from plasmapyro.tables import weakest
 
-MOST_GRID_POINTS = 5_000_000  # 2 GB of memory
 NANOMETRE = 1e-9
-
-DESCRIPTION = """\
-Compute the spectral radiance of the gas along a sight line, line by line and by component, with
-its optical depth and its view through a slit, and write it as netCDF.
-
-SIGHTLINE is a netCDF file (path_distance [m], species, temperature [K], pressure [Pa],
-number_density [m-3]) or a line-of-sight text file as NEQAIR reads it (x [cm], densities [cm-3],
-temperatures [K]; versions 14 and 15). The light travels from its first point to its last."""
-EXAMPLE = """\
-example:
-  plasmapyro radiance LOS.dat --out radiance.nc --wavelength-nm 760 900 --grid-points 80000"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("sightline", metavar="SIGHTLINE", help="sight line, netCDF or NEQAIR-style text")
-    command.add_argument("--out", required=True, metavar="FILE.nc", help="where the spectrum goes")
-    plot_option(command, "the spectrum and its brightest components")
-    command.add_argument(
-        "--wavelength-nm",
-        nargs=2,
-        type=float,
-        default=[700.0, 1200.0],
-        metavar=("FIRST", "LAST"),
-        help="range in vacuum, within 650 to 1250 nm (default: 700 1200)",
-    )
-    command.add_argument(
-        "--grid-points",
-        type=_grid_points,
-        default=160_000,
-        metavar="N",
-        help="points of the logarithmic wavenumber grid; too few for the line widths are refused with the"
-        " number that would do (default: 160000, enough for 700 to 1200 nm)",
-    )
-    command.add_argument(
-        "--slit-fwhm-nm",
-        type=float,
-        default=0.75,
-        metavar="WIDTH",
-        help="full width at half maximum of the Gaussian slit (default: 0.75 nm)",
-    )
-    command.add_argument(
-        "--response",
-        metavar="FILE.nc",
-        help="responses of two pyrometer bands (wavelength [m], responsivity_wide, responsivity_narrow [1]),"
-        " as results/instrument/response.nc; without it the result holds no band signals",
-    )
-    command.add_argument(
-        "--spectrum-text",
-        metavar="FILE",
-        help="write the spectrum also as text: wavelength [Angstrom], radiance [W cm-2 sr-1 um-1] and its"
-        " integral",
-    )
-    command.add_argument(
-        "--line-of-sight-text",
-        metavar="FILE",
-        help="write the sight line also as NEQAIR 15 reads it (LOS.dat)",
-    )
-
-
-def _grid_points(word):
-    number = int(word)
-    if not 0 < number <= MOST_GRID_POINTS:
-        raise argparse.ArgumentTypeError(f"must lie in [1, {MOST_GRID_POINTS}]; got {number}")
-    return number
 
 
 def run(options):

@@ -32,25 +32,6 @@ RESULTS = {
     "diagnose": ("diagnosis/index.html", ["diagnosis/diagnosis.json", "diagnosis/temperature.nc"]),
 }
 
-DESCRIPTION = """\
-Open a page in the browser on which the folder of a test is dropped: what its files are, what they do not say,
-what is wrong with them, the temperature, the diagnosis. Only this machine can reach it (127.0.0.1, with a
-secret in the address); what is dropped is copied to a folder that is removed at the end, and sent nowhere."""
-EXAMPLE = """\
-example:
-  plasmapyro serve --instrument lab
-
-exit status: 0 done (Ctrl-C), 2 bad input or usage, 1 a fault of ours"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument(
-        "--instrument", required=True, metavar="FOLDER", help="calibration, as for `correct` and `diagnose`"
-    )
-    command.add_argument("--radiance", metavar="FOLDER", help="spectra of the conditions, for a diagnosis")
-    command.add_argument("--port", type=int, default=0, metavar="N", help="(default: one that is free)")
-
 
 def run(options):
     """Run `plasmapyro serve` until it is stopped."""

@@ -8,45 +8,6 @@ from plasmapyro.commands.outputs import require_writable
 from plasmapyro.design.settings import design_tables, settings_from
 from plasmapyro.design.trust import as_markdown, trust
 
-DESCRIPTION = """\
-Say from which surface temperature on, and how long after injection, a pyrometer reads within
-given errors behind the gas, with and without correction, and which second measurement helps most.
-
-Needs results/design of the workflow: snakemake --cores 2 results/design/band_design.nc"""
-EXAMPLE = """\
-example:
-  plasmapyro trust 90kW --emittance 0.8 0.9 --heating 350 1500 0.2 --instrument 'Optris CT 1M (1.0 um)'"""
-
-
-def add(command):
-    """Add the arguments to the subcommand's parser."""
-    command.add_argument("condition", metavar="CONDITION", help="name of a power condition, such as 90kW")
-    command.add_argument(
-        "--emittance", nargs=2, type=float, metavar=("LOW", "HIGH"), help="range expected of the sample"
-    )
-    command.add_argument(
-        "--heating",
-        nargs=3,
-        type=float,
-        metavar=("START", "RISE", "FREQUENCY"),
-        help="start [K], rise to the steady temperature [K], natural frequency [1/s]",
-    )
-    command.add_argument(
-        "--instrument",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a further design or pyrometer, by name",
-    )
-    command.add_argument(
-        "--results", default="results", metavar="FOLDER", help="of the workflow (default: results)"
-    )
-    command.add_argument("--config", default="config/config.yaml", metavar="FILE", help="of the workflow")
-    command.add_argument(
-        "--schema", default="config/schema.yaml", metavar="FILE", help="of the configuration"
-    )
-    command.add_argument("--out", metavar="FILE.md", help="write the page there instead of showing it")
-
 
 def _spectra(folder, condition):
     """Spectra of the conditions of the paper, or of one's own if the condition is not among them."""
