@@ -87,7 +87,7 @@ def maps(case, **changes):
         "emittance": [0.1, 0.5, 0.9, 1.0],
         "error_level": 0.01,
         "gas_variation": 0.03,
-        "tolerance_k": 10.0,
+        "tolerance": 10.0,
     } | changes
     return reflection_map(*case, **settings)
 

@@ -24,7 +24,7 @@ rule gas_signal:
 
 rule visibility:
     input:
-        gas="results/analysis/gas_signal{own}.nc",
+        gas_signal="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
     output:
         "results/analysis/visibility{own}.nc",
@@ -41,9 +41,9 @@ rule visibility:
 
 rule apparent_temperature:
     input:
-        gas="results/analysis/gas_signal{own}.nc",
+        gas_signal="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
-        curve="results/instrument/ratio_curve.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/apparent_temperature{own}.nc",
     log:
@@ -58,9 +58,9 @@ rule apparent_temperature:
 
 rule error_map:
     input:
-        gas="results/analysis/gas_signal{own}.nc",
+        gas_signal="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
-        curve="results/instrument/ratio_curve.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/error_map{own}.nc",
     log:
@@ -80,9 +80,9 @@ HEATING = config["analysis"]["transient"]
 
 rule transient:
     input:
-        gas="results/analysis/gas_signal{own}.nc",
+        gas_signal="results/analysis/gas_signal{own}.nc",
         response="results/instrument/response.nc",
-        curve="results/instrument/ratio_curve.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/transient{own}.nc",
     log:

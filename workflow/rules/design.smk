@@ -59,10 +59,10 @@ rule band_design:
 
 rule reflection_map:
     input:
-        gas="results/analysis/gas_signal{own}.nc",
-        spectra="results/design/gas_spectra{own}.nc",
+        gas_signal="results/analysis/gas_signal{own}.nc",
+        gas_spectra="results/design/gas_spectra{own}.nc",
         response="results/instrument/response.nc",
-        curve="results/instrument/ratio_curve.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/design/reflection{own}.nc",
     log:

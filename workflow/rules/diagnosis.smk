@@ -18,7 +18,7 @@ RESULTS += expand("results/radiation_variations/{condition}.nc", condition=VARIE
 rule gas_variations:
     input:
         sightline="results/sightline/{condition}.nc",
-        view="results/surface_view/{condition}.nc",
+        surface_view="results/surface_view/{condition}.nc",
         radiation="results/radiation/{condition}.nc",
     output:
         "results/radiation_variations/{condition}.nc",

@@ -62,7 +62,7 @@ rule pyrometer_correction:
 rule spectrometer_correction:
     input:
         test=usable_test,
-        calibration=spectrometer_calibration_of,
+        spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/experiment/{test}/spectrometer_correction.nc",
     log:
@@ -78,9 +78,9 @@ rule spectrometer_correction:
 rule joint_estimate:
     input:
         test=usable_test,
-        response="results/instrument/response.nc",
         calibration="results/instrument/calibration.nc",
-        spectrometer=lambda wildcards: (
+        response="results/instrument/response.nc",
+        spectrometer_calibration=lambda wildcards: (
             spectrometer_calibration_of(wildcards)
             if "spectrometer" in TESTS[wildcards.test]["instruments"]
             else []

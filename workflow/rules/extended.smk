@@ -45,7 +45,7 @@ use rule pyrometer_correction as extended_pyrometer_correction with:
 use rule spectrometer_correction as extended_spectrometer_correction with:
     input:
         test="results/extended/{test}/test.nc",
-        calibration=spectrometer_calibration_of,
+        spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/extended/{test}/spectrometer_correction.nc",
     log:
@@ -57,9 +57,9 @@ use rule spectrometer_correction as extended_spectrometer_correction with:
 use rule joint_estimate as extended_joint_estimate with:
     input:
         test="results/extended/{test}/test.nc",
-        response="results/instrument/response.nc",
         calibration="results/instrument/calibration.nc",
-        spectrometer=spectrometer_calibration_of,
+        response="results/instrument/response.nc",
+        spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/extended/{test}/joint_estimate.nc",
     log:
@@ -90,7 +90,7 @@ rule extended_flow:
 
 use rule sightline as extended_sightline with:
     input:
-        "results/extended/flow/{condition}.nc",
+        flow="results/extended/flow/{condition}.nc",
     output:
         "results/extended/sightline/{condition}.nc",
     log:

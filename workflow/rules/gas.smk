@@ -35,7 +35,7 @@ rule gas_table:
 # Only for flows that lose heat by radiation.
 rule net_emission:
     input:
-        "results/gas/{gas}.nc",
+        gas="results/gas/{gas}.nc",
     output:
         "results/gas/emission/{gas}.nc",
     log:

@@ -59,7 +59,7 @@ rule read_points:
 rule calibration:
     input:
         response="results/instrument/response.nc",
-        points=POINTS if POINTS.endswith(".nc") else "results/instrument/calibration_points.nc",
+        calibration_points=POINTS if POINTS.endswith(".nc") else "results/instrument/calibration_points.nc",
     output:
         "results/instrument/calibration.nc",
     log:
@@ -76,7 +76,7 @@ if EXPOSURES.endswith(".nc"):
 
     rule spectrometer_calibration:
         input:
-            EXPOSURES,
+            spectrometer_counts=EXPOSURES,
         output:
             "results/instrument/spectrometer_calibration.nc",
         log:
@@ -104,7 +104,7 @@ else:
 
     rule spectrometer_calibration:
         input:
-            "results/instrument/spectrometer_exposures.nc",
+            spectrometer_exposures="results/instrument/spectrometer_exposures.nc",
         output:
             "results/instrument/spectrometer_calibration.nc",
         log:

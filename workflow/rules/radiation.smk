@@ -21,7 +21,7 @@ rule radiance:
 # Not part of the main job: results/reflection/{condition}.nc, about a minute each.
 rule reflected_radiance:
     input:
-        view="results/surface_view/{condition}.nc",
+        surface_view="results/surface_view/{condition}.nc",
         response="results/instrument/response.nc",
     output:
         "results/reflection/{condition}.nc",

@@ -3,7 +3,7 @@ RESULTS += expand("results/sightline/{condition}.nc", condition=CONDITIONS)
 
 rule sightline:
     input:
-        "results/flow/{condition}.nc",
+        flow="results/flow/{condition}.nc",
     output:
         "results/sightline/{condition}.nc",
     log:
@@ -20,7 +20,7 @@ rule sightline:
 
 rule surface_view:
     input:
-        "results/flow/{condition}.nc",
+        flow="results/flow/{condition}.nc",
     output:
         "results/surface_view/{condition}.nc",
     log:

@@ -35,7 +35,7 @@ rule study_flow:
 
 rule study_signal:
     input:
-        flow=lambda wildcards: f"results/study/flow/{STUDY.sight_lines[wildcards.sight_line][0]}.nc",
+        study_flow=lambda wildcards: f"results/study/flow/{STUDY.sight_lines[wildcards.sight_line][0]}.nc",
         response="results/instrument/response.nc",
     output:
         "results/study/signal/{sight_line}.nc",

@@ -2,17 +2,8 @@
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import job
 from plasmapyro.analysis.stage import error_map
 from plasmapyro.quantities import steps
 
-io.log_to(snakemake.log[0])
-result = error_map(
-    io.read(snakemake.input.gas, "gas_signal"),
-    io.read(snakemake.input.response, "response"),
-    io.read(snakemake.input.curve, "ratio_curve"),
-    object_temperature=steps(*snakemake.params.object_temperature_k),
-    emittance=np.geomspace(*snakemake.params.emittance),
-    error_level=snakemake.params.error_level,
-)
-io.write(result, snakemake.output[0], "error_map", sources=snakemake.input, config=dict(snakemake.params))
+job.run(snakemake, error_map, "error_map", object_temperature=steps, emittance=np.geomspace)

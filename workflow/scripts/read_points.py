@@ -1,8 +1,6 @@
 """Rule read_points: calibration points of the pyrometer from a folder of raw files."""
 
-from plasmapyro import io
+from plasmapyro import job
 from plasmapyro.readers.calibration import read_points
 
-io.log_to(snakemake.log[0])
-result = read_points(snakemake.params.folder)
-io.write(result, snakemake.output[0], "calibration_points", sources=snakemake.input)
+job.run(snakemake, read_points, "calibration_points")

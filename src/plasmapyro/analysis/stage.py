@@ -259,7 +259,7 @@ CORRECTIONS = ("none", "line of sight", "reference")
 
 
 def reflection_map(
-    gas, spectra, response, curve, *, object_temperature, emittance, error_level, gas_variation, tolerance_k
+    gas, spectra, response, curve, *, object_temperature, emittance, error_level, gas_variation, tolerance
 ):
     r"""Error maps of samples that reflect the gas, before and after two corrections.
 
@@ -273,13 +273,13 @@ def reflection_map(
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
-    spectra : Dataset, contract 'gas_spectra', of the same conditions
+    spectra : Dataset, contract 'gas_spectra', of some of these conditions
     response, curve : Datasets, contracts 'response', 'ratio_curve'
     object_temperature, emittance : (T,) [K], (E,) [1], increasing
     error_level : float [1]
     gas_variation : float [1]
         How far the gas may have drifted from its reference.
-    tolerance_k : float [K]
+    tolerance : float [K]
         What the neglect of the reflection may cost at most.
 
     Returns
@@ -295,7 +295,8 @@ def reflection_map(
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
     response = two_bands(response, "the map of reflections")
-    order = list(gas.condition.values)
+    order = list(spectra.condition.values)
+    gas = gas.sel(condition=order)
     incident = spectra.incident_binned.sel(condition=order, reflection="diffuse").values
     middle = spectra.wavelength.values
     size = np.diff(spectra.wavelength_edge.values)
@@ -336,9 +337,9 @@ def reflection_map(
             error[surface, row] = relative_error(reading, temperature)
     limit, status = error_limit(temperature, error, error_level)
     cost = np.abs(error - error[:1]) * temperature
-    within_tolerance, _ = error_limit(temperature, cost, tolerance_k)
+    within_tolerance, _ = error_limit(temperature, cost, tolerance)
     below = np.where(np.isnan(within_tolerance), temperature[0], within_tolerance)
-    beyond = np.where(np.isnan(cost[..., -1]) | (cost[..., -1] > tolerance_k), np.nan, below)
+    beyond = np.where(np.isnan(cost[..., -1]) | (cost[..., -1] > tolerance), np.nan, below)
     dims = ("surface", "correction", "condition", "emittance")
     return xr.Dataset(
         {
@@ -362,6 +363,6 @@ def reflection_map(
         {
             "error_level": float(error_level),
             "gas_variation": float(gas_variation),
-            "neglect_tolerance": float(tolerance_k),
+            "neglect_tolerance": float(tolerance),
         },
     )
