@@ -16,35 +16,16 @@ from plasmapyro.constants import ELECTRON_VOLT
 
 ORIGINS = ("measured", "published", "digitised", "modelled", "synthetic")  # strongest first
 CERTIFICATE_KEYS = {"title", "source", "origin", "obtained", "licence", "valid", "uncertainty", "sha256"}
-TO_SI = {
-    "1": 1.0,
-    "%": 1e-2,
-    "K": 1.0,
-    "m": 1.0,
-    "um": 1e-6,
-    "nm": 1e-9,
-    "Angstrom": 1e-10,
-    "Angstrom2": 1e-20,
-    "cm2": 1e-4,
-    "Mb": 1e-22,
-    "ohm cm2": 1e-4,
-    "cm-1": 1e2,
-    "m-1": 1.0,
-    "s-1": 1.0,
-    "eV": ELECTRON_VOLT,
-    "u": 1.0,
-    "J mol-1": 1.0,
-    "cm-3": 1e6,
-    "Pa": 1.0,
-    "m s-1": 1.0,
-    "kW": 1e3,
-    "kW m-2": 1e3,
-    "MJ kg-1": 1e6,
-    "cm3 mol-1 s-1": 1e-6,
-    "cm6 mol-2 s-1": 1e-12,
-    "cm4 dyn-1": 1e-3,  # absorption per neutral density and electron pressure: cm4/dyn = 1e-8 m4 / 1e-5 N
-    "e a0": 1.0,  # transition moment, kept in atomic units
-}
+
+
+def rows(name):
+    """Rows of a register of the package, such as 'claims/claims.csv', as mappings by names of columns."""
+    return list(csv.DictReader((files("plasmapyro") / name).read_text(encoding="utf-8").splitlines()))
+
+
+# Unit of a column -> factor to SI: cm4 dyn-1 (absorption per neutral density and electron pressure) is
+# 1e-8 m4 over 1e-5 N; transition moments, e a0, stay in atomic units.
+TO_SI = {row["unit"]: float(row["factor"]) for row in rows("tables.csv")} | {"eV": ELECTRON_VOLT}
 
 
 @dataclass(frozen=True)
@@ -109,8 +90,3 @@ def _parsed(name, content, certificate):
             raise ValueError(f"table {name}: column {label!r} has unknown unit {unit!r}")
         columns[label].setflags(write=False)
     return Table(columns, certificate["origin"], certificate["source"])
-
-
-def rows(name):
-    """Rows of a register of the package, such as 'claims/claims.csv', as mappings by names of columns."""
-    return list(csv.DictReader((files("plasmapyro") / name).read_text(encoding="utf-8").splitlines()))

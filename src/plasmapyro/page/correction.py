@@ -12,29 +12,11 @@ from plasmapyro.page.words import DASH, number, without_folders
 from plasmapyro.plots.one_test import TEMPERATURES, given, panels, statuses
 from plasmapyro.record.recommended import SERIES
 from plasmapyro.record.status import REASONS, WITH_VALUE
+from plasmapyro.tables import rows as register
 
-FIGURES = {  # name: title, caption, words for those who do not see it
-    "signals": (
-        "Signals",
-        "Both bands as recorded; dashed: the mean of the reference window, which is subtracted.",
-        "Signals of both bands over time with the reference window",
-    ),
-    "temperatures": (
-        "Temperature of the surface",
-        "Samples in the colours of their status; the strip below shows it for all, refused ones too.",
-        "Temperature over time with its 95 % interval and the status of each sample",
-    ),
-    "emissivity": (
-        "Emissivity",
-        "With its 95 % interval: what light cannot tell from temperature is in both.",
-        "Emissivity over wavelength at a few moments with its interval",
-    ),
-    "spectra": (
-        "Spectra",
-        "Grey: light of the gas in the reference. Dots: what is left without it; lines: Planck fits.",
-        "Spectral radiance of the gas and of the surface with fitted Planck curves",
-    ),
-}
+FIGURES = {
+    row["figure"]: list(row.values())[1:] for row in register("page/figures.csv")
+}  # title, caption, alternative
 JOINT = "surface_temperature"  # a line, the others are points
 TALLER = {"temperatures": 4.2}  # [inch], for the legend below
 

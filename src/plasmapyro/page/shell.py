@@ -3,30 +3,15 @@
 import io
 import re
 from importlib.resources import files
+from pathlib import Path
 
 import jinja2
 from markupsafe import Markup
-from matplotlib import rc_context
+from matplotlib import rc_context, rc_params_from_file
 from matplotlib.figure import Figure
 
 SIZE = (4.0, 2.9)  # [inch]: 8 points are 9 pixels when a phone shows it 340 wide
-SETTINGS = {
-    "font.size": 10,
-    "font.family": "sans-serif",
-    "legend.fontsize": 8,
-    "legend.framealpha": 0.75,
-    "legend.edgecolor": "none",
-    "legend.markerscale": 1.8,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "grid.linewidth": 0.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "lines.linewidth": 1.4,
-    "svg.fonttype": "none",
-    "mathtext.default": "regular",
-    "axes.unicode_minus": True,
-}
+SETTINGS = rc_params_from_file(Path(__file__).with_name("figures.mplstyle"), use_default_template=False)
 
 
 def drawn(draw, name, size=SIZE, **options):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 
 import matplotlib
 
@@ -20,25 +21,9 @@ BESIDE = (4.3, 2.8)  # the same with the legend beside the axes [inch]
 WARM, COOL = plt.get_cmap("YlOrBr"), plt.get_cmap("Blues")
 DASHES = ("-", "--", "-.", ":")
 WIDE, NARROW = colours.WIDE, colours.NARROW
-SETTINGS = {
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "legend.fontsize": 6.5,
-    "legend.title_fontsize": 7,
-    "legend.handlelength": 2.4,
-    "legend.frameon": False,
-    "lines.linewidth": 1.1,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "grid.linewidth": 0.5,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "figure.constrained_layout.use": True,
-    "savefig.dpi": 300,
-    "svg.hashsalt": "plasmapyro",
-    "svg.fonttype": "none",
-    "mathtext.default": "regular",
-}
+SETTINGS = matplotlib.rc_params_from_file(
+    Path(__file__).with_name("figures.mplstyle"), use_default_template=False
+)
 
 
 def figure(size=COLUMN, **options):

@@ -38,53 +38,30 @@ class Atom:
     table: str
     ground_degeneracy: float
     limits: dict
-    core_charge: int = 1
-    stark: tuple = ("stark_griem", "N I")
-    stark_density: float = 1e22
+    core_charge: int
+    stark: tuple
+    stark_density: float
 
 
-# Ionisation limits: NIST ASD, weighted over the fine structure of the core.
-_IONS = {"core_charge": 2, "stark_density": 1e23}
+def _limits(words):
+    """Limit [m-1] by core term."""
+    return {term: float(value) for term, value in zip(words[::2], words[1::2], strict=True)}
+
+
+# Ionisation limits: NIST ASD, weighted over the fine structure of the core. Two core levels of Ar I:
+# lines name that of theirs, the lower is taken.
 ATOMS = {
-    "N I": Atom("N I", "N", "nitrogen", 4, {"3P": 11722570.0, "1D": 13254190.0}),
-    "O I": Atom(
-        "O I",
-        "O",
-        "oxygen",
-        9,
-        {"4S": 10983702.0, "2D": 13665600.0, "2P": 15030600.0},
-        stark=("stark_griem", "O I"),
-    ),
-    "N II": Atom(
-        "N II",
-        "N+",
-        "nitrogen_ion",
-        9,
-        {"2P": 23886650.0, "4P": 29602790.0},
-        stark=("stark_griem_ions", "N II"),
-        **_IONS,
-    ),
-    "O II": Atom(
-        "O II",
-        "O+",
-        "oxygen_ion",
-        4,
-        {"3P": 28347870.0, "1D": 30354420.0, "1S": 32645660.0},
-        stark=("stark_griem_ions", "O II"),
-        **_IONS,
-    ),
-    # Of both core levels; lines name that of theirs, the lower is taken.
-    "Ar I": Atom("Ar I", "Ar", "argon", 1, {"2P<3/2>": 12710984.2, "2P<1/2>": 12854142.5}),
-    "C I": Atom("C I", "C", "carbon", 9, {"2P": 9086270.0, "4P": 13385620.0}),
-    "C II": Atom(
-        "C II",
-        "C+",
-        "carbon_ion",
-        6,
-        {"1S": 19667400.0, "3P": 24908410.0},
-        stark=("stark_griem_ions", "N II"),
-        **_IONS,
-    ),
+    row["system"]: Atom(
+        row["system"],
+        row["species"],
+        row["table"],
+        int(row["ground degeneracy"]),
+        _limits(row["ionisation limits [m-1]"].split()),
+        int(row["core charge"]),
+        (row["Stark widths"], row["of"]),
+        float(row["electrons [m-3]"]),
+    )
+    for row in tables.rows("radiation/atoms.csv")
 }
 ACCURACY = {
     "AAA": 0.003,

@@ -2,55 +2,20 @@
 
 import numpy as np
 
-from plasmapyro.tables import ORIGINS
+from plasmapyro.tables import ORIGINS, rows
 
-UNITS = {
-    "time": "s",
-    "signal_wide": "A",
-    "signal_narrow": "A",
-    "spectrum_time": "s",
-    "wavelength": "m",
-    "spectral_radiance": "W m-2 sr-1 m-1",
-    "counts": "count",
-    "background_counts": "count",
-    "saturated": "1",
-    "electric_power": "W",
-    "chamber_pressure": "Pa",
-    "mass_flow_rate": "kg s-1",
-    "radiometer_time": "s",
-    "radiometer_signal": "1",
-    "radiometer_reading": "K",
-    "radiometer_setting": "1",
-}
+REGISTER = rows("record/inputs.csv")
+UNITS = {row["name"]: row["unit"] for row in REGISTER if row["of"] == "samples"}
 PLAUSIBLE = {  # magnitudes of samples that are not 0: no instrument gives others, a wrong unit may
-    "time": (0.0, 1e9),
-    "spectrum_time": (0.0, 1e9),
-    "radiometer_time": (0.0, 1e9),
-    "radiometer_reading": (100.0, 10000.0),
-    "radiometer_setting": (1e-3, 100.0),
-    "signal_wide": (1e-30, 1e6),
-    "signal_narrow": (1e-30, 1e6),
-    "spectral_radiance": (1e-30, 1e25),
-    "counts": (1e-30, 1e12),
-    "background_counts": (1e-30, 1e12),
+    row["name"]: (float(row["lowest"]), float(row["highest"]))
+    for row in REGISTER
+    if row["of"] == "samples" and row["lowest"]
 }
 AXES = ("time", "spectrum_time", "wavelength", "radiometer_time")
 NUMBERS = {  # attribute -> (lowest, highest, unit)
-    "injection_time": (-1e9, 1e9, "s"),
-    "plasma_off_time": (-1e9, 1e9, "s"),
-    "emittance": (0.0, 1.0, "1"),
-    "emittance_uncertainty": (0.0, 1.0, "1"),
-    "window_transmittance_pyrometer": (0.0, 1.0, "1"),
-    "window_transmittance_spectrometer": (0.0, 1.0, "1"),
-    "window_transmittance_radiometer": (0.0, 1.0, "1"),
-    "radiometer_integration_time": (0.0, 1e6, "s"),
-    "pyrometer_integration_time": (0.0, 1e6, "s"),
-    "spectrometer_integration_time": (0.0, 1e6, "s"),
-    "spectrometer_fwhm": (0.0, 1e-6, "m"),
-    "signal_saturation_wide": (0.0, np.inf, "A"),
-    "signal_saturation_narrow": (0.0, np.inf, "A"),
-    "emittance_slope": (0.0, 10.0, "1"),
-    "emittance_slope_uncertainty": (0.0, 1.0, "1"),
+    row["name"]: (float(row["lowest"]), float(row["highest"]), row["unit"])
+    for row in REGISTER
+    if row["of"] == "attribute"
 }
 ALWAYS = ("injection_time", "plasma_off_time", "emittance", "emittance_uncertainty")
 OF_PLASMA = ("injection_time", "plasma_off_time")
