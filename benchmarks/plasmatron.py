@@ -95,7 +95,7 @@ def draw(rows):
     axes[0, 0].set(ylabel="Heat flux on a hemisphere\nof 25 mm [kW m$^{-2}$]")
     axes[1, 0].set(ylabel="Temperature ahead\nof the probe [K]")
     axes[0, 0].legend(loc="upper left", fontsize=6)
-    style.save(drawing, [DOCS / "plasmatron_prediction.png"])
+    style.save(axes[0, 0], [DOCS / "plasmatron_prediction.png"])
 
 
 def prediction():

@@ -7,7 +7,7 @@ from plasmapyro.plots import style
 
 def visibility_factors(visibility, paths):
     """Figure 7a: visibility factor of both bands against surface temperature, one panel per band."""
-    drawing, panels = style.figure(size=(6.4, 2.8), ncols=2, sharey=True)
+    _, panels = style.figure(size=(6.4, 2.8), ncols=2, sharey=True)
     for axes, (number, band) in zip(panels, enumerate(("wide", "narrow"), start=1), strict=True):
         factors = visibility.visibility_factor.sel(band=band).values
         for factor, curve in zip(factors, style.curves_in(visibility), strict=True):
@@ -16,8 +16,7 @@ def visibility_factors(visibility, paths):
         axes.set(xlabel="Object temperature $T_{obj}$ [K]", ylim=(-0.02, 1.02), xlim=(500, 2000))
     panels[0].set_ylabel(r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]")
     style.legend_beside(panels[1])
-    style.mark_origin(panels[1], visibility)
-    style.save(drawing, paths)
+    style.save(panels[1], paths, visibility)
 
 
 def visibility_limits(visibility, paths):
@@ -26,7 +25,7 @@ def visibility_limits(visibility, paths):
     Powers of one pressure are joined; each further pressure is drawn paler. Conditions without a power are
     left out.
     """
-    drawing, axes = style.figure()
+    _, axes = style.figure()
     known = visibility.isel(condition=np.isfinite(visibility.numerical_power.values))
     pressures = known.get("chamber_pressure", known.numerical_power * np.nan).fillna(0.0).values
     several = len(np.unique(pressures)) > 1
@@ -48,13 +47,12 @@ def visibility_limits(visibility, paths):
                 )
     axes.legend(ncols=2)
     axes.set(xlabel="Numerical power [kW]", ylabel="Object temperature $T_{obj}$ [K]")
-    style.mark_origin(axes, visibility)
-    style.save(drawing, paths)
+    style.save(axes, paths, visibility)
 
 
 def apparent_temperature(reading, paths):
     """Figure 8a: temperature read through the gas against the true one."""
-    drawing, axes = style.figure(size=style.BESIDE)
+    _, axes = style.figure(size=style.BESIDE)
     truth = reading.object_temperature
     axes.plot(truth, truth, "k:", lw=0.9, label="no gas")
     _one_line_per_power(axes, reading, reading.apparent_temperature)
@@ -66,13 +64,12 @@ def apparent_temperature(reading, paths):
         xlim=(truth.values[0], truth.values[-1]),
         ylim=(500, 4000),
     )
-    style.mark_origin(axes, reading)
-    style.save(drawing, paths)
+    style.save(axes, paths, reading)
 
 
 def relative_error(reading, paths):
     """Figure 8b: relative error against the true temperature."""
-    drawing, axes = style.figure(size=style.BESIDE)
+    _, axes = style.figure(size=style.BESIDE)
     _one_line_per_power(axes, reading, 100 * reading.relative_error)
     axes.axhline(1, color="k", lw=0.7, ls=":")
     axes.annotate("1 %", (2480, 1.1), ha="right", fontsize=7)
@@ -84,8 +81,7 @@ def relative_error(reading, paths):
         xlim=(500, 2500),
         ylim=(0.05, 1000),
     )
-    style.mark_origin(axes, reading)
-    style.save(drawing, paths)
+    style.save(axes, paths, reading)
 
 
 def _one_line_per_power(axes, dataset, values):
@@ -95,7 +91,7 @@ def _one_line_per_power(axes, dataset, values):
 
 def error_map(errors, paths):
     """Figure 8c: curves of one error level over emittance and surface temperature."""
-    drawing, axes = style.figure(size=style.BESIDE)
+    _, axes = style.figure(size=style.BESIDE)
     for row, curve in zip(errors.error_limit.values, style.curves_in(errors), strict=True):
         axes.plot(row, errors.emittance, **curve.options)
     level = 100 * float(errors.attrs["error_level"])
@@ -108,18 +104,16 @@ def error_map(errors, paths):
         xlim=(600, None),
         ylim=(0, 1),
     )
-    style.mark_origin(axes, errors)
-    style.save(drawing, paths)
+    style.save(axes, paths, errors)
 
 
 def transient(history, paths):
     """Figure 8d: true and apparent temperature while a sample heats."""
-    drawing, axes = style.figure()
+    _, axes = style.figure()
     axes.plot(history.time, history.object_temperature_history, "k-", label="$T_{obj}$")
     for row, curve in zip(history.apparent_temperature.values, style.curves_in(history), strict=True):
         axes.plot(history.time, row, color=curve.color, ls=curve.dash, label=f"$T_{{app}}$, {curve.label}")
     axes.axhspan(*history.instrument_range.values, color="0.92", zorder=0, label="instrument range")
     axes.legend()
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(300, 3500))
-    style.mark_origin(axes, history)
-    style.save(drawing, paths)
+    style.save(axes, paths, history)

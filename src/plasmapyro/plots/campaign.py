@@ -15,10 +15,10 @@ def laws(found, paths):
     found : `campaign.stage.Found`
     paths : paths of the files to write
     """
-    drawing, (left, right) = style.figure(size=(7.4, 3.0), ncols=2, layout="constrained")
+    _, (left, right) = style.figure(size=(7.4, 3.0), ncols=2, layout="constrained")
     _efficiency(left, found)
     _windows(right, found)
-    style.save(drawing, paths)
+    style.save(left, paths)
 
 
 def _measured(row, name):

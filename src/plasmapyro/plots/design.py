@@ -43,7 +43,7 @@ def _chosen(designs):
 
 def bands(spectra, designs, surface, condition, paths):
     """Where the bands lie on the spectrum of the gas and of hot surfaces (contract 'surface_radiance')."""
-    drawing, (top, low) = style.figure((7.0, 5.0), nrows=2, sharex=True, height_ratios=[1.5, 1])
+    _, (top, low) = style.figure((7.0, 5.0), nrows=2, sharex=True, height_ratios=[1.5, 1])
     nanometre = spectra.wavelength * 1e9
     gas = spectra.binned_radiance.sel(state="nominal", condition=condition).sum("component")
     label = dict(zip(spectra.condition.values, style.curves_in(spectra), strict=True))[condition].label
@@ -72,13 +72,12 @@ def bands(spectra, designs, surface, condition, paths):
             )
     low.set_yticks(range(rows.size), [_short(designs.design.values[row]) for row in rows], fontsize=6.5)
     low.set(xlabel="Wavelength in vacuum [nm]", xlim=(nanometre[0], nanometre[-1]))
-    style.mark_origin(top, spectra)
-    style.save(drawing, paths)
+    style.save(top, paths, spectra)
 
 
 def trade_off(designs, paths):
     """Sensitivity of the ratio against the temperature above which the gas adds less than the level."""
-    drawing, axes = style.figure((5.6, 3.6))
+    _, axes = style.figure((5.6, 3.6))
     slope, limit = designs.candidate_sensitivity.values, designs.candidate_limit.values
     axes.plot(slope, limit, ".", ms=1.2, color="0.75", rasterized=True, label="pairs of the coarse grid")
     front = designs.candidate_on_front.values == 1
@@ -99,8 +98,7 @@ def trade_off(designs, paths):
         ylabel=f"Gas shifts less than {level:g} % above [K]\n(mean over the powers)",
         xlim=(0, None),
     )
-    style.mark_origin(axes, designs)
-    style.save(drawing, paths)
+    style.save(axes, paths, designs)
 
 
 def error_maps(designs, paths):
@@ -125,8 +123,7 @@ def error_maps(designs, paths):
     panels[0].set(ylabel=r"Emittance $\varepsilon$ [–]", ylim=(0, 1), xlim=(700, 2600))
     style.legend_beside(panels[2])
     drawing.supxlabel(ZIGZAG, fontsize=6.5, color="0.3")
-    style.mark_origin(panels[2], designs)
-    style.save(drawing, paths)
+    style.save(panels[2], paths, designs)
 
 
 def shelf(designs, paths):
@@ -153,7 +150,7 @@ def shelf(designs, paths):
         fontsize=7.5,
     )
     drawing.colorbar(shown, ax=axes, label="[K]", fraction=0.03)
-    style.save(drawing, paths)
+    style.save(axes, paths)
 
 
 def reflecting_samples(reflection, conditions, paths):
@@ -185,8 +182,7 @@ def reflecting_samples(reflection, conditions, paths):
     lines = [panels[0].plot([], [], dash, color="0.2")[0] for dash in dashes]
     labels = [*SURFACE_COLOURS, *(curve.label for curve in style.curves_in(shown))]
     drawing.legend([*kinds, *lines], labels, loc="outside lower center", ncols=len(labels))
-    style.mark_origin(panels[2], reflection)
-    style.save(drawing, paths)
+    style.save(panels[2], paths, reflection)
 
 
 def trust(result, paths):
@@ -219,5 +215,4 @@ def trust(result, paths):
     )
     handles, names = panels[0].get_legend_handles_labels()
     drawing.legend(handles, names, loc="outside lower center", ncols=2, fontsize=7)
-    style.mark_origin(panels[-1], result)
-    style.save(drawing, paths)
+    style.save(panels[-1], paths, result)

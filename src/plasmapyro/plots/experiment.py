@@ -43,7 +43,7 @@ def figures(given, radiances, times, paths):
 def signals(corrected, paths):
     """Figure 10a: signals of both bands with their reference levels."""
     corrected = after_injection(corrected)
-    drawing, axes = style.figure(size=(5.2, 2.8))
+    _, axes = style.figure(size=(5.2, 2.8))
     for number, (band, colour) in enumerate((("wide", style.WIDE), ("narrow", style.NARROW)), start=1):
         axes.semilogy(
             corrected.time, corrected[f"signal_{band}"], color=colour, lw=0.8, label=f"$S_{number}$ ({band})"
@@ -62,14 +62,13 @@ def signals(corrected, paths):
         )
     axes.legend(ncols=2)
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Signal [A]")
-    style.mark_origin(axes, corrected)
-    style.save(drawing, paths)
+    style.save(axes, paths, corrected)
 
 
 def temperatures(corrected, paths):
     """Figure 10b: apparent temperature as measured and corrected, with the corrected one's uncertainty."""
     corrected = after_injection(corrected)
-    drawing, axes = style.figure(size=(4.4, 2.8))
+    _, axes = style.figure(size=(4.4, 2.8))
     time = corrected.time
     trusted = corrected.corrected_status != GAS_DOMINATED
     best = corrected.corrected_temperature.where(trusted)
@@ -84,14 +83,13 @@ def temperatures(corrected, paths):
     axes.legend(markerscale=5)
     low, high = corrected.instrument_range.values
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(low - 100, high + 100))
-    style.mark_origin(axes, corrected)
-    style.save(drawing, paths)
+    style.save(axes, paths, corrected)
 
 
 def error_of_measured(corrected, paths):
     """Figure 10c: relative error of the measured against the corrected temperature, while heating."""
     corrected = after_injection(corrected)
-    drawing, axes = style.figure(size=(2.9, 2.8))
+    _, axes = style.figure(size=(2.9, 2.8))
     heating = (corrected.time >= 0) & (corrected.time <= corrected.attrs["plasma_off_time"])
     axes.semilogy(
         corrected.corrected_temperature[heating],
@@ -107,13 +105,12 @@ def error_of_measured(corrected, paths):
         ylabel=r"$|T_{app}^{meas}-T_{app}^{corr}|\,/\,T_{app}^{corr}$ [%]",
         ylim=(0.01, 200),
     )
-    style.mark_origin(axes, corrected)
-    style.save(drawing, paths)
+    style.save(axes, paths, corrected)
 
 
 def sample_emittance(test, paths):
     """Figure 9b: emittance of the sample as the test states it, grey over the bands of the pyrometer."""
-    drawing, axes = style.figure(size=(2.9, 2.6))
+    _, axes = style.figure(size=(2.9, 2.6))
     value, spread = test.attrs["emittance"], test.attrs["emittance_uncertainty"]
     axes.fill_between([0.75, 1.15], value - spread, value + spread, color=style.WIDE, alpha=0.25, lw=0)
     axes.plot([0.75, 1.15], [value, value], color=style.WIDE, label=rf"{value:g} $\pm$ {spread:g}, grey")
@@ -121,8 +118,7 @@ def sample_emittance(test, paths):
     axes.set(
         xlabel="Wavelength [µm]", ylabel=r"Emittance $\varepsilon_\lambda$ [–]", ylim=(0, 1), xlim=(0.7, 1.2)
     )
-    style.mark_origin(axes, test)
-    style.save(drawing, paths)
+    style.save(axes, paths, test)
 
 
 def _on_bins(wavelength, values, width):
@@ -157,7 +153,7 @@ def reference_spectrum(spectra, radiances, paths):
     radiances : mapping of condition -> Dataset, contract 'radiation'
     paths : paths of the files to write
     """
-    drawing, axes = style.figure(size=(7.2, 3.0))
+    _, axes = style.figure(size=(7.2, 3.0))
     slit = max((float(one.attrs["slit_fwhm"]) for one in radiances.values()), default=DEFAULT_SLIT)
     centre, mean, noise = _on_bins(spectra.wavelength.values, spectra.reference_radiance.values, slit)
     axes.fill_between(centre * 1e9, FAINTEST, noise * 1e-6, color="0.88", lw=0, label="noise of a bin")
@@ -184,14 +180,13 @@ def reference_spectrum(spectra, radiances, paths):
         xlabel="Wavelength (vacuum) [nm]",
         ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",
     )
-    style.mark_origin(axes, spectra)
-    style.save(drawing, paths)
+    style.save(axes, paths, spectra)
 
 
 def normalised_spectra(spectra, times, paths):
     """Figure 11b: corrected spectra over their value at the pivot, on bins, with the fitted Planck curves."""
     spectra = after_injection(spectra)
-    drawing, axes = style.figure(size=(3.6, 2.9))
+    _, axes = style.figure(size=(3.6, 2.9))
     for place, (wanted, colour) in enumerate(zip(times, style.case_colours(len(times)), strict=True)):
         one = spectra.sel(spectrum_time=wanted, method="nearest")
         reading = float(one.spectrometer_temperature)
@@ -208,14 +203,13 @@ def normalised_spectra(spectra, times, paths):
         ylabel=f"Normalised radiance, {SMOOTH_BIN * 1e9:g} nm bins [–]",
         ylim=(-0.1, 1.4),
     )
-    style.mark_origin(axes, spectra)
-    style.save(drawing, paths)
+    style.save(axes, paths, spectra)
 
 
 def two_instruments(pyrometer, spectra, paths):
     """Figure 11c: corrected temperature of the pyrometer and temperature of the spectrometer."""
     pyrometer, spectra = (after_injection(part) for part in (pyrometer, spectra))
-    drawing, axes = style.figure(size=(3.6, 2.9))
+    _, axes = style.figure(size=(3.6, 2.9))
     axes.plot(
         pyrometer.time,
         pyrometer.corrected_temperature.where(pyrometer.corrected_status != GAS_DOMINATED),
@@ -238,8 +232,7 @@ def two_instruments(pyrometer, spectra, paths):
     low, high = pyrometer.instrument_range.values
     axes.legend()
     axes.set(xlabel="Time after injection $t$ [s]", ylabel="Temperature [K]", ylim=(low - 100, high))
-    style.mark_origin(axes, pyrometer, spectra)
-    style.save(drawing, paths)
+    style.save(axes, paths, pyrometer, spectra)
 
 
 def joint_temperature(corrected, joint, paths):
@@ -252,7 +245,7 @@ def joint_temperature(corrected, joint, paths):
     paths : paths of the files to write
     """
     corrected, joint = (after_injection(part) for part in (corrected, joint))
-    drawing, (axes, lower) = style.figure(size=(4.6, 4.0), nrows=2, sharex=True, height_ratios=(3, 1))
+    _, (axes, lower) = style.figure(size=(4.6, 4.0), nrows=2, sharex=True, height_ratios=(3, 1))
     time, best = joint.time, joint.surface_temperature
     trusted = corrected.corrected_temperature.where(corrected.corrected_status != GAS_DOMINATED)
     axes.plot(
@@ -282,5 +275,4 @@ def joint_temperature(corrected, joint, paths):
     lower.fill_between(time, gas - spread, gas + spread, color=style.NARROW, alpha=0.25, lw=0)
     lower.plot(time, gas, color=style.NARROW, lw=0.9)
     lower.set(xlabel="Time after injection $t$ [s]", ylabel="Gas amplitude [–]", ylim=(0, None))
-    style.mark_origin(axes, corrected, joint)
-    style.save(drawing, paths)
+    style.save(axes, paths, corrected, joint)

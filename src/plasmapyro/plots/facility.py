@@ -13,7 +13,7 @@ def pairs(found, paths):
     found : Dataset, contract 'facility'
     paths : paths of the files to write
     """
-    drawing, axes = style.figure(size=(5.6, 3.8))
+    _, axes = style.figure(size=(5.6, 3.8))
     pressure = found.pitot_pressure.values[:, 0]
     axes.plot(pressure, found.equilibrium_heat_flux * 1e-3, color="0.1", lw=1.6, label="equilibrium")
     colours = style.case_colours(found.sizes["recombination"])
@@ -47,5 +47,4 @@ def pairs(found, paths):
         f"hemisphere of {found.attrs['probe_radius'] * 1e3:g} mm; rates: {kinds}", loc="left", fontsize=8
     )
     style.legend_beside(axes, fontsize=7).set_title("")
-    style.mark_origin(axes, found)
-    style.save(drawing, paths)
+    style.save(axes, paths, found)

@@ -52,8 +52,7 @@ def temperature_field(flow, sightline, paths):
     axes.set(xlabel="Axial position $z$ [mm]", ylabel="Radial position $r$ [mm]", aspect="equal")
     axes.grid(False)
     axes.set_title(_named(flow), loc="left", fontsize=8)
-    style.mark_origin(axes, flow)
-    style.save(drawing, paths)
+    style.save(axes, paths, flow)
 
 
 def _quarters(corner, middle):
@@ -75,7 +74,7 @@ def line_of_sight(sightlines, paths):
     sightlines : mapping of condition -> Dataset, contract 'sightline', rising power
     paths : paths of the files to write
     """
-    drawing, (upper, lower) = style.figure(size=(4.6, 3.6), nrows=2, height_ratios=(2, 1), sharex=True)
+    _, (upper, lower) = style.figure(size=(4.6, 3.6), nrows=2, height_ratios=(2, 1), sharex=True)
     for sightline, curve in zip(sightlines.values(), style.curves_of(sightlines), strict=True):
         path = sightline.path_distance * 1e3
         upper.plot(path, sightline.temperature, **curve.options)
@@ -92,8 +91,7 @@ def line_of_sight(sightlines, paths):
     lower.set_xscale("function", functions=root)
     lower.set_xticks([0, 5, 20, 50, 100, 150, 300, 500, 800, 1000])
     lower.set_xlabel(r"Path distance $\zeta$ [mm], scale of its square root")
-    style.mark_origin(upper, *sightlines.values())
-    style.save(drawing, paths)
+    style.save(upper, paths, *sightlines.values())
 
 
 @dataclass(frozen=True)
@@ -202,7 +200,7 @@ def _field(flow, sightline, raster, paths):
     # The layout takes longer than the drawing: once for all files.
     drawing.draw_without_rendering()
     drawing.set_layout_engine("none")
-    style.save(drawing, paths)
+    style.save(upper, paths)
 
 
 def _streamlines(axes, flow, raster):
@@ -238,7 +236,7 @@ def convergence(flows, paths):
     flows : mapping of condition -> Dataset, contract 'flow', rising power
     paths : paths of the files to write
     """
-    drawing, panels = style.figure(size=(4.3, 5.0), nrows=3, sharex=True)
+    _, panels = style.figure(size=(4.3, 5.0), nrows=3, sharex=True)
     shown = {
         "velocity_change": "Velocity change [m/s]",
         "temperature_change": "Rel. temperature change",
@@ -252,8 +250,7 @@ def convergence(flows, paths):
         axes.set(yscale="log", ylabel=label)
     panels[-1].set(xlabel="Newton step of the last part of the way")
     style.legend_beside(panels[1])
-    style.mark_origin(panels[0], *flows.values())
-    style.save(drawing, paths)
+    style.save(panels[0], paths, *flows.values())
 
 
 def _curves(flows):
@@ -270,7 +267,7 @@ def balances(flows, paths):
     ----------
     flows, paths : as in `convergence`
     """
-    drawing, (upper, lower) = style.figure(size=(4.8, 3.9), nrows=2, sharex=True, height_ratios=(2, 1))
+    _, (upper, lower) = style.figure(size=(4.8, 3.9), nrows=2, sharex=True, height_ratios=(2, 1))
     place = np.arange(len(flows))
     shares = np.array([_shares(flow) for flow in flows.values()])
     bottom = np.zeros(len(flows))
@@ -288,8 +285,7 @@ def balances(flows, paths):
     lower.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     lower.set(ylabel="Imbalance [%]", xticks=place, xlabel="Numerical power")
     lower.set_xticklabels([curve.label for curve in _curves(flows)], rotation=45)
-    style.mark_origin(upper, *flows.values())
-    style.save(drawing, paths)
+    style.save(upper, paths, *flows.values())
 
 
 def budgets(flow, found, paths):
@@ -301,7 +297,7 @@ def budgets(flow, found, paths):
     found : result of `facility.sections.sections` of it
     paths : paths of the files to write
     """
-    drawing, (upper, lower) = style.figure(size=(5.6, 4.2), nrows=2, sharex=True)
+    _, (upper, lower) = style.figure(size=(5.6, 4.2), nrows=2, sharex=True)
     z = 1e3 * found["position"]
     upper.plot(z, found["momentum"], color="0.1", label="momentum of all gas")
     upper.plot(z, found["hot_momentum"], color="#d62728", label="of gas above 3000 K")
@@ -319,8 +315,7 @@ def budgets(flow, found, paths):
         axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     upper.annotate("torch exit", (exit_position + 6, 0.85 * upper.get_ylim()[1]), fontsize=7, color="0.3")
     upper.set_title(_named(flow), loc="left", fontsize=8)
-    style.mark_origin(upper, flow)
-    style.save(drawing, paths)
+    style.save(upper, paths, flow)
 
 
 def _named(flow):

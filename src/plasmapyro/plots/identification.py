@@ -20,7 +20,7 @@ def draw(answer, least, paths):
     paths : list of paths
     """
     peaks = answer.peaks
-    drawing, axes = style.figure(size=(7.0, 3.2))
+    _, axes = style.figure(size=(7.0, 3.2))
     floor = max(FAINTEST * float(np.median(peaks.above[peaks.above > 0], axis=None)), 1e-30)
     axes.semilogy(peaks.axis / NANOMETRE, np.maximum(peaks.above, floor), color="0.55", lw=0.5)
     shown = [one for one in answer.named if one.probability >= least]
@@ -45,4 +45,4 @@ def draw(answer, least, paths):
     axes.set(xlabel="Wavelength in air [nm]", ylabel="Signal above what is broad")
     axes.set_ylim(floor, 8 * peaks.above.max())
     axes.legend(ncols=1, bbox_to_anchor=(1.01, 1), loc="upper left")
-    style.save(drawing, paths)
+    style.save(axes, paths)

@@ -7,7 +7,7 @@ def responses(response, paths):
     """Figure 3a: normalised spectral responses of the two bands."""
     if "responsivity" in response:
         raise ValueError("figure 3a shows the wide and the narrow band; the instrument has others")
-    drawing, axes = style.figure(size=(3.0, 2.6))
+    _, axes = style.figure(size=(3.0, 2.6))
     wavelength = response.wavelength * 1e6
     axes.plot(
         wavelength, response.responsivity_wide, color=style.WIDE, label=r"$\tilde{R}_{\lambda,1}$ (wide)"
@@ -21,12 +21,12 @@ def responses(response, paths):
     axes.legend(loc="upper left")
     axes.set(xlabel="Wavelength [µm]", ylabel="Normalised response [–]", xlim=(0.70, 1.20), ylim=(0, 1.25))
     axes.set_title("modelled: layered silicon, long-pass edge", loc="left", fontsize=7)
-    style.save(drawing, paths)
+    style.save(axes, paths)
 
 
 def calibration(calibrated, paths):
     """Figure 3b: signal ratio against source temperature, modelled curve, quadratic fit, residuals."""
-    drawing, (upper, lower) = style.figure(size=(4.2, 3.6), nrows=2, sharex=True, height_ratios=(3, 1))
+    _, (upper, lower) = style.figure(size=(4.2, 3.6), nrows=2, sharex=True, height_ratios=(3, 1))
     curve = calibrated.calibration_temperature
     low, high = calibrated.instrument_range.values
     fitted = (curve >= calibrated.fit_range[0]) & (curve <= calibrated.fit_range[1])
@@ -62,13 +62,12 @@ def calibration(calibrated, paths):
     )
     lower.legend(ncols=2)
     lower.set(xlabel="Source temperature [K]", ylabel="Residual [%]", ylim=(-3, 3))
-    style.mark_origin(upper, calibrated)
-    style.save(drawing, paths)
+    style.save(upper, paths, calibrated)
 
 
 def spectrometer_factor(calibrated, paths):
     """Figure 4b: calibration factor of the spectrometer."""
-    drawing, axes = style.figure(size=(3.9, 3.0))
+    _, axes = style.figure(size=(3.9, 3.0))
     good = calibrated.pixel_status == 0
     axes.semilogy(
         calibrated.wavelength[good] * 1e9,
@@ -82,5 +81,4 @@ def spectrometer_factor(calibrated, paths):
     )
     other = axes.secondary_yaxis("right", functions=(lambda si: 100 * si, lambda paper: paper / 100))
     other.set_ylabel("[mW ms count$^{-1}$ cm$^{-2}$ µm$^{-1}$ sr$^{-1}$]")
-    style.mark_origin(axes, calibrated)
-    style.save(drawing, paths)
+    style.save(axes, paths, calibrated)

@@ -199,8 +199,7 @@ def picture(test, result, paths):
     paths : paths of the files to write
     """
     drawn = panels(test, result).values()
-    drawing, axes = style.figure(size=(5.6, 2.9 * len(drawn)), nrows=len(drawn), squeeze=False)
+    _, axes = style.figure(size=(5.6, 2.9 * len(drawn)), nrows=len(drawn), squeeze=False)
     for one, draw in zip(axes[:, 0], drawn, strict=True):
         draw(one, test, result)
-    style.mark_origin(axes[0, 0], result)
-    style.save(drawing, paths)
+    style.save(axes[0, paths, 0], result)

@@ -13,7 +13,7 @@ def spectral_radiance(radiances, surface, bands, paths):
     bands : Dataset, contract 'response'
     paths : paths of the files to write
     """
-    drawing, axes = style.figure(size=(7.2, 4.0))
+    _, axes = style.figure(size=(7.2, 4.0))
     for spectrum, curve in zip(radiances.values(), style.curves_of(radiances), strict=True):
         axes.semilogy(
             spectrum.wavelength_slit * 1e9,
@@ -44,8 +44,7 @@ def spectral_radiance(radiances, surface, bands, paths):
         loc="left",
         fontsize=7,
     )
-    style.mark_origin(axes, *radiances.values())
-    style.save(drawing, paths)
+    style.save(axes, paths, *radiances.values())
 
 
 def line_of_sight(line, paths):
@@ -56,14 +55,13 @@ def line_of_sight(line, paths):
     line : Dataset, contract 'sightline'
     paths : paths of the files to write
     """
-    drawing, (upper, lower) = style.figure(size=(4.6, 3.4), nrows=2, height_ratios=(3, 1), sharex=True)
+    _, (upper, lower) = style.figure(size=(4.6, 3.4), nrows=2, height_ratios=(3, 1), sharex=True)
     path = line.path_distance * 1e3
     upper.plot(path, line.temperature, color=style.NARROW)
     lower.plot(path, line.pressure / 100, color=style.WIDE)
     upper.set(ylabel="Temperature [K]", ylim=(0, None))
     lower.set(xlabel=r"Path distance $\zeta$ [mm]", ylabel="Pressure [mbar]")
-    style.mark_origin(upper, line)
-    style.save(drawing, paths)
+    style.save(upper, paths, line)
 
 
 def spectrum(radiance, paths, most=4):
@@ -75,7 +73,7 @@ def spectrum(radiance, paths, most=4):
     paths : paths of the files to write
     most : int
     """
-    drawing, axes = style.figure(size=(5.6, 3.2))
+    _, axes = style.figure(size=(5.6, 3.2))
     nanometre = radiance.wavelength_slit * 1e9
     axes.semilogy(nanometre, radiance.gas_radiance_slit * 1e-6, "k-", lw=1.0, label="all", zorder=5)
     parts = radiance.gas_radiance_component_slit
@@ -86,5 +84,4 @@ def spectrum(radiance, paths, most=4):
         axes.set_ylim(1e-6 * top, 3 * top)
     axes.legend(ncols=most + 1, loc="lower center")
     axes.set(xlabel="Wavelength (vacuum) [nm]", ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]")
-    style.mark_origin(axes, radiance)
-    style.save(drawing, paths)
+    style.save(axes, paths, radiance)

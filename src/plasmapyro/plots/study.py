@@ -39,14 +39,13 @@ def limit_over_conditions(study, paths):
     level = 100 * float(study.attrs["error_level"])
     drawing.colorbar(mesh, ax=rows[0].tolist(), label=f"$T_{{obj}}$ at $e={level:g}$ % [K]")
     drawing.suptitle(_where(chosen), fontsize=8)
-    style.mark_origin(rows[0, -1], study)
-    style.save(drawing, paths)
+    style.save(rows[0, paths, -1], study)
 
 
 def limit_over_emittance(study, paths):
     """The same over emittance, one line per angle, at the middle power, pressure and mass flow rate."""
     chosen = _middle(study, "numerical_power", "chamber_pressure", "mass_flow_rate")
-    drawing, axes = style.figure(size=style.BESIDE)
+    _, axes = style.figure(size=style.BESIDE)
     colours = style.case_colours(chosen.sightline_angle.size)
     for angle, colour in zip(chosen.sightline_angle, colours, strict=True):
         limit = chosen.error_limit.sel(sightline_angle=angle)
@@ -61,8 +60,7 @@ def limit_over_emittance(study, paths):
     )
     axes.legend(title="angle to the axis", loc="center left", bbox_to_anchor=(1.01, 0.5))
     axes.set_title(_where(chosen), fontsize=7, loc="left")
-    style.mark_origin(axes, study)
-    style.save(drawing, paths)
+    style.save(axes, paths, study)
 
 
 def _middle(study, *dims):

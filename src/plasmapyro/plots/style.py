@@ -113,9 +113,13 @@ def mark_origin(axes, *datasets):
         axes.set_title("synthetic data", loc="right", fontsize=7, color="#b03060", style="italic")
 
 
-def save(drawing, paths):
-    """Write the figure to every path (format by suffix) without a date, and close it."""
+def save(axes, paths, *datasets):
+    """Write the figure of some axes to every path (format by suffix) without a date, and close it.
+
+    If any of the datasets it shows is synthetic, the axes say so.
+    """
+    mark_origin(axes, *datasets)
     for path in paths:
         metadata = {"Date": None} if str(path).endswith(".svg") else {"Software": None}
-        io.store(path, partial(drawing.savefig, metadata=metadata))
-    plt.close(drawing)
+        io.store(path, partial(axes.figure.savefig, metadata=metadata))
+    plt.close(axes.figure)
