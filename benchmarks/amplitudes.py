@@ -8,20 +8,15 @@ wander as the diagnosis assumes. The base model is fitted, then with the effect 
 formulas are the same in both, and that the base model does not hold itself.
 """
 
-import argparse
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from first_laboratory import asked  # which finds the workflow
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "workflow"))
+# isort: split
 from blind.ranks import ranks
-from powers import ladder
 from twin import campaign, hidden, runs
 
-from plasmapyro import io
-from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
 from plasmapyro.diagnosis.fit.whole import fit_test
@@ -76,13 +71,7 @@ def case(identity, inputs, gas, seed):
 
 def main():
     """Print each case, then the ranks of all."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--results", type=Path, default=Path("results"))
-    parser.add_argument("--cases", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    inputs = command.load_inputs(options.results / "radiation", options.results / "instrument")
-    gas = {power: io.read(path, "radiation") for power, path in ladder(options.results / "radiation").items()}
+    options, inputs, gas = asked(__doc__)
     rows = []
     for number in range(options.cases):
         rows.append(case(EFFECTS[number % len(EFFECTS)], inputs, gas, 1000 * options.seed + number))

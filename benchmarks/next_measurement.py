@@ -10,22 +10,17 @@ of the best count as the best; those expected to leave more than 1.15 times what
 made.
 """
 
-import argparse
-import sys
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from first_laboratory import asked  # which finds the workflow
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "workflow"))
-from powers import ladder
+# isort: split
 from twin import campaign, runs
 from twin.campaign import Scene
 from twin.sample import Sample
 
-from plasmapyro import io
-from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.inference import Fitter
@@ -157,13 +152,7 @@ def repeated(base, law, kind, case, context):
 
 def main():
     """Print one line for each case and the share of right first ranks."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--results", type=Path, default=Path("results"))
-    parser.add_argument("--cases", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    inputs = command.load_inputs(options.results / "radiation", options.results / "instrument")
-    gas = {power: io.read(path, "radiation") for power, path in ladder(options.results / "radiation").items()}
+    options, inputs, gas = asked(__doc__)
     right, firsts = 0, Counter()
     for number in range(options.cases):
         random = np.random.default_rng([options.seed, number])
