@@ -11,7 +11,7 @@ from plasmapyro.estimate.observations import robust_sum
 
 STEPS = 60  # Gauss-Newton steps allowed
 HALVINGS = 12
-CONVERGED = 1e-3  # fall of half the sum of squares that ends the iteration
+CONVERGED = 1e-3  # fall of half the sum of squares in a whole step that ends the iteration
 STATE_STEPS = (1e-2, 1e-2, 1e-5, 1e-5)  # [K], [K/s], [1], [1] of the slopes of the log-determinant
 CONSTANT_STEP = 1e-3  # the same, in prior standard deviations of a constant
 SEARCH = {"maxfev": 50, "xatol": 0.05, "fatol": 0.2}
@@ -219,7 +219,7 @@ def _descend(chain, observations, prior_constants, dynamics, path, values):
         else:
             return path, values, True, step + 1
         (path, values), fall, now = trial, now - then, then
-        if fall < CONVERGED:
+        if fall < CONVERGED and length == 1.0:  # a shortened step falls little wherever it stands
             return path, values, True, step + 1
     return path, values, False, STEPS
 
