@@ -3,6 +3,7 @@
 import laboratory
 import numpy as np
 import pytest
+import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.commands.joint import SETTINGS
@@ -51,6 +52,29 @@ def test_sound_data_give_a_temperature_and_no_contradiction(calibrations):
     assert good.sum() > 200
     truth = laboratory.temperature(found.time.values)[good]
     np.testing.assert_allclose(found.surface_temperature.values[good], truth, atol=NEAR)
+
+
+def test_the_last_digits_of_the_signals_do_not_matter(calibrations):
+    test = laboratory.made(spectrometer=False)
+    temperatures = [
+        joint(test.assign({n: test[n].round(d) for n in ("signal_wide", "signal_narrow")}), calibrations)
+        for d in (11, 12, 15)  # of an ampere: 1e-5 of the gas, which flickers by 6e-3
+    ]
+    first, *others = (one.surface_temperature.values for one in temperatures)
+    for other in others:
+        np.testing.assert_allclose(other, first, atol=0.5)  # K; a tenth of the standard uncertainty
+
+
+@pytest.mark.parametrize("factor", [1.3, 0.5, -1.0])
+def test_one_sample_of_pick_up_is_left_out(calibrations, factor):
+    test = laboratory.made(spectrometer=False)
+    there = xr.where(test.time == 38.5, factor, 1.0)
+    found = joint(test.assign({n: there * test[n] for n in ("signal_wide", "signal_narrow")}), calibrations)
+    assert found.attrs["contradictions"] == ""
+    good = found.estimate_status.values == status.VALID
+    assert good.sum() > 150
+    error = found.surface_temperature.values - laboratory.temperature(found.time.values)
+    assert (np.abs(error) < 3 * found.surface_temperature_uncertainty.values)[good].all()
 
 
 def test_a_gain_that_is_ten_per_cent_off_gives_a_status_and_the_reason(calibrations):

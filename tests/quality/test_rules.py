@@ -96,7 +96,7 @@ PYROMETER = {
     ),
     "spikes": (
         lambda t, p: p * np.where(t == 2.5, 2.0, 1.0),
-        "signal_wide has 1 samples in the reference window",
+        "signal_wide and signal_narrow: 1 samples far above or below all their neighbours, ",
     ),
     "scatter_of_signals": (
         lambda t, p: p * np.stack([1 + 0.04 * np.cos(np.pi * np.arange(t.size)), np.ones(t.size)]),

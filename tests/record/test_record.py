@@ -173,6 +173,31 @@ def test_a_bend_is_one_from_a_slope_of_85_per_cent_on(slope, flagged):
     assert not flags.rounded(np.exp(np.stack([level, bent], axis=1)), np.zeros((602, 2))).any()
 
 
+FAR = {  # samples of the narrow band that are multiplied, and whether they are a spike
+    "one sample, brighter": (slice(200, 201), 1.1, True),
+    "three samples, darker": (slice(200, 203), 0.5, True),
+    "a mark for none": (slice(200, 202), -9999.0, True),
+    "noise": (slice(200, 201), 1.01, False),
+    "a step": (slice(200, None), 1.5, False),
+    "a pulse of four samples": (slice(200, 204), 1.5, False),
+    "the light goes out": (slice(400, None), 1e-3, False),
+    "a first sample without neighbours": (slice(0, 1), 3.0, False),
+}
+
+
+@pytest.mark.parametrize("case", FAR)
+def test_samples_beyond_all_their_neighbours_are_spikes(case):
+    where, factor, spike = FAR[case]
+    value = np.exp(TIME / 20)[:, None] * [2.0, 1.0]
+    value *= 1 + NOISE * np.random.default_rng(4).standard_normal(value.shape)
+    value[50, 1] = np.nan
+    assert not flags.spiked(value).any()
+    value[where, 1] *= factor
+    found = flags.spiked(value)
+    assert not found[:, 0].any()
+    assert np.flatnonzero(found[:, 1]).tolist() == (list(range(where.start, where.stop)) if spike else [])
+
+
 def test_a_stated_slope_is_taken_out_of_the_ratio():
     def steeper(signals):
         return np.stack([1.03 * signals[0], signals[1]])

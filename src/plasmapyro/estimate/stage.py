@@ -314,7 +314,7 @@ def _dataset(record, test, fit_range, samples, observations, fixed, found, sprea
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
     state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
     state[bands.flagged(flags.SATURATED, flags.CLIPPED).all(axis=1)] = status.SATURATED
-    state[bands.flagged(flags.LOST, flags.STUCK).all(axis=1)] = status.MISSING
+    state[bands.flagged(flags.LOST, flags.STUCK, flags.SPIKED).all(axis=1)] = status.MISSING
     state[~known] = status.NO_SIGNAL
     state[against[group]] = status.CONTRADICTED
     known &= ~against[group]

@@ -1,15 +1,15 @@
 """Dates and times of day in the cells of a table, read in a format that test.yaml states."""
 
 import re
-from datetime import datetime
+from datetime import UTC, datetime
 
 import numpy as np
 
 from plasmapyro.readers.text import MISSING, fault, quote, refuse
 
 STAMP = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|\d{1,2}:\d{2}", re.ASCII)
-FRACTION = re.compile(r"[.,](\d{1,9})$", re.ASCII)
-ZONE = ("%z", "%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on a time zone
+FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$)", re.ASCII)
+UNSURE = ("%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on names of time zones
 EPOCH = datetime(2000, 1, 1)
 DAY, HOUR = 86400.0, 3600.0  # [s]
 CHANGE = 60.0  # [s] a step back of an hour within this is that of the end of summer time
@@ -23,10 +23,10 @@ def looks_like_stamp(word):
 
 def reads_format(words):
     """Whether `words` is a format of `datetime.strptime` that this module reads."""
-    if "%" not in words or any(sign in words for sign in ZONE):
+    if "%" not in words or any(sign in words for sign in UNSURE):
         return False
     try:
-        datetime.strptime(EPOCH.strftime(words), words)
+        datetime.strptime(EPOCH.replace(tzinfo=UTC).strftime(words), words)
     except ValueError:
         return False
     return True
@@ -35,19 +35,20 @@ def reads_format(words):
 def seconds(word, form):
     """Seconds since 2000, or since midnight if the format has no day; None if the cell is not of it.
 
-    Seconds may have decimals after a point or a comma, whether the format says so or not.
+    Seconds may have decimals after a point or a comma, whether the format says so or not. With a zone (%z:
+    `Z`, `+02:00`) they are those of UTC, which knows no summer time.
     """
     word, form, rest = word.strip(), form.strip(), 0.0
     for decimals in (".%f", ",%f"):
-        form = form.removesuffix(decimals)
-    if form.endswith("%S") and (part := FRACTION.search(word)):
-        word, rest = word[: part.start()], float(f"0.{part.group(1)}")
+        form = form.removesuffix(decimals).replace(decimals + "%z", "%z")
+    if form.endswith(("%S", "%S%z")) and (part := FRACTION.search(word)):
+        word, rest = word[: part.start()] + word[part.end() :], float(f"0.{part.group(1)}")
     try:
         stamp = datetime.strptime(word, form)
     except ValueError:
         return None
     start = EPOCH if has_day(form) else datetime(1900, 1, 1)
-    return (stamp - start).total_seconds() + rest
+    return (stamp - start.replace(tzinfo=stamp.tzinfo and UTC)).total_seconds() + rest
 
 
 def has_day(form):

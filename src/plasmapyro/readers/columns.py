@@ -8,6 +8,7 @@ import numpy as np
 
 from plasmapyro.readers import clock, units
 from plasmapyro.readers.text import (
+    FILLS,
     MISSING,
     Refusal,
     fault,
@@ -23,6 +24,9 @@ LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
+WAVES = re.compile(
+    r"lambda|\u03bb|wavel|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
+)
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 CLOCK = "time of day"  # key of a column that stands beside the one of the date
@@ -150,6 +154,10 @@ def read_table(path, columns, delimiter=None, decimal=None):
     stamped = columns["time"] if "time" in columns and columns["time"].format else None
     sought = {**columns, CLOCK: stamped.clock} if stamped and stamped.clock else columns
     start, mark, places, stated = _header(path, lines, sought, delimiter)
+    below = units_below(split(lines[start + 1], mark)) if start + 1 < len(lines) else None
+    if below:
+        lines = [*lines[: start + 1], "", *lines[start + 2 :]]
+        stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
     numbers, rows, faults = _rows(path, lines, start, mark)
     if not ended:
         faults.append(unfinished(path, lines))
@@ -187,6 +195,8 @@ def read_table(path, columns, delimiter=None, decimal=None):
         ]
         try:
             known = np.array([np.nan if value is None else value for value in values], dtype=float)
+            if name != "time":
+                known[np.isin(known, FILLS)] = np.nan
             result[name] = to_si(path, columns[name], known, stated[name], start + 1)
         except Refusal as reason:
             faults += reason.messages
@@ -213,13 +223,13 @@ def _rows(path, lines, start, mark):
     A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
     most rows have. Empty cells beyond the header are those of a final delimiter.
     """
-    header = _without_empty_end(split(lines[start], mark))
+    header = without_empty_end(split(lines[start], mark))
     numbers, rows = [], []
     for index in range(start + 1, len(lines)):
         if lines[index].strip() and not lines[index].lstrip().startswith(COMMENT):
             numbers.append(index + 1)
             rows.append(split(lines[index], mark))
-    widths = [len(row) if len(row) <= len(header) else len(_without_empty_end(row)) for row in rows]
+    widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
     # A named last column that no row or few rows fill is one for remarks.
     usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
     least, most = min(usual, len(header)), max(len(header), len(split(lines[start], mark)))
@@ -236,7 +246,7 @@ def _rows(path, lines, start, mark):
     )
 
 
-def _without_empty_end(cells):
+def without_empty_end(cells):
     """Cells without the empty ones at the end."""
     count = len(cells)
     while count > 1 and cells[count - 1] == "":
@@ -309,8 +319,23 @@ def _header(path, lines, columns, delimiter):
 
 
 def _label(cell):
+    """Name and unit of a cell of the header: 'S1 [nA]', 'S1 (nA)', 'S1 / nA'; the unit None without one."""
     match = IN_BRACKETS.search(cell.strip())
-    return (cell.strip()[: match.start()].strip(), match.group(1).strip()) if match else (cell, None)
+    if match:
+        return cell.strip()[: match.start()].strip(), match.group(1).strip()
+    name, _, unit = (part.strip() for part in cell.rpartition("/"))
+    last = cell.split()[-1] if cell.strip() else ""
+    if not name or not units.is_unit(unit) or ("/" in last and units.is_unit(last)):  # 'flow g/s'
+        return cell, None
+    return name, unit
+
+
+def units_below(cells):
+    """The units (or None) that a row below the names holds: 's', '[nA]', nothing else; None if it is none."""
+    found = [cell.strip().strip("[]()").strip() for cell in cells]
+    if not any(found) or not all(word in ("", "-") or units.is_unit(word) for word in found):
+        return None
+    return [word if units.is_unit(word) else None for word in found]
 
 
 def _decimal(path, mark, cells, numbers):
@@ -343,12 +368,18 @@ def _decimal(path, mark, cells, numbers):
     return "," if commas and not points else ".", []
 
 
-def read_matrix(path, delimiter=None, decimal=None):
+def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     """A table of spectra: first header cell anything, then wavelengths; each row a time and its values.
+
+    Where the first cell names wavelengths ('lambda', 'nm'), they stand in the first column instead, and
+    each other column is a spectrum below its time (a single one, such as a dark, below any word). Lines of
+    words above the table are passed over.
 
     Parameters
     ----------
     path, delimiter, decimal : as in `read_table`
+    stamps : (format, zero), optional
+        The times are dates or times of day, counted from zero, see `clock`.
 
     Returns
     -------
@@ -367,10 +398,14 @@ def read_matrix(path, delimiter=None, decimal=None):
     ]
     if len(rows) < 2:
         refuse(path, "holds no spectrum", "it needs a header with wavelengths and a row per spectrum")
-    mark = DELIMITERS[delimiter] if delimiter else max(DELIMITERS.values(), key=rows[0][1].count)
-    header = _without_empty_end(split(rows[0][1], mark))
+    mark = DELIMITERS[delimiter] if delimiter else max(DELIMITERS.values(), key=rows[-1][1].count)
+    width = rows[-1][1].count(mark)
+    while len(rows) > 2 and width and rows[0][1].count(mark) < width / 2 and rows[0][0] <= HEADER_LINES:
+        del rows[0]
+    header = without_empty_end(split(rows[0][1], mark))
     cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
-    if len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
+    upright = WAVES.search(header[0]) is not None
+    if not upright and len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
         refuse(
             path,
             f"{len(cells)} spectra of {len(header) - 1} pixels",
@@ -384,6 +419,27 @@ def read_matrix(path, delimiter=None, decimal=None):
             f"{len(cells[ragged[0]])} cells, the header has {len(header)}",
             "restore or remove the line",
             ragged[0],
+        )
+    if upright:
+        header, *spectra = map(list, zip(header, *cells.values(), strict=True))
+        cells = dict(zip(range(rows[0][0] + 1, rows[0][0] + 1 + len(spectra)), spectra, strict=True))
+        if len(spectra) == 1 and number(spectra[0][0]) is None:
+            spectra[0][0] = "0"
+            stamps = None
+    elif stamps and len(cells) == 1 and not clock.looks_like_stamp(next(iter(cells.values()))[0]):
+        stamps = None  # of a dark the time does not matter
+    times = None
+    if stamps:
+        times, faults = clock.times(path, [row[0] for row in cells.values()], list(cells), *stamps, False)
+        refuse_all(path, faults)
+        for row in cells.values():
+            row[0] = "0"
+    elif stamped := [line for line, row in cells.items() if clock.looks_like_stamp(row[0])]:
+        refuse(
+            path,
+            f"{quote(cells[stamped[0]][0])} is a date or a time of day",
+            f"state `time_format`, e.g. '{clock.EXAMPLE}', and `zero` in the same form",
+            stamped[0],
         )
     listing = {rows[0][0]: header[1:], **cells}
     if decimal is None:
@@ -401,9 +457,10 @@ def read_matrix(path, delimiter=None, decimal=None):
     if np.isnan(wavelength).any():
         refuse(path, "a wavelength is missing in the header", "every column needs one", rows[0][0])
     table = np.array(list(numbers.values()))
-    return table[:, 0], wavelength, table[:, 1:]
+    values = np.where(np.isin(table[:, 1:], FILLS), np.nan, table[:, 1:])
+    return table[:, 0] if times is None else times, wavelength, values
 
 
 def _cut(cells, width):
     """Cells without empty ones beyond `width`."""
-    return cells[: max(width, len(_without_empty_end(cells)))]
+    return cells[: max(width, len(without_empty_end(cells)))]

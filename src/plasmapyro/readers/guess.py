@@ -21,10 +21,12 @@ USUAL = 0.9  # of the rows: cells of a column that must be numbers or dates
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
-    "time": r"t|time.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*|sec.*|elapsed.*",
-    "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*ch(annel)?1|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
-    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*ch(annel)?2|.*i2|.*det(ector)?2|.*band2"
-    r"|.*signal2|r",
+    "time": r"t|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*|sec.*"
+    r"|elapsed.*",
+    "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*"
+    r"|.*(ch(annel)?|kanal|voie|canale?)1|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
+    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*"
+    r"|.*(ch(annel)?|kanal|voie|canale?)2|.*i2|.*det(ector)?2|.*band2|.*signal2|r",
     "electric_power": r"p?el|pel.*|.*power.*|.*leistung.*|.*potencia.*|.*puissance.*",
     "chamber_pressure": r"pc.*|pch.*|.*press.*|.*druck.*|.*presi.n.*",
     "mass_flow_rate": r"mdot|.*massflow.*|.*flow.*|.*durchfluss.*|.*caudal.*|.*debit.*",
@@ -47,10 +49,10 @@ DATES = (
     "%d.%m.%y",
     "%m/%d/%y",
 )
-TIMES = ("%H:%M:%S", "%H:%M", "%I:%M:%S %p")
+TIMES = ("%H:%M:%S", "%H:%M", "%I:%M:%S %p", "%H:%M:%S%z")
 FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in " T" for hour in TIMES] + list(TIMES)
 OTHERS = set(".yaml .yml .nc .md .pdf .png .jpg .html .py .xlsx .zip".split())
-DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio", re.IGNORECASE)
+DAYS = (30_000, 800_000)  # dates as spreadsheets (1982 on) and Matlab count them
 # ASSUME: currents without a unit are amperes if as small as photodiodes give them, else nanoamperes.
 LARGEST_CURRENT = 0.1  # [A]
 
@@ -83,30 +85,31 @@ def look_at_table(path):
     best = None
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.split(line.lstrip("#%! "), mark) for line in lines]
-        first = next(
-            (
-                i
-                for i, row in enumerate(rows[1:], 1)
-                if sum(map(_is_value, row)) >= 2 > sum(map(_is_value, rows[i - 1]))
-            ),
-            None,
-        )
-        if first is None:
+        good = [sum(map(_is_value, row)) >= 2 for row in rows]
+        begins = [i for i in range(1, len(rows)) if good[i] and not good[i - 1]]
+        if not begins:
             continue
+        # Above the table there may be blocks of a few numbers: the longest run is it.
+        first = max(begins, key=lambda i: (good + [False]).index(False, i) - i)
         body = [
             row
             for row, line in zip(rows[first:], lines[first:], strict=True)
             if not line.lstrip().startswith(columns.COMMENT)
         ]
-        header = rows[first - 1]
+        header, below = rows[first - 1], columns.units_below(rows[first - 1])
+        if below and first > 1 and len(rows[first - 2]) == len(header):
+            header = [
+                f"{name} [{unit}]" if unit else name
+                for name, unit in zip(rows[first - 2], below, strict=True)
+            ]
         cells = [[row[place] for row in body if place < len(row)] for place in range(len(header))]
-        good = [place for place, words in enumerate(cells) if _is_column(words) and header[place]]
-        if len(good) >= 2 and (best is None or len(good) > best[0]):
+        held = [place for place, words in enumerate(cells) if _is_column(words) and header[place]]
+        if len(held) >= 2 and (best is None or len(held) > best[0]):
             best = (
-                len(good),
+                len(held),
                 name,
-                [columns._label(header[place]) for place in good],
-                [cells[place] for place in good],
+                [columns._label(header[place]) for place in held],
+                [cells[place] for place in held],
             )
     if best is None:
         return None
@@ -187,7 +190,7 @@ def _values(table, place):
 
 
 def _quoted(word):
-    return json.dumps(word, ensure_ascii=False)
+    return json.dumps(word, ensure_ascii=not word.isprintable())
 
 
 def describe(folder):
@@ -216,15 +219,22 @@ def describe(folder):
     ]
     if len(files) > MOST_FILES:
         raise Refusal([f"{folder}: holds more than {MOST_FILES} files; name the folder of one test"])
-    kinds, remarks = {}, []
+    kinds, remarks, unknown = {}, [], []
     for path in files:
         try:
             kind, what = _kind(path)
         except Refusal as reason:
-            kind, what = None, None
             remarks += [f"not used: {words}" for words in reason.messages]
+            continue
         if kind:
             kinds.setdefault(kind, []).append((path, what))
+        elif path.suffix.lower() not in OTHERS:
+            unknown.append(path.relative_to(folder).as_posix())
+    if unknown:
+        more = f" and {len(unknown) - 1} more" if len(unknown) > 1 else ""
+        remarks.append(
+            f"not used: {unknown[0]}{more}: neither signals against time nor spectra are seen in it"
+        )
     questions, blocks = [], []
     pyrometer = _pyrometer(folder, kinds, questions)
     read = _read(folder, "pyrometer", pyrometer, questions)
@@ -264,7 +274,7 @@ def _kind(path):
     if path.suffix.lower() == ".tdms":
         return "tdms", None
     lines = [line for line in read_lines(path, columns.LARGEST)[0][: ocean.HEADER_LINES] if line.strip()]
-    if any(line.startswith(ocean.FENCE) for line in lines):
+    if any(line.startswith(ocean.FENCE) for line in lines) or ocean.plain_spectrum(lines):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
     try:
@@ -286,11 +296,18 @@ def _kind(path):
 
 
 def _matrix(lines):
-    """Unit of the wavelengths and delimiter, if the first line holds rising wavelengths behind one cell."""
+    """Unit of the wavelengths and delimiter, if a line holds rising or falling wavelengths behind one cell.
+
+    Or, below a cell that names wavelengths, the first column does.
+    """
     for name, mark in columns.DELIMITERS.items():
-        header = columns._without_empty_end(columns.split(lines[0], mark))[1:]
-        values = [number(word, "," if "," in word else ".") for word in header]
-        if len(values) > 2 and None not in values and (np.diff(values) > 0).all():
+        rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
+        start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
+        upright = columns.WAVES.search(rows[start][0]) is not None
+        listed = [row[0] for row in rows[start + 1 :]] if upright else rows[start][1:]
+        values = [number(word, "," if "," in word else ".") for word in listed]
+        if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
+            values.sort()
             for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0)):
                 if 1.5e-7 < values[0] * scale and values[-1] * scale < 5e-6:
                     return unit, name
@@ -354,6 +371,8 @@ def _table_lines(folder, paths, table, places, questions):
         unit, stated = table.units[places["time"]], True
         if unit is None:
             stated, unit = False, "ms" if np.nanmedian(np.diff(time)) >= 5 else "s"
+            if DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1:
+                unit = "d"  # of a spreadsheet: days since 1900
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
         first = float(time[0]) * units.factor(unit, "time")
         if first > 0:
@@ -464,8 +483,10 @@ def _read(folder, name, lines, questions):
 def _spectrometer(folder, kinds, read, questions):
     """Lines of the section 'spectrometer'; empty if there are no spectra."""
     if "spectrum" in kinds:
-        dark = [path for path, _ in kinds["spectrum"] if DARK.search(path.stem)]
+        dark = [path for path, _ in kinds["spectrum"] if ocean.DARK.search(path.stem)]
         light = [path for path, _ in kinds["spectrum"] if path not in dark]
+        if not light and "matrix" in kinds:  # a table of spectra with a dark of its own
+            return _matrix_lines(folder, kinds["matrix"], dark, questions)
         if not light:
             return []
         places = {path.parent for path in light}
@@ -501,22 +522,42 @@ def _spectrometer(folder, kinds, read, questions):
             found.append(f"  time: {{from: order, first: {period / 2:.4g}, period: {period:.4g}}}  # ? s")
             questions.append("spectrometer.time: when was the first spectrum, and how far apart are they?")
         return found
-    if "matrix" in kinds:
-        dark = [path for path, _ in kinds["matrix"] if DARK.search(path.stem)]
-        tables = [path for path, _ in kinds["matrix"] if path not in dark] or dark[:1]
-        unit, mark = dict(kinds["matrix"])[tables[0]]
-        values = columns.read_matrix(tables[0])[2]
-        found = [
-            _named(folder, tables),
-            f"  delimiter: {_quoted(mark)}",
-            *_quantity(values, questions, table=True),
+    return _matrix_lines(folder, kinds["matrix"], [], questions) if "matrix" in kinds else []
+
+
+def _matrix_lines(folder, listed, dark, questions):
+    """Lines of the section 'spectrometer' for tables of spectra; `dark`: files of single spectra."""
+    dark = [path for path, _ in listed if ocean.DARK.search(path.stem)] + dark
+    tables = [path for path, _ in listed if path not in dark]
+    if not tables:
+        questions.append(f"{dark[0].name} looks like a dark, and no table like its spectra")
+        return []
+    unit, mark = dict(listed)[tables[0]]
+    lines = [line for line in read_lines(tables[0], columns.LARGEST)[0] if line.strip()]
+    begins = [columns.split(line, columns.DELIMITERS[mark])[0] for line in lines[-MOST_ROWS:]]
+    stamps = [word for word in begins if clock.looks_like_stamp(word)]
+    timing = []
+    if stamps:
+        form, zero, more = _format(Table(mark, ".", ["time"], [None], [stamps]), [0])
+        questions += [
+            words.replace("pyrometer.columns.time.format", "spectrometer.time_format") for words in more
         ]
-        if unit != "nm":
-            found.append(f"  wavelength_unit: {unit}")
-        if dark:
-            found.append(f"  background: {_quoted(dark[0].relative_to(folder).as_posix())}")
-        return found
-    return []
+        timing = [
+            f"  time_format: {_quoted(form)}",
+            f"  zero: {_quoted(zero)}  # ? the moment that shall be 0",
+        ]
+    values = columns.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)[2]
+    found = [
+        _named(folder, tables),
+        f"  delimiter: {_quoted(mark)}",
+        *_quantity(values, questions, table=True),
+        *timing,
+    ]
+    if unit != "nm":
+        found.append(f"  wavelength_unit: {unit}")
+    if dark:
+        found.append(f"  background: {_quoted(dark[0].relative_to(folder).as_posix())}")
+    return found
 
 
 def _quantity(values, questions, table=False):

@@ -7,10 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plasmapyro.readers import columns
 from plasmapyro.readers.text import number, quote, read_lines, refuse
 
 LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
+LEAST_PIXELS = 20  # of a spectrum without a header
+DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697", re.IGNORECASE)
 FENCE = ">>>>>"
 HEADER_LINES = 100
 LEAST_CLIPPED = 5  # neighbours at exactly the highest value: no light does that, a converter does
@@ -56,6 +59,10 @@ def read_spectrum(path):
     """
     lines, ended = read_lines(path, LARGEST)
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
+    if begin is None and (plain := plain_spectrum(lines)):
+        if not ended:
+            refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+        return plain
     if begin is None:
         refuse(
             path,
@@ -87,6 +94,41 @@ def read_spectrum(path):
         _yes(header, "lectri", but="linear"),
         _yes(header, "linear"),
     )
+
+
+def plain_spectrum(lines):
+    """The `Spectrum` in lines of nothing but wavelengths and values beside them, or None.
+
+    One row of names may stand above: a column named as dark becomes 'D', the one that is left then 'S'.
+    Wavelengths [nm], or [um] if all are below 10, that rise or fall.
+    """
+    for mark in columns.DELIMITERS.values():
+        rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines if line.strip()]
+        for decimal in ".,":
+            values = [[number(cell, decimal) for cell in row] for row in rows]
+            first = next((i for i, row in enumerate(values) if len(row) > 1 and None not in row), None)
+            if first is None or first > HEADER_LINES or len(values) - first < LEAST_PIXELS:
+                continue
+            width = {len(row) for row in values[first:]}
+            if len(width) > 1 or any(None in row for row in values[first:]):
+                continue
+            table = np.array(values[first:])
+            table = table[::-1] if table[0, 0] > table[-1, 0] else table
+            wavelength = table[:, 0] * (1e-6 if table[-1, 0] < 10 else 1e-9)
+            names = rows[first - 1] if first and len(rows[first - 1]) in width else None
+            named = names is not None and columns.WAVES.search(names[0])
+            if not (np.diff(wavelength) > 0).all() or not 1.5e-7 < wavelength[0] < wavelength[-1] < 5e-6:
+                continue
+            numbered = names is not None and all(number(name, decimal) is not None for name in names[1:])
+            if table.shape[1] > 2 and numbered or not named and (names is not None or table.shape[1] > 2):
+                continue
+            names = names or ["W", "S"]
+            kinds = ["D" if DARK.search(name) else name for name in names[1:]]
+            light = [at for at, name in enumerate(kinds) if name != "D"]
+            if len(light) == 1:
+                kinds[light[0]] = "S"
+            return Spectrum(wavelength, dict(zip(kinds, table[:, 1:].T, strict=True)), *[None] * 7)
+    return None
 
 
 def clipped(counts):

@@ -18,7 +18,7 @@ WORDS = ("title", "condition", "origin")
 MOST_SPECTRA = 20_000
 MOST_SAMPLES = 50_000_000  # of all spectra together: 400 MB
 SHIFT = 1e-12  # [m] spectra of one instrument agree in wavelength to their printed digits
-SPECTRUM_SUFFIXES = {".txt", ".jaz", ".tsv", ".dat"}
+SPECTRUM_SUFFIXES = {".txt", ".jaz", ".tsv", ".dat", ".csv", ".asc", ".prn"}
 
 
 def attributes(section):
@@ -149,10 +149,13 @@ def spectrometer(folder, section):
             "unit": section.text("unit", needed=True) if settings["format"] == "csv" else "count",
             "wavelength_unit": section.text("wavelength_unit", "nm"),
             "time_unit": section.text("time_unit", "s"),
+            "stamps": section.text("time_format"),
             "marks": columns.marks(section),
-            "zero": section.number("zero", 0.0),
+            "zero": 0.0 if "time_format" in section else section.number("zero", 0.0),
             "background": section.file("background"),
         }
+        if settings["stamps"]:
+            settings["stamps"] = (settings["stamps"], section.text("zero", "", needed=True))
         _check_units(section, settings)
     else:
         settings |= {
@@ -432,7 +435,7 @@ def _tables(paths, folder, settings):
 
     def read(path):
         if settings["format"] == "csv":
-            return columns.read_matrix(path, *settings["marks"])
+            return columns.read_matrix(path, *settings["marks"], settings["stamps"])
         series = andor.read_series(path)
         if attrs.setdefault("spectrometer_integration_time", series.exposure) != series.exposure:
             if path != background:  # a dark of another exposure holds the baseline, if little dark current
@@ -443,7 +446,7 @@ def _tables(paths, folder, settings):
         time, pixels, values = read(path)
         if parts and not np.array_equal(pixels, parts[0]["pixels"]):
             refuse(path, f"other wavelengths than {paths[0].name}", "join only files of one instrument", 1)
-        factor = units.factor(settings["time_unit"], "spectrum_time")
+        factor = 1.0 if settings["stamps"] else units.factor(settings["time_unit"], "spectrum_time")
         parts.append({"time": time * factor, "pixels": pixels, "values": values})
     pixels = parts[0]["pixels"]
     whole = joined(paths, parts, settings["zero"])

@@ -3,16 +3,52 @@
 import codecs
 import math
 import re
+import zlib
 from pathlib import Path
 
 from plasmapyro.contracts import ContractError
 from plasmapyro.foreign import printable, unfit
 from plasmapyro.foreign import quote as quote
 
+GZIP = b"\x1f\x8b"
 NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
-MISSING = {"", "nan", "na", "n/a", "-", "--", "null", "none"}
+MISSING = {
+    "",
+    "nan",
+    "na",
+    "n/a",
+    "#n/a",
+    "-",
+    "--",
+    "---",
+    "null",
+    "none",
+    "err",
+    "error",
+    "#num!",
+    "#value!",
+}
+MISSING |= {
+    "over",
+    "overload",
+    "overflow",
+    "overrange",
+    "over range",
+    "ovl",
+    "ovld",
+    "ovf",
+    "ovrng",
+    "ol",
+    "o.l",
+}
+MISSING |= {"under", "underrange", "under range", "sat", "saturated"}
+MISSING |= {
+    sign + word for sign in ("", "+", "-") for word in ("inf", "1.#inf", "1.#ind", "1.#qnan", "1.#snan")
+}
+FILLS = (-9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37)  # no sample; SCPI: over, under, none
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
 LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 REPORTED = 10  # faults of a kind that are named before the rest is only counted
@@ -73,21 +109,26 @@ def read_lines(path, limit):
 
     Notes
     -----
-    UTF-8 and UTF-16 with a byte order mark, UTF-8 without, else Windows-1252 letter by letter (Latin-1):
-    the old acquisition programs write in that of their country. Numbers are ASCII in all of them.
+    UTF-8 and UTF-16, with a byte order mark or without, else Windows-1252 letter by letter (Latin-1) or
+    that of Japan: the old acquisition programs write in that of their country. Numbers are ASCII in all of
+    them. A gzip file is unpacked.
     """
     path = regular_file(path, limit)
     try:
         content = path.read_bytes()
+        if content.startswith(GZIP):
+            content = _unpacked(path, content, limit)
     except OSError as reason:
         refuse(path, f"cannot be read ({reason})", "check the access rights")
     encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
+    if encoding is None and content[:1] and content[1:2000:2].count(0) > 0.8 * len(content[1:2000:2]):
+        encoding = "utf-16-le"  # without its mark
     try:
         words = content.decode(encoding or "utf-8")
     except UnicodeDecodeError:
         if encoding:
             refuse(path, f"is broken {encoding} text", "export it again as UTF-8")
-        words = content.decode("latin-1")
+        words = _of_a_country(content)
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
     if "\r" in words:
@@ -98,6 +139,32 @@ def read_lines(path, limit):
         refuse(path, f"holds a line of {longest} characters", "export it with one sample per line")
     ended = lines[-1] == ""
     return (lines[:-1] if ended else lines), ended
+
+
+def _unpacked(path, content, limit):
+    unpacking = zlib.decompressobj(wbits=31)
+    try:
+        words = unpacking.decompress(content, limit + 1)
+    except zlib.error as reason:
+        refuse(path, f"is a broken gzip file ({reason})", "copy it again")
+    if len(words) > limit:
+        refuse(path, f"holds more than {limit} bytes when unpacked", "cut it to the test")
+    if not unpacking.eof:
+        refuse(path, "is a gzip file that is cut off", "copy it again")
+    return words
+
+
+def _of_a_country(content):
+    """Text of a Japanese Windows if it reads as such and Latin-1 makes no letters of it, else Latin-1."""
+    words = content.decode("latin-1")
+    if any("\x80" <= letter < "\xa0" for letter in words):
+        try:
+            japanese = content.decode("cp932")
+        except UnicodeDecodeError:
+            return words
+        if ASIAN.search(japanese):
+            return japanese
+    return words
 
 
 def require_end(path, lines, ended):
@@ -114,7 +181,8 @@ def require_end(path, lines, ended):
 def number(word, decimal="."):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
-    Strict on purpose: no thousands separators, no infinity, no underscores, no foreign digits.
+    Strict on purpose: no thousands separators, no underscores, no foreign digits. What meters show
+    instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
     word = word.strip()
     if word.lower() in MISSING:

@@ -23,6 +23,11 @@ def factor(unit, name):
     return TO_SI[VARIABLES[name].units].get(normalised(unit))
 
 
+def is_unit(word):
+    """Whether a word is a unit of anything."""
+    return any(normalised(word) in known for known in TO_SI.values()) and word != "1"
+
+
 def is_ratio(name):
     """Whether the variable `name` needs no unit."""
     return VARIABLES[name].units == "1"

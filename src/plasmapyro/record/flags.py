@@ -1,20 +1,25 @@
 """What can be wrong with single samples, as bits, and how two of the faults show in the samples."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
-SATURATED, MASKED, LOST, STUCK, CLIPPED = (1 << bit for bit in range(5))
+SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED = (1 << bit for bit in range(6))
 MEANINGS = {
     SATURATED: "at or beyond the stated limit of the detector or its converter",
     MASKED: "in a pixel that its calibration cannot use",
     LOST: "not recorded",
     STUCK: "the same as before, over and over, in all channels",
     CLIPPED: "at or near a ceiling that nothing states, flat or approached more and more slowly",
+    SPIKED: "far beyond all its neighbours: pick-up, or a number that stands for none",
 }
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault
 BIN, SPAN, FEW = 0.1, 3, 4  # of the logarithm of a channel; bins that a slope takes; samples of one
 LEAST_SLOPE, SOUND_SLOPE = 0.85, 0.93  # of the usual slope of one logarithm over the other
 RULES = 0.3  # share of the surface in a signal from which on its slope is looked at
+SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
+WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
+MAD = 1.4826 / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
 ALTERNATING = 0.25  # share of steps that turn back: 2/3 for noise, 0.4 for slow flicker, 0 for a smooth curve
 
 
@@ -95,6 +100,39 @@ def clipped(values):
         lengths = _run_lengths(same)
         if lengths[at_top].max() > _longest_by_chance(same, lengths) and _noisy(row):
             result[:, channel] = at_top
+    return result
+
+
+def spiked(values):
+    """Samples, up to three in a row, far above, or below, both neighbours on either side of them.
+
+    Parameters
+    ----------
+    values : (t, C) array, NaN where missing
+
+    Returns
+    -------
+    (t, C) bool ndarray
+        A step or a bend of the record is none: it has one side in common with its neighbours.
+    """
+    result = np.zeros(np.shape(values), dtype=bool)
+    for channel, row in enumerate(np.asarray(values, dtype=float).T):
+        known = np.flatnonzero(np.isfinite(row))
+        found, row = np.zeros(known.size, dtype=bool), row[known]
+        if row.size < AROUND:
+            continue
+        rest = np.abs(row[1:-1] - (row[:-2] + row[2:]) / 2)
+        scatter = MAD * median_filter(np.pad(rest, 1, mode="edge"), AROUND, mode="nearest")
+        for width in range(1, WIDEST + 1):
+            count = row.size - width - 3
+            beside = np.stack([row[at : at + count] for at in (0, 1, width + 2, width + 3)])
+            inside = np.stack([row[at : at + count] for at in range(2, width + 2)])
+            least = np.maximum(SPIKE * scatter[2 : count + 2], SHARE * np.abs(np.median(beside, axis=0)))
+            far = inside.min(axis=0) - beside.max(axis=0) > least
+            far |= beside.min(axis=0) - inside.max(axis=0) > least
+            for at in range(2, width + 2):
+                found[at : at + count] |= far
+        result[known, channel] = found
     return result
 
 

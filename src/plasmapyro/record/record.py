@@ -137,6 +137,8 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     }[name]
     value, flag, own = made(test, calibration, saturation_counts)
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
+    if name != "spectrometer":
+        flag[flags.spiked(value)] |= flags.SPIKED
     return Instrument(
         name,
         test[axis].values - injection,
