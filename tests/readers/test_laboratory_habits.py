@@ -145,7 +145,7 @@ def test_the_end_of_summer_time_is_said_and_undone_only_if_stated(tmp_path):
 
 WRONG_STAMPS = {
     "no format": (("%d.%m.%Y %H:%M:%S", "seconds"), "'seconds' is no format of dates"),
-    "a time zone": (("%d.%m.%Y %H:%M:%S", "%H:%M:%S%z"), "is no format of dates"),
+    "a name of a time zone": (("%d.%m.%Y %H:%M:%S", "%H:%M:%S%Z"), "is no format of dates"),
     "zero as a number": (("25.10.2026 01:59:30", "3600"), "`zero` '3600' is not of the format"),
     "no zero": (("  zero: '25.10.2026 01:59:30'\n", ""), "pyrometer.zero is missing"),
     "a unit as well": (("%S'}", "%S', unit: s}"), "has no meaning beside `format`"),

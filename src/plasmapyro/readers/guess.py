@@ -89,8 +89,10 @@ def look_at_table(path):
         begins = [i for i in range(1, len(rows)) if good[i] and not good[i - 1]]
         if not begins:
             continue
-        # Above the table there may be blocks of a few numbers: the longest run is it.
-        first = max(begins, key=lambda i: (good + [False]).index(False, i) - i)
+        # Above the table there may be blocks of a few numbers: the longest run is it, with comments inside.
+        remarks = [line.lstrip().startswith(columns.COMMENT) for line in lines]
+        passed = [*map(any, zip(good, remarks, strict=True)), False]
+        first = max(begins, key=lambda i, passed=passed: passed.index(False, i) - i)
         body = [
             row
             for row, line in zip(rows[first:], lines[first:], strict=True)
