@@ -52,6 +52,7 @@ reproduce: .venv/tested
 compare: figures report .venv/tested
 	$(BIN)/python workflow/reproduce.py --results results
 	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report \
+	  tests/radiation/test_stored_table.py \
 	  tests/test_public_functions.py::test_the_shipped_simulations_are_those_of_a_run
 
 slurm: figures .venv/tested

@@ -20,6 +20,7 @@ rule gas_variations:
         sightline="results/sightline/{condition}.nc",
         surface_view="results/surface_view/{condition}.nc",
         radiation="results/radiation/{condition}.nc",
+        emission_table=table_of,
     output:
         "results/radiation_variations/{condition}.nc",
     log:

@@ -178,24 +178,29 @@ class BandSystem:
         keep = strong_enough(lines, reference_temperature, lost_fraction)
         kept = {name: column[keep] for name, column in lines.items()}
         kept["lower_energy"][np.abs(kept["lower_energy"]) < ROUNDING] = 0.0
-        names = (
-            "wavenumber",
-            "einstein_a",
-            *(f"{side}_{what}" for side in ("upper", "lower") for what in _BOTH),
-        )
+        kept["natural_hwhm"] = decay[kept["upper_v"].astype(int)] / (4 * np.pi * LIGHT_SPEED)
+        kept["family"] = BAND * kept["upper_v"] + kept["lower_v"]
+        return self.assembled(kept)
+
+    def assembled(self, columns):
+        """The LineList of columns `OF_LINES` of lines of this system."""
         return LineList(
             self.name,
             self.species,
-            **{name: kept[name] for name in names},
-            natural_hwhm=decay[kept["upper_v"].astype(int)] / (4 * np.pi * LIGHT_SPEED),
+            **{name: columns[name] for name in OF_LINES},
             van_der_waals_hwhm=COLLISION_HWHM,
-            family=BAND * kept["upper_v"] + kept["lower_v"],
             origin="published",
             relative_uncertainty=self.uncertainty,
         )
 
 
-_BOTH = ("energy", "degeneracy", "rotation")  # of either level of a line
+OF_LINES = (  # what tells the lines of a system apart
+    "wavenumber",
+    "einstein_a",
+    *(f"{side}_{what}" for side in ("upper", "lower") for what in ("energy", "degeneracy", "rotation")),
+    "natural_hwhm",
+    "family",
+)
 
 
 def reduced_mass(species):

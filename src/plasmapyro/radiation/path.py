@@ -432,11 +432,11 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
     allowance = max(NEGLIGIBLE / 2 * thin_total, dark)
     kept = np.array([layers_that_matter(bound, allowance / len(bounds)) for bound in bounds])
     bright = [
-        (s, e)
+        (s.lines, e)
         for s, e, keep in zip(spreaders, emission, kept[:-1], strict=True)
         if keep.any() and e.sum() > RESOLVED_SHARE * thin_total
     ]
-    _require_resolution_of_light(path.temperature, bright, grid)
+    require_resolution_of_light(path.temperature, bright, grid)
     # The bounds hold for black-body sources, and as long as nothing brighter than the gas shines through.
     hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
     if not path.equilibrium or (boundary is not None and np.any(boundary > hottest)):
@@ -476,13 +476,13 @@ def require_any_resolution(path, grid):
         )
 
 
-def _require_resolution_of_light(temperature, systems, grid):
-    """Refuse a grid too coarse for the narrowest Doppler width of the (spreader, emission by layer)."""
+def require_resolution_of_light(temperature, systems, grid):
+    """Refuse a grid too coarse for the narrowest Doppler width of systems: (LineList, emission by layer)."""
     narrowest = []
-    for spreader, by_layer in systems:
+    for lines, by_layer in systems:
         coldest = coldest_that_counts(temperature, by_layer)
-        sigma = doppler_sigma(coldest, particle_mass(spreader.lines.species))
-        narrowest.append((float(sigma), f"{spreader.lines.component} at {coldest:.0f} K"))
+        sigma = doppler_sigma(coldest, particle_mass(lines.species))
+        narrowest.append((float(sigma), f"{lines.component} at {coldest:.0f} K"))
     if narrowest:
         require_resolution(grid, *min(narrowest))
 

@@ -1,4 +1,4 @@
-"""Emission per particle on temperature nodes: one table for every sight line through air at one pressure."""
+"""Emission per particle on temperature nodes: one table for all sight lines through a gas at one pressure."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from plasmapyro.checks import increasing, non_negative, within
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
-from plasmapyro.gas.species import IONS, SPECIES, TRACE_IONS, particle_mass
+from plasmapyro.gas.equilibrium import number_density as equilibrium_density
+from plasmapyro.gas.species import AIR, IONS, SPECIES, TRACE_IONS, particle_mass
 from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma
 from plasmapyro.radiation.grid import Grid
@@ -14,14 +15,20 @@ from plasmapyro.radiation.opacity import SMALLEST_SIGMA_STEPS, prepare, spread
 from plasmapyro.radiation.path import (
     CONTINUA,
     NEGLIGIBLE,
+    RESOLVED_SHARE,
     TEMPERATURE_RANGE,
     Continuum,
+    PathRadiance,
     gas_path,
     layers_that_matter,
+    require_resolution_of_light,
 )
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.systems import line_lists as lists_of_systems
 
 NODES = 32
+# [K] of the tables for all paths; colder gas does not shine here. Close where jets shine, for Stark widths.
+EQUILIBRIUM_NODES = (*range(1500, 4500, 500), *range(4500, 9400, 350), *range(9400, 15001, 560))
 STENCIL = 4  # nodes of the interpolation: cubic
 BLOCK = 8192  # grid points crossed together; all arrays of a layer stay in the cache
 SHIFT_OVER_RIPPLE = 2.0  # of the shifted logarithm, over the most negative value
@@ -43,16 +50,15 @@ CONTINUUM_PARTS = (
 class EmissionTable:
     """What particles emit and absorb on temperature nodes, as logarithms.
 
-    `temperature` (K,) [K] ascending; `emission` (C, K, G): logarithm of the emission coefficient of each line
-    system per particle [W sr-1 m-1] plus its shift; `shift` (C, K): logarithm of that; `whole` (C, K): that
-    of the emission of all lines of the system [W sr-1];
+    `lines`: the list of each system; `temperature` (K,) [K] ascending; `whole` (C, K): logarithm of the
+    emission of all lines of a system per particle [W sr-1]; `emission` (C, K, G), single precision: that of
+    the emission coefficient over the whole [m-1] plus `shift` (C,) [m-1];
     `continuum` (P, K, W): logarithm of the absorption coefficients of `CONTINUUM_PARTS` per density of
     their species on the axis of `smooth`.
     """
 
     grid: Grid
-    components: tuple
-    species: tuple
+    lines: tuple
     temperature: np.ndarray
     emission: np.ndarray
     shift: np.ndarray
@@ -60,6 +66,11 @@ class EmissionTable:
     continua: tuple
     continuum: np.ndarray
     smooth: Continuum
+
+    @property
+    def components(self):
+        """Names of the line systems (C,)."""
+        return tuple(lines.component for lines in self.lines)
 
     @property
     def nbytes(self):
@@ -86,10 +97,11 @@ def table_nodes(lowest, highest, count=NODES):
 def emission_table(line_lists, grid, temperature, number_density, *, continua=CONTINUA):
     r"""Tabulate all systems at the temperatures of a gas in equilibrium.
 
-    .. math:: \ln\left(j_\lambda/n_s + \delta\right)(T_k), \qquad \ln(\kappa_c / n_a n_b)(T_k)
+    .. math:: \ln\left(\frac{j_\lambda}{n_s w} + \delta\right)(T_k), \qquad \ln w(T_k), \qquad
+              \ln(\kappa_c / n_a n_b)(T_k)
 
-    Per particle, hardly more than the Boltzmann factor is left, whose logarithm is straight in 1/T. The
-    shift :math:`\delta`, a fixed share of the system's whole emission, exceeds what an unresolved line may
+    Per particle, hardly more than the Boltzmann factor is left, whose logarithm is straight in 1/T, most
+    of it in the whole emission w of a system. The shift :math:`\delta` exceeds what an unresolved line may
     ripple below zero; it vanishes where nothing ripples.
 
     Parameters
@@ -124,8 +136,9 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
     if temperature.size < STENCIL:
         raise ValueError(f"table nodes must be a whole number >= {STENCIL}; got {temperature.size}")
     nodes = gas_path(np.arange(temperature.size, dtype=float), temperature, number_density)
-    emission = np.empty((len(line_lists), temperature.size, len(grid)))
-    shift, whole = np.empty(emission.shape[:2]), np.empty(emission.shape[:2])
+    table = np.empty((len(line_lists), temperature.size, len(grid)), dtype=np.float32)
+    shift, whole = np.empty(len(line_lists)), np.empty(table.shape[:2])
+    emission = np.empty(table.shape[1:])
     for system, lines in enumerate(line_lists):
         spreader = prepare(lines, grid)
         mass = particle_mass(lines.species)
@@ -143,25 +156,41 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
             strength = one.emission(lines, node)
             whole[system, node] = strength.sum()
             profile = spread(spreader, strength, nodes.hwhm(lines, node), sigma)
-            emission[system, node] = grid.wavenumber * profile
-        share = SHIFT_OVER_RIPPLE * np.max(-emission[system].min(axis=1) / whole[system])
-        floor = SMALLEST_SHIFT * np.max(emission[system].max(axis=1) / whole[system])
-        shift[system] = np.log(max(share, floor) * whole[system])
-        emission[system] += np.exp(shift[system])[:, None]
-        np.log(emission[system], out=emission[system])
+            emission[node] = grid.wavenumber / whole[system, node] * profile
+        shift[system] = max(-SHIFT_OVER_RIPPLE * emission.min(), SMALLEST_SHIFT * emission.max())
+        emission += shift[system]
+        table[system] = np.log(emission, out=emission)
     smooth = Continuum(grid)
     return EmissionTable(
         grid,
-        tuple(lines.component for lines in line_lists),
-        tuple(lines.species for lines in line_lists),
+        tuple(line_lists),
         temperature,
-        emission,
+        table,
         shift,
         np.log(whole),
         tuple(continua),
         _continuum_coefficients(smooth, temperature),
         smooth,
     )
+
+
+def equilibrium_table(grid, pressure, nitrogen=AIR["N2"]):
+    """The table of all systems and continua of a mixture of N2 and O2 in equilibrium, 1500 to 15000 K.
+
+    Parameters
+    ----------
+    grid : Grid
+    pressure : float [Pa]
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas.
+
+    Returns
+    -------
+    EmissionTable
+    """
+    nodes = np.array(EQUILIBRIUM_NODES, dtype=float)
+    density = equilibrium_density(nodes, pressure, nitrogen)
+    return emission_table(lists_of_systems(grid), grid, nodes, dict(zip(SPECIES, density.T, strict=True)))
 
 
 def _continuum_coefficients(smooth, temperature):
@@ -229,6 +258,57 @@ def table_radiance(table, path, *, boundary=None):
     Source: as `emission_table`; layers as in `transfer.cross_layer`.
     ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
     """
+    radiance, _, depth, _, bound = _solved(table, path, boundary)
+    return radiance, depth, bound
+
+
+def table_path_radiance(table, path):
+    """As `path.path_radiance` of a path in equilibrium, from a table; see `table_radiance`.
+
+    Returns
+    -------
+    PathRadiance
+
+    Raises
+    ------
+    ValueError
+        As `table_radiance`, and a grid too coarse for the Doppler widths where a system emits.
+    """
+    radiance, thin, depth, smooth, bound = _solved(table, path)
+    warm = np.flatnonzero(path.temperature >= table.temperature[0])
+    emission = _at_layers(table.whole, *_weights(table.temperature, path.temperature[warm]))
+    emission *= _column(table, path, warm)
+    least = -RESOLVED_SHARE * np.trapezoid(thin, table.grid.wavelength)
+    bright = [(lines, row) for lines, row in zip(table.lines, emission, strict=True) if row.sum() > least]
+    require_resolution_of_light(path.temperature[warm], bright, table.grid)
+    light = blackbody_radiance(table.smooth.axis.wavelength, path.temperature[warm, None])
+    return PathRadiance(
+        (*table.components, *table.continua),
+        radiance,
+        thin,
+        depth,
+        [(lines, _thin_lines(path, lines)) for lines in table.lines],
+        np.einsum("s,scw,sw->w", path.thickness[warm], smooth, light),
+        bound,
+    )
+
+
+def _thin_lines(path, lines):
+    """Radiance of each line if nothing were absorbed (L,) [W m-2 sr-1], as `path.thin_lines`.
+
+    Many lines share an upper level, and with it the sum over the layers.
+    """
+    energy, level = np.unique(lines.upper_energy, return_inverse=True)
+    column = path.number_density[lines.species] * path.thickness / path.partition[lines.species]
+    populated = np.zeros(energy.size)
+    for temperature, particles in zip(path.temperature, column, strict=True):
+        populated += particles * np.exp(-SECOND_RADIATION / temperature * energy)
+    return lines.power * lines.upper_degeneracy * populated[level]
+
+
+def _solved(table, path, boundary=None):
+    """Radiance by component, thin radiance, optical depth, absorption of the continua on their axis,
+    and the bound of `table_radiance`."""
     if not path.equilibrium:
         raise ValueError("path must be in equilibrium for a table; use path_radiance for two temperatures")
     within("path temperature", path.temperature.max(), 0.0, table.temperature[-1], "K")
@@ -241,7 +321,7 @@ def table_radiance(table, path, *, boundary=None):
         radiance[gas] = boundary
     warm = np.flatnonzero(path.temperature >= table.temperature[0])
     first, weights = _weights(table.temperature, path.temperature[warm])
-    shift, whole = (_at_layers(rows, first, weights) for rows in (table.shift, table.whole))
+    whole = _at_layers(table.whole, first, weights)
     bound = _pair_bound(table, path, warm, whole)
     allowance = NEGLIGIBLE / 2 * np.sum(whole * _column(table, path, warm)) / len(bound)
     kept = np.array([layers_that_matter(row, allowance) for row in bound])
@@ -251,21 +331,21 @@ def table_radiance(table, path, *, boundary=None):
     smooth = _continua(table, path, warm, first, weights)
 
     def cross():
-        depth, behind = np.zeros(len(grid)), radiance.copy()
+        depth, thin, behind = np.zeros(len(grid)), np.zeros(len(grid)), radiance.copy()
         for start in range(0, len(grid), BLOCK):
             part = slice(start, min(start + BLOCK, len(grid)))
             block = np.ascontiguousarray(behind[:, part])
-            behind[:, part], depth[part] = _cross(
-                table, path, warm, first, weights, shift, kept, smooth, part, block
+            behind[:, part], depth[part], thin[part] = _cross(
+                table, path, warm, first, weights, whole, kept, smooth, part, block
             )
-        return behind, depth
+        return behind, thin, depth
 
-    behind, depth = cross()
+    behind, thin, depth = cross()
     if bound[~kept].sum() > -NEGLIGIBLE * np.trapezoid(behind[:gas].sum(axis=0), grid.wavelength):
         kept[:] = True  # so opaque that little of the thin radiance emerges
-        behind, depth = cross()
+        behind, thin, depth = cross()
     cold = np.flatnonzero(path.temperature < table.temperature[0])
-    return behind, depth, _cold_bound(table, path, cold) + float(bound[~kept].sum())
+    return behind, thin, depth, smooth, _cold_bound(table, path, cold) + float(bound[~kept].sum())
 
 
 def _at_layers(rows, first, weights):
@@ -278,7 +358,8 @@ def _at_layers(rows, first, weights):
 
 def _column(table, path, layers):
     """Particles of each system per area of the layers (C, S) [m-2]."""
-    return np.array([path.number_density[name][layers] * path.thickness[layers] for name in table.species])
+    densities = [path.number_density[lines.species][layers] for lines in table.lines]
+    return np.array(densities).reshape(len(table.lines), len(layers)) * path.thickness[layers]
 
 
 def _pair_bound(table, path, layers, whole):
@@ -305,40 +386,42 @@ def _continua(table, path, layers, first, weights):
     return result
 
 
-def _cross(table, path, layers, first, weights, shift, kept, smooth, part, radiance):
-    """Radiance (C, B) behind the layers and their optical depth (B,) in one block of the grid.
+def _cross(table, path, layers, first, weights, whole, kept, smooth, part, radiance):
+    """Radiance (C, B) behind the layers, their optical depth and thin radiance (B,) in one block of the grid.
 
     As `transfer.cross_layer`, in place: one block of one layer takes some 0.1 ms.
     """
     wavenumber = table.grid.wavenumber[part]
     first_radiation = FIRST_RADIATION * wavenumber**5
     low, fraction = table.smooth.below[part], table.smooth.fraction[part]
-    systems = len(table.components)
+    systems = len(table.lines)
     emitted = np.empty((systems + len(table.continua), len(wavenumber)))
-    optical_depth = np.zeros(len(wavenumber))
+    single, weights = np.empty(len(wavenumber), dtype=np.float32), weights.astype(np.float32)
+    optical_depth, thin = np.zeros(len(wavenumber)), np.zeros(len(wavenumber))
     total, per_blackbody = np.empty(len(wavenumber)), np.empty(len(wavenumber))
     for place, layer in enumerate(layers):
         stencil, thickness = slice(first[place], first[place] + STENCIL), path.thickness[layer]
         np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=per_blackbody)
         np.expm1(per_blackbody, out=per_blackbody)
         per_blackbody /= first_radiation
-        for system, species in enumerate(table.species):
+        for system, lines in enumerate(table.lines):
             row = emitted[system]
             if not kept[system, place]:
                 row[:] = 0.0
                 continue
-            np.einsum("k,kg->g", weights[place], table.emission[system, stencil, part], out=row)
-            np.exp(row, out=row)
-            row -= shift[system, place]
-            row *= path.number_density[species][layer]
+            np.einsum("k,kg->g", weights[place], table.emission[system, stencil, part], out=single)
+            np.exp(single, out=single)
+            np.subtract(single, table.shift[system], out=row)
+            row *= whole[system, place] * path.number_density[lines.species][layer]
         for coarse, row in zip(smooth[place], emitted[systems:], strict=True):
             np.subtract(coarse[low + 1], coarse[low], out=row)
             row *= fraction
             row += coarse[low]
             row /= per_blackbody
         np.add.reduce(emitted, axis=0, out=total)
-        total *= per_blackbody
         total *= thickness
+        thin += total
+        total *= per_blackbody
         optical_depth += total
         absorbed = -np.expm1(-total)
         np.multiply(radiance, 1 - absorbed, out=radiance)
@@ -347,7 +430,7 @@ def _cross(table, path, layers, first, weights, shift, kept, smooth, part, radia
         escaped *= thickness
         emitted *= escaped
         radiance[: len(emitted)] += emitted
-    return radiance, optical_depth
+    return radiance, optical_depth, thin
 
 
 def _cold_bound(table, path, cold):
@@ -358,7 +441,8 @@ def _cold_bound(table, path, cold):
     lowest, hottest = table.temperature[0], path.temperature.max()
     depth = np.zeros(len(table.grid))
     blackbody = blackbody_radiance(table.grid.wavelength, lowest)
-    for rows, shift, species in zip(table.emission, table.shift, table.species, strict=True):
-        depth += column[species] * np.abs(np.exp(rows[0]) - np.exp(shift[0])) / blackbody
+    for rows, shift, whole, lines in zip(table.emission, table.shift, table.whole, table.lines, strict=True):
+        emission = np.exp(whole[0]) * np.abs(np.exp(rows[0].astype(float)) - shift)
+        depth += column[lines.species] * emission / blackbody
     bright = blackbody_radiance(table.grid.wavelength, max(hottest, lowest))
     return float(-np.trapezoid(depth * bright, table.grid.wavelength))

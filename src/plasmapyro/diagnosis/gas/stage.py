@@ -5,13 +5,13 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.diagnosis.gas import variations as vary
-from plasmapyro.gas.equilibrium import number_density
-from plasmapyro.gas.species import SPECIES, nitrogen_of
+from plasmapyro.gas.species import nitrogen_of
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import incident_path
 from plasmapyro.radiation.slit import through_slit
+from plasmapyro.radiation.stored_table import table_of
 from plasmapyro.radiation.systems import line_lists
-from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
+from plasmapyro.radiation.table import equilibrium_table, table_radiance
 from plasmapyro.radiation.transfer import layer_thickness
 
 CORE = 0.06 * np.arange(-6, 8)  # a ripple of 0.25 at a power five standard deviations off, and back
@@ -22,10 +22,9 @@ WALL = 1600.0  # [K]
 CARBON_SHARE = 0.01  # CN per particle at the wall, for a spectrum that is scaled afterwards
 CARBON_DEPTH = 5e-3  # [m]
 LINE_GRID_POINTS = 160_000  # 2.7 pm at 800 nm, a fifth of the Doppler width of O I in the core
-COLDEST, TABLE_NODES = 1500.0, 24  # [K], colder gas does not shine here; 1, of the table of emission
 
 
-def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth):
+def gas_variations(sightline, view, radiation, table=None, *, pressure, boundary_layer_depth):
     r"""Spectra of the gas as a slit shows them, varied one property at a time.
 
     Each is the simulated spectrum times the ratio of two spectra of optically thin gas; what adds light is
@@ -38,6 +37,8 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     view : Dataset, contract 'surface_view'
         For the light that the surface reflects.
     radiation : Dataset, contract 'radiation'
+    table : Dataset, contract 'emission_table', optional
+        Of the mixture and pressure over the wavelengths of the radiation; made where it is not given.
     pressure : float [Pa]
         Of the gas in the field.
     boundary_layer_depth : float [m]
@@ -58,11 +59,15 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     slit, fwhm = radiation["wavelength_slit"].values, float(radiation.attrs["slit_fwhm"])
     fine = radiation["wavelength"].values
     base = radiation["gas_radiance_slit"].values
-    lists = line_lists(log_grid((fine[0], fine[-1]), LINE_GRID_POINTS))
+    nitrogen = nitrogen_of(sightline)
+    if table is None:
+        made = equilibrium_table(log_grid((fine[0], fine[-1]), LINE_GRID_POINTS), pressure, nitrogen)
+    else:
+        made = table_of(table)
     distance, temperature = sightline["path_distance"].values, sightline["temperature"].values
     thickness = layer_thickness(distance)
 
-    gas = vary.GasEmission(lists, slit, fwhm, pressure, nitrogen_of(sightline))
+    gas = vary.GasEmission(made.lines, slit, fwhm, pressure, nitrogen)
 
     def tabulated(**change):
         return vary.Emission(gas.temperature, gas.varied(**change))
@@ -90,7 +95,7 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     seen = through_slit(fine, spectra, slit, fwhm)
     rows["optical_depth"] = (DEPTHS, list(base * seen / seen[0]))
 
-    mirrored, scattered = _falling(view, lists, fine, slit, fwhm, pressure)
+    mirrored, scattered = _falling(view, made, slit, fwhm)
     warm = vary.warmer_wall(distance, temperature, WALL, boundary_layer_depth)
     wall = relative(plain.along(warm, thickness)) - base
     additions = {
@@ -129,19 +134,14 @@ def gas_variations(sightline, view, radiation, *, pressure, boundary_layer_depth
     )
 
 
-def _falling(view, lists, fine, slit, fwhm, pressure):
+def _falling(view, table, slit, fwhm):
     """Radiance (2, K) [W m-2 sr-1 m-1] behind the slit of what falls on the stagnation point: from where a
     mirror shows it, and the mean over the half space that a matt surface scatters."""
-    grid = log_grid((fine[0], fine[-1]), LINE_GRID_POINTS)
-    nodes = table_nodes(COLDEST, view["ray_temperature"].values.max(), TABLE_NODES)
-    table = emission_table(
-        lists, grid, nodes, dict(zip(SPECIES, number_density(nodes, pressure).T, strict=True))
-    )
-    light = np.zeros((2, len(grid)))
+    light = np.zeros((2, len(table.grid)))
     for ray, weight in enumerate(view["ray_weight"].values):
         path = incident_path(view.isel(ray=ray))
         light[1 if weight else 0] += (weight or 1.0) * table_radiance(table, path)[0].sum(axis=0)
-    return through_slit(grid.wavelength[::-1], light[:, ::-1], slit, fwhm)
+    return through_slit(table.grid.wavelength[::-1], light[:, ::-1], slit, fwhm)
 
 
 def _cyanogen(slit, fwhm, fine, distance, temperature, thickness, pressure):
