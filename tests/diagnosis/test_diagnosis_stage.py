@@ -163,23 +163,32 @@ def test_what_stays_invisible_is_said_in_kelvin(diagnosed):
     assert hidden == sorted(hidden, reverse=True)
 
 
-def test_one_instrument_is_enough_to_run(record, laboratory):
-    from plasmapyro.diagnosis.stage import diagnose
-
-    test = record().drop_dims("spectrum_time").drop_vars("wavelength")
+@pytest.mark.parametrize("instrument", ["pyrometer", "spectrometer"])
+def test_one_instrument_is_enough_to_run(record, laboratory, instrument):
+    alone = instrument == "spectrometer"  # without anything of the bands
+    whole = record()
+    test = whole.drop_dims("time") if alone else whole.drop_dims("spectrum_time").drop_vars("wavelength")
     with np.errstate(all="ignore"):
         result = diagnose(
             test,
             laboratory.radiation,
             laboratory.variations,
-            laboratory.response,
-            laboratory.calibration,
+            None if alone else laboratory.response,
+            None if alone else laboratory.calibration,
             draws=200,
             saturation_counts=65000.0,
             limits=command.LIMITS,
         )
-    assert result.report["dataset"]["instruments"] == ["pyrometer"]
+    assert result.report["dataset"]["instruments"] == [instrument]
     command.check(result.report)
+    assert worst(result.temperature, "base_temperature").max() < 20.0  # emittance 6 %: 10 K at 1600 K
+
+
+def test_a_lamp_is_sent_to_what_judges_it(record):
+    lamp = record().assign_attrs(condition="none")
+    del lamp.attrs["reference_window"]
+    with pytest.raises(ValueError, match="a furnace has none: `correct` says"):
+        command.diagnose_test(lamp, command.Inputs({}, {}, None, None, None, origin="", digests={}))
 
 
 def test_without_variations_of_the_gas_what_needs_them_is_not_looked_for(record, laboratory):
@@ -248,6 +257,16 @@ def test_names_of_conditions_mean_nothing(laboratory, tmp_path):
     own = gas_library("mine", inputs.radiation, laboratory.variations, fwhm=SLIT_FWHM)
     same = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
     np.testing.assert_array_equal(own.power_factor(0.1), same.power_factor(0.1))
+
+
+def test_a_response_is_needed_beside_a_calibration_of_bands(tmp_path):
+    (tmp_path / "instrument").mkdir()
+    gas = command.Inputs({}, {}, None, None, None, origin="", digests={})
+    with pytest.raises(contracts.ContractError, match=r"response\.nc: no such file"):
+        command.with_instrument(gas, tmp_path / "instrument")
+    (tmp_path / "instrument/calibration.nc").write_bytes(b"")
+    with pytest.raises(contracts.ContractError, match=r"response\.nc: no such file"):
+        command.with_instrument(gas, tmp_path / "instrument")
 
 
 def test_only_the_files_that_are_named_are_read(laboratory, tmp_path):

@@ -60,6 +60,8 @@ def _diagnosed(options, folder):
     for finding in findings:
         progress.warn(finding.words)
     inputs = diagnosis.load_inputs(options.radiance, folder, options.variations)
+    if "pyrometer" in instruments(data) and inputs.calibration is None:
+        progress.warn("the pyrometer is left aside: its calibration.nc is not there")
     progress.say("fitting the base model, screening the catalogue, measuring the gain: some 10 s")
     digest = io.digest(test) if test.is_file() else None
     result = diagnosis.diagnose_test(

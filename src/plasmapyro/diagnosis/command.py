@@ -17,7 +17,7 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
-from plasmapyro.record.inputs import faults
+from plasmapyro.record.inputs import faults, has_plasma
 from plasmapyro.record.recommended import CONTRADICTIONS
 from plasmapyro.tables import weakest
 
@@ -107,8 +107,8 @@ def with_instrument(inputs, folder):
     Parameters
     ----------
     inputs : Inputs
-    folder : with `response.nc` or `radiometer_calibration.nc`, and `calibration.nc`,
-        `spectrometer_calibration.nc` as far as needed
+    folder : with `response.nc` and `calibration.nc`, `radiometer_calibration.nc`,
+        `spectrometer_calibration.nc`, as far as the test holds such instruments
 
     Returns
     -------
@@ -120,13 +120,11 @@ def with_instrument(inputs, folder):
         A file that is missing or breaches its contract.
     """
     found = {name: Path(folder) / f"{name}.nc" for name in INSTRUMENT}
-    other = found["radiometer_calibration"].exists()  # bands whose responses it holds
-    read = {
-        name: io.read(path, name) if path.exists() or (name == "response" and not other) else None
-        for name, path in found.items()
-    }
+    there = {name for name, path in found.items() if path.exists()}
+    needed = {"response"} if "calibration" in there or not there else set()  # of the pyrometer alone
+    read = {name: io.read(path, name) if name in there | needed else None for name, path in found.items()}
     kept = {name: digest for name, digest in inputs.digests.items() if name.startswith("radiation/")}
-    own = {path.name: io.digest(path) for path in found.values() if path.exists()}
+    own = {found[name].name: io.digest(found[name]) for name in found if name in there}
     parts = [one for one in (*inputs.radiation.values(), *read.values()) if one is not None]
     origin = weakest([one.attrs.get("origin", "modelled") for one in parts])
     return replace(inputs, **read, origin=origin, digests=kept | own)
@@ -263,6 +261,11 @@ def _usable(test, inputs):
     if found:
         raise ValueError("the test cannot be processed:\n  " + "\n  ".join(found))
     condition = str(test.attrs.get("condition", ""))
+    if not has_plasma(test):
+        raise ValueError(
+            "a diagnosis compares with the simulated gas of a condition, and a lamp or a furnace has none:"
+            " `correct` says what contradicts the light of a hot surface, `identify` names lines"
+        )
     if condition not in inputs.radiation:
         raise ValueError(
             f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"

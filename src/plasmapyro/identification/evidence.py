@@ -27,9 +27,24 @@ LOST = 0.02  # share of lines that are missing against expectation: wrong probab
 TOLERANCE = 0.7  # scatter of ln(strength) of a line about its expectation
 ODD, ODD_WIDER = 0.15, 3.0  # share of lines, and of chance peaks, with a scatter so many times larger
 STARK = 0.2  # shift of a line broadened by electrons, of its width; Griem has 0.1 to 0.5
+KERNEL = 1.0  # of ln(strength), over which the strengths of the peaks around are smoothed
 SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
 AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
+THICK = 0.03  # of the brightest peak: least light of a line that absorbs itself; zones differ in temperature
 FAINT = 1e-3  # lines below this share of the strongest of their species are left out
+
+
+def _absent(short):
+    """Log probability that a line is not seen whose light is below the limit by `short`, in logarithms."""
+    seen = np.logaddexp(
+        np.log1p(-ODD) + log_ndtr(short / TOLERANCE),
+        np.log(ODD) + log_ndtr(short / (ODD_WIDER * TOLERANCE)),
+    )
+    return np.minimum(np.logaddexp(np.log(LOST), np.log1p(-LOST) + seen), 0.0)
+
+
+SHORT = np.arange(-15.0, 10.0, 0.05)
+ABSENT = _absent(SHORT)
 
 
 @dataclass(frozen=True)
@@ -95,10 +110,9 @@ class Scene:
         reach = np.concatenate([[0.0], np.cumsum(seen)])
         reach = np.interp(at + AROUND, peaks.axis, reach) - np.interp(at - AROUND, peaks.axis, reach)
         density = np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
-        wide = [self.log[np.abs(at - one) < REGION] for one in at]
-        middle = np.array([np.median(some) for some in wide])
-        scatter = [1.48 * np.median(np.abs(some - m)) for some, m in zip(wide, middle, strict=True)]
-        self.chance = density * self._tailed(self.log - middle, np.maximum(scatter, 1.0))
+        wide = np.abs(at[:, None] - at) < REGION
+        alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1) / wide.sum(axis=1)
+        self.chance = density * alike
         self.error = np.hypot(place * slit, STARK * (peaks.width - slit))
         self.expected = {}  # of species: what does not depend on the others
         self.fits = {}  # of species: what others explained of its peaks when it was fitted last, and the fit
@@ -151,7 +165,7 @@ class Scene:
 
     def _fit(self, species, expected, others, before):
         """As `fit`; `before` (2, G): light and place of what others explain of its peaks."""
-        peaks, groups, own, place, (lost, absent) = self.peaks, *expected
+        peaks, groups, own, place, (lost, absent), prior = self.peaks, *expected
         total = own + before[0]
         centre = (own * place + before[0] * before[1]) / np.maximum(total, 1e-300)
         sigma = np.hypot(self.error[groups], species.error)
@@ -159,8 +173,9 @@ class Scene:
         gain = np.log((self.chance[groups] + (1 - LOST) * there) / self.without(others)[groups])
         regions = (np.concatenate([peaks.wavelength[groups], lost]) / REGION).astype(int)
         score, best = self._over_regions(regions, np.concatenate([gain, absent], axis=2))
+        score = score + prior
         a, s = np.unravel_index(score.argmax(), score.shape)
-        rows = np.array([best[one][a, s] for one in regions[: groups.size]])
+        rows = best(a, s)[: groups.size]
         own, gain = own[rows, s, np.arange(groups.size)], gain[rows, s, np.arange(groups.size)]
         for_it = gain > 0.5
         full, where = np.zeros((2, peaks.light.size))
@@ -175,7 +190,8 @@ class Scene:
 
     def _expect(self, species):
         """Peaks of a species (G,), its light (amounts, settings, G) and place of it (settings, G) in them,
-        and log probability (amounts, settings, M) that lines without a peak are not seen; or None."""
+        log probability (amounts, settings, M) that lines without a peak are not seen, and that of amount
+        and setting; or None. A line that absorbs itself shines as a black body does: it is not faint."""
         peaks = self.peaks
         light = np.array([species.light(*setting) for setting in self.settings])
         keep = (light > FAINT * light.max(axis=1, keepdims=True)).any(axis=0)
@@ -196,26 +212,28 @@ class Scene:
         lowest = np.log(np.quantile(peaks.light, 0.1)) - 1
         amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
         with np.errstate(divide="ignore"):
-            short = np.log(blind) - np.log(amount * missed)
-        seen = np.logaddexp(
-            np.log1p(-ODD) + log_ndtr(short / TOLERANCE),
-            np.log(ODD) + log_ndtr(short / (ODD_WIDER * TOLERANCE)),
-        )
-        absent = np.minimum(np.logaddexp(np.log(LOST), np.log1p(-LOST) + seen), 0.0)
-        return groups, amount * sums, place, (where, absent)
+            short = np.log(blind) - np.log(missed) - np.log(amount)
+        brightest = np.log(amount[:, :, 0] * light.max(axis=1) / (THICK * peaks.light.max()))
+        prior = np.where(np.array(self.settings)[:, 1] > 1, np.minimum(2 * brightest, 0.0), 0.0)
+        return groups, amount * sums, place, (where, np.interp(short, SHORT, ABSENT)), prior
 
     def _over_regions(self, regions, parts):
         """Sum (amounts, settings) of log probabilities (amounts, settings, lines), each region with a
-        response of its own; and by region the row of the likeliest amount times response."""
+        response of its own; and of an amount and a setting the row (lines,) of the likeliest response."""
         rows = np.arange(parts.shape[0])
         apart = (rows[:, None] - rows) * STEP / self.response
         weight = -(apart**2) / 2 - np.log(self.response / STEP * np.sqrt(2 * np.pi))
-        total, best = 0.0, {}
-        for one in np.unique(regions):
-            own = parts[:, :, regions == one].sum(axis=2)
-            top = own.max()
-            total = total + top + np.log(np.maximum(np.exp(weight) @ np.exp(own - top), 1e-300))
-            best[one] = (weight[:, :, None] + own).argmax(axis=1)
+        order = np.argsort(regions, kind="stable")
+        _, first, region = np.unique(regions[order], return_index=True, return_inverse=True)
+        own = np.add.reduceat(parts[:, :, order], first, axis=2)
+        top = own.max(axis=(0, 1))
+        mean = np.tensordot(np.exp(weight), np.exp(own - top), axes=1)
+        total = np.sum(top + np.log(np.maximum(mean, 1e-300)), axis=2)
+
+        def best(amount, setting):
+            likeliest = (weight[amount][:, None] + own[:, setting]).argmax(axis=0)
+            return likeliest[region[np.argsort(order)]]
+
         return total, best
 
     def _unseen(self, line, light):

@@ -9,7 +9,9 @@ from plasmapyro.identification.peaks import Peaks, find
 from plasmapyro.identification.species import AIR, catalogue
 
 COMMON = tuple("H C N O Na K Li Rb Cs Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
-PRIOR, PRIOR_COMMON, PRIOR_AIR, PRIOR_OTHER_STAGE = 0.005, 0.1, 0.5, 0.3  # that a species shows lines
+ANYWHERE = ("Na", "K", "Ca", "Mg")  # traces on whatever was touched, with few lines, hard to miss
+PRIOR, PRIOR_COMMON, PRIOR_ANYWHERE, PRIOR_AIR = 0.005, 0.05, 0.3, 0.5  # that a species shows lines
+PRIOR_OTHER_STAGE = 0.3
 NAMED = 0.9  # probability from which a species is named
 LEAST = np.log(NAMED / (1 - NAMED))
 SHARED = 0.5  # least share of the peaks of a species that a rival explains too
@@ -177,8 +179,8 @@ def _by_chance(scene, one, others):
 def _log_odds(one, fit, fits):
     """Logarithm of the odds of a species beside those named."""
     chance = PRIOR_COMMON if one.element in COMMON else PRIOR
-    if one.element in AIR:
-        chance = PRIOR_AIR
+    if one.element in AIR + ANYWHERE:
+        chance = PRIOR_AIR if one.element in AIR else PRIOR_ANYWHERE
     elif any(other.element == one.element and other is not one for other in fits):
         chance = PRIOR_OTHER_STAGE
     return fit.log_bayes + np.log(chance / (1 - chance)) if fit else -np.inf

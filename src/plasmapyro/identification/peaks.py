@@ -3,7 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d, percentile_filter, uniform_filter1d
+from scipy.ndimage import (
+    gaussian_filter1d,
+    maximum_filter1d,
+    minimum_filter1d,
+    percentile_filter,
+    uniform_filter1d,
+)
 from scipy.signal import find_peaks, peak_widths
 
 DETECTED = 5.0  # standard deviations of a peak
@@ -98,10 +104,13 @@ def find(axis, signal, noise=None, slit=None):
     width = np.maximum(channels * step[found], slit[found])
     floor = gaussian_filter1d(minimum_filter1d(signal, 2 * WING + 1), WING)
     above = np.maximum(signal - floor, 0.0)
+    # What a line must rise above to be a peak of its own: by how much the rest changes over its width.
+    beside = 2 * round(np.median(slit / step)) + 1
+    change = maximum_filter1d(signal, beside) - minimum_filter1d(signal, beside)
     return Peaks(
         axis,
         above,
-        np.where(dead, np.inf, DETECTED * noise + above),
+        np.where(dead, np.inf, DETECTED * noise + change),
         slit,
         np.interp(found + place, np.arange(axis.size), axis),
         height * width / slit[found],
