@@ -3,31 +3,12 @@
 import h5py
 import numpy as np
 
-from plasmapyro.cfd.grid import DIMENSION, Zone, block_cells
+from plasmapyro.cfd.grid import DIMENSION, Zone, block_cells, known_as
 from plasmapyro.foreign import elsewhere, told
 from plasmapyro.readers.text import Refusal, refuse, regular_file
 
 LARGEST = 8_000_000_000  # [byte]
-CELLS = {  # number in the standard -> kind, nodes
-    3: ("line", 2),
-    4: ("line", 3),
-    5: ("triangle", 3),
-    6: ("triangle6", 6),
-    7: ("quad", 4),
-    8: ("quad8", 8),
-    9: ("quad9", 9),
-    10: ("tetra", 4),
-    11: ("tetra10", 10),
-    12: ("pyramid", 5),
-    13: ("pyramid14", 14),
-    14: ("wedge", 6),
-    15: ("wedge15", 15),
-    16: ("wedge18", 18),
-    17: ("hexahedron", 8),
-    18: ("hexahedron20", 20),
-    19: ("hexahedron27", 27),
-    21: ("pyramid13", 13),
-}
+CELLS = {int(number): cell for number, cell in known_as("CGNS").items()}  # as the standard numbers them
 NODE, MIXED = 2, 20
 DATA = " data"
 

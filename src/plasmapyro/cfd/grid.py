@@ -4,61 +4,35 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-# Corners of each cell in the order of VTK, CGNS and Tecplot alike -> the simplices that fill it.
-SIMPLICES = {
-    "triangle": ((0, 1, 2),),
-    "quad": ((0, 1, 2), (0, 2, 3)),
-    "tetra": ((0, 1, 2, 3),),
-    "pyramid": ((0, 1, 2, 4), (0, 2, 3, 4)),
-    "wedge": ((0, 1, 2, 3), (1, 2, 3, 4), (2, 3, 4, 5)),
-    "hexahedron": (
-        (0, 1, 2, 6),
-        (0, 2, 3, 6),
-        (0, 3, 7, 6),
-        (0, 7, 4, 6),
-        (0, 4, 5, 6),
-        (0, 5, 1, 6),
-    ),
-    # A curved cell with middle nodes, cut at them.
-    "triangle6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
-    "tetra10": (
-        (0, 4, 6, 7),
-        (4, 1, 5, 8),
-        (6, 5, 2, 9),
-        (7, 8, 9, 3),
-        (4, 6, 7, 8),
-        (4, 5, 6, 8),
-        (6, 5, 9, 8),
-        (6, 9, 7, 8),
-    ),
-}
+from plasmapyro.tables import rows
+
+CELLS = {
+    row["kind"]: row for row in rows("cfd/cells.csv")
+}  # nodes in the order of VTK, CGNS and Tecplot alike
+
+
+def _lists(words):
+    """Lists of indices, as a cell of the table holds them."""
+    return tuple(tuple(map(int, part.split())) for part in words.split(";"))
+
+
+def known_as(program):
+    """What a program calls the cells that it may hold -> kind, number of nodes."""
+    named = ((row[program], row) for row in CELLS.values() if row[program])
+    return {name: (row["kind"], int(row["nodes"])) for name, row in named}
+
+
+DIMENSION = {kind: int(row["dimension"]) for kind, row in CELLS.items() if row["dimension"] != "1"}
+# The simplices that fill a cell; a curved one with middle nodes is cut at them.
+SIMPLICES = {kind: _lists(row["filled by"]) for kind, row in CELLS.items() if row["filled by"]}
 # ASSUME: of other cells with middle nodes the corners are used; the field is then linear between them.
-CORNERS_OF = {
-    "quad8": "quad",
-    "quad9": "quad",
-    "hexahedron20": "hexahedron",
-    "hexahedron24": "hexahedron",
-    "hexahedron27": "hexahedron",
-    "wedge15": "wedge",
-    "wedge18": "wedge",
-    "pyramid13": "pyramid",
-    "pyramid14": "pyramid",
-}
-CORNER_COUNT = {"quad": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
-DIMENSION = {
-    **dict.fromkeys(("triangle", "triangle6", "quad", "quad8", "quad9"), 2),
-    **dict.fromkeys(("tetra", "tetra10", "pyramid", "pyramid13", "pyramid14"), 3),
-    **dict.fromkeys(("wedge", "wedge15", "wedge18"), 3),
-    **dict.fromkeys(("hexahedron", "hexahedron20", "hexahedron24", "hexahedron27"), 3),
-}
+CORNERS_OF = {kind: row["corners as"] for kind, row in CELLS.items() if row["corners as"]}
+# Corners that each middle node of a quadratic cell lies between.
+EDGES = {kind: _lists(row["middles"]) for kind, row in CELLS.items() if row["middles"]}
 LOWER = ("vertex", "line", "line3")  # kinds of points and lines: no part of a field
 OTHER_CELLS = (
     "cut the cells into triangles or tetrahedra (in ParaView: Filters, Tetrahedralize) and save again"
 )
-EDGES = {  # corners that each middle node of a quadratic cell lies between
-    "triangle6": ((0, 1), (1, 2), (2, 0)),
-    "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
-}
 STRAIGHT = 1e-6  # middle nodes nearer to the middle of their edge than this part of its length
 FLAT = 1e-12  # simplices smaller than this part of the cube of their longest edge are nothing
 
@@ -137,7 +111,7 @@ def simplices_of(kind, connectivity, points):
     edge_count = len(EDGES["triangle6" if dimension == 2 else "tetra10"])
     if kind in CORNERS_OF:
         kind = CORNERS_OF[kind]
-        connectivity = connectivity[:, : CORNER_COUNT[kind]]
+        connectivity = connectivity[:, : int(CELLS[kind]["nodes"])]
     whole = np.empty((0, dimension + 1), dtype=np.int64)
     middles = np.empty((0, edge_count), dtype=np.int64)
     if kind in EDGES:

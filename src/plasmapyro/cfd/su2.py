@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro.cfd.grid import Zone
+from plasmapyro.cfd.grid import Zone, known_as
 from plasmapyro.readers.text import WHOLE, quote, read_lines, refuse, regular_file
 
 LARGEST = 2_000_000_000  # [byte]
-CELLS = {3: ("line", 2), 5: ("triangle", 3), 9: ("quad", 4), 10: ("tetra", 4)}
-CELLS |= {12: ("hexahedron", 8), 13: ("wedge", 6), 14: ("pyramid", 5)}
+CELLS = {int(number): cell for number, cell in known_as("VTK").items()}  # SU2 numbers them like VTK
 BINARY_MARK = 535532
 NAME_LENGTH = 33  # bytes of a name in a binary restart file
 HEADER = 5  # whole numbers at its beginning

@@ -5,17 +5,11 @@ from math import prod
 
 import numpy as np
 
-from plasmapyro.cfd.grid import Zone, block_cells
+from plasmapyro.cfd.grid import Zone, block_cells, known_as
 from plasmapyro.readers.text import WHOLE, quote, read_lines, refuse
 
 LARGEST = 2_000_000_000  # [byte]
-CELLS = {
-    "TRIANGLE": ("triangle", 3),
-    "QUADRILATERAL": ("quad", 4),
-    "TETRAHEDRON": ("tetra", 4),
-    "BRICK": ("hexahedron", 8),
-    "LINESEG": ("line", 2),
-}
+CELLS = known_as("Tecplot")
 RECORDS = re.compile(
     r"^\s*(TITLE|FILETYPE|VARIABLES|ZONE|TEXT|GEOMETRY|CUSTOMLABELS|DATASETAUXDATA|VARAUXDATA|USERREC)\b",
     re.I,
