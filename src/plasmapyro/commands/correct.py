@@ -9,6 +9,7 @@ import numpy as np
 from plasmapyro import cli, io, progress
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
+from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
@@ -199,36 +200,21 @@ def by_reference(test, calibrations, options):
             correct_pyrometer(
                 test,
                 calibrations[PYROMETER],
-                signal_uncertainty=options.signal_uncertainty,
-                gas_variation=options.gas_variation,
-                detection_level=options.detection_level,
-                least_surface_share=options.least_surface_share,
-                draws=options.draws or 400,
-                seed=options.seed,
+                **settings(options, correct_pyrometer) | {"draws": options.draws or 400},
             )
         )
     if "spectrometer" in instruments(test):
         middle, half = np.mean(test.attrs.get("reference_window", 0)), test.attrs["spectrometer_fwhm"] / 2
-        parts.append(
-            correct_spectra(
-                test,
-                calibrations.get(SPECTROMETER),
-                reference_time=middle if options.reference_time is None else options.reference_time,
-                normalisation_wavelength=options.normalisation_nm * NANOMETRE,
-                normalisation_half_width=(
-                    options.normalisation_half_width_nm * NANOMETRE
-                    if options.normalisation_half_width_nm
-                    else half
-                ),
-                temperature_range=options.temperature_range_k,
-                saturation_counts=options.saturation_counts,
-                gas_variation=options.gas_variation,
-                least_signal_to_noise=options.least_signal_to_noise,
-                noise_block=options.noise_block_pixels,
-                draws=options.draws or 100,
-                seed=options.seed,
-            )
-        )
+        if options.normalisation_half_width_nm:
+            half = options.normalisation_half_width_nm * NANOMETRE
+        own = {
+            "reference_time": middle if options.reference_time is None else options.reference_time,
+            "normalisation_wavelength": options.normalisation_nm * NANOMETRE,
+            "normalisation_half_width": half,
+            "draws": options.draws or 100,
+        }
+        calibration = calibrations.get(SPECTROMETER)
+        parts.append(correct_spectra(test, calibration, **settings(options, correct_spectra) | own))
     return merged(parts)
 
 
@@ -244,22 +230,15 @@ def by_emissivity(test, calibrations, options):
     if name is None:
         raise ValueError("--estimator emissivity needs spectra or a radiometer; use --estimator reference")
     progress.say(f"inferring temperature and emissivity from all samples of the {name}")
-    return estimate_emissivity(
-        test,
-        calibrations.get(held[name]),
-        level=options.emissivity_level,
-        shape=options.emissivity_shape,
-        length=options.emissivity_length_nm * NANOMETRE,
-        memory=options.emissivity_memory_s,
-        stray_light=options.stray_light,
-        bin_width=options.bin_nm * NANOMETRE,
-        bin_uncertainty=options.bin_uncertainty,
-        gas_variation=options.gas_variation,
-        least_signal_to_noise=options.least_signal_to_noise,
-        least_surface_share=options.least_surface_share,
-        saturation_counts=options.saturation_counts,
-        noise_block=options.noise_block_pixels,
-    )
+    own = {
+        "level": options.emissivity_level,
+        "shape": options.emissivity_shape,
+        "length": options.emissivity_length_nm * NANOMETRE,
+        "memory": options.emissivity_memory_s,
+        "bin_width": options.bin_nm * NANOMETRE,
+    }
+    calibration = calibrations.get(held[name])
+    return estimate_emissivity(test, calibration, **settings(options, estimate_emissivity) | own)
 
 
 def _estimator(test, asked):

@@ -8,6 +8,7 @@ import numpy as np
 from plasmapyro import io, shipped
 from plasmapyro.analysis.reading import STATUS, correct_reading
 from plasmapyro.commands.calibrate import RESPONSE
+from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.stage import band_response, ratio_curve
 from plasmapyro.readers import text, units
@@ -26,31 +27,16 @@ def run(options):
     require_writable([options.out], [options.reading, options.results])
     gas, sources = gas_of(options.results, options.condition)
     time, reading = read_readings(options.reading)
-    result = correct_reading(
-        *gas,
-        condition=options.condition,
-        time=time,
-        reading=reading,
-        slope=options.slope,
-        quantum=options.quantum_k,
-        floor=options.floor_k,
-        at_least=options.at_least_k,
-        noise=options.noise_k,
-        emittance=options.emittance,
-        emittance_uncertainty=options.emittance_uncertainty,
-        power_uncertainty=options.power_uncertainty,
-        engine_uncertainty=options.engine_uncertainty,
-        draws=options.draws,
-        seed=options.seed,
-    )
+    made = settings(options, correct_reading) | {"time": time, "reading": reading}
+    result = correct_reading(*gas, **made)
     skipped = {"run", "reading", "results", "out"}
-    settings = {name: value for name, value in vars(options).items() if name not in skipped}
+    given = {name: value for name, value in vars(options).items() if name not in skipped}
     io.write(
         result,
         options.out,
         "corrected_reading",
         sources=[options.reading, *sources],
-        config={"correct-reading": settings},
+        config={"correct-reading": given},
     )
     sys.stdout.write("\n".join(summary(result)) + "\n")
 

@@ -3,6 +3,7 @@
 import sys
 
 from plasmapyro import io
+from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.facility.prediction import predict
 
@@ -19,19 +20,9 @@ def run(options):
     """Run `plasmapyro heat-flux`: Pitot pressures in, a table out."""
     if options.csv:
         require_writable([options.csv], [])
-    found = predict(
-        options.pitot,
-        100 * options.pressure_mbar,
-        radius=1e-3 * options.radius_mm,
-        shape=options.shape,
-        pair=options.pair,
-        recombination=options.recombination,
-        nose=[1e-3 * one for one in options.pitot_radius_mm],
-        flux_uncertainty=options.flux_uncertainty,
-        pressure_uncertainty=options.pressure_uncertainty,
-        draws=options.draws,
-        seed=options.seed,
-    )
+    nose = [1e-3 * one for one in options.pitot_radius_mm]
+    pressure = 100 * options.pressure_mbar
+    found = predict(options.pitot, pressure, **settings(options, predict) | {"nose": nose})
     rows = [["pitot_pa", *COLUMNS, "beyond"]]
     for k, pitot in enumerate(options.pitot):
         cells = [

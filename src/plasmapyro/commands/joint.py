@@ -1,10 +1,9 @@
 """The estimator `joint` of `plasmapyro correct`: one temperature from all that the instruments give."""
 
 from plasmapyro import io, progress
+from plasmapyro.commands.options import settings
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.record.inputs import has_plasma, instruments
-
-NANOMETRE = 1e-9
 
 # As experiment.joint_estimate of the workflow's configuration, in SI.
 SETTINGS = {
@@ -55,11 +54,6 @@ def by_joint_inference(test, calibrations, options):
         calibrations.get("calibration"),
         io.read(f"{options.instrument}/response.nc", "response") if "pyrometer" in present else None,
         calibrations.get("spectrometer_calibration"),
-        **SETTINGS,
         radiometer_calibration=calibrations.get("radiometer_calibration"),
-        emissivity_level=options.emissivity_level,
-        emissivity_shape=options.emissivity_shape,
-        emissivity_length=options.emissivity_length_nm * NANOMETRE,
-        saturation_counts=options.saturation_counts,
-        noise_block=options.noise_block_pixels,
+        **settings(options, estimate) | SETTINGS,
     )

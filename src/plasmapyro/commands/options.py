@@ -7,6 +7,7 @@ values, one that ends in ... any number, in [] also none. Texts of help stand in
 
 import argparse
 import csv
+from inspect import signature
 from math import inf
 from pathlib import Path
 
@@ -61,6 +62,18 @@ def _settings(row):
         found["default"] = values if len(names) > 1 else values[0]
         found["help"] += f" (default: {default})"
     return found
+
+
+def settings(given, stage):
+    """Of the options of a command those that arguments by keyword of a stage are named after, in SI.
+
+    An option that is None is left out: the stage has a default of its own, or the command names a value.
+    """
+    from plasmapyro.quantities import in_si  # numpy, which no help needs
+
+    known = in_si({name: value for name, value in vars(given).items() if value is not None})
+    words = [one.name for one in signature(stage).parameters.values() if one.kind is one.KEYWORD_ONLY]
+    return {name: known[name] for name in words if name in known}
 
 
 def _number(word, rule, holds, kind=float):
