@@ -35,7 +35,7 @@ def predictions():
             found = predict(PITOT, pressure, recombination=gamma, nose=nose, **PAIR)
             ends = np.stack([found[name] for name in QUANTITIES])  # (quantity, end, pitot)
             rows += [row_of(pressure, rival, k, ends[..., k], found["inside"][k]) for k in range(len(PITOT))]
-        wall = Explanations(np.array([0.01]), np.array([0]), np.array([NOSES[0]]))
+        wall = Explanations(np.array([0.01]), np.array([0]), np.array([NOSES[0]]), warmth=0.0)
         values, inside = jets().at(PITOT, pressure, wall)
         for k, value in enumerate(np.exp(values[0, 0])):
             ends = np.repeat(value[:, None], 3, axis=1)
@@ -74,7 +74,7 @@ def draw(rows):
                     inside = [p for p, row in zip(PITOT, ours, strict=True) if float(row[INSIDE]) > 0.4]
                     panel.plot(
                         inside, [0.03] * len(inside), "k^", ms=4, transform=panel.get_xaxis_transform(),
-                        label="between computed flows (elsewhere: straight on)",
+                        label="between computed flows (elsewhere: carried on)",
                     )  # fmt: skip
                 else:
                     panel.plot(

@@ -34,7 +34,7 @@ def test_a_flat_calorimeter_takes_less(capsys):
     [
         (
             ["15", "--pressure-mbar", "15"],
-            "chamber pressure must lie in 50 to 100 mbar, where jets were computed; got 15 mbar",
+            "chamber pressure must lie in 25 to 200 mbar, where jets were computed; got 15 mbar",
         ),
         (["15", "--pitot-radius-mm", "1", "2"], "pitot radius must lie in [0.005, 0.025] m"),
         (["15", "--pair", "none"], "no pair 'none'; known: Num-2, ZU1"),

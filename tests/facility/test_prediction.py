@@ -5,7 +5,15 @@ import pytest
 
 from plasmapyro import tables
 from plasmapyro.facility.jet import Jet
-from plasmapyro.facility.prediction import NOSES, RATES, Explanations, jets, needed_mixing, predict
+from plasmapyro.facility.prediction import (
+    NOSES,
+    RATES,
+    Explanations,
+    carried_over,
+    jets,
+    needed_mixing,
+    predict,
+)
 from plasmapyro.facility.probes import Calorimeter, heat_flux, pitot_pressure
 
 PAIR = {"pair": "Num-2", "draws": 200, "seed": 1}
@@ -64,6 +72,45 @@ def test_more_mixing_takes_heat_at_the_same_pitot_pressure():
     mixing, kelvin = np.concatenate(found, axis=1)
     assert np.all(np.diff(mixing) > 0) and np.all(np.diff(kelvin) < 0) and mixing[0] > 0
     assert np.isnan(needed_mixing(wall, 5e6, 14.98)).all()
+
+
+def test_jets_at_another_pressure_follow_from_one_computed_there():
+    """Nine jets at 100 mbar were computed: one of them, and the ratios at 50 mbar, give the others."""
+    known = jets()
+    whole = np.concatenate([known.pitot, known.state, known.flux[0]], axis=-1)
+    place = list(known.pressure).index(1e4)
+    left = known.computed.copy()
+    left[place] = False
+    left[place, list(known.mixing).index(0.06), 2] = True
+    hidden = np.where(left[..., None], whole, np.nan)
+    # Jets that were carried over in the table itself are no witnesses.
+    off = (carried_over(hidden, left) - whole)[place][known.computed[place]]
+    assert np.abs(off[:, :3]).max() < 0.16 and np.abs(off[:, 3]).max() < 0.04
+    assert np.abs(off[:, 7:]).max() < 0.14
+    assert np.abs(off).max() > 0.05  # it was another jet
+
+
+def test_cold_gas_alone_reads_more_than_a_faint_jet():
+    """At 50 mbar 16 g/s of mixed gas read 12 Pa on a nose of 25 mm, however little power: less gas then."""
+    place = list(jets().mixing).index(0.06)
+    found = {}
+    for warmth in (0.0, 1.0, np.nan):
+        wall = Explanations(np.array([0.1]), np.array([0]), np.array([NOSES[-1]]), warmth)
+        values, inside = jets().at([2.5, 10.0], 5e3, wall)
+        assert not inside[0, place].any()
+        found[warmth] = np.exp(values[0, place])
+    assert np.isnan(found[np.nan]).all() and (found[0.0][:, :2] < found[1.0][:, :2]).all()
+    # Half the speed, the same gas: stagnation heat transfer goes with the root of the speed.
+    ratio = found[1.0][0] / found[1.0][1]
+    assert ratio == pytest.approx([0.5**0.5, 1.0, 1.0, 0.5, 0.5])
+    whole = predict([5.0, 200.0], 5000.0, **PAIR, **ADMISSIBLE, **USUAL)
+    assert whole["inside"][0] < 0.5 and np.isfinite(whole["heat_flux"]).all()
+
+
+@pytest.mark.parametrize("pressure", [2.5e3, 7e3, 2e4])
+def test_every_pressure_is_answered_with_more_heat_at_more_pitot_pressure(pressure):
+    found = predict([5.0, 30.0, 80.0, 200.0], pressure, **PAIR, **ADMISSIBLE, **USUAL)["heat_flux"]
+    assert (np.diff(found, axis=1) > 0).all() and (np.diff(found, axis=0) > 0).all()
 
 
 def test_what_cannot_be_answered_is_refused():
