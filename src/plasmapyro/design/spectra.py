@@ -10,7 +10,7 @@ from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
-from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
+from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance, table_total
 
 COLDEST_NODE = 1500.0  # [K]; colder gas neither emits nor absorbs in the range
 HOTTEST = 15000.0  # [K], of the composition and of the partition functions
@@ -87,8 +87,8 @@ class AirSpectra:
         self.components = (*self.table.components, *self.table.continua)
         self.uncertainty = component_uncertainty(self.components, lists)
 
-    def radiance(self, path_distance, temperature, density):
-        """Mean radiance by component in the bins (C, B) [W m-2 sr-1 m-1] at the end of a path.
+    def radiance(self, path_distance, temperature, density, *, apart=True):
+        """Mean radiance in the bins [W m-2 sr-1 m-1] at the end of a path, by component (C, B) or not (B,).
 
         Parameters
         ----------
@@ -98,7 +98,8 @@ class AirSpectra:
         """
         eleven = dict(zip(SPECIES, density, strict=False))  # traces are left out
         path = gas_path(path_distance, temperature, eleven)
-        return binned(self.wavelength, table_radiance(self.table, path)[0][:, ::-1], self.edges)
+        found = table_radiance(self.table, path)[0] if apart else table_total(self.table, path)
+        return binned(self.wavelength, found[..., ::-1], self.edges)
 
 
 def heated(temperature, pressure, factor, nitrogen):

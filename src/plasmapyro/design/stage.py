@@ -137,9 +137,12 @@ def _diffuse(air, view):
         ray = view.isel(ray=number)
         distance = ray.ray_distance.values[::-1]
         radiance = air.radiance(
-            distance[0] - distance, ray.ray_temperature.values[::-1], ray.ray_number_density.values[:, ::-1]
+            distance[0] - distance,
+            ray.ray_temperature.values[::-1],
+            ray.ray_number_density.values[:, ::-1],
+            apart=False,
         )
-        mean = mean + float(ray.ray_weight) * radiance.sum(axis=0)
+        mean = mean + float(ray.ray_weight) * radiance
     return mean
 
 

@@ -9,7 +9,6 @@ from plasmapyro.gas.partition import partition_function
 from plasmapyro.radiation.atoms import ATOMS
 
 VIBRATION = "N2 1P"  # the system whose vibrational temperature may differ
-LEVEL_STEP = 10.0  # [m-1] energies of one vibrational level agree to this
 COLDEST = 1500.0  # [K]: colder gas does not shine, and keeps its populations
 
 
@@ -78,9 +77,7 @@ def vibrational(lines, temperature, ratio):
 
     .. math:: f(G) = e^{c_2 G (1 - 1/r)/T}\,\frac{\sum_v e^{-c_2 G_v/T}}{\sum_v e^{-c_2 G_v/(rT)}}
     """
-    energy = lines.upper_energy - lines.upper_rotation
-    energy = energy - energy.min()
-    levels = np.unique(np.round(energy / LEVEL_STEP)) * LEVEL_STEP
+    energy, levels = lines.upper_vibration
     change = SECOND_RADIATION / temperature * (1 - 1 / ratio)
     whole = np.exp(-SECOND_RADIATION * levels / temperature)
     return np.exp(change * energy) * whole.sum() / np.sum(whole * np.exp(change * levels))

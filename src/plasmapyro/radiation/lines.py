@@ -11,6 +11,7 @@ from plasmapyro.constants import LIGHT_SPEED, PLANCK
 WIDTH_REFERENCE_TEMPERATURE = 1e4  # [K], of the Stark and van der Waals coefficients below
 VAN_DER_WAALS_EXPONENT = 0.3  # [1], mean speed to the power 3/5
 BAND = 100  # v' counts so many times in the number of a band
+LEVEL_STEP = 10.0  # [m-1] energies of one vibrational level agree to this
 ENERGY_CLOSURE = 1e-3  # [1], relative; energies and wavenumber come from rounded level tables
 
 _NUMBERS = {
@@ -140,6 +141,13 @@ class LineList:
     def power(self):
         r"""What one particle in the upper level emits, :math:`h c \tilde\nu A / 4\pi` (L,) [W sr-1]."""
         return PLANCK * LIGHT_SPEED / (4 * np.pi) * self.wavenumber * self.einstein_a
+
+    @cached_property
+    def upper_vibration(self):
+        """Energy of the upper levels without rotation, above the lowest (L,), and which there are [m-1]."""
+        energy = self.upper_energy - self.upper_rotation
+        energy = energy - energy.min()
+        return energy, np.unique(np.round(energy / LEVEL_STEP)) * LEVEL_STEP
 
     def select(self, keep):
         """Return the list of the lines where `keep` (boolean or index array over the lines) says so."""

@@ -41,8 +41,6 @@ from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
 BOUNDARY = "boundary"  # component: what emerges of the radiance that entered at the start of the path
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
-# species with lines or bound-free continua; traces only where the path has them
-RADIATORS = ("N", "O", "N2", "N2+", "NO", "N+", "O+", *TRACES)
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
 DARK_TEMPERATURE = 300.0  # [K]; fainter than `NEGLIGIBLE` of a black body like the instrument itself is dark
@@ -121,6 +119,22 @@ class GasPath:
         return absorption_excess(lines, self.temperature[layer], self.electron_temperature[layer], *factors)
 
 
+class _Partition(dict):
+    """Partition functions along a path (S,) by species, each computed when it is first asked for."""
+
+    def __init__(self, temperature, excitation_temperature):
+        super().__init__()
+        self._temperature, self._excitation = temperature, excitation_temperature
+
+    def __missing__(self, name):
+        if self._excitation is None:
+            self[name] = partition_function(name, self._temperature)
+        else:
+            pairs = zip(self._temperature, self._excitation, strict=True)
+            self[name] = np.array([two_temperature_partition_function(name, *pair) for pair in pairs])
+        return self[name]
+
+
 def gas_path(path_distance, temperature, number_density, *, excitation_temperature=None, departures=None):
     """Layers of uniform gas from a sampled sight line.
 
@@ -176,15 +190,7 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     for name, values in shaped:
         if values.shape != thickness.shape:
             raise ValueError(f"{name} must have the path's shape {thickness.shape}; got {values.shape}")
-    if excitation_temperature is None:
-        partition = {name: partition_function(name, temperature) for name in RADIATORS if name in density}
-    else:
-        pairs = list(zip(temperature, excitation_temperature, strict=True))
-        partition = {
-            name: np.array([two_temperature_partition_function(name, *pair) for pair in pairs])
-            for name in RADIATORS
-            if name in density
-        }
+    partition = _Partition(temperature, excitation_temperature)
     return GasPath(thickness, temperature, density, partition, excitation_temperature, dict(departures or {}))
 
 

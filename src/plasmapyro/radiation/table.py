@@ -262,6 +262,11 @@ def table_radiance(table, path, *, boundary=None):
     return radiance, depth, bound
 
 
+def table_total(table, path):
+    """Radiance of all components together (G,) at the end of a path; see `table_radiance`."""
+    return _solved(table, path, apart=False)[0][0]
+
+
 def table_path_radiance(table, path):
     """As `path.path_radiance` of a path in equilibrium, from a table; see `table_radiance`.
 
@@ -306,13 +311,13 @@ def _thin_lines(path, lines):
     return lines.power * lines.upper_degeneracy * populated[level]
 
 
-def _solved(table, path, boundary=None):
+def _solved(table, path, boundary=None, apart=True):
     """Radiance by component, thin radiance, optical depth, absorption of the continua on their axis,
     and the bound of `table_radiance`."""
     if not path.equilibrium:
         raise ValueError("path must be in equilibrium for a table; use path_radiance for two temperatures")
     within("path temperature", path.temperature.max(), 0.0, table.temperature[-1], "K")
-    grid, gas = table.grid, len(table.components) + len(table.continua)
+    grid, gas = table.grid, len(table.components) + len(table.continua) if apart else 1
     radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
     if boundary is not None:
         boundary = non_negative("boundary", boundary, "W m-2 sr-1 m-1")
@@ -389,47 +394,56 @@ def _continua(table, path, layers, first, weights):
 def _cross(table, path, layers, first, weights, whole, kept, smooth, part, radiance):
     """Radiance (C, B) behind the layers, their optical depth and thin radiance (B,) in one block of the grid.
 
-    As `transfer.cross_layer`, in place: one block of one layer takes some 0.1 ms.
+    As `transfer.cross_layer`, in place and from the last layer to the first: what a layer emits passes
+    `through` those behind it. `radiance` is what enters, with a row for each component or one for all gas.
     """
     wavenumber = table.grid.wavenumber[part]
     first_radiation = FIRST_RADIATION * wavenumber**5
     low, fraction = table.smooth.below[part], table.smooth.fraction[part]
-    systems = len(table.lines)
-    emitted = np.empty((systems + len(table.continua), len(wavenumber)))
+    systems, apart = len(table.lines), len(radiance) >= len(table.components) + len(table.continua)
+    if not apart:
+        smooth = smooth.sum(axis=1, keepdims=True)
+    rises = np.diff(smooth)
+    emitted = np.empty((systems + smooth.shape[1], len(wavenumber)))
     single, weights = np.empty(len(wavenumber), dtype=np.float32), weights.astype(np.float32)
-    optical_depth, thin = np.zeros(len(wavenumber)), np.zeros(len(wavenumber))
-    total, per_blackbody = np.empty(len(wavenumber)), np.empty(len(wavenumber))
-    for place, layer in enumerate(layers):
-        stencil, thickness = slice(first[place], first[place] + STENCIL), path.thickness[layer]
-        np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=per_blackbody)
-        np.expm1(per_blackbody, out=per_blackbody)
-        per_blackbody /= first_radiation
-        for system, lines in enumerate(table.lines):
-            row = emitted[system]
-            if not kept[system, place]:
-                row[:] = 0.0
-                continue
-            np.einsum("k,kg->g", weights[place], table.emission[system, stencil, part], out=single)
-            np.exp(single, out=single)
-            np.subtract(single, table.shift[system], out=row)
-            row *= whole[system, place] * path.number_density[lines.species][layer]
-        for coarse, row in zip(smooth[place], emitted[systems:], strict=True):
-            np.subtract(coarse[low + 1], coarse[low], out=row)
-            row *= fraction
-            row += coarse[low]
-            row /= per_blackbody
-        np.add.reduce(emitted, axis=0, out=total)
-        total *= thickness
+    optical_depth, thin, total, blackbody, work = np.zeros((5, len(wavenumber)))
+    through, found = np.ones(len(wavenumber)), np.zeros_like(radiance)
+    for place in range(len(layers) - 1, -1, -1):
+        layer, stencil = layers[place], slice(first[place], first[place] + STENCIL)
+        np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=blackbody)
+        np.divide(first_radiation, np.expm1(blackbody, out=blackbody), out=blackbody)
+        shining = [*np.flatnonzero(kept[:, place]), *range(systems, len(emitted))]
+        total[:] = 0.0
+        for index in shining:
+            row = emitted[index]
+            if index < systems:
+                np.einsum("k,kg->g", weights[place], table.emission[index, stencil, part], out=single)
+                np.subtract(np.exp(single, out=single), table.shift[index], out=row)
+                row *= whole[index, place] * path.number_density[table.lines[index].species][layer]
+            else:
+                coarse, rise = smooth[place, index - systems], rises[place, index - systems]
+                np.take(rise, low, out=row, mode="clip")  # 'clip': no copy; all lie within
+                row *= fraction
+                row += np.take(coarse, low, out=work, mode="clip")
+                row *= blackbody
+            total += row
+        total *= path.thickness[layer]
         thin += total
-        total *= per_blackbody
-        optical_depth += total
-        absorbed = -np.expm1(-total)
-        np.multiply(radiance, 1 - absorbed, out=radiance)
-        # escape fraction times thickness; 1 in the limit of no depth
-        escaped = np.divide(absorbed, total, out=np.ones_like(total), where=total != 0)
-        escaped *= thickness
-        emitted *= escaped
-        radiance[: len(emitted)] += emitted
+        np.divide(total, blackbody, out=work)
+        optical_depth += work
+        absorbed = -np.expm1(-work)
+        # escape fraction; 1 in the limit of no depth
+        escaped = np.divide(absorbed, work, out=np.ones_like(work), where=work != 0)
+        escaped *= through
+        if apart:
+            escaped *= path.thickness[layer]
+            for index in shining:
+                found[index] += np.multiply(emitted[index], escaped, out=work)
+        else:
+            found[0] += np.multiply(total, escaped, out=work)
+        through *= np.subtract(1, absorbed, out=absorbed)
+    radiance *= through
+    radiance += found
     return radiance, optical_depth, thin
 
 

@@ -11,7 +11,7 @@ from plasmapyro.radiation.path import incident_path
 from plasmapyro.radiation.slit import through_slit
 from plasmapyro.radiation.stored_table import table_of
 from plasmapyro.radiation.systems import line_lists
-from plasmapyro.radiation.table import equilibrium_table, table_radiance
+from plasmapyro.radiation.table import equilibrium_table, table_total
 from plasmapyro.radiation.transfer import layer_thickness
 
 CORE = 0.06 * np.arange(-6, 8)  # a ripple of 0.25 at a power five standard deviations off, and back
@@ -140,7 +140,7 @@ def _falling(view, table, slit, fwhm):
     light = np.zeros((2, len(table.grid)))
     for ray, weight in enumerate(view["ray_weight"].values):
         path = incident_path(view.isel(ray=ray))
-        light[1 if weight else 0] += (weight or 1.0) * table_radiance(table, path)[0].sum(axis=0)
+        light[1 if weight else 0] += (weight or 1.0) * table_total(table, path)
     return through_slit(table.grid.wavelength[::-1], light[:, ::-1], slit, fwhm)
 
 
