@@ -8,7 +8,7 @@ ELSE = ("chamber_pressure", "mass_flow_rate", "gas", "flow_settings")
 def ladder(folder):
     """Power [W] -> path, rising, of the files in a folder: the most that share all but the power."""
     found = {}
-    for path in sorted(folder.glob("*.nc")):
+    for path in sorted(folder.glob("[!.]*.nc")):
         with xr.open_dataset(path, decode_times=False) as one:
             facts = dict(one.attrs)
         if "numerical_power" in facts:

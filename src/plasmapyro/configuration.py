@@ -105,7 +105,7 @@ def load_folder(selection, schema, order=None):
     dict of name -> mapping
     """
     folder, only = Path(selection["folder"]), selection["only"]
-    found = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    found = {path.stem: path for path in sorted(folder.glob("[!.]*.yaml"))}
     odd = [name for name in found if not NAME.fullmatch(name)]
     if odd:
         raise ConfigurationError(

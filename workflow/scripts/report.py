@@ -15,7 +15,8 @@ corrections = [io.read(path, Path(path).stem) for path in given.corrections]
 timings = [
     (name, {key: float(row[key]) for key in ("s", "cpu_time", "max_rss")})
     for path in sorted(Path("results/benchmarks").glob("*.tsv"))
-    for name in [max((rule for rule in keys.rules if path.stem.startswith(rule)), key=len)]
+    for name in [max((rule for rule in keys.rules if path.stem.startswith(rule)), key=len, default="")]
+    if name  # else of a rule that there is no more, in results that an older version began
     for row in csv.DictReader(io.read_text(path).splitlines(), delimiter="\t")
 ]
 page = compose(

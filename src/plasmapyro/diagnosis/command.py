@@ -98,7 +98,11 @@ def gas_of(radiance=None, variations=None):
 
 def _files(place):
     """The files of a folder, or those of a list."""
-    return sorted(Path(place).glob("*.nc")) if isinstance(place, str | Path) else [Path(one) for one in place]
+    return (
+        sorted(Path(place).glob("[!.]*.nc"))
+        if isinstance(place, str | Path)
+        else [Path(one) for one in place]
+    )
 
 
 def with_instrument(inputs, folder):
