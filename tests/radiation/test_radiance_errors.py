@@ -14,7 +14,14 @@ from plasmapyro.radiation.path import gas_path, path_radiance
 from plasmapyro.radiation.slit import slit_wavelengths, through_slit
 from plasmapyro.radiation.stage import line_of_sight_radiance
 from plasmapyro.radiation.systems import component_uncertainty
-from plasmapyro.radiation.uncertainty import COMMON, LEAST_STRENGTH, OF_BAND, WIDTH, error_modes
+from plasmapyro.radiation.uncertainty import (
+    COMMON,
+    LEAST_STRENGTH,
+    OF_BAND,
+    WIDTH,
+    error_modes,
+    gained_by_width,
+)
 from plasmapyro.sightline.stage import equilibrium_sightline
 
 SLIT = 0.75e-9
@@ -79,15 +86,53 @@ def test_a_multiplet_is_the_change_of_its_a_values(engine, modes):
     assert nearest(of(modes, "O I", "multiplet"), change) < LINEAR
 
 
-def test_a_width_is_the_change_of_its_half_widths(engine, modes):
-    """The wings take what the centre loses; self-absorption and the Doppler width are not in the mode."""
-    _, (oxygen, bands), _, seen = engine
-    family = oxygen.family[np.argmin(np.abs(1 / oxygen.wavenumber - 777.6e-9))]
-    wider = np.where(oxygen.family == family, 1 + WIDTH, 1.0)
+def widened(oxygen, size):
+    """The lines with Lorentz widths larger by a relative size."""
     names = ("natural_hwhm", "stark_hwhm", "van_der_waals_hwhm", "resonance_hwhm")
-    changed = seen([replace(oxygen, **{name: getattr(oxygen, name) * wider for name in names}), bands])[1]
-    change = (changed - modes[1]).sum(axis=0)
-    assert nearest(of(modes, "O I", "width"), change) < LINEAR
+    return replace(oxygen, **{name: getattr(oxygen, name) * (1 + size) for name in names})
+
+
+def test_a_width_is_the_change_of_its_half_widths(engine, modes):
+    """The wings take what the centre loses; the Doppler width is not in the mode."""
+    _, (oxygen, bands), _, seen = engine
+    changed = seen([widened(oxygen, np.sqrt(COMMON) * WIDTH), bands])[1]
+    assert nearest(of(modes, "O I", "width"), (changed - modes[1]).sum(axis=0)) < LINEAR
+
+
+def test_wider_lines_that_absorb_themselves_shine_brighter():
+    """A long path: the mode takes the gas as uniform and knows no Doppler width; half is asked for."""
+    density = PATH["number_density"] | {"O": np.full(4, 5e22), "e-": np.full(4, 1e23)}
+    path = gas_path(300 * PATH["path_distance"], PATH["temperature"], density)
+    grid = log_grid((770e-9, 785e-9), 40000)
+    wavelength, oxygen = grid.wavelength[::-1], atomic_lines("O I")
+    view = slit_wavelengths(wavelength, SLIT)
+
+    def seen(lines):
+        result = path_radiance(path, [lines], grid)
+        return result, through_slit(wavelength, result.radiance[:, ::-1], view, SLIT)
+
+    result, light = seen(oxygen)
+    place = list(result.components).index("O I")
+    stated = component_uncertainty(result.components, [oxygen])
+    found = error_modes(path, result.thin_lines, view, SLIT, result.components, light, stated)
+    changed = seen(widened(oxygen, np.sqrt(COMMON) * WIDTH))[1][place]
+    gained = (changed - light[place]).sum() / light[place].sum()
+    assert gained > 0.03
+    first = [cause for cause, system in zip(found.cause, found.system, strict=True) if system == "O I"]
+    mode = found.share[np.array(found.system) == "O I"][first.index("width")]
+    assert (mode * light[place]).sum() / light[place].sum() == pytest.approx(gained, rel=0.5)
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.5, 3.0, 30.0])
+def test_a_wider_line_gains_what_the_integral_over_its_profile_does(depth):
+    """A Lorentz line of unit half width out to 1e5 of them, the mean of half a per cent to either side."""
+    away = np.concatenate([-np.geomspace(1e5, 1e-4, 40000), np.geomspace(1e-4, 1e5, 40000)])
+
+    def light(width):
+        return np.trapezoid(-np.expm1(-depth * width / (away**2 + width**2)), away)
+
+    slope = np.log(light(1.005) / light(0.995)) / np.log(1.005 / 0.995)
+    assert gained_by_width(depth) == pytest.approx(slope, abs=2e-3)
 
 
 def test_a_band_is_the_change_of_its_strength(engine, modes):

@@ -3,15 +3,17 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import voigt_profile
+from scipy.special import ive, voigt_profile
 
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.lines import BAND
+from plasmapyro.radiation.planck import planck
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 LEAST_STRENGTH = 0.08  # [1] floor of the relative error of a system of bands: spread of published moments
 SCALE = 0.05  # [1] of all A values of an atom together: lifetimes that set the scale of a compilation
-COMMON = 0.8  # [1] of the variance of an A value that its multiplet shares: LS coupling gives the rest
+COMMON = 0.8  # [1] of the variance of an A value that its multiplet shares: LS coupling gives the rest;
+# and of that of a width that all lines of an atom do: one theory, and the density of one gas
 WIDTH = 0.3  # [1] of Stark widths (H. R. Griem, Spectral Line Broadening by Plasmas (1974): 20 to 30 %)
 OF_SEQUENCE = 0.4  # of the stated error of a system: of one sequence of bands (v' - v'') against the others
 OF_BAND = 0.3  # the same of one band against the others of its sequence
@@ -105,31 +107,65 @@ def error_modes(path, thin_lines, wavelength, slit_fwhm, component, radiance, st
 
 
 def _of_lines(lines, values, path, wavelength, sigma):
-    """Modes of an atom by multiplet and line, and of the widths by multiplet."""
+    """Modes of an atom by multiplet and line, and of the widths, all together and by multiplet.
+
+    A wider line is lower behind the slit and, where its own gas absorbs it, brighter as a whole.
+    """
     keep = values > SEEN * values.max()
     lines, values = lines.select(keep), values[keep]
-    hwhm = _mean_hwhm(path, lines) / lines.wavenumber**2  # in wavelength
+    hwhm, depth = _profiles(path, lines)
+    hwhm = hwhm / lines.wavenumber**2  # in wavelength
     away = wavelength - 1 / lines.wavenumber[:, None]
     light = values[:, None] * voigt_profile(away, sigma, hwhm[:, None])
     wider = values[:, None] * voigt_profile(away, sigma, (1 + WIDTH) * hwhm[:, None]) - light
     total = np.maximum(light.sum(axis=0), TINY)
+    wider += WIDTH * gained_by_width(depth)[:, None] * light
     error = lines.strength_uncertainty[:, None] * light / total
     _, family = np.unique(lines.family, return_inverse=True)
     return [
         ("multiplet", np.sqrt(COMMON) * _summed(error, family)),
         ("line", np.sqrt(1 - COMMON) * error),
-        ("width", _summed(wider / total, family)),
+        ("width", np.sqrt(COMMON) * wider.sum(axis=0, keepdims=True) / total),
+        ("width", np.sqrt(1 - COMMON) * _summed(wider / total, family)),
     ]
 
 
-def _mean_hwhm(path, lines):
-    """Lorentz half widths (L,) [m-1], the mean over the path weighted by the emission of each line."""
-    width, weight = np.zeros(len(lines)), np.zeros(len(lines))
+def gained_by_width(depth):
+    r"""Relative change of a line's light per relative change of its Lorentz width.
+
+    .. math:: \frac{d \ln W}{d \ln \gamma} = \frac{I_1(u)}{I_0(u) + I_1(u)}, \qquad u = \tau_0 / 2
+
+    Parameters
+    ----------
+    depth : array [1]
+        Optical depth at the centre of a line of a uniform gas.
+
+    Returns
+    -------
+    array [1]
+        0 for a thin line, 1/2 for a thick one.
+
+    Notes
+    -----
+    Source: the equivalent width of R. Ladenburg & F. Reiche, Ann. Phys. 347, 181 (1913).
+    """
+    first, second = ive(0, np.asarray(depth) / 2), ive(1, np.asarray(depth) / 2)
+    return second / (first + second)
+
+
+def _profiles(path, lines):
+    """Lorentz half widths (L,) [m-1], the mean over the path weighted by the emission of each line, and the
+    optical depth (L,) [1] of the path at the centre of such a profile."""
+    width, weight, absorbed = (np.zeros(len(lines)) for _ in range(3))
     for layer, thickness in enumerate(path.thickness):
         emission = thickness * path.emission(lines, layer)
         width += emission * path.hwhm(lines, layer)
         weight += emission
-    return width / weight
+        # Kirchhoff's law, with the black body per wavenumber.
+        wavelength = 1 / lines.wavenumber
+        absorbed += emission / (planck(wavelength, path.temperature[layer]) * wavelength**2)
+    width /= weight
+    return width, absorbed / (np.pi * width)
 
 
 def _of_bands(lines, values, wavelength, sigma, size):
