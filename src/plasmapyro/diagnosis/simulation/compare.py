@@ -23,6 +23,8 @@ KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
 MOST_WRONG = 3  # systems
+MOST_GROUPS = 10  # the brightest, one of which of another strength may stand for an effect
+CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
 SYSTEM = "system"  # stands for one radiating system of another strength
 ROUNDS = 2  # of the fit without effects and the errors about it
@@ -104,11 +106,11 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
     final, tried, rivals = base, alone, {}
-    _, free = least_likely(simulated, (), ())
+    free = min(fit.objective for _, fit in _freed(simulated, (), (), groups=True))
     while tried and len(final.settings) < MOST_EFFECTS:
         best = min(tried, key=lambda identity: tried[identity].objective)
-        price = threshold + KIN * (base.objective - final.objective)
-        if not final.objective - tried[best].objective > price or tried[best].objective > free.objective:
+        price = threshold * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
+        if not final.objective - tried[best].objective > price or tried[best].objective > free - CLEARER:
             break
         least = tried[best].objective
         rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective - least < ALIKE)
@@ -118,6 +120,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     lines = tuple(lines_of(fitter, final, threshold))
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
+    system = least_likely(simulated, (), ())[1]
     # Systems beyond what is stated must not bend the power that the others are held against.
     held, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
@@ -130,8 +133,8 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
         p_value=fitter.p_value(base),
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
-        power=_power(final, model.library),
-        evidence=evidence | {SYSTEM: log_bayes(free, base)},
+        power=_power(final, model.library, fitter.spread(final)),
+        evidence=evidence | {SYSTEM: log_bayes(system, base)},
     )
     if not found.power_is_wrong:
         return found
@@ -141,15 +144,16 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     return replace(found, rivals_of_power=alike)
 
 
-def _power(fit, library):
-    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error."""
+def _power(fit, library, spread):
+    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error, by the
+    Birge ratio `spread` [1] of the fit larger than by its covariance."""
     change, slope = fit.power, np.zeros(len(fit.covariance))
     slope[0] = 1.0
     for place, number in enumerate(free_numbers(fit.settings)):
         if fit.settings[number.place].id == HOTTER:
             here, beside = library.power_of_warmth(fit.settings[number.place].amplitude + np.array([0, STEP]))
             change, slope[2 + place] = change + here, (beside - here) / STEP
-    return float(change), float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
+    return float(change), float(np.sqrt(max(spread * (slope @ fit.covariance @ slope), 0.0)))
 
 
 def log_bayes(fit, base):
@@ -187,10 +191,17 @@ def settled(simulated, settings=(), wrong=()):
 
 def least_likely(simulated, settings, wrong):
     """The best of the fits in which one more radiating system may have any strength, with its fitter."""
-    names = [name for name in dict.fromkeys(simulated.systems) if name not in wrong]
-    return min(
-        (settled(simulated, settings, (*wrong, name)) for name in names), key=lambda one: one[1].objective
-    )
+    return min(_freed(simulated, settings, wrong), key=lambda one: one[1].objective)
+
+
+def _freed(simulated, settings, wrong, groups=False):
+    """Fitters and fits in which one more radiating system, or one of the brightest groups of lines as well,
+    may have any strength."""
+    names = list(dict.fromkeys(simulated.systems))
+    if groups:
+        order = np.argsort(-simulated.group.sum(axis=1))[:MOST_GROUPS]
+        names += [simulated.model.library.group_name[place] for place in order]
+    return [settled(simulated, settings, (*wrong, one)) for one in dict.fromkeys(names) if one not in wrong]
 
 
 def without_wrong(simulated, fitter, fit):
@@ -213,10 +224,13 @@ class Fitter:
         self.simulated, self.measured, self.wrong = simulated, simulated.measured, tuple(wrong)
         self.scale, self.sigma = light, np.array([simulated.power[1], GAS_SIGMA])
         self.centre = np.array([simulated.power[0], 0.0])
-        wide = np.ones((len(simulated.systems), 1))
+        wide, groups = np.ones((len(simulated.systems), 1)), []
         for name in wrong:
-            wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
-        self.root = self.root_of(simulated.strength * wide, simulated.shape)
+            if name in simulated.systems:
+                wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
+            else:
+                groups.append(simulated.model.library.group_name.index(name))
+        self.root = self.root_of(simulated.strength * wide, simulated.shape, simulated.group[groups])
 
     def root_of(self, *modes, seen=None):
         """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.
@@ -232,6 +246,16 @@ class Fitter:
         """Probability [1] of a chi-squared as large, all errors of simulation and measurement considered."""
         rest = self.white(self.measured.value - self.light(fit))[0]
         return float(chi2.sf(rest @ rest, rest.size))
+
+    def spread(self, fit):
+        """The Birge ratio [1] of a fit, squared: its chi-squared per number where that is above 1.
+
+        Notes
+        -----
+        Source: R. T. Birge, Phys. Rev. 40, 207 (1932).
+        """
+        rest = self.white(self.measured.value - self.light(fit))[0]
+        return max(float(rest @ rest) / max(rest.size - len(fit.covariance), 1), 1.0)
 
     def light(self, fit):
         """Light (C,) of a fit, over the level."""

@@ -123,7 +123,7 @@ def _stated(simulated, name, light):
 def lines_of(fitter, fit, threshold):
     """Each `Line` that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
     model, measured = fitter.simulated.model, fitter.measured
-    rest = fitter.white(measured.value - fitter.light(fit))[0]
+    rest, spread = fitter.white(measured.value - fitter.light(fit))[0], fitter.spread(fit)
     for which, one in enumerate(model.instruments):
         if one.weight is not None:
             continue
@@ -137,11 +137,11 @@ def lines_of(fitter, fit, threshold):
         information = np.sum(white**2, axis=1)
         strength = white @ rest / information
         gain = strength**2 * information
-        limit = threshold + 2 * np.log(centres.size)
+        limit = spread * (threshold + 2 * np.log(centres.size))
         for place in np.flatnonzero(gain > limit):
             if gain[place] == gain[max(place - 3, 0) : place + 4].max():
                 strange = strength[place] > 0 and not _beside_lines(model.library, centres[place])
-                error = float(information[place] ** -0.5)
+                error = float(np.sqrt(spread / information[place]))
                 yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
 
 
