@@ -49,7 +49,8 @@ def test_a_key_given_twice_is_refused(tmp_path):
 def test_hidden_files_that_systems_leave_behind_are_no_configurations(tmp_path):
     (tmp_path / "90kW.yaml").write_text("\n".join(f"{key}: {value}" for key, value in GOOD.items()))
     (tmp_path / "._90kW.yaml").write_bytes(b"\x00\x05\x16\x07")
-    assert set(configuration.load_folder(tmp_path, CONDITION)) == {"90kW"}
+    found = configuration.load_folder({"folder": tmp_path, "only": []}, CONDITION)
+    assert set(found) == {"90kW"}
 
 
 def shipped():

@@ -56,7 +56,7 @@ def test_a_diagnosis_does_not_depend_on_the_clock_of_the_test(laboratory, record
     settings = {"window_loss": 0.03}
     plain = diagnosed_on(laboratory, record(**settings))
     moved = diagnosed_on(laboratory, shifted(record(**settings), by))
-    assert moved.report["verdict"]["status"] == "named"
+    assert moved.report["verdict"]["status"] == "named+unknown"  # 3 %, which held-out data do not confirm
     assert moved.report["verdict"]["named"] == plain.report["verdict"]["named"] == ["winE"]
     np.testing.assert_allclose(moved.temperature.time_bin, plain.temperature.time_bin + by, atol=1e-7)
     for name in ("paper_temperature", "base_temperature", "extended_temperature_low"):

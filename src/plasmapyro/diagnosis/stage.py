@@ -127,12 +127,15 @@ def diagnose(
     ]
     selection = select(base, questions[0], thresholds=thresholds, draws=draws, seed=seed)
     gained = _gained(base, selection)
-    if gained is not None and gained.worsens:
+    if gained is not None and gained.silent:
         selection, gained = selection.unnamed(), None
+    elif gained is not None and not gained.improves:
+        selection = selection.doubted("unconfirmed")
     comparison = compare(base.model, measured_gas(base.model, selection.final), questions[1], seed=seed)
-    if any(line.strange for line in comparison.lines):
+    elsewhere = other_pressure(test, radiation)
+    if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
-    if selection.unknown_class or other_pressure(test, radiation):
+    if selection.unknown_class or elsewhere:
         comparison = comparison.without_names()
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None

@@ -20,8 +20,6 @@ RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
 LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
 CONTINUUM_TEMPERATURE = 6000.0  # [K]
-WAVES = 9  # free values of a brightness that wanders
-LARGEST_WAVE = 0.3  # [1]
 
 
 def varied(name):
@@ -49,19 +47,10 @@ def continuum(scene, amplitude):
     return scene.but(spectrum=scene.spectrum + amplitude * more)
 
 
-@effect("gas_drift", shape={f"hat_{place}": ((), (-LARGEST_WAVE, LARGEST_WAVE)) for place in range(WAVES)})
-def drift(scene, amplitude, **waves):
-    r"""Brightness that drifts: :math:`g(t) = 1 + a\,t/t_{off}`, and follows free values in between if wanted.
-
-    `waves`: `hat_0`, `hat_1`... are relative changes at equal steps of the exposure, joined linearly.
-    """
-    change = amplitude * scene.exposure
-    if waves:
-        values = [waves[f"hat_{place}"] for place in range(len(waves))]
-        change = change + np.interp(
-            scene.exposure, np.linspace(0, 1, len(waves) + 1)[1:], values, left=0.0
-        ) * (scene.time > 0)
-    return scene.but(gas_gain=scene.gas_gain * (1 + change))
+@effect("gas_drift")
+def drift(scene, amplitude):
+    r"""Brightness that drifts: :math:`g(t) = 1 + a\,t/t_{off}`."""
+    return scene.but(gas_gain=scene.gas_gain * (1 + amplitude * scene.exposure))
 
 
 @effect("bl")

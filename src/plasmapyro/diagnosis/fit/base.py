@@ -9,8 +9,10 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
+from plasmapyro.diagnosis.fit.restless import wandering
 from plasmapyro.record import binning
 
+RESTLESS = 3  # fits at most with a gas that wanders more and more
 SLOW = 4.0  # [s]: flicker that lasts longer tells of the minutes
 START_TIME = 14.0  # [s] of the first guess of the temperature
 LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
@@ -146,16 +148,16 @@ def renoised(model, solution, settings=()):
     slowest = max((law.flicker for law in found), key=lambda one: one.slower(0.0))
     found = [replace(law, flicker=law.flicker.with_memory_of(slowest)) for law in found]
     bins = [noises.on_bins(*three) for three in zip(found, instruments, solution.prediction, strict=True)]
-    return model_with(_restless(model, slowest.slower(SLOW)), instruments), tuple(found), bins
+    # 1/f noise is as strong in each decade of time: a gas wanders as much as it flickers slowly.
+    model = _restless(model, float(np.sqrt(slowest.slower(SLOW))))
+    return model_with(model, instruments), tuple(found), bins
 
 
-def _restless(model, flicker):
-    """The model of a gas that wanders as much as it flickers slowly [1] (variance), if that is more than
-    assumed: 1/f noise is as strong in each decade of time."""
-    if not model.wandering:
-        return model
-    sigma = max(float(np.sqrt(flicker)), model.own[model.wandering[0]].sigma)
-    return _with_law(model, {place: {"sigma": sigma} for place in model.wandering})
+def _restless(model, sigma):
+    """The model of a gas that wanders by a standard deviation [1], if that is more than assumed."""
+    return _with_law(
+        model, {place: {"sigma": max(sigma, model.own[place].sigma)} for place in model.wandering}
+    )
 
 
 def _with_law(model, changes):
@@ -211,4 +213,11 @@ def fit_base(model, rounds=2):
         model, laws, bins = renoised(model, solution)
         fitter = Fitter(model, bins)
         solution = fitter.fit(solution.state, tolerance=0.02 if last == rounds - 1 else 5.0)
+    for _ in range(RESTLESS):
+        sigma = wandering(model, solution)
+        if sigma is None:
+            break
+        model = _restless(model, sigma)
+        fitter = Fitter(model, fitter.noise)
+        solution = fitter.fit(solution.state, tolerance=0.02)
     return Base(model, laws, fitter, solution)

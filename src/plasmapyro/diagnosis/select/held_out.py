@@ -27,6 +27,7 @@ BLOCKS = (  # shares of the exposure: dense where the sample heats
 AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
 ENOUGH = 3.0  # log score by which held-out data must improve: odds of 20
 SURE = 3.0  # standard errors of it
+HEARD = 0.5  # standard errors of held-out gain below which nothing is said
 CALIBRATED = ("ratio", "lamp")  # parameters of the base model that the calibration measured
 
 
@@ -46,9 +47,9 @@ class Gain:
         return self.total > max(ENOUGH, SURE * self.standard_error)
 
     @property
-    def worsens(self):
-        """Whether held-out data speak against the effects: no name stands that they make less probable."""
-        return self.total < 0
+    def silent(self):
+        """Whether held-out data do not speak for the effects: no name stands on that."""
+        return self.total < HEARD * self.standard_error
 
 
 def blocks_of(start, off, end):

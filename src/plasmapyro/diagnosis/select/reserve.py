@@ -15,6 +15,7 @@ LOSSES = ("winD", "winE", "winD_sl", "winE_sl")  # a deposit makes no window cle
 SURE = 3.0  # standard deviations
 
 SENTENCES = {
+    "unconfirmed": "Data that are left out of the fit do not confirm these names by three standard errors.",
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
     "one": "What was named later is so much less than what was before that one cause, near the first but"
     " missing in the catalogue, would look the same.",

@@ -4,13 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.select import prices
 from plasmapyro.diagnosis.select.screen import best_by_id, best_pairs
 from plasmapyro.diagnosis.select.search import REFITTED
 
 MOST_EFFECTS = 3
-WANDER = "gas_drift"  # the effect that may follow the brightness of the gas freely
 NEAR_MISS = 0.5  # of what a further effect must bring: if its tangent promises so much, it is fitted
 PAIR_PRICE = 1.5  # times the threshold that the second effect of a pair must bring
 PAIR_FREE = 10.0  # log evidence that the numbers of two effects cost, about
@@ -60,8 +58,7 @@ def _next(search, step, price, trials):
     if np.any(wanted > 0):
         chosen = search.best_refit(step, wanted, trials if first else None)
     if chosen is None or not prices.holds(step, chosen, price):
-        wandering = _wandering(search, step) if log_bayes > limits.unknown else None
-        return (None, left(search, step)) if wandering is None else (search.look(wandering), None)
+        return None, left(search, step)
     best = best_by_id(step.screen.candidates, wanted)[0]
     evidence = search.evidence_of(step)[best]
     pair = best_pairs(step.screen, step.gains) if first else []
@@ -115,19 +112,4 @@ def beside_unknown(search, step, chosen, wanted):
     beside = np.where((wanted > 0) & (step.beside > least), step.beside, 0.0)
     if beside.any():
         return search.look(search.pruned(search.best_refit(step, beside)))
-    wandering = _wandering(search, step)
-    return None if wandering is None else search.look(wandering)
-
-
-def _wandering(search, step):
-    """Fit with a brightness of the gas that wanders freely, if that is the structure found and none is in."""
-    if step.structure != "walk_gas" or WANDER not in search.effects or len(step.settings) >= MOST_EFFECTS:
-        return None
-    others = tuple(setting for setting in step.settings if setting.id != WANDER)
-    already = [setting for setting in step.settings if setting.id == WANDER]
-    if already and already[0].shape:
-        return None
-    drift = search.effects[WANDER]
-    amplitude = already[0].amplitude if already else 0.0
-    shape = {name: 0.0 for name in drift.shape_bounds}
-    return search.fit(step.solution, (*others, Setting(drift, amplitude, shape)))
+    return None

@@ -53,6 +53,12 @@ class Selection:
             evidence=0.0,
         )
 
+    def doubted(self, reason):
+        """The same, its names with reserve: a key of `reserve.SENTENCES`; what is doubtful already stays."""
+        if self.status not in ("named", "one-of"):
+            return self
+        return replace(self, status="named+unknown", reserve=reason)
+
     def beside(self, structure):
         """The same, and something unknown besides."""
         status = "named+unknown" if self.final.settings else "unknown"

@@ -10,6 +10,7 @@ from plasmapyro.record.phases import during
 
 MAP_WAVES = 8
 WALK_STEPS = 40
+ZERO = 0.01  # [1], of the usual signal: unit of a zero that wanders
 SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
 
@@ -95,7 +96,7 @@ def structures_of(model, solution):
 
     Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
     adds to the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of
-    the ratio of the bands and of each band.
+    the ratio of the bands and of each band, and of their zeros.
 
     Returns
     -------
@@ -113,10 +114,20 @@ def structures_of(model, solution):
             gain, name = products.row(value), "gain of the spectrometer"
             classes.add_products("walk_spectrometer", f"wandering {name}", {place: [(gain, walk)]})
             classes.add_products("wave_spectrometer", f"periodic {name}", {place: [(gain, wave)]})
+            zero = products.row(instrument.factor * ZERO * np.nanmedian(value / instrument.factor))
+            classes.add_products(
+                "walk_zero_spectrometer", "wandering zero of the spectrometer", {place: [(zero, walk)]}
+            )
             patterns += [(place, *row) for row in _spectral_patterns(model, solution, time, value, gas)]
         else:
             bands = [products.row(value * one) for one in np.eye(instrument.channels)]
-            _add_bands(classes, place, bands, walk, wave, classes_of_bands(instrument.band))
+            kinds = tuple(classes_of_bands(instrument.band))
+            _add_bands(classes, place, bands, walk, wave, kinds)
+            for identity, name, signs in kinds[-instrument.channels :]:
+                zero = products.row(signs * ZERO * np.nanmedian(value, axis=0))
+                classes.add_products(
+                    f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
+                )
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -126,7 +137,7 @@ def structures_of(model, solution):
     if smooth:
         classes.add_products("smooth", "smooth map over time and wavelength", smooth)
     spectral = [(place, classes.add(identity, name, row.shape[1])) for place, identity, name, row in patterns]
-    structures = [one for one in classes.found if not one.id.startswith("wave")]
+    structures = [one for one in classes.found if not one.id.startswith(("wave", "walk_gas"))]
     structures += _singles(model, classes.found, spectral)
     products = [products.whole() for products in classes.products]
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
@@ -157,7 +168,7 @@ def _singles(model, found, spectral):
     singles = [
         Structure(f"one_{one.id}", SINGLE_NAMES[kind].format(name=one.name), one.columns, True)
         for one in found
-        if (kind := one.id.split("_")[0]) in SINGLE_NAMES and one.id != "walk_gas"
+        if (kind := one.id.split("_")[0]) in SINGLE_NAMES
     ]
     for place, one in spectral:
         if one.id != "pattern":

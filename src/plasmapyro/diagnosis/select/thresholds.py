@@ -1,16 +1,17 @@
 """What chance may reach: thresholds from scores drawn as if nothing were wrong."""
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky
+from scipy.linalg import LinAlgError, cholesky
 
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, gain
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
 LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
-ROUNDING = 1e-5  # [1], relative, added to a singular covariance
+ROUNDING = 1e-8, 1e-6, 1e-4  # [1], relative, added to a singular covariance: the first that is enough
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,15 @@ def simulated(screen, draws, generator):
     alive = (screen.left > LEAST_LEFT) & (np.diag(screen.information) > 0)
     length = np.sqrt(np.where(alive, np.diag(screen.information), 1.0))
     relative = np.where(alive[:, None] & alive[None], screen.information / np.outer(length, length), 0.0)
-    relative[np.diag_indices_from(relative)] = 1 + ROUNDING
     length = np.where(alive, length, 0.0)
-    root = cholesky(relative, lower=True, check_finite=False)
+    root = _root(relative)
     return (generator.standard_normal((draws, length.size)) @ root.T) * length
+
+
+def _root(relative):
+    """Cholesky factor of correlations (m, m), the little added that rounding asks for."""
+    for share in ROUNDING:
+        relative[np.diag_indices_from(relative)] = 1 + share
+        with contextlib.suppress(LinAlgError):
+            return cholesky(relative, lower=True, check_finite=False)
+    raise LinAlgError("the covariance of the scores is not positive definite")
