@@ -11,18 +11,17 @@ from plasmapyro.report.stage import compose
 io.log_to(snakemake.log[0])
 given, keys = snakemake.input, snakemake.params
 figures = [(Path(path).stem, base64.b64encode(io.read_bytes(path)).decode()) for path in given.figures]
-corrections = [io.read(path, Path(path).stem) for path in given.corrections]
 timings = [
     (name, {key: float(row[key]) for key in ("s", "cpu_time", "max_rss")})
     for path in sorted(Path("results/benchmarks").glob("*.tsv"))
     for name in [max((rule for rule in keys.rules if path.stem.startswith(rule)), key=len, default="")]
-    if name  # else of a rule that there is no more, in results that an older version began
+    if name  # of a rule that there still is
     for row in csv.DictReader(io.read_text(path).splitlines(), delimiter="\t")
 ]
 page = compose(
     figures,
     io.read(given.claims, "claims"),
-    list(zip(keys.tests, corrections, strict=True)),
+    list(zip(keys.tests, (io.read(one, Path(one).stem) for one in given.corrections), strict=True)),
     findings=[one for path in given.findings for one in json.loads(io.read_text(path))],
     diagnoses=list(zip(keys.diagnosed, map(io.read_text, given.diagnoses), strict=True)),
     timings=timings,
