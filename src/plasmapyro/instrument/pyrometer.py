@@ -165,7 +165,7 @@ def invert_grey(signal, temperature, blackbody):
 
     .. math:: \min_{T, \varepsilon} \sum_i [\ln S_i - \ln\varepsilon - \ln S_i^{bb}(T)]^2
 
-    One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what their ratio gives.
+    One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what `invert_ratio` gives.
 
     Parameters
     ----------
@@ -191,6 +191,11 @@ def invert_grey(signal, temperature, blackbody):
     shape = np.broadcast_shapes(*(np.shape(one) for one in signal))
     stacked = np.stack([np.broadcast_to(one, shape).ravel() for one in signal])
     good = (stacked > 0).all(axis=0)
+    for one, other in ((0, 1), (1, 0)) if len(table) == 2 else ():
+        curve = np.asarray(blackbody[one]) / blackbody[other]
+        if (np.diff(curve) > 0).all():
+            ratio = np.where(good, stacked[one] / np.where(good, stacked[other], 1.0), np.nan).reshape(shape)
+            return invert_ratio(ratio, temperature, curve)
     log = np.log(np.where(good, stacked, 1.0))
     at = np.full(log.shape[1], inverse[inverse.size // 2])
     for _ in range(GREY_STEPS):
