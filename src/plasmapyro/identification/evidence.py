@@ -103,6 +103,8 @@ class Scene:
         self.peaks, self.response, self.shift, self.settings = peaks, response, shift, settings
         at = peaks.wavelength
         self.log = np.log(peaks.light)
+        # Few settings, all of absorbed light, stand for all depths where the scale is sought.
+        self.thick = THICK * peaks.light.max() if settings is SETTINGS else 0.0
         near = np.abs(at[:, None] - at) < AROUND
         count = near.sum(axis=1)
         slit = np.interp(at, peaks.axis, peaks.slit)
@@ -213,7 +215,7 @@ class Scene:
         amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
         with np.errstate(divide="ignore"):
             short = np.log(blind) - np.log(missed) - np.log(amount)
-        brightest = np.log(amount[:, :, 0] * light.max(axis=1) / (THICK * peaks.light.max()))
+            brightest = np.log(amount[:, :, 0] * light.max(axis=1)) - np.log(self.thick)
         prior = np.where(np.array(self.settings)[:, 1] > 1, np.minimum(2 * brightest, 0.0), 0.0)
         return groups, amount * sums, place, (where, np.interp(short, SHORT, ABSENT)), prior
 
