@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+TOGETHER = 32  # points located at once
+BESIDE = 1e-6  # [1], of the line's length
 INSIDE = 1e-9  # smallest area coordinate that still counts as inside, for points on an edge
 
 
@@ -43,18 +45,34 @@ def locate(node_z, node_r, face_node, z, r):
     twice_area = np.sum(corners_z * (next_r - last_r), axis=1, keepdims=True)
     by_z, by_r = (next_r - last_r) / twice_area, (last_z - next_z) / twice_area
     offset = (next_z * last_r - last_z * next_r) / twice_area
-    # One coordinate at a time, (points, near faces): a reduction over an axis of three is slow.
-    area = [by_z[:, k] * z[:, None] + by_r[:, k] * r[:, None] + offset[:, k] for k in range(by_z.shape[1])]
-    smallest = np.minimum(np.minimum(area[0], area[1]), area[2])
-    best = smallest.argmax(axis=1)
-    index = np.arange(z.size)
-    outside = smallest[index, best] < -INSIDE
-    if outside.any():
-        first = int(np.argmax(outside))
-        raise ValueError(
-            f"point z = {z[first]:.6g} m, r = {r[first]:.6g} m at index {first} lies outside the flow field"
-        )
-    return Location(near[best], np.stack([one[index, best] for one in area], axis=1))
+    # Places along the line: a few points at a time, against the triangles beside these.
+    unit_z, unit_r = z[-1] - z[0], r[-1] - r[0]
+    place, corners = z * unit_z + r * unit_r, corners_z * unit_z + corners_r * unit_r
+    low, high = (
+        bound(bound(corners[:, 0], corners[:, 1]), corners[:, 2]) for bound in (np.minimum, np.maximum)
+    )
+    slack = BESIDE * np.ptp(place)
+    face, found = np.empty(z.size, dtype=near.dtype), np.empty((z.size, 3))
+    for first in range(0, z.size, TOGETHER):
+        part = slice(first, first + TOGETHER)
+        beside = np.flatnonzero((high >= place[part].min() - slack) & (low <= place[part].max() + slack))
+        # One coordinate at a time, (points, faces): a reduction over an axis of three is slow.
+        area = [
+            by_z[beside, k] * z[part, None] + by_r[beside, k] * r[part, None] + offset[beside, k]
+            for k in range(3)
+        ]
+        smallest = np.minimum(np.minimum(area[0], area[1]), area[2])
+        index = np.arange(len(smallest))
+        best = smallest.argmax(axis=1) if beside.size else index
+        outside = smallest[index, best] < -INSIDE if beside.size else index >= 0
+        if outside.any():
+            at = first + int(np.argmax(outside))
+            raise ValueError(
+                f"point z = {z[at]:.6g} m, r = {r[at]:.6g} m at index {at} lies outside the flow field"
+            )
+        face[part] = near[beside[best]]
+        found[part] = np.stack([one[index, best] for one in area], axis=1)
+    return Location(face, found)
 
 
 def _near_line(node_z, node_r, face_node, z, r):
@@ -62,8 +80,9 @@ def _near_line(node_z, node_r, face_node, z, r):
     along_z, along_r = z[-1] - z[0], r[-1] - r[0]
     side = (node_z - z[0]) * along_r - (node_r - r[0]) * along_z
     reach = INSIDE * max(np.hypot(along_z, along_r), np.finfo(float).tiny)
-    side = side[face_node]
-    touched = np.flatnonzero((side.min(axis=1) <= reach) & (side.max(axis=1) >= -reach))
+    first, second, third = side[face_node].T
+    lowest, highest = (bound(bound(first, second), third) for bound in (np.minimum, np.maximum))
+    touched = np.flatnonzero((lowest <= reach) & (highest >= -reach))
     if touched.size == 0:
         raise ValueError(f"the line from z = {z[0]:.6g} m, r = {r[0]:.6g} m misses the flow field")
     return touched
