@@ -25,7 +25,7 @@ from plasmapyro import io  # noqa: E402
 from plasmapyro.flow import stage  # noqa: E402
 from plasmapyro.flow.condition import Condition  # noqa: E402
 from plasmapyro.flow.continuation import NotConverged  # noqa: E402
-from plasmapyro.sightline import sampling  # noqa: E402
+from plasmapyro.sightline.stage import on_line  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 DOCS, STORE = ROOT / "docs", ROOT / "results" / "benchmark_flow"
@@ -208,13 +208,7 @@ AHEAD = (1e-3, 2e-3, 5e-3, 20e-3)  # [m] upstream of the stagnation point, on th
 
 def on_axis(flow, z, *names):
     """Fields `names` of a flow at axial positions `z`, a list of arrays."""
-    place = sampling.locate(
-        flow.node_z.values, flow.node_r.values, flow.face_node.values, z, np.full_like(z, 1e-7)
-    )
-    return [
-        sampling.interpolate(flow[name].values, flow.face_node.values, flow.face_midnode.values, place)
-        for name in names
-    ]
+    return list(on_line(flow, z, np.full_like(z, 1e-7), names).values())
 
 
 def probes():

@@ -24,7 +24,7 @@ from plasmapyro.flow.evaluate import transfer
 from plasmapyro.flow.geometry import build_mesh
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
-from plasmapyro.sightline import sampling
+from plasmapyro.sightline.stage import on_line
 
 matplotlib.use("agg")
 
@@ -97,9 +97,7 @@ def of_dataset(found):
     def field(name, shift=0.0):
         def at(z, r):
             z, r = np.broadcast_arrays(np.asarray(z, float), np.asarray(r, float))
-            place = sampling.locate(found.node_z.values, found.node_r.values, found.face_node.values, z, r)
-            values = found[name].values - shift
-            return sampling.interpolate(values, found.face_node.values, found.face_midnode.values, place)
+            return on_line(found, z, r, [name])[name] - shift
 
         return at
 

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from plasmapyro import io
-from plasmapyro.cfd import trace
 from plasmapyro.cfd.assemble import _triangulated, build, read_zones
 from plasmapyro.cfd.export import write_vtu
-from plasmapyro.cfd.grid import CORNERS_OF, DIMENSION, SIMPLICES, Field, Zone, simplices_of
+from plasmapyro.cfd.grid import CORNERS_OF, DIMENSION, SIMPLICES, Zone, simplices_of
 from plasmapyro.cfd.mapping import parse
 from plasmapyro.cfd.nodes import to_nodes
 from plasmapyro.cfd.stage import sightline, surface_view, to_instrument
+from plasmapyro.sightline import trace
 from plasmapyro.sightline.stage import line_of_sight
 from plasmapyro.sightline.stage import surface_view as direct_surface_view
+from plasmapyro.sightline.trace import Field
 
 FLOAT_RTOL = 1e-10  # of a linear field; the ends of cells are widened by 1e-12
 WRITTEN = {

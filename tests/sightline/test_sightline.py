@@ -7,8 +7,7 @@ from plasmapyro.constants import BOLTZMANN
 from plasmapyro.gas.species import CHARGE, NITROGEN_ATOMS, OXYGEN_ATOMS, SPECIES
 from plasmapyro.radiation.atoms import atomic_lines
 from plasmapyro.radiation.path import gas_path
-from plasmapyro.sightline import ray, sampling
-from plasmapyro.sightline.stage import chord, equilibrium_sightline, line_of_sight, surface_view
+from plasmapyro.sightline.stage import chord, equilibrium_sightline, line_of_sight, on_line, surface_view
 
 FLOAT_RTOL = 1e-12  # thousands of eps
 NOSE, RADIUS, ANGLE = 0.871, 0.16, np.radians(35)
@@ -59,13 +58,17 @@ def parabola(z, r):
     return 900 + 400 * z + 5000 * r + 700 * z**2 - 3000 * z * r - 9000 * r**2
 
 
+def position(distance, nose=NOSE, angle=ANGLE):
+    return nose - distance * np.cos(angle), distance * np.sin(angle)
+
+
 def jet(z, r):
     return 350 + 5500 * (1 - np.exp(-(NOSE - z) / 0.004)) / (1 + (r / 0.06) ** 8)
 
 
 def test_quadratic_fields_are_sampled_exactly():
     path = chord(flow(parabola, lambda z, r: parabola(z, r) + 4000), angle=ANGLE, points=57)
-    z, r = ray.position(path.path_distance.values, NOSE, ANGLE)
+    z, r = position(path.path_distance.values)
     assert path.temperature.values == pytest.approx(parabola(z, r), rel=FLOAT_RTOL)
     assert path.pressure.values == pytest.approx(parabola(z, r) + 4000, rel=FLOAT_RTOL)
     assert path.axial_position.values == pytest.approx(z, rel=FLOAT_RTOL)
@@ -108,49 +111,47 @@ def test_cubic_fields_converge_with_the_third_power_of_the_cell():
     errors = []
     for columns in (10, 20, 40):
         path = chord(flow(cubic, columns=columns, rows=columns // 5), angle=ANGLE, points=200)
-        z, r = ray.position(path.path_distance.values, NOSE, ANGLE)
+        z, r = position(path.path_distance.values)
         errors.append(np.abs(path.temperature.values - cubic(z, r)).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(3, abs=0.5)
     assert np.log2(errors[1] / errors[2]) == pytest.approx(3, abs=0.5)
 
 
+def exit_distance(columns, rows, angle=ANGLE, hole=None):
+    """Where a path ends in a uniform field without the cells whose middles (z, r) are in a hole."""
+    field = flow(lambda z, r: 4000 + 0 * z, columns=columns, rows=rows)
+    if hole is not None:
+        corner = field.face_node.values
+        inside = hole(field.node_z.values[corner].mean(axis=1), field.node_r.values[corner].mean(axis=1))
+        field = field.isel(face=~inside)
+    return chord(field, angle=angle, points=20).attrs["exit_distance"]
+
+
 def test_path_leaves_at_the_outer_radius():
-    z, r, corner, _ = quadratic_mesh(30, 7)
-    assert ray.exit_distance(z, r, corner, NOSE, ANGLE) == pytest.approx(LEAVES, rel=FLOAT_RTOL)
+    assert exit_distance(30, 7) == pytest.approx(LEAVES, rel=FLOAT_RTOL)
     assert LEAVES == pytest.approx(0.2789, abs=1e-4)  # printed: 278 mm
 
 
 def test_path_ends_at_the_first_of_several_boundaries():
-    z, r, corner, _ = quadratic_mesh(60, 16)
-    middle_z, middle_r = z[corner].mean(axis=1), r[corner].mean(axis=1)
-    hole = (middle_z > 0.66) & (middle_z < 0.76) & (middle_r > 0.1) & (middle_r < 0.13)
-    found = ray.exit_distance(z, r, corner[~hole], NOSE, ANGLE)
+    found = exit_distance(60, 16, hole=lambda z, r: (z > 0.66) & (z < 0.76) & (r > 0.1) & (r < 0.13))
     assert found == pytest.approx(0.1 / np.sin(ANGLE), rel=FLOAT_RTOL)
 
 
 def test_path_close_to_a_corner_does_not_end_on_the_edges_extended():
     """The path passes the corner of a hole at 0.16 of the length of both edges that meet there."""
-    z, r, corner, _ = quadratic_mesh(60, 16)
     cell_z, cell_r = NOSE / 60, RADIUS / 16
     beside = (NOSE - 10 * cell_r / np.tan(ANGLE)) / cell_z - 50
     assert 0.1 < beside < 0.18
-    middle_z, middle_r = z[corner].mean(axis=1) / cell_z, r[corner].mean(axis=1) / cell_r
-    hole = (middle_z > 45) & (middle_z < 50) & (middle_r > 7) & (middle_r < 10)
-    found = ray.exit_distance(z, r, corner[~hole], NOSE, ANGLE)
-    assert found == pytest.approx(LEAVES, rel=FLOAT_RTOL, abs=0)
+
+    def hole(z, r):
+        return (z / cell_z > 45) & (z / cell_z < 50) & (r / cell_r > 7) & (r / cell_r < 10)
+
+    assert exit_distance(60, 16, hole=hole) == pytest.approx(LEAVES, rel=FLOAT_RTOL, abs=0)
 
 
 def test_path_along_the_axis_ends_at_the_back_wall():
-    z, r, corner, _ = quadratic_mesh(30, 7)
-    assert ray.exit_distance(z, r, corner, NOSE, 0.0) == pytest.approx(NOSE, rel=FLOAT_RTOL)
-    assert ray.exit_distance(z, r, corner, NOSE, np.radians(5)) == pytest.approx(NOSE / np.cos(np.radians(5)))
-
-
-def test_boundary_edges_are_the_outline():
-    z, r, corner, _ = quadratic_mesh(6, 3)
-    edges = ray.boundary_edges(corner)
-    lengths = np.hypot(np.diff(z[edges]), np.diff(r[edges]))
-    assert lengths.sum() == pytest.approx(2 * (NOSE + RADIUS), rel=FLOAT_RTOL)
+    assert exit_distance(30, 7, 0.0) == pytest.approx(NOSE, rel=FLOAT_RTOL)
+    assert exit_distance(30, 7, np.radians(5)) == pytest.approx(NOSE / np.cos(np.radians(5)))
 
 
 def test_line_of_sight_honours_the_contract_and_the_rule_beyond_the_field():
@@ -193,7 +194,7 @@ def test_gas_from_the_exit_to_the_window_is_in_the_state_of_the_exit():
     path = line_of_sight(flow(parabola, pressure), angle=ANGLE, points=60, **RULE)
     chamber = path.sel(path_distance=slice(LEAVES * (1 + 1e-9), 0.8))
     assert chamber.sizes["path_distance"] >= 3
-    there = ray.position(LEAVES, NOSE, ANGLE)
+    there = position(LEAVES)
     np.testing.assert_allclose(chamber.pressure, pressure(*there), rtol=FLOAT_RTOL)
     np.testing.assert_allclose(chamber.temperature, parabola(*there), rtol=FLOAT_RTOL)
 
@@ -243,19 +244,19 @@ def test_same_field_gives_the_same_bytes():
         assert first[name].values.tobytes() == second[name].values.tobytes()
 
 
-def test_points_outside_the_field_are_refused():
-    z, r, corner, _ = quadratic_mesh(10, 4)
-    with pytest.raises(ValueError, match="point z = 0.5 m, r = 0.2 m at index 1 lies outside the flow field"):
-        sampling.locate(z, r, corner, np.array([0.5, 0.5]), np.array([0.1, 0.2]))
-    with pytest.raises(ValueError, match="misses the flow field"):
-        sampling.locate(z, r, corner, np.array([2.0, 3.0]), np.array([0.2, 0.2]))
+def test_a_line_outside_the_field_is_refused():
+    with pytest.raises(ValueError, match="the line from z = 2 m, r = 0.2 m misses the flow field"):
+        on_line(flow(parabola), np.array([2.0, 3.0]), np.array([0.2, 0.2]), ["temperature"])
 
 
-def test_points_on_corners_and_edges_are_inside():
-    z, r, corner, middle = quadratic_mesh(4, 2)
-    location = sampling.locate(z, r, corner, np.array([0.0, NOSE]), np.array([0.0, RADIUS]))
-    found = sampling.interpolate(parabola(z, r), corner, middle, location)
-    assert found == pytest.approx([parabola(0, 0), parabola(NOSE, RADIUS)], rel=FLOAT_RTOL)
+@pytest.mark.parametrize(
+    "z, r",
+    [([0.0, NOSE], [0.0, RADIUS]), ([0.3, 0.3, 0.3], [0.0, 0.01, RADIUS]), ([0.5], [0.07]), ([0.2], [0.0])],
+    ids=["corners", "across", "point", "point of the axis"],
+)
+def test_a_quadratic_field_is_exact_on_any_line(z, r):
+    found = on_line(flow(parabola), np.array(z), np.array(r), ["temperature"])["temperature"]
+    assert found == pytest.approx(parabola(np.array(z), np.array(r)), rel=FLOAT_RTOL)
 
 
 def test_a_path_that_ends_at_a_wall_is_refused_as_a_line_of_sight():

@@ -6,10 +6,11 @@ import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
 from plasmapyro.cfd import cgns, columns, su2, tecplot, vtk_files
-from plasmapyro.cfd.grid import DIMENSION, LOWER, OTHER_CELLS, Field, kept_cells, simplices_of
+from plasmapyro.cfd.grid import DIMENSION, LOWER, OTHER_CELLS, kept_cells, simplices_of
 from plasmapyro.cfd.nodes import to_nodes
 from plasmapyro.foreign import PACKED, memory_for
 from plasmapyro.readers.text import quote, refuse, regular_file
+from plasmapyro.sightline.trace import Field
 
 ENDINGS = {
     ".vtu": "vtk",

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from plasmapyro.sightline import trace
 from plasmapyro.tables import rows
 
 CELLS = {
@@ -28,7 +29,7 @@ SIMPLICES = {kind: _lists(row["filled by"]) for kind, row in CELLS.items() if ro
 # ASSUME: of other cells with middle nodes the corners are used; the field is then linear between them.
 CORNERS_OF = {kind: row["corners as"] for kind, row in CELLS.items() if row["corners as"]}
 # Corners that each middle node of a quadratic cell lies between.
-EDGES = {kind: _lists(row["middles"]) for kind, row in CELLS.items() if row["middles"]}
+EDGES = {"triangle6": trace.EDGES[3], "tetra10": trace.EDGES[4]}
 LOWER = ("vertex", "line", "line3")  # kinds of points and lines: no part of a field
 OTHER_CELLS = (
     "cut the cells into triangles or tetrahedra (in ParaView: Filters, Tetrahedralize) and save again"
@@ -52,20 +53,6 @@ class Zone:
     cells: list = field(default_factory=list)
     cell_data: dict = field(default_factory=dict)
     words: dict = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Field:
-    """Simplices with values at their nodes, in SI.
-
-    `points` (N, d) [m], `simplices` (M, d + 1), `middles` (M, edges) with -1 for cells without middle nodes,
-    `values` name -> (N,).
-    """
-
-    points: np.ndarray
-    simplices: np.ndarray
-    middles: np.ndarray
-    values: dict
 
 
 def kept_cells(zone, dimension):

@@ -6,10 +6,11 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import conditions, progress
-from plasmapyro.cfd import assemble, composition, trace
+from plasmapyro.cfd import assemble, composition
 from plasmapyro.cfd.mapping import parse
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.species import SPECIES
+from plasmapyro.sightline import trace
 from plasmapyro.sightline.hemisphere import directions
 from plasmapyro.sightline.ray import spread
 from plasmapyro.sightline.stage import FINE_SAMPLES, SURFACE_LENGTH, beyond_the_field, bundle

@@ -8,7 +8,7 @@ from plasmapyro.checks import positive
 from plasmapyro.facility.stagnation_line import Edge
 from plasmapyro.flow.properties import gas_properties
 from plasmapyro.gas.species import AIR, nitrogen_of
-from plasmapyro.sightline.sampling import interpolate, locate
+from plasmapyro.sightline.stage import on_line
 
 EDGE_RADII = 0.6  # distance of the edge of a stagnation line, in radii of the probe
 JET_RADII = 2.0  # distance at which the jet no longer knows of the probe, likewise
@@ -131,6 +131,5 @@ def _on_axis(flow, distance):
 
 
 def _value(flow, name, distance, r):
-    z = np.array([flow.attrs["stagnation_point_z"] - distance])
-    place = locate(flow.node_z.values, flow.node_r.values, flow.face_node.values, z, np.array([r]))
-    return float(interpolate(flow[name].values, flow.face_node.values, flow.face_midnode.values, place)[0])
+    place = flow.attrs["stagnation_point_z"] - distance
+    return float(on_line(flow, place, r, [name])[name][0])

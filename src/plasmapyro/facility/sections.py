@@ -5,10 +5,11 @@ import json
 import numpy as np
 
 from plasmapyro.flow.properties import gas_properties
-from plasmapyro.sightline.sampling import interpolate, locate
+from plasmapyro.sightline.stage import on_line
 
 SECTIONS, POINTS = 80, 161
 EDGE = 1e-6  # [m] off the walls, so that points lie inside
+NAMES = ("temperature", "axial_velocity", "pressure", "joule_heating")
 HOT = 3000.0  # [K]: gas of the jet, not of the cold sheath
 
 
@@ -32,17 +33,14 @@ def sections(flow, gas):
     properties = gas_properties(gas, pressure, float(flow.attrs["wall_temperature"]))
     end = float(flow.attrs["stagnation_point_z"])
     found = {"position": np.linspace(EDGE, end - EDGE, SECTIONS)}
-    node_z, node_r, face = flow.node_z.values, flow.node_r.values, flow.face_node.values
+    node_z, node_r = flow.node_z.values, flow.node_r.values
     found["exit"] = length = float(json.loads(flow.attrs["torch"])["length"])
     inner, outer = node_r[node_z < length - EDGE].max(), node_r.max()
     rows = []
     for z in found["position"]:
         r = np.linspace(0.0, inner if z < length else outer, POINTS)
-        place = locate(node_z, node_r, face, np.full_like(r, z), np.clip(r, EDGE, r[-1] - EDGE))
-        kelvin, speed, there, heating = (
-            interpolate(flow[name].values, face, flow.face_midnode.values, place)
-            for name in ("temperature", "axial_velocity", "pressure", "joule_heating")
-        )
+        inside = np.clip(r, EDGE, r[-1] - EDGE)
+        kelvin, speed, there, heating = on_line(flow, np.full_like(r, z), inside, NAMES).values()
         flux = properties.density(kelvin)[0] * speed
         columns = (
             flux * speed,

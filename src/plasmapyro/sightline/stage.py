@@ -7,11 +7,12 @@ from plasmapyro import conditions
 from plasmapyro.checks import increasing, positive
 from plasmapyro.gas.argon import densities, species_of
 from plasmapyro.gas.species import AIR, argon_of, gas_name, nitrogen_of
-from plasmapyro.sightline import ray, sampling
+from plasmapyro.sightline import ray, trace
 from plasmapyro.sightline.hemisphere import directions
 
 FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
 SURFACE_LENGTH = 2e-4  # [m], about the smallest cell on the probe
+NEAR = 1e-4  # [m] of a path that finds the cell of a single point
 OUTER_POINTS = 4  # nodes of each uniform stretch outside the flow field
 WINDOW_THICKNESS = 1e-6  # [m]
 """ASSUME: the state jumps at the window; path_distance must increase, so the jump takes 1 um."""
@@ -75,7 +76,7 @@ def line_of_sight(
         )
     chamber, laboratory = beyond_the_field(leaves, window_distance, instrument_distance)
     beyond = np.concatenate([chamber, laboratory])
-    z, r = ray.position(beyond, float(flow.attrs["stagnation_point_z"]), angle)
+    z, r = ray.towards(float(flow.attrs["stagnation_point_z"]), angle).at(beyond).T
     outside = {
         "path_distance": beyond,
         "axial_position": z,
@@ -261,34 +262,65 @@ def _inside(flow, angle, points):
         nose = float(flow.attrs["stagnation_point_z"])
     except KeyError:
         raise ValueError("flow lacks the attribute stagnation_point_z [m], where the path starts") from None
-    node_z, node_r = flow["node_z"].values, flow["node_r"].values
-    faces, middles = _indices(flow, "face_node"), _indices(flow, "face_midnode")
-    end = ray.exit_distance(node_z, node_r, faces, nose, angle)
+    names = ["temperature", "pressure", *(["temperature_error"] if "temperature_error" in flow else [])]
+    field, path = _field_of(flow, names), ray.towards(nose, angle)
+    found = trace.crossings(field, path, 2 * float(np.linalg.norm(np.ptp(field.points, axis=0))))
+    if not found.simplex.size:
+        raise ValueError(
+            f"the path at {np.degrees(angle):g} deg from z = {nose:g} m meets no boundary of the mesh"
+        )
+    end = float(trace.stretches(found)[0, 1])
 
-    def along(distance, *names):
-        z, r = ray.position(distance, nose, angle)
-        location = sampling.locate(node_z, node_r, faces, z, r)
-        fields = [sampling.interpolate(flow[name].values, faces, middles, location) for name in names]
-        return z, r, *fields
+    def along(distance, wanted):
+        return trace.values_along(field, path, found, distance, wanted)
 
     # Geometric, so that the boundary layer on the probe is resolved as well as the jet.
     fine = SURFACE_LENGTH * np.expm1(np.linspace(0, np.log1p(end / SURFACE_LENGTH), FINE_SAMPLES))
     fine[-1] = end
-    *_, fine_temperature = along(fine, "temperature")
-    nodes = ray.spread(fine, fine_temperature, points=points, surface_length=SURFACE_LENGTH)
-    z, r, temperature, pressure = along(nodes, "temperature", "pressure")
-    known = {}
-    if "temperature_error" in flow:
+    kelvin = along(fine, ["temperature"])["temperature"]
+    nodes = ray.spread(fine, kelvin, points=points, surface_length=SURFACE_LENGTH)
+    z, r = path.at(nodes).T
+    known = along(nodes, names)
+    if "temperature_error" in known:
         # Between the nodes the quadratic can dip below zero where the error falls steeply.
-        known["temperature_error"] = np.maximum(along(nodes, "temperature_error")[2], 0.0)
-    return {
-        "path_distance": nodes,
-        "axial_position": z,
-        "radial_position": r,
-        "temperature": temperature,
-        "pressure": pressure,
-        **known,
-    }
+        known["temperature_error"] = np.maximum(known["temperature_error"], 0.0)
+    return {"path_distance": nodes, "axial_position": z, "radial_position": r, **known}
+
+
+def on_line(flow, z, r, names):
+    """Quantities of a computed flow at points on one straight line through its plane.
+
+    Parameters
+    ----------
+    flow : Dataset, contract 'flow'
+    z, r : (P,) arrays [m]
+        Axial position and distance from the axis; the outermost are the first and the last.
+    names : sequence of str
+
+    Returns
+    -------
+    dict of name -> (P,) ndarray
+
+    Raises
+    ------
+    ValueError
+        A line outside the flow field.
+    """
+    z, r = np.atleast_1d(z), np.atleast_1d(r)
+    field, distance = _field_of(flow, names), np.hypot(z - z[0], r - r[0])
+    step = np.array([z[-1] - z[0], r[-1] - r[0]]) / distance[-1] if distance[-1] else (-1.0, 0.0)
+    path = trace.Ray(np.array([z[0], r[0], 0.0]), np.array([*step, 0.0]), True)
+    found = trace.crossings(field, path, max(distance[-1], NEAR))
+    if not found.simplex.size:
+        raise ValueError(f"the line from z = {z[0]:.6g} m, r = {r[0]:.6g} m misses the flow field")
+    return trace.values_along(field, path, found, distance, list(names))
+
+
+def _field_of(flow, names):
+    """Some quantities of a computed flow as a `trace.Field` over (axial, radial)."""
+    points = np.stack([flow["node_z"].values, flow["node_r"].values], axis=1)
+    values = {name: flow[name].values for name in names}
+    return trace.Field(points, _indices(flow, "face_node"), _indices(flow, "face_midnode"), values)
 
 
 def _indices(flow, name):

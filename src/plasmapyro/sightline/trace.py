@@ -4,11 +4,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plasmapyro.cfd.grid import EDGES
-
 CRACK = 0.1  # gaps shorter than this part of the median crossing of a cell are cracks between cells
+STRAIGHT = 1e-9  # of its length: what lies nearer to a straight ray may touch it
 TOUCH = 1e-12  # barycentric coordinate that still counts as inside
 ROWS = 400  # samples located at a time
+EDGES = {  # corners of a simplex -> those that each middle node lies between
+    3: ((0, 1), (1, 2), (2, 0)),
+    4: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    """Simplices with values at their nodes, in SI.
+
+    `points` (N, d) [m], `simplices` (M, d + 1), `middles` (M, edges) with -1 for cells without middle nodes,
+    `values` name -> (N,).
+    """
+
+    points: np.ndarray
+    simplices: np.ndarray
+    middles: np.ndarray
+    values: dict
 
 
 @dataclass(frozen=True)
@@ -45,7 +62,7 @@ def crossings(field, ray, reach):
 
     Parameters
     ----------
-    field : grid.Field
+    field : Field
     ray : Ray
     reach : float [m]
         Length of the ray.
@@ -72,6 +89,12 @@ def _near(field, ray, reach):
     """Indices of simplices that may touch the ray: their circumscribed ball about the centroid does."""
     corners = field.points[field.simplices]
     if ray.axisymmetric:
+        first, _, last = ends = ray.at([0.0, reach / 2, reach])
+        aside = np.array([first[1] - last[1], last[0] - first[0]]) / reach
+        if np.abs((ends - first) @ aside).max() <= TOUCH * reach:  # a straight line in these coordinates
+            side = ((field.points - first) @ aside)[field.simplices]
+            touch = STRAIGHT * reach
+            return np.flatnonzero((side.min(axis=1) <= touch) & (side.max(axis=1) >= -touch))
         along = ray.at(np.linspace(0, reach, 200))
         apart = reach / 199
         low, high = along.min(axis=0) - apart, along.max(axis=0) + apart
@@ -201,7 +224,7 @@ def values_along(field, ray, found, distance, names):
     weight = np.maximum(weight, 0.0)
     weight /= weight.sum(axis=1, keepdims=True)
     corner, middle = field.simplices[simplex], field.middles[simplex]
-    edges = EDGES["triangle6" if corner.shape[1] == 3 else "tetra10"]
+    edges = EDGES[corner.shape[1]]
     result = {}
     for name in names:
         value = field.values[name]
