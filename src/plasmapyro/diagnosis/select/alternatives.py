@@ -69,9 +69,11 @@ def _worth(search, step, unknown):
     return search.evidence(step.solution) + (prices.ENOUGH * float(step.unknown.max()) if unknown else 0.0)
 
 
-def by_other_window(search, steps):
-    """Rounds that end with a loss of the other window where one was found to grow clearer, if that explains
+def by_other_window(search, steps, unknown):
+    """Rounds that go on from a loss of the other window where one was found to grow clearer, if they explain
     nearly as much: beside a change of the emittance the two are each other's opposite.
+
+    Parameters and what is returned as of `by_pair`.
     """
     last = steps[-1]
     for place, one in enumerate(last.settings):
@@ -80,7 +82,8 @@ def by_other_window(search, steps):
             continue
         settings = list(last.settings)
         settings[place] = Setting(other, -one.amplitude, one.shape)
-        fit = search.fit(last.solution, tuple(settings))
-        if search.evidence(fit) > search.evidence(last.solution) - CLEARER:
-            return [*steps[:-1], search.look(search.pruned(fit))]
-    return steps
+        turned = search.look(search.fit(last.solution, tuple(settings)))
+        rounds, rest = walk(search, [*steps[:-1], turned], {})
+        if _worth(search, rounds[-1], rest) > _worth(search, last, unknown) - CLEARER:
+            return rounds, rest
+    return steps, unknown

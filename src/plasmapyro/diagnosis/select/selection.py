@@ -89,7 +89,7 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
     steps, unknown = walk(search, [first], trials)
     if steps[-1].settings or unknown:
         steps, unknown = by_pair(search, steps, unknown)
-        steps = by_other_window(search, steps)
+        steps, unknown = by_other_window(search, steps, unknown)
     if steps[-1].settings and not unknown and not _likelier(search, first, steps[-1]):
         steps, unknown = [first], left(search, first)
     final = steps[-1].solution
