@@ -1,9 +1,14 @@
-"""A small laboratory of our own making: raw calibration files and a test, of known truth."""
+"""A small laboratory of our own making: raw calibration files and a test, of known truth.
+
+A sample heats up and cools as radiating bodies do, behind the gas that the shipped simulation of 90 kW
+gives, which flickers; `docs/example` holds its files.
+"""
 
 import numpy as np
 import xarray as xr
+from scipy.signal import lfilter
 
-from plasmapyro import io
+from plasmapyro import io, shipped
 from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.stage import band_response
@@ -18,7 +23,11 @@ CURVE = (1.02, -8e-6, -5e-12)  # relative response of the detector
 FILTER = 0.5
 SENSITIVITY = 1e-6  # [A m2 sr W-1]
 EMITTANCE = 0.8
-GAS = 1000.0  # [K] black body whose signals stand for the gas, in other shares
+POWER = "90kW"  # the shipped simulation that is the gas
+FWHM, SLIT = 4e-9, 0.75e-9  # [m] of the spectrometer, of the simulation
+FLICKER, FLICKER_TIME = 0.006, 0.15  # [1], [s] of the light of the gas, an Ornstein-Uhlenbeck process
+NOISE, FLOOR = 1e-3, 1e-9  # [1], [A] of one sample of a signal
+OFF = 50.0  # [s] end of the plasma
 ATTRIBUTES = {
     "origin": "synthetic",
     "condition": "none",
@@ -59,10 +68,30 @@ Number of Pixels in Processed Spectrum: 150
 
 
 def temperature(moment):
-    """Of the surface [K]: dark to 6 s, then a rise to 1600 K; cooling when the plasma is off."""
+    """Of the surface [K]: it heats up from 350 towards 1610 K, and cools by radiation, 25 K/s at first."""
     moment = np.asarray(moment, dtype=float)
-    rise = np.where(moment <= 6, 350.0, np.clip(900 + (moment - 6) * 35, 900, 1600))
-    return np.where(moment > 50, 1600 - 20 * (moment - 50), rise)
+    heated = 350 + 1260 * (1 - np.exp(-np.clip(moment, 0, OFF) / 9)) ** 2
+    return (heated**-3.0 + 1.2e-11 * np.maximum(moment - OFF, 0)) ** (-1 / 3)
+
+
+def gas():
+    """Light of the gas: signals of the bands (2,) [A], radiance of the pixels (W,) [W m-2 sr-1 m-1]."""
+    found = shipped.by_condition()[POWER]
+    axis = found.wavelength_slit.values
+    width = np.sqrt(FWHM**2 - SLIT**2) / np.sqrt(8 * np.log(2))
+    share = np.exp(-0.5 * ((WAVELENGTH[:, None] - axis) / width) ** 2)
+    spectrum = share @ found.gas_radiance_slit.values / share.sum(axis=1)
+    return SENSITIVITY * found.gas_signal.values, spectrum
+
+
+def brightness(moment, span=0.0):
+    """Of the gas over its mean, averaged over `span` [s] about each moment."""
+    axis = np.arange(-10.0, 70.0, 0.02)
+    random, keep = np.random.default_rng(7), np.exp(-0.02 / FLICKER_TIME)
+    steps = np.sqrt(1 - keep**2) * random.standard_normal(axis.size)
+    value = lfilter([1.0], [1.0, -keep], steps)
+    around = np.asarray(moment, dtype=float)[..., None] + span * np.linspace(-0.5, 0.5, 9)
+    return 1 + FLICKER * np.interp(around, axis, value).mean(axis=-1)
 
 
 def raw(radiance, seconds, seed):
@@ -108,21 +137,29 @@ def calibration_folder(place):
     return place
 
 
+def seen(moment, span=0.5):
+    """Radiance (..., W) of surface and gas in an exposure about a moment."""
+    around = np.asarray(moment, dtype=float)[..., None] + span * np.linspace(-0.5, 0.5, 9)
+    surface = blackbody_radiance(WAVELENGTH, temperature(around)[..., None]).mean(axis=-2)
+    shining = np.mean(around <= OFF, axis=-1) * brightness(moment, span)
+    return EMITTANCE * surface + gas()[1] * shining[..., None]
+
+
 def made(pyrometer=True, spectrometer=True):
     """A test of known truth, spectra as raw counts."""
     test = xr.Dataset(attrs=ATTRIBUTES)
     if pyrometer:
         time = np.round(np.arange(-4.0, 60.0, 0.25), 9)
         surface = EMITTANCE * signals(temperature(time)) * (time >= 0)
-        gas = signals(GAS) * np.array([1.0, 0.2])
-        both = surface + gas[:, None] * (time <= 50)
-        both *= 1 + 0.001 * np.random.default_rng(1).standard_normal(both.shape)
+        both = surface + gas()[0][:, None] * brightness(time) * (time <= OFF)
+        random = np.random.default_rng(1)
+        both *= 1 + NOISE * random.standard_normal(both.shape)
+        both += FLOOR * random.standard_normal(both.shape)
         test["signal_wide"], test["signal_narrow"] = ("time", both[0]), ("time", both[1])
         test = test.assign_coords(time=time)
     if spectrometer:
         time = np.arange(1.0, 60.0, 2.0)
-        light = EMITTANCE * blackbody_radiance(WAVELENGTH, temperature(time)[:, None])
-        light += 3e8 * (time <= 50)[:, None]
+        light = seen(time)
         test["counts"] = (
             ("spectrum_time", "wavelength"),
             np.array([raw(row, 0.5, 10 + i) for i, row in enumerate(light)]),
@@ -176,7 +213,7 @@ def test_folder(place):
     rows = "".join(f"{t:.2f};{a:.4f};{b:.4f}\n" for t, a, b in columns)
     (place / "pyrometer.csv").write_text("Time [s];S1 [nA];S2 [nA]\n" + rows)
     for index, moment in enumerate(np.arange(2.0, 60.0, 4.0)):
-        light = EMITTANCE * blackbody_radiance(WAVELENGTH, temperature(moment)) + 3e8 * (moment <= 50)
+        light = seen(moment)
         name = f"spectrum_{index:03d}.txt"
         (place / "spectrometer" / name).write_text(spectrum(raw(light, 0.5, 50 + index), 0.5))
     (place / "dark.txt").write_text(spectrum(raw(0 * WAVELENGTH, 0.5, 9), 0.5))

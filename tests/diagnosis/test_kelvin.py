@@ -62,7 +62,7 @@ def laboratory_record():
         least_surface_share=0.5,
     )
     surface = laboratory.EMITTANCE * laboratory.signals(np.full(3, KELVIN))
-    gas = laboratory.signals(laboratory.GAS) * np.array([1.0, 0.2])
+    gas = laboratory.gas()[0]
     return record, reading, surface, gas[:, None]
 
 

@@ -10,8 +10,6 @@ from try_mistakes import EXAMPLE, outcome, run
 SILENT = {  # mistake -> why no rule can say it
     "black body of the spectrometer fifty kelvin too low": "two of the pyrometer's uncertainties of 20 K, and"
     " by Wien's law the shape of the spectra stays right",
-    "room light in the dark": "its hump of 4 % of the dark is no larger than the pattern of a real one:"
-    " 2 to 7 % in the measured darks of maya_lamp_counts.csv",
 }
 HARMLESS = {
     "transmittance of a filter for that of the window",
@@ -44,5 +42,7 @@ def test_a_mistake_is_refused_or_said(tmp_path, lab, name):
 
 def test_there_are_a_hundred_mistakes_and_the_page_says_how_many_pass():
     assert len(MISTAKES) >= 100 and len(SILENT) <= 3
-    numbers = re.search(r"Of (\d+) mistakes (\d+) pass silently", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    numbers = re.search(
+        r"Of (\d+) mistakes (\d+) pass(?:es)? silently", PAGE.read_text(encoding="utf-8"), re.DOTALL
+    )
     assert [int(number) for number in numbers.groups()] == [len(MISTAKES), len(SILENT)]

@@ -107,3 +107,18 @@ def test_a_bias_is_harmless_only_where_both_bands_have_little():
         wide, narrow = found["pyrometer_reference_bias"]
         assert narrow == pytest.approx(size / 4, rel=0.02) and wide < onset.LEAST_BIAS
         assert found["pyrometer_reference_verdict"] == word
+
+
+@pytest.mark.parametrize("end", [9.0, 10.0, 12.0])
+def test_a_surface_that_heats_by_itself_is_seen_before_it_rules(end):
+    """Wien's law at 0.9 and 1.0 um, 350 + 1260 (1 - exp(-t/9))^2 K: at 9 s 6 and 14 % of the gas."""
+    time = np.arange(0.0, 50.0, 0.25)
+    kelvin = 350 + 1260 * (1 - np.exp(-time / 9)) ** 2
+    level = 14388 * np.array([[1 / 0.9], [1.0]])
+    nine = 350 + 1260 * (1 - np.exp(-1.0)) ** 2
+    surface = np.array([[0.06], [0.14]]) * np.exp(level / nine - level / kelvin)
+    flicker = 0.006 * np.random.default_rng(2).standard_normal(time.size)
+    noise = 0.001 * np.random.default_rng(3).standard_normal((2, time.size))
+    found = onset.attributes("p", time, (1 + flicker + surface) * (1 + noise), (0.0, end), 50.0)
+    assert found["p_reference_verdict"] == onset.SHOWS
+    assert 6 < found["p_surface_onset"] < 9 and found["p_proposed_window"][1] < 6.5

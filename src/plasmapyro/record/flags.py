@@ -20,7 +20,9 @@ RULES = 0.3  # share of the surface in a signal from which on its slope is looke
 SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
 WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
 MAD = 1.4826 / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
-ALTERNATING = 0.25  # share of steps that turn back: 2/3 for noise, 0.4 for slow flicker, 0 for a smooth curve
+ALTERNATING = (
+    0.25  # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
+)
 
 
 def _run_lengths(same):
@@ -40,8 +42,8 @@ def _longest_by_chance(same, lengths):
 
 
 def _noisy(values):
-    """Whether a series (t,) is a measurement: noise turns back at every other step, a formula does not."""
-    step = np.diff(values[np.isfinite(values)])
+    """Whether a series (t,) is a measurement: noise bends to and fro, also on a rise; a formula does not."""
+    step = np.diff(values[np.isfinite(values)], 2)
     step = step[step != 0]
     return step.size > LONGEST and np.mean(step[1:] * step[:-1] < 0) > ALTERNATING
 

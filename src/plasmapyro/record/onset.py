@@ -7,10 +7,10 @@ import numpy as np
 LEAST_SAMPLES = 8  # in a window; fewer tell no trend from scatter
 SIGNIFICANT = 4.0  # standard deviations; reached by chance in 1 of 16 000 windows
 ABSENT = 2.0  # standard deviations below which a trend is taken as none
-POWER = 3  # of time: light of a heating surface grows faster than the square
+POWERS = (3, 6, 12, 24)  # of time: light of a heating surface grows faster than the square, soon far faster
 CANDIDATES = 60  # ends of windows that are tried
 LASTING = 3  # windows in a row that must show the surface
-PROPOSED = 0.6  # of the way to the onset: the growth is then 0.6^POWER, a fifth of what is just seen
+PROPOSED = 0.7  # of the way to the onset: the growth is then 0.7^6, a tenth of what is just seen
 
 CLEAN, DRIFTS, SHOWS, UNKNOWN = "clean", "gas_drifts", "surface_shows", "too_few_samples"
 HARMLESS = "harmless"  # seen, for a fast logger sees anything, and smaller than matters
@@ -33,12 +33,12 @@ class Verdict(NamedTuple):
 
 
 def trend(time, values, window):
-    r"""Least-squares growth as a power of time, its uncertainty widened for flicker.
+    r"""Least-squares growth as that power of time which leaves least, its uncertainty widened for flicker.
 
-    .. math:: S = a + b u^3, \quad u = \frac{t - t_0}{t_1 - t_0}, \qquad
-              u^2(b) = \frac{s^2}{\sum (u^3 - \overline{u^3})^2}\,\frac{1 + r_1}{1 - r_1}
+    .. math:: S = a + b u^p, \quad u = \frac{t - t_0}{t_1 - t_0}, \qquad
+              u^2(b) = \frac{s^2}{\sum (u^p - \overline{u^p})^2}\,\frac{1 + r_1}{1 - r_1}
 
-    with the lag-one correlation r_1 (>= 0) of the residuals.
+    with the lag-one correlation r_1 (>= 0) of the residuals, p among `POWERS`.
 
     Parameters
     ----------
@@ -49,17 +49,20 @@ def trend(time, values, window):
     -------
     Trend
     """
-    growing = ((time - window[0]) / (window[1] - window[0])) ** POWER
-    centred, rest = growing - growing.mean(), values - values.mean()
-    power = np.sum(centred**2)
-    growth = np.sum(centred * rest) / power
-    rest = rest - growth * centred
-    noise = np.sum(rest**2)
+    share = (time - window[0]) / (window[1] - window[0])
+    found = []
+    for growing in (share**power for power in POWERS):
+        centred, rest = growing - growing.mean(), values - values.mean()
+        power = np.sum(centred**2)
+        growth = np.sum(centred * rest) / power
+        rest = rest - growth * centred
+        found.append((np.sum(rest**2), growth, power, growing.mean(), rest))
+    noise, growth, power, mean, rest = min(found, key=lambda one: one[0])
     memory = np.clip(np.sum(rest[1:] * rest[:-1]) / noise, 0.0, 0.99) if noise > 0 else 0.0
     uncertainty = np.sqrt(noise / (time.size - 2) / power * (1 + memory) / (1 - memory))
     # A signal without any noise; one of zeros has neither growth nor uncertainty.
     floor = np.finfo(float).eps * np.abs(values).max() / np.sqrt(power) + np.finfo(float).tiny
-    return Trend(float(growth), float(growth / max(uncertainty, floor)), float(growth * growing.mean()))
+    return Trend(float(growth), float(growth / max(uncertainty, floor)), float(growth * mean))
 
 
 def verdict(time, signals, window):
