@@ -5,7 +5,7 @@ in which it equals pi sigma^2 for rigid spheres. The tables hold Q/pi.
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -44,18 +44,19 @@ class ElectronIntegrals:
     q24_electrons: np.ndarray
 
 
-def _curve(abscissa, ordinate):
-    """Monotone cubic in (ln x, ln y), continued by its end tangents as power laws."""
-    x, y = np.log(abscissa), np.log(ordinate)
+def _curves(abscissa, ordinates):
+    """Monotone cubics (points, columns) in (ln x, ln y), continued by their end tangents as power laws."""
+    x, y = np.log(abscissa), np.log(ordinates)
     inside = PchipInterpolator(x, y)
     slope = inside.derivative()
-    edges = [(x[k], y[k], float(slope(x[k]))) for k in (0, -1)]
+    edges = [(x[k], y[k], slope(x[k])) for k in (0, -1)]
 
     def evaluate(value):
-        at = np.log(value)
-        result = inside(np.clip(at, x[0], x[-1]))
+        at = np.log(value)[:, None]
+        result = inside(np.clip(at[:, 0], x[0], x[-1]))
         for (edge, level, tangent), out in zip(edges, (at < x[0], at > x[-1]), strict=True):
-            result = np.where(out, level + tangent * (at - edge), result)
+            if out.any():
+                result = np.where(out, level + tangent * (at - edge), result)
         return np.exp(result)
 
     return evaluate
@@ -63,21 +64,33 @@ def _curve(abscissa, ordinate):
 
 @cache
 def _pair_curves(name):
-    """{(first, second): {column: curve of temperature}} of one table of `data/gas`."""
+    """Pairs of one table of `data/gas` by the temperatures they are given at: (first, second, curves).
+
+    Numbers of the species (pairs,), and function temperature (points,) -> columns of the table as
+    (columns, points, pairs).
+    """
     table = tables.load(f"gas/{name}")
     columns = [c for c in table.columns if c not in ("first", "second", "temperature", "uncertainty")]
-    curves = {}
-    pairs = dict.fromkeys(zip(table["first"], table["second"], strict=True))
-    for first, second in pairs:
-        rows = (table["first"] == first) & (table["second"] == second)
-        temperature = table["temperature"][rows]
-        curves[first, second] = {c: _curve(temperature, table[c][rows]) for c in columns}
-    return curves
+    groups = {}
+    for pair in dict.fromkeys(zip(table["first"], table["second"], strict=True)):
+        rows = (table["first"] == pair[0]) & (table["second"] == pair[1])
+        groups.setdefault(tuple(table["temperature"][rows]), {})[pair] = [table[c][rows] for c in columns]
+    found = []
+    for temperature, pairs in groups.items():
+        first, second = np.array([[SPECIES.index(one) for one in pair] for pair in pairs]).T
+        values = np.transpose(list(pairs.values()), (2, 1, 0))  # temperature, column, pair
+        curves = _curves(temperature, values.reshape(len(temperature), -1))
+        found.append((first, second, partial(_by_column, curves, values.shape[1:])))
+    return found
+
+
+def _by_column(curves, shape, temperature):
+    return np.moveaxis(curves(temperature).reshape(-1, *shape), 1, 0)
 
 
 @cache
 def _coulomb_curves(kind):
-    """Curves of T*^2 Q/(pi lambda_D^2) in ln T*, for attractive or repulsive pairs."""
+    """Names, and curves of T*^2 Q/(pi lambda_D^2) in ln T*, for attractive or repulsive pairs."""
     table = tables.load("gas/collisions_coulomb")
     rows = table["kind"] == kind
     reduced = np.log(table["reduced_temperature"][rows])
@@ -86,16 +99,16 @@ def _coulomb_curves(kind):
     values["12"] = cstar * values["11"]
     values["13"] = (5 * cstar - bstar) / 4 * values["11"]
     values["23"] = estar * values["22"]
-    return {name: _logarithmic_curve(reduced, value) for name, value in values.items()}
+    return tuple(values), _logarithmic_curves(reduced, np.transpose(list(values.values())))
 
 
-def _logarithmic_curve(x, y):
-    """Monotone cubic in ln T*, continued by a straight line in ln T* (the Coulomb logarithm)."""
+def _logarithmic_curves(x, y):
+    """Monotone cubics (..., columns) in ln T*, continued by straight lines (the Coulomb logarithm)."""
     inside = PchipInterpolator(x, y)
-    tangent = float((y[-1] - y[-2]) / (x[-1] - x[-2]))
+    tangent = (y[-1] - y[-2]) / (x[-1] - x[-2])
 
     def evaluate(at):
-        return inside(np.clip(at, x[0], x[-1])) + tangent * np.maximum(at - x[-1], 0)
+        return inside(np.clip(at, x[0], x[-1])) + tangent * np.maximum(at - x[-1], 0)[..., None]
 
     return evaluate
 
@@ -150,8 +163,9 @@ def coulomb_integrals(kind, temperature, electron_density):
     """
     distance = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY * BOLTZMANN * temperature)
     reduced = np.log(debye_length(temperature, electron_density) / distance)
-    curves = _coulomb_curves(kind)
-    return {name: np.pi * distance**2 * curve(reduced) for name, curve in curves.items()}
+    names, curves = _coulomb_curves(kind)
+    values = np.moveaxis(np.pi * distance[..., None] ** 2 * curves(reduced), -1, 0)
+    return dict(zip(names, values, strict=True))
 
 
 def heavy_integrals(temperature, electron_density):
@@ -176,10 +190,10 @@ def heavy_integrals(temperature, electron_density):
     q11, q22 = np.empty(shape), np.empty(shape)
     bstar, cstar = np.full(shape, NEUTRAL_BSTAR), np.full(shape, NEUTRAL_CSTAR)
     for table in ("collisions_neutral", "collisions_ion_neutral"):
-        for (first, second), curves in _pair_curves(table).items():
-            i, k = SPECIES.index(first), SPECIES.index(second)
-            q11[:, i, k] = q11[:, k, i] = np.pi * curves["omega11"](temperature)
-            q22[:, i, k] = q22[:, k, i] = np.pi * curves["omega22"](temperature)
+        for i, k, curves in _pair_curves(table):
+            omega11, omega22 = curves(temperature)
+            q11[:, i, k] = q11[:, k, i] = np.pi * omega11
+            q22[:, i, k] = q22[:, k, i] = np.pi * omega22
     ions = slice(len(NEUTRALS), len(NEUTRALS) + len(IONS))
     neutral = slice(0, len(NEUTRALS))
     bstar[:, ions, neutral] = bstar[:, neutral, ions] = ION_NEUTRAL_BSTAR
@@ -210,10 +224,9 @@ def electron_integrals(temperature, electron_density):
     neutrals, for which no B*, C* of higher order are published (Magin & Degrez 2004).
     """
     values = {name: np.empty((temperature.size, ELECTRON)) for name in ("11", "12", "13", "14", "15")}
-    for (first, _), curves in _pair_curves("collisions_electron_neutral").items():
-        i = SPECIES.index(first)
-        q11 = np.pi * curves["omega11"](temperature)
-        bstar, cstar = curves["bstar"](temperature), curves["cstar"](temperature)
+    for i, _, curves in _pair_curves("collisions_electron_neutral"):
+        omega11, _, bstar, cstar = curves(temperature)
+        q11 = np.pi * omega11
         values["11"][:, i] = q11
         values["12"][:, i] = cstar * q11
         for name in ("13", "14", "15"):
