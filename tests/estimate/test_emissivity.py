@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.estimate.emissivity import Channels, follow, infer, log_emissivity, smooth_prior
+from plasmapyro.estimate.emissivity import Channels, Prior, follow, infer, log_emissivity, smooth_prior
 from plasmapyro.radiation.planck import blackbody_radiance
 
 PIXELS = np.linspace(0.5e-6, 1.0e-6, 60)
@@ -141,3 +141,34 @@ def test_five_bands_beat_two_grey_ones_and_know_how_well():
         assert np.sqrt(np.mean(grey**2)) >= 3 * np.sqrt(np.mean(error**2)), name
         inside = np.abs(np.log(found.temperature / kelvin)) < 1.959964 * found.relative_uncertainty
         assert 0.92 <= inside.mean() <= 0.98, name
+
+
+def test_evidence_is_the_integral_over_all_that_is_free():
+    """By a sum over a grid of 1000 K/T and one coefficient, between priors of two widths."""
+    at, kelvin = np.array([0.7e-6, 0.9e-6, 1.1e-6]), 1500.0
+    seen, tilt = light(0.7 * np.array([1.02, 1.0, 0.97]), [kelvin], at), (at / 0.9e-6 - 1)[:, None]
+    noise, logarithm = 0.01 * seen, np.full(3, np.log(0.7))
+    inverse = 1000 / kelvin + np.linspace(-0.06, 0.06, 801)[:, None, None]
+    unit = np.linspace(-6, 6, 601)[None, :, None]
+    found, summed = [], []
+    for width in (0.1, 0.4):
+        prior = Prior(logarithm, width * tilt)
+        found.append(infer(Channels(at), prior, seen, noise).evidence[0])
+        model = np.exp(logarithm + unit * width * tilt[:, 0]) * blackbody_radiance(at, 1000 / inverse)
+        chi = np.sum(((seen - model) / noise) ** 2, axis=-1) + unit[..., 0] ** 2
+        summed.append(np.log(np.exp(-chi / 2).sum()))
+    # Laplace: the model is not quite straight in both; some 1 % of a factor
+    assert found[0] - found[1] == pytest.approx(summed[0] - summed[1], abs=0.02)
+    assert abs(found[0] - found[1]) > 0.1
+
+
+@pytest.mark.parametrize("true", [1.0, 3.0])
+def test_surfaces_say_how_freely_their_emissivity_runs(true):
+    random = np.random.default_rng(5)
+    at = np.linspace(0.7e-6, 1.1e-6, 5)
+    priors = {one: smooth_prior(at, 0.7, level=0.1, shape=0.1 * one, length=2e-7) for one in (1.0, 3.0)}
+    drawn = random.standard_normal((200, priors[true].basis.shape[1])) @ priors[true].basis.T
+    seen = light(np.exp(priors[true].logarithm + drawn), np.full(200, 1500.0), at)
+    seen *= 1 + 0.003 * random.standard_normal(seen.shape)
+    told = {one: np.median(infer(Channels(at), p, seen, 0.003 * seen).evidence) for one, p in priors.items()}
+    assert max(told, key=told.get) == true

@@ -63,6 +63,12 @@ class Posterior(NamedTuple):
     converged: np.ndarray  # (n,) bool
 
     @property
+    def evidence(self):
+        """(n,) logarithm of the probability of the signal, by Laplace's method, but for a constant."""
+        size = np.nansum(self.residual**2, axis=1) + np.sum(self.state[:, 1:] ** 2, axis=1)
+        return (np.linalg.slogdet(self.covariance)[1] - size) / 2
+
+    @property
     def temperature(self):
         """(n,) [K]."""
         return UNIT / self.state[:, 0]

@@ -14,6 +14,7 @@ from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 MISFIT = 3.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface
+FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course: what the clearest samples say for
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 
 
@@ -44,7 +45,7 @@ def estimate_emissivity(
     level : float [1], or None
         Relative standard uncertainty of the emissivity as a whole; None: what the test states.
     shape : float [1]
-        Of its course over wavelength.
+        Of its course over wavelength: the least; up to three times as much where the light asks for it.
     length, memory : float [m], [s]
         Over which its course and its change in time are smooth.
     stray_light : float [1], of spectra
@@ -81,9 +82,6 @@ def estimate_emissivity(
     if level is None:
         level = record.emittance_uncertainty / record.emittance or UNTOLD
     mean = mean_emittance(test.attrs, wavelength)
-    prior = smooth_prior(wavelength, mean, level=level, shape=shape, length=length)
-    smooth = prior.basis.shape[1]
-    prior = prior._replace(basis=np.column_stack([prior.basis, light.basis]))
     state = _status(record, light)
     with np.errstate(invalid="ignore"):
         clearest = np.nanmax(
@@ -94,8 +92,18 @@ def estimate_emissivity(
     given = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     state[given & ~(clearest >= least_signal_to_noise)] = status.NO_SIGNAL
     used = np.isin(state, (status.VALID, status.GAS_DOMINATED))
-    data = np.where(used[:, None], seen, np.nan)
-    alone = infer(light.channels, prior, data, np.hypot(noise, light.independent * seen), light.linear)
+    data, error = np.where(used[:, None], seen, np.nan), np.hypot(noise, light.independent * seen)
+
+    def fitted(factor, rows=slice(None)):
+        """Prior of a course `factor` times as free, its shapes, and the fit of some samples."""
+        own = smooth_prior(wavelength, mean, level=level, shape=factor * shape, length=length)
+        whole = own._replace(basis=np.column_stack([own.basis, light.basis]))
+        found = infer(light.channels, whole, data[rows], error[rows], light.linear[rows])
+        return whole, own.basis.shape[1], found
+
+    rows = np.flatnonzero(used)[np.argsort(-clearest[used])[:TRIED]]
+    told = [np.nanmedian(fitted(one, rows)[2].evidence) for one in FREER] if rows.size else 0
+    prior, smooth, alone = fitted(FREER[int(np.argmax(told))])
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
     state[used & ~alone.converged] = status.NO_SIGNAL
     state[used & (misfit > MISFIT)] = status.CONTRADICTED
