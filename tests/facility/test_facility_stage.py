@@ -61,7 +61,8 @@ def test_the_flows_own_heat_flux_is_conductivity_times_slope(invented, gas):
     assert own_heat_flux(invented, gas) == pytest.approx(cold * SLOPE, rel=0.02)
 
 
-def test_readings_stand_beside_what_was_measured(invented, gas):
+def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
+    caplog.set_level("INFO")
     written = {
         "heat_flux_kw_m2": {"value": 40, "uncertainty": 4, "shape": "blunt", "radius_mm": 25}
         | {"wall_temperature_k": 350, "recombination": [0.01, 0.1]},
@@ -83,6 +84,13 @@ def test_readings_stand_beside_what_was_measured(invented, gas):
     assert float(rows["water_heat"].simulated_high) == 1e4
     assert float(rows["water_heat"].measured_value) == 12e3
     assert float(rows["electric_power"].simulated_low) == 6e4
+    assert (
+        "coil_current: measured 500 +- 20 A, simulated 550 to 550: 2.5 standard uncertainties too high"
+        in (caplog.messages)
+    )
+    assert any(
+        line.endswith("1e+04 to 1e+04: 2.0 standard uncertainties too low") for line in caplog.messages
+    )
     assert float(rows["pitot_pressure"].simulated_low) == pytest.approx(float(found.pitot_pressure[0]))
     # At 950 K there is nothing to recombine: catalysis cannot matter, and the flat probe takes less.
     low, high = (float(rows["heat_flux"][f"simulated_{end}"]) for end in ("low", "high"))

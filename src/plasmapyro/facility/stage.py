@@ -1,5 +1,7 @@
 """Stages of the facility group: what probes read in each computed flow, and what measured pairs say of it."""
 
+import logging
+
 import numpy as np
 import xarray as xr
 
@@ -9,6 +11,8 @@ from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pr
 from plasmapyro.facility.probes import EFFECTIVE_RADIUS, enthalpy, pitot_pressure
 from plasmapyro.facility.stagnation_line import solve
 from plasmapyro.facility.verdict import judge
+
+log = logging.getLogger(__name__)
 
 TORCH_WALLS = ("back_wall", "tube_wall")
 
@@ -30,7 +34,8 @@ def probe_readings(
     wall_temperature : float [K]
     pitot_radius : sequence of float [m]
     measured : mapping, optional
-        The key `measured` of a condition in SI: quantity -> mapping of value, uncertainty and probe.
+        The key `measured` of a condition in SI: quantity -> mapping of value, uncertainty and probe. How
+        each fits is logged in a sentence.
 
     Returns
     -------
@@ -74,6 +79,8 @@ def probe_readings(
     if not measured:
         return found
     rows = [_beside(name, one, flow, edge, jet, rates[0]) for name, one in measured.items()]
+    for name, row in zip(measured, rows, strict=True):
+        log.info("%s: %s", name, _verdict(name, *row))
     names = ("measured_value", "measured_uncertainty", "simulated_low", "simulated_high")
     values = np.array([row[1:] for row in rows], dtype=float).T
     return found.assign(
@@ -103,6 +110,16 @@ def _beside(name, measured, flow, edge, jet, rates):
         heat = float(flow.boundary_heat_flow.sel(boundary=list(TORCH_WALLS)).sum())
         return "W", *known, heat, heat
     return "W", *known, *2 * [float(flow.numerical_power)]
+
+
+def _verdict(name, unit, value, uncertainty, low, high):
+    """One measured quantity beside what the flow gives, in one sentence."""
+    if name == "electric_power":
+        return f"{low:g} of {value:g} +- {uncertainty:g} {unit} reach the gas: efficiency {low / value:.2f}"
+    known = f"measured {value:g} +- {uncertainty:g} {unit}, simulated {low:.4g} to {high:.4g}"
+    off = max(low - value, value - high, 0.0) / uncertainty
+    way = "high" if low > value else "low"
+    return f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
 
 
 def _at_edge(jet, edge):
