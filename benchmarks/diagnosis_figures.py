@@ -2,7 +2,7 @@
 
     python benchmarks/diagnosis_figures.py results/diagnosis/csic_160kW docs/figures
 
-Writes diagnosis_temperature.svg, diagnosis_answers.svg and diagnosis_gas.svg.
+Writes diagnosis_temperature.svg and diagnosis_gas.svg.
 """
 
 import argparse
@@ -25,7 +25,6 @@ def main(arguments=None):
     with xr.open_dataset(asked.folder / "temperature.nc") as temperature:
         drawn = {
             "temperature": figures.temperature(report, temperature.load()),
-            "answers": figures.evidence(report),
             "gas": figures.systems(report),
         }
     for name, svg in drawn.items():
