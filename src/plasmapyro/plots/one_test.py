@@ -202,4 +202,4 @@ def picture(test, result, paths):
     _, axes = style.figure(size=(5.6, 2.9 * len(drawn)), nrows=len(drawn), squeeze=False)
     for one, draw in zip(axes[:, 0], drawn, strict=True):
         draw(one, test, result)
-    style.save(axes[0, paths, 0], result)
+    style.save(axes[0, 0], paths, result)

@@ -39,7 +39,7 @@ def limit_over_conditions(study, paths):
     level = 100 * float(study.attrs["error_level"])
     drawing.colorbar(mesh, ax=rows[0].tolist(), label=f"$T_{{obj}}$ at $e={level:g}$ % [K]")
     drawing.suptitle(_where(chosen), fontsize=8)
-    style.save(rows[0, paths, -1], study)
+    style.save(rows[0, -1], paths, study)
 
 
 def limit_over_emittance(study, paths):
