@@ -15,6 +15,12 @@ HARMLESS = {
     "transmittance of a filter for that of the window",
     "last spectra of the series lost",
     "first points read before the source was warm",
+    "missing samples of one band written as minus 9999",  # read as what they are, as the next ones
+    "a cell says OVER",
+    "a cell says VALUE",
+    "a cell says inf",
+    "a row of units below the header",
+    "utf 16 without its mark",
 }
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "your-own-data.md"
 
