@@ -146,6 +146,7 @@ localrules:
     claims,
     facility,
     figures_facility,
+    workflow_copy,
     crate,
     report,
     figures_instrument,

@@ -37,19 +37,39 @@ def made_for(targets):
     return sorted(found)
 
 
+COPIES = [f"results/workflow/{path}" for path in USED]
+BEGUN_WITH = [io.digest(path) for path in USED]
+
+
+# Apart from the crate: Snakemake digests all inputs of a rule again for each of its outputs.
+rule workflow_copy:
+    input:
+        used=USED,
+    output:
+        COPIES,
+    log:
+        "results/logs/workflow_copy.log",
+    benchmark:
+        "results/benchmarks/workflow_copy.tsv"
+    params:
+        begun_with=BEGUN_WITH,
+    script:
+        "../scripts/workflow_copy.py"
+
+
 rule crate:
     input:
         results=lambda wildcards: made_for([*FIGURES, *RESULTS]),
         used=USED,
+        copies=COPIES,
     output:
-        metadata=CRATE,
-        used=[f"results/workflow/{path}" for path in USED],
+        CRATE,
     log:
         "results/logs/crate.log",
     benchmark:
         "results/benchmarks/crate.tsv"
     params:
         publication=config["publication"],
-        begun_with=[io.digest(path) for path in USED],
+        begun_with=BEGUN_WITH,
     script:
         "../scripts/crate.py"

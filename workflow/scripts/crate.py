@@ -8,12 +8,11 @@ from plasmapyro.report.crate import compose
 from plasmapyro.versions import versions
 
 io.log_to(snakemake.log[0])
-given, made = snakemake.input, snakemake.output
+given = snakemake.input
 workspace.require_unchanged(given.used, snakemake.params.begun_with)
-io.write_texts(map(io.read_text, given.used), made.used)
 results, workflow = (
     {os.path.relpath(path, "results"): (io.digest(path), os.path.getsize(path)) for path in paths}
-    for paths in (given.results, made.used)
+    for paths in (given.results, given.copies)
 )
 text = compose(
     results,
@@ -22,4 +21,4 @@ text = compose(
     publication=snakemake.params.publication,
     versions={"snakemake": version("snakemake"), **dict(versions())},
 )
-io.write_text(text, made.metadata)
+io.write_text(text, snakemake.output[0])
