@@ -54,8 +54,9 @@ def hot(cases, limit):
 
 def uncovered(cases):
     """Sentence about cases whose interval holds the truth less than half of the time."""
+    held = [one["score"]["temperature"]["extended"]["coverage"] for one in cases]
     return most(
         (hidden(one), answer(one))
-        for one in cases
-        if one["score"]["temperature"]["extended"]["coverage"] < 0.5
+        for one, share in zip(cases, held, strict=True)
+        if share is not None and share < 0.5  # None of a sample that never gets hot
     )

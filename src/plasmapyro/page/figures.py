@@ -295,6 +295,33 @@ def impact(report, most=14):
     return drawn(draw, "impact", (SIZE[0], 1.3 + 0.32 * max(len(rows), 3)))
 
 
+def evidence(report, most=8):
+    """Probability of each answer."""
+    probability = report["verdict"]["probability"]
+    known = names(report)
+    rows = sorted(probability.items(), key=lambda pair: -pair[1])[:most][::-1]
+
+    def draw(axes):
+        place = np.arange(len(rows))
+        axes.barh(place, [max(value, 1e-6) for _, value in rows], color="#6b8fb8")
+        axes.set_yticks(place, [textwrap.fill(known.get(key, key), 28) for key, _ in rows], fontsize=8)
+        axes.set_xscale("log")
+        axes.set_xlim(1e-6, 1.5)
+        axes.set_xlabel("probability, given these data")
+        for at, (_, value) in zip(place, rows, strict=True):
+            axes.text(
+                max(value, 1e-6) * 0.8 if value > 1e-3 else 2e-6,
+                at,
+                f"{value:.2g}",
+                va="center",
+                ha="right" if value > 1e-3 else "left",
+                fontsize=8,
+            )
+        axes.grid(visible=False, axis="y")
+
+    return drawn(draw, "evidence", (SIZE[0], 1.1 + 0.3 * max(len(rows), 3)))
+
+
 def component(report, index):
     """Leading pattern of the residuals of an instrument: its history and its spectrum."""
     entry = report["show"]["components"][index]
