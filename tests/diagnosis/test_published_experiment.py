@@ -79,7 +79,7 @@ def test_the_rule_takes_a_simulation_that_the_efficiency_implies():
 
 def test_another_vibrational_temperature_keeps_the_number_of_molecules():
     energy = np.array([0.0, 1.7e5, 3.4e5, 5.0e5])  # [m-1]
-    lines = SimpleNamespace(upper_energy=6e6 + energy + 300.0, upper_rotation=np.full(4, 300.0))
+    lines = SimpleNamespace(upper_vibration=(energy, energy))
     factor = vibrational(lines, 6000.0, 0.8)
     population = np.exp(-1.438776877e-2 * energy / 6000.0)
     assert np.sum(population * factor) == pytest.approx(np.sum(population), rel=1e-4)

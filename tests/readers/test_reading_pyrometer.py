@@ -88,7 +88,6 @@ REFUSED = {
     "time going back": (lambda t: t.replace("4.0,54", "2.5,54"), "the time goes back"),
     "no time": (lambda t: t.replace("4.0,54", ",54"), "samples have no time"),
     "a word": (lambda t: t.replace("54.00", "high"), "line 6: 'high' in column 'S1' is not a number"),
-    "infinity": (lambda t: t.replace("54.00", "inf"), "'inf' in column 'S1' is not a number"),
     "overflow": (lambda t: t.replace("54.00", "9e999"), "is not a number"),
     "a short row": (lambda t: t.replace("4.0,54.00,", "4.0,"), "line 6: 2 cells, the header has 3"),
     "cut off": (lambda t: t[:-3], "may be cut off"),
@@ -102,6 +101,12 @@ REFUSED = {
     "no data": (lambda t: t.splitlines()[0] + "\n", "a header and no data"),
     "binary": (lambda t: t + "\0\1", "binary data"),
 }
+
+
+@pytest.mark.parametrize("word", ["inf", "1.#INF", "OVER"])
+def test_what_a_logger_prints_beyond_its_range_is_no_sample(tmp_path, word):
+    test = read(tmp_path, pyrometer__csv=samples.table().replace("54.00", word))
+    assert np.isnan(test.signal_wide).sum() == 1
 
 
 @pytest.mark.parametrize("case", REFUSED)
