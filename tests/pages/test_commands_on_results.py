@@ -24,10 +24,10 @@ def test_a_command_on_results_runs(command, tmp_path, monkeypatch, capsys):
     assert call(words) == 0, capsys.readouterr().err
 
 
-def test_the_worked_example_of_the_diagnosis_quotes_the_results():
+def test_the_worked_example_of_the_paper_quotes_the_results():
     if "PLASMAPYRO_RESULTS" not in os.environ:
         pytest.skip("needs the results of the main job (make compare)")
-    page = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
     tables = ROOT / os.environ["PLASMAPYRO_RESULTS"] / "diagnosis" / "published_experiment.md"
     rows = [row for row in tables.read_text(encoding="utf-8").splitlines() if row.startswith("|")]
     missing = [row for row in rows if row not in page]
