@@ -15,7 +15,8 @@ def wandering(model, solution):
     .. math:: r = \frac{\langle d^2 \rangle + \langle \mathrm{var}\,d \rangle}{\sigma_d^2}
 
     with the second differences d of neighbouring knots after the fit, their posterior variance and their
-    variance before the data; a drift has none, and the largest ones, which may be events, are left out.
+    variance before the data; a drift has none, and the largest ones, which may be events, are left out, the
+    mean of the rest being over what it is of a normal law. The prior's times the root of r, at most `MOST`.
 
     Notes
     -----
