@@ -214,7 +214,7 @@ def drift_of(flow, gas):
 
 def main(paths):
     gas, rows = bench.air(), bench.read_table(bench.DOCS / "flow_stability.csv")
-    jets = sorted((bench.STORE / "jets").glob("*5kW.nc"))  # of plasmatron_jets.py
+    jets = sorted((bench.STORE / "jets").glob("air_*5kW.nc"))  # of plasmatron_jets.py
     bench.write_table("flow_drift", [drift_of(io.read(path, "flow"), gas) for path in (*paths, *jets)])
     for path in paths:
         found = rows_of(io.read(path, "flow"), gas)

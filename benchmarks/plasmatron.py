@@ -16,9 +16,29 @@ from plasmapyro.facility.prediction import NOSES, QUANTITIES, Explanations, jets
 from plasmapyro.plots import style
 
 DOCS = Path(__file__).parents[1] / "docs"
-PITOT = (5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 150.0, 200.0)  # [Pa]
-PRESSURES = (5e3, 1e4)  # [Pa] of the chamber
-PAIR = {"pair": "Num-2", "flux_uncertainty": 0.1, "pressure_uncertainty": 0.05, "draws": 1000, "seed": 1}
+PITOT = (
+    5.0,
+    7.0,
+    10.0,
+    12.0,
+    13.5,
+    15.0,
+    16.0,
+    17.5,
+    20.0,
+    25.0,
+    30.0,
+    40.0,
+    50.0,
+    70.0,
+    100.0,
+    140.0,
+    200.0,
+)  # [Pa]
+TICKS = (5, 10, 15, 30, 50, 100, 200)
+JETS = (("air", 5e3), ("air", 1e4))  # gas, pressure of the chamber [Pa]
+PAIR = {"pair": "Num-2", "flux_uncertainty": 0.1, "pressure_uncertainty": 0.05, "mixing_spread": 0.25}
+PAIR |= {"draws": 2000, "seed": 1}
 RIVALS = {  # recombination and Pitot nose [m] that are admitted
     "all admitted": ((0.01, 0.1), (0.005, 0.025)),
     "catalytic wall, nose 25 mm": ((0.1, 1.0), (0.0249, 0.025)),
@@ -30,22 +50,23 @@ NO_MIXING = "no mixing, poor wall, nose 5 mm"
 def predictions():
     """Rows of the table: heat flux, temperature and enthalpy at each Pitot pressure, by rival."""
     rows = []
-    for pressure in PRESSURES:
+    for jet in JETS:
         for rival, (gamma, nose) in RIVALS.items():
-            found = predict(PITOT, pressure, recombination=gamma, nose=nose, **PAIR)
+            found = predict(PITOT, jet[1], gas=jet[0], recombination=gamma, nose=nose, **PAIR)
             ends = np.stack([found[name] for name in QUANTITIES])  # (quantity, end, pitot)
-            rows += [row_of(pressure, rival, k, ends[..., k], found["inside"][k]) for k in range(len(PITOT))]
+            rows += [row_of(jet, rival, k, ends[..., k], found["inside"][k]) for k in range(len(PITOT))]
         wall = Explanations(np.array([0.01]), np.array([0]), np.array([NOSES[0]]), warmth=0.0)
-        values, inside = jets().at(PITOT, pressure, wall)
+        values, inside = jets(jet[0]).at(PITOT, jet[1], wall)
         for k, value in enumerate(np.exp(values[0, 0])):
             ends = np.repeat(value[:, None], 3, axis=1)
-            rows.append(row_of(pressure, NO_MIXING, k, ends, inside[0, 0, k]))
+            rows.append(row_of(jet, NO_MIXING, k, ends, inside[0, 0, k]))
     return rows
 
 
-def row_of(pressure, rival, k, ends, inside):
+def row_of(jet, rival, k, ends, inside):
     """Row of the table; `ends` (quantity, 3) in SI."""
-    row = {"chamber_mbar": f"{pressure / 100:g}", "pitot_pa": f"{PITOT[k]:g}", "explanation": rival}
+    row = {"gas": jet[0], "chamber_mbar": f"{jet[1] / 100:g}", "pitot_pa": f"{PITOT[k]:g}"}
+    row["explanation"] = rival
     for name, factor, digits, values in zip(COLUMNS, FACTORS, DIGITS, ends, strict=True):
         for end, value in zip(("low", "median", "high"), values, strict=True):
             row[f"{name}_{end}"] = f"{factor * value:.{digits}f}"
@@ -59,12 +80,12 @@ FACTORS, DIGITS = (1e-3, 1.0, 1e-6, 1.0, 1e-3), (0, 0, 1, 0, 0)
 
 def draw(rows):
     """Heat flux and temperature against Pitot pressure, by rival, and the measured pairs."""
-    drawing, axes = style.figure(size=(7.2, 4.8), nrows=2, ncols=2, sharex=True, sharey="row")
+    drawing, axes = style.figure(size=(11, 4.8), nrows=2, ncols=len(JETS), sharex=True, sharey="row")
     pairs = tables.load("facility/plasmatron_pairs")
-    for column, pressure in enumerate(PRESSURES):
+    for column, (gas, pressure) in enumerate(JETS):
         for rival, colour in zip((*RIVALS, NO_MIXING), ("0.8", "#d62728", "#4e79a7", "0.1"), strict=True):
             ours = [row for row in rows if row["explanation"] == rival]
-            ours = [row for row in ours if row["chamber_mbar"] == f"{pressure / 100:g}"]
+            ours = [row for row in ours if (row["gas"], row["chamber_mbar"]) == (gas, f"{pressure / 100:g}")]
             for panel, name in zip(axes[:, column], ("heat_flux_kw_m2", "temperature_k"), strict=True):
                 low, middle, high = (
                     [float(row[f"{name}_{end}"]) for row in ours] for end in ("low", "median", "high")
@@ -81,9 +102,9 @@ def draw(rows):
                         PITOT, middle, color=colour, ls="--" if rival == NO_MIXING else "-", label=rival
                     )
         upper, lower = axes[:, column]
-        upper.set(xscale="log", yscale="log", title=f"air, {pressure / 100:g} mbar")
+        upper.set(xscale="log", yscale="log", title=f"{gas}, {pressure / 100:g} mbar")
         lower.set(xlabel="Pitot pressure [Pa]")
-        for axis, ticks in ((upper.xaxis, PITOT[::2]), (upper.yaxis, (100, 200, 500, 1000, 2000, 5000))):
+        for axis, ticks in ((upper.xaxis, TICKS), (upper.yaxis, (100, 200, 500, 1000, 2000, 5000))):
             axis.set_ticks(ticks, [f"{tick:g}" for tick in ticks])
             axis.set_minor_formatter("")
     known = 1e-3 * pairs["heat_flux"]

@@ -7,6 +7,7 @@ import numpy as np
 
 from plasmapyro import tables
 from plasmapyro.checks import positive, within
+from plasmapyro.gas.species import AIR
 
 RATES = ("kossyi", "park")
 NOSES = (0.005, 0.0125, 0.025)  # [m]
@@ -14,6 +15,8 @@ RECOMBINATION = (0.01, 0.1, 1.0)
 RADIUS = 0.025  # [m]: hemisphere whose heat flux the table holds
 ENDS = (0.025, 0.5, 0.975)
 QUANTITIES = ("heat_flux", "temperature", "enthalpy", "speed", "numerical_power")
+GASES = {"air": AIR["N2"], "N2": 1.0}  # mole fraction of N2 in the cold gas
+AXES = ("pressure", "mixing", "power")
 LEAST_SHARE = 0.05  # of the draws that must meet the pair
 PAIR_PRESSURE = 5000.0  # [Pa] of the chamber at which the pairs were measured
 MIDDLE = 0.01  # recombination that lets pass half of what meets a copper wall at 50 mbar, in Goulard's form
@@ -116,23 +119,28 @@ class Jets:
 
 
 @cache
-def jets():
-    """The Jets of the data table 'facility/jets', on a finer grid of mixing lengths."""
+def jets(gas="air"):
+    """The Jets in a gas of the data table 'facility/jets', on a finer grid of mixing lengths."""
     table = tables.load("facility/jets")
     axes = [np.unique(table[name]) for name in ("pressure", "mixing", "power")]
-    place = tuple(
-        np.searchsorted(axis, table[name])
-        for axis, name in zip(axes, ("pressure", "mixing", "power"), strict=True)
-    )
     pitot = [f"pitot_{1e3 * nose:g}_mm" for nose in NOSES]
     flux = [f"flux_{rates}_{gamma}" for rates in RATES for gamma in ("0.01", "0.1")]
     state = ["temperature", "enthalpy", "speed", "power"]
     names = [*pitot, *state, *flux, "flux_equilibrium"]
-    values = np.full((*map(len, axes), len(names)), np.nan)
-    values[place] = np.log(np.stack([table[name] for name in names], axis=-1))
+    values = np.full((len(GASES), *map(len, axes), len(names)), np.nan)
+    place = tuple(np.searchsorted(axis, table[axis_of]) for axis, axis_of in zip(axes, AXES, strict=True))
+    kinds = list(GASES)
+    kind = np.array([kinds.index(one) for one in table["gas"]])
+    values[kind, *place] = np.log(np.stack([table[name] for name in names], axis=-1))
     values[..., names.index("power")] = np.log(axes[2])
     computed = np.isfinite(values[..., 0])
-    values = carried_over(values, computed)
+    base = int(np.searchsorted(axes[0], PAIR_PRESSURE))
+    model = None
+    for k in range(kinds.index(gas) + 1):
+        model = values[k, base] = carried_over(values[k, base], computed[k, base], model)
+    values, computed = values[k], computed[k]
+    for p in range(len(axes[0])):
+        values[p] = carried_over(values[p], computed[p], model)
     pressure, mixing = axes[:2]
     fine = np.linspace(mixing[0], mixing[-1], FINE)
     weights = _weights(fine, mixing)
@@ -143,26 +151,23 @@ def jets():
     return Jets(pressure, fine, values[..., : len(pitot)], values[..., len(pitot) : first], flux, computed)
 
 
-def carried_over(values, computed):
-    """Logarithms (p, m, w, k) with the jets that were not computed.
+def carried_over(values, computed, model=None):
+    """Logarithms (m, w, k) with the jets that were not computed.
 
-    At the pressure with most jets the ratio of two powers is that of the next mixing; at another pressure all
-    ratios of jets are those at that pressure, from the nearest jet computed there. From one of the nine jets
-    at 100 mbar the others follow within 14 % of Pitot pressure, 13 % of heat flux and 3 % of temperature.
+    Their ratios to the nearest jet computed are those of `model`, jets at another pressure or in another gas.
+    Without it the ratio of two powers is that of the next mixing. From one of the nine jets at 100 mbar the
+    others follow within 14 % of Pitot pressure, 13 % of heat flux and 3 % of temperature.
     """
-    values = values.copy()
-    base = int(computed.sum(axis=(1, 2)).argmax())
-    for m, w in np.argwhere(~computed[base]):
-        both = [other for other in np.argwhere(computed[base, :, w])[:, 0]]
-        other = min(both, key=lambda one, m=m: abs(one - m))
-        near = np.argwhere(computed[base, m] & computed[base, other])[:, 0]
-        near = min(near, key=lambda one, w=w: abs(one - w))
-        values[base, m, w] = values[base, other, w] + values[base, m, near] - values[base, other, near]
-    for p, m, w in np.argwhere(~computed):
-        if p != base:
-            near = np.argwhere(computed[p])
-            one, two = near[np.abs(near - (m, w)).sum(axis=1).argmin()]
-            values[p, m, w] = values[base, m, w] + values[p, one, two] - values[base, one, two]
+    values, known = values.copy(), np.argwhere(computed)
+    for m, w in np.argwhere(~computed):
+        if model is None:
+            other = min(known[known[:, 1] == w, 0], key=lambda one, m=m: abs(one - m))
+            near = np.flatnonzero(computed[m] & computed[other])
+            near = min(near, key=lambda one, w=w: abs(one - w))
+            values[m, w] = values[other, w] + values[m, near] - values[other, near]
+        else:
+            one = tuple(known[np.abs(known - (m, w)).sum(axis=1).argmin()])
+            values[m, w] = model[m, w] + values[one] - model[one]
     return values
 
 
@@ -186,10 +191,10 @@ def needed_mixing(explanations, heat_flux, pitot):
 
 
 def predict(
-    pitot, pressure, *, pair, recombination, nose, flux_uncertainty, pressure_uncertainty, draws, seed,
-    radius=RADIUS, shape="hemisphere",
+    pitot, pressure, *, pair, recombination, nose, flux_uncertainty, pressure_uncertainty, mixing_spread,
+    draws, seed, radius=RADIUS, shape="hemisphere", gas="air",
 ):  # fmt: skip
-    r"""What a cold calorimeter takes where a Pitot probe reads so much, and the jet there.
+    r"""What a cold calorimeter reads where a Pitot probe reads so much, and the jet there.
 
     Each draw takes a recombination and a Pitot nose (uniform in the logarithm between their ends), a set of
     rates, and a heat flux and pressure of the measured pair within their uncertainties. The mixing length C
@@ -198,7 +203,8 @@ def predict(
 
     .. math:: C(p) = C\,\Big(1 - s\,\frac{\ln(p/p_{pair})}{\ln 2.6}\Big)
 
-    Draws that no mixing length meets are left out.
+    Draws that no mixing length meets are left out. Both new readings are as uncertain as those of the pair:
+    next to what 16 g/s read at any power, an error of 5 % of the Pitot pressure is half the heat flux.
 
     Parameters
     ----------
@@ -213,11 +219,13 @@ def predict(
     nose : pair of float [m]
         Least and largest radius of the Pitot nose, 0.005 to 0.025.
     flux_uncertainty, pressure_uncertainty : float [1]
-        Relative standard uncertainties of the pair.
+        Relative standard uncertainties of the pair, and of both readings asked for.
     draws, seed : int
     radius : float [m]
         Of the calorimeter; its `shape` as in `probes.Calorimeter`. Another than the hemisphere of 25 mm takes
         the ratio of both on the stagnation line in the median jet.
+    gas : str
+        'air' or 'N2', of the jet; the pair is air, and its mixing and recombination are taken for both.
 
     Returns
     -------
@@ -229,9 +237,12 @@ def predict(
     Raises
     ------
     ValueError
-        An unknown pair, an argument out of range, or a pair that hardly any draw meets.
+        An unknown pair or gas, an argument out of range, or a pair that hardly any draw meets.
     """
     pitot = positive("pitot", np.atleast_1d(np.asarray(pitot, dtype=float)), "Pa")
+    known = [one for one in GASES if one in tables.load("facility/jets")["gas"]]
+    if gas not in known:
+        raise ValueError(f"no jets in '{gas}'; computed in: {', '.join(known)}")
     table = tables.load("facility/plasmatron_pairs")
     if pair not in table["pair"]:
         raise ValueError(f"no pair '{pair}'; known: {', '.join(table['pair'])}")
@@ -251,17 +262,22 @@ def predict(
             f"only {met.sum()} of {draws} draws meet the pair '{pair}'; widen what is admissible"
         )
     drawn = Explanations(gamma[met], drawn.rates[met], radii[met], warmth[met])
-    beyond = np.clip(np.log(pitot / read) / np.log(FADED), 0.0, 1.0)
-    there = mixing[met, None] * (1 - faded[met, None] * beyond)  # (d, n)
-    values, inside = jets().at(pitot, pressure, drawn)
-    values[..., 0] += CARRIED * random.standard_normal(len(there))[:, None, None] * ~inside
-    share = _weights(there, jets().mixing)  # (d, n, m)
+    own = pitot * np.exp(pressure_uncertainty * random.standard_normal((met.sum(), len(pitot))))
+    beyond = np.clip(np.log(own / read) / np.log(FADED), 0.0, 1.0)
+    another = np.exp(mixing_spread * random.standard_normal(own.shape))
+    there = mixing[met, None] * (1 - faded[met, None] * beyond) * another  # (d, n)
+    there = np.minimum(there, jets(gas).mixing[-1])
+    values, inside = jets(gas).at(own, pressure, drawn)
+    values[..., 0] += CARRIED * random.standard_normal(own.shape)[:, None] * ~inside
+    values[..., 0] += flux_uncertainty * random.standard_normal(own.shape)[:, None]
+    share = _weights(there, jets(gas).mixing)  # (d, n, m)
     ends = np.exp(np.quantile(np.einsum("dnm,dmnq->dnq", share, values), ENDS, axis=0))
     result = {name: ends[..., k] for k, name in enumerate(QUANTITIES)}
     if (radius, shape) != (RADIUS, "hemisphere"):
         middle = float(np.sqrt(np.prod(recombination)))
         states = zip(result["temperature"][1], result["speed"][1], strict=True)
-        result["heat_flux"] *= [_other(radius, shape, middle, pressure, *state) for state in states]
+        wall = radius, shape, middle, pressure
+        result["heat_flux"] *= [_other(*wall, *state, GASES[gas]) for state in states]
     return {
         **result,
         "mixing": np.quantile(mixing[met], ENDS),
@@ -270,12 +286,12 @@ def predict(
     }
 
 
-def _other(radius, shape, recombination, pressure, temperature, speed):
+def _other(radius, shape, recombination, pressure, temperature, speed, nitrogen):
     """Heat flux of another calorimeter over that of the hemisphere of 25 mm."""
     from plasmapyro.facility.jet import Jet  # needs Cantera, which a light installation lacks
     from plasmapyro.facility.probes import Calorimeter, heat_flux
 
-    jet = Jet(float(temperature), float(pressure), float(speed), 0.0)
+    jet = Jet(float(temperature), float(pressure), float(speed), 0.0, nitrogen)
     one, standard = (
         heat_flux(jet, Calorimeter(*probe, recombination=recombination), "kossyi")[0]
         for probe in ((radius, shape), (RADIUS, "hemisphere"))
