@@ -203,6 +203,10 @@ def check_together(config, conditions, tests):
         **shown,
         "experiment.compare_with": config["experiment"]["compare_with"],
         "diagnosis.condition": [config["diagnosis"]["condition"]],
+        **{
+            f"readings.{name}.condition": [one["condition"]]
+            for name, one in config.get("readings", {}).items()
+        },
         **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
         **{
             f"twin.condition of test {name}": [test["twin"]["condition"]]

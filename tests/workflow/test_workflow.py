@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from clone import ROOT, copy_of_the_project, planned, snakemake
+from gas_signals import gas
 
+from plasmapyro import io
 from plasmapyro.radiation.foreign import oxygen_triplet
 from plasmapyro.radiation.stage import line_of_sight_radiance
 
@@ -105,6 +107,30 @@ def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):
     assert set(re.findall(r"results/radiation/(\w+).nc", inputs)) == {"wet90", "wet95"}
     xr.Dataset(attrs={"condition": "wet91"}).to_netcdf(project / "mydata/test.nc")
     assert "condition of test mine: no file for 'wet91'; did you mean" in snakemake(project).stderr
+
+
+READING = """
+readings:
+  mine: {file: log.dat, condition: 60kW, floor_k: 1264, emittance_uncertainty: 0.05, power_uncertainty: 0.05,
+    engine_uncertainty: 0.1, draws: 40, seed: 1}
+"""
+
+
+def test_a_log_of_displayed_temperatures_goes_back_through_the_gas_of_a_condition(project):
+    """The light of the gas is typed, the instrument computed; surfaces as in the command's test."""
+    config, out = project / "config/config.yaml", "results/reading/mine.nc"
+    config.write_text(config.read_text() + READING.replace("60kW", "61kW"))
+    assert "readings.mine.condition: no file for '61kW'" in snakemake(project, "--dry-run").stderr
+    config.write_text(config.read_text().replace("61kW", "60kW"))
+    (project / "log.dat").write_text("time [s] Ts [K]\n1 1400.5\n2 1559\n3 1200\n")
+    assert planned(snakemake(project, "--dry-run"))["corrected_reading"] == 1
+    io.write(gas(), project / "results/analysis/gas_signal.nc", "gas_signal")
+    only = ("--allowed-rules", "corrected_reading", "response", "ratio_curve")
+    run = snakemake(project, out, *only)
+    assert run.returncode == 0, run.stderr
+    found = io.read(project / out, "corrected_reading")
+    assert found.surface_temperature.values[:2] == pytest.approx([1398, 1558], abs=3)
+    assert list(found.corrected_reading_status.values) == [1, 1, 3]
 
 
 def test_a_test_may_hold_one_instrument_and_ready_radiances(project):

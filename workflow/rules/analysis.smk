@@ -109,3 +109,33 @@ rule surface_radiance:
         wavelength_nm=config["radiation"]["wavelength_nm"],
     script:
         "../scripts/surface_radiance.py"
+
+
+# Logs of nothing but the temperature that a pyrometer displayed.
+READINGS = config.get("readings", {})
+RESULTS += expand("results/reading/{reading}.nc", reading=READINGS)
+
+
+def gas_signal_of(wildcards):
+    own = READINGS[wildcards.reading]["condition"] in OWN
+    return f"results/analysis/gas_signal{'_own' if own else ''}.nc"
+
+
+rule corrected_reading:
+    input:
+        display=lambda wildcards: READINGS[wildcards.reading]["file"],
+        gas_signal=gas_signal_of,
+        response="results/instrument/response.nc",
+        ratio_curve="results/instrument/ratio_curve.nc",
+    output:
+        "results/reading/{reading}.nc",
+    log:
+        "results/logs/corrected_reading_{reading}.log",
+    benchmark:
+        "results/benchmarks/corrected_reading_{reading}.tsv"
+    params:
+        settings=lambda wildcards: {
+            key: value for key, value in READINGS[wildcards.reading].items() if key != "file"
+        },
+    script:
+        "../scripts/corrected_reading.py"
