@@ -52,7 +52,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     },  # files: only `command`
     "campaign": {"diagnosis"},  # laws of what diagnoses share
     "claims": {"analysis", "diagnosis", "instrument", "radiation"},  # a worked example of the diagnosis
-    "facility": {"gas", "flow", "sightline"},
+    "facility": {"gas", "flow", "sightline", "diagnosis"},  # of the last: probabilities of names
     "plots": {"contracts", "io"},
     "report": set(),
     "cfd": {"gas", "sightline", "readers", "configuration", "io"},  # files of other programs in, ours out

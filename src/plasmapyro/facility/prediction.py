@@ -90,9 +90,9 @@ class Jets:
                 f"chamber pressure must lie in {ends} mbar, where jets were computed; got"
                 f" {pressure / 100:g} mbar: compute a condition there, with `measured:`"
             )
-        mean = _weights(np.log(pressure), np.log(self.pressure))
-        read = np.einsum("p,dk,pmwk->dmw", mean, _weights(nose, np.log(NOSES)), self.pitot)
-        flux = np.einsum("p,dk,dpmwk->dmw", mean, _weights(gamma, scale(RECOMBINATION)), self.flux[e.rates])
+        mean = weights(np.log(pressure), np.log(self.pressure))
+        read = np.einsum("p,dk,pmwk->dmw", mean, weights(nose, np.log(NOSES)), self.pitot)
+        flux = np.einsum("p,dk,dpmwk->dmw", mean, weights(gamma, scale(RECOMBINATION)), self.flux[e.rates])
         state = np.broadcast_to(np.einsum("p,pmwq->mwq", mean, self.state), (*flux.shape, 4))
         columns = np.concatenate([flux[..., None], state], axis=-1)  # (d, m, w, 5)
         goal = np.log(np.broadcast_to(pitot, (len(nose), np.shape(pitot)[-1])))[:, None, :]
@@ -143,9 +143,9 @@ def jets(gas="air"):
         values[p] = carried_over(values[p], computed[p], model)
     pressure, mixing = axes[:2]
     fine = np.linspace(mixing[0], mixing[-1], FINE)
-    weights = _weights(fine, mixing)
-    values = np.einsum("fm,pmwk->pfwk", weights, values)
-    computed = np.einsum("fm,pmw->pfw", (weights > 0) * 1, ~computed * 1) == 0
+    share = weights(fine, mixing)
+    values = np.einsum("fm,pmwk->pfwk", share, values)
+    computed = np.einsum("fm,pmw->pfw", (share > 0) * 1, ~computed * 1) == 0
     first = len(pitot) + len(state)
     flux = np.stack([values[..., [first + 2 * k, first + 2 * k + 1, -1]] for k in range(len(RATES))])
     return Jets(pressure, fine, values[..., : len(pitot)], values[..., len(pitot) : first], flux, computed)
@@ -270,7 +270,7 @@ def predict(
     values, inside = jets(gas).at(own, pressure, drawn)
     values[..., 0] += CARRIED * random.standard_normal(own.shape)[:, None] * ~inside
     values[..., 0] += flux_uncertainty * random.standard_normal(own.shape)[:, None]
-    share = _weights(there, jets(gas).mixing)  # (d, n, m)
+    share = weights(there, jets(gas).mixing)  # (d, n, m)
     ends = np.exp(np.quantile(np.einsum("dnm,dmnq->dnq", share, values), ENDS, axis=0))
     result = {name: ends[..., k] for k, name in enumerate(QUANTITIES)}
     if (radius, shape) != (RADIUS, "hemisphere"):
@@ -299,7 +299,7 @@ def _other(radius, shape, recombination, pressure, temperature, speed, nitrogen)
     return one / standard
 
 
-def _weights(x, known):
+def weights(x, known):
     """Weights (..., k) of rising known points in a linear interpolation at x (...)."""
     x, known = np.asarray(x, dtype=float), np.asarray(known, dtype=float)
     k = np.clip(np.searchsorted(known, x) - 1, 0, len(known) - 2)

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from plasmapyro.facility.causes import causes
 from plasmapyro.facility.prediction import MIDDLE, NOSES, RATES, Explanations, needed_mixing, scale
 
+LEAST = 5e-4  # probability below which a cause is not listed
 SUFFICES = 2.0  # standard uncertainties within which a cause explains
 WORDS = {
     1: "explains: some admissible recombination meets the pair",
@@ -148,8 +150,48 @@ def as_markdown(found):
                     f"{_words(found.mixed_temperature.values[at], '.0f', ' K')} | "
                     f"{WORDS[int(found.pair_verdict.values[at])]} |"
                 )
-    lines += ["", *(_summary(found.sel(pair=name)) for name in found.pair.values)]
+    pairs = [found.sel(pair=name) for name in found.pair.values]
+    lines += ["", *map(_summary, pairs)]
+    for one in pairs:
+        lines += _names(one, (low, high))
     return "\n".join(lines) + "\n"
+
+
+SHOWN = {  # of a cause: factor, form, unit
+    "mixing": (1.0, ".3f", ""),
+    "recombination": (1.0, ".2g", ""),
+    "nose": (1e3, ".0f", " mm"),
+    "temperature": (1.0, ".0f", " K"),
+}
+
+
+def _names(one, admissible):
+    """Table of the causes of one pair that stay possible, each with its probability and size."""
+    flux, read = float(one.pair_heat_flux), float(one.pair_pressure)
+    named = causes(
+        flux, read, admissible=admissible,
+        flux_uncertainty=float(one.pair_flux_uncertainty) / flux,
+        pressure_uncertainty=float(one.pair_pressure_uncertainty) / read,
+    )  # fmt: skip
+    lines = [
+        "",
+        f"## Names for {one.pair.item()}",
+        "",
+        "Causes alone and together, with the priors of a diagnosis, and 95 % of what each leaves free."
+        " `none`: a good catalyst (0.1 to 1), a nose of 25 mm, a laminar jet; `unknown`: something else.",
+        "",
+        "| cause | probability | mixing | recombination | Pitot nose | temperature ahead |",
+        "|---|---|---|---|---|---|",
+    ]
+    for cause, (probability, size) in named.items():
+        if probability < LEAST:
+            break
+        cells = [f"{probability:.3f}"]
+        for name, (factor, form, unit) in SHOWN.items():
+            ends = [factor * end for end in size.get(name, ())]
+            cells.append(_words(ends, form, unit) if ends else "-")
+        lines.append(f"| {cause} | {' | '.join(cells)} |")
+    return lines
 
 
 def _summary(one):
@@ -183,4 +225,4 @@ def _word(value, form, unit=""):
 
 
 def _words(pair, form=".2f", unit=""):
-    return " to ".join(_word(one, form) for one in pair) + unit
+    return " to ".join(_word(one, form) for one in pair) + unit if np.isfinite(pair).any() else "-"
