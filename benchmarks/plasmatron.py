@@ -36,7 +36,7 @@ PITOT = (
     200.0,
 )  # [Pa]
 TICKS = (5, 10, 15, 30, 50, 100, 200)
-JETS = (("air", 5e3), ("air", 1e4))  # gas, pressure of the chamber [Pa]
+JETS = (("air", 5e3), ("air", 1e4), ("N2", 5e3), ("N2", 1e4))  # gas, pressure of the chamber [Pa]
 PAIR = {"pair": "Num-2", "flux_uncertainty": 0.1, "pressure_uncertainty": 0.05, "mixing_spread": 0.25}
 PAIR |= {"draws": 2000, "seed": 1}
 RIVALS = {  # recombination and Pitot nose [m] that are admitted
@@ -115,7 +115,7 @@ def draw(rows):
         axes[0, 0].annotate(name, (x, y), xytext=(6, -8), textcoords="offset points", fontsize=7)
     axes[0, 0].set(ylabel="Heat flux on a hemisphere\nof 25 mm [kW m$^{-2}$]")
     axes[1, 0].set(ylabel="Temperature ahead\nof the probe [K]")
-    axes[0, 0].legend(loc="upper left", fontsize=6)
+    axes[1, 2].legend(*axes[0, 0].get_legend_handles_labels(), loc="lower right", fontsize=6)
     style.save(axes[0, 0], [DOCS / "plasmatron_prediction.png"])
 
 

@@ -6,6 +6,7 @@ import pytest
 from plasmapyro import tables
 from plasmapyro.facility.jet import Jet
 from plasmapyro.facility.prediction import (
+    GASES,
     NOSES,
     RATES,
     Explanations,
@@ -55,15 +56,33 @@ def test_a_node_of_the_table_is_given_back():
     assert inside[0, place, 0]
 
 
-@pytest.mark.parametrize("pressure, mixing", [(5e3, 0.0), (1e4, 0.12)])
-def test_the_table_is_what_probes_take_from_such_a_stream(pressure, mixing):
+@pytest.mark.parametrize("gas, pressure, mixing", [("air", 5e3, 0.0), ("air", 1e4, 0.12), ("N2", 5e3, 0.06)])
+def test_the_table_is_what_probes_take_from_such_a_stream(gas, pressure, mixing):
     """Without the flow: a sphere in a uniform stream of the tabulated temperature and speed."""
     table = tables.load("facility/jets")
-    row = int(np.flatnonzero((table["pressure"] == pressure) & (table["mixing"] == mixing))[2])
-    jet = Jet(table["temperature"][row], pressure, table["speed"][row], 0.0)
+    rows = (table["gas"] == gas) & (table["pressure"] == pressure) & (table["mixing"] == mixing)
+    row = int(np.flatnonzero(rows & (table["power"] == 95e3))[0])
+    jet = Jet(table["temperature"][row], pressure, table["speed"][row], 0.0, GASES[gas])
     found, _ = heat_flux(jet, Calorimeter(0.025, recombination=0.1), "kossyi")
     assert found == pytest.approx(table["flux_kossyi_0.1"][row], rel=UNDISTURBED)
     assert pitot_pressure(jet, 0.0125) == pytest.approx(table["pitot_12.5_mm"][row], rel=0.2)
+
+
+def test_nitrogen_follows_air_but_where_it_was_computed():
+    table, gas = tables.load("facility/jets"), jets("N2")
+    rows = np.flatnonzero(table["gas"] == "N2")
+    place = [list(axis).index(value) for axis, value in ((gas.pressure, 5e3), (gas.mixing, 0.06))]
+    powers = np.unique(table["power"])
+    for row in rows[(table["pressure"][rows] == 5e3) & (table["mixing"][rows] == 0.06)]:
+        w = list(powers).index(table["power"][row])
+        assert gas.computed[*place, w]
+        assert np.exp(gas.state[*place, w, 0]) == pytest.approx(table["temperature"][row])
+    assert not gas.computed[0, -1].any() and np.isfinite(gas.pitot).all() and np.isfinite(gas.flux).all()
+    found = {one: predict([15.0], 5000.0, gas=one, **PAIR, **ADMISSIBLE, **USUAL) for one in ("air", "N2")}
+    ratio = found["N2"]["heat_flux"][1] / found["air"]["heat_flux"][1]
+    assert 0.8 < ratio[0] < 1.3 and found["N2"]["inside"][0] <= found["air"]["inside"][0]
+    with pytest.raises(ValueError, match="no jets in 'O2'; computed in: air, N2"):
+        predict([15.0], 5000.0, gas="O2", **PAIR, **ADMISSIBLE, **USUAL)
 
 
 def test_more_mixing_takes_heat_at_the_same_pitot_pressure():

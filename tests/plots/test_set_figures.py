@@ -91,6 +91,25 @@ def test_every_figure_of_a_set_draws_conditions_of_ones_own(tmp_path, visibility
     assert "20 mbar" in texts(tmp_path / "visibility_limits.svg")  # which no power leaves out
 
 
+def test_the_error_map_of_a_ladder_shows_what_a_hot_back_wall_would_do(tmp_path):
+    ladder = {
+        "numerical_power": ("condition", [80e3, 90e3, 100e3]),
+        "chamber_pressure": ("condition", 3 * [5e3]),
+    }
+    errors = xr.Dataset(
+        {"error_limit": (("condition", "emittance"), 1000 + 90 * per_condition(5)), **ladder},
+        {"condition": ["80kW", "90kW", "100kW"], "emittance": np.geomspace(0.02, 1, 5)},
+        {"error_level": 0.01},
+    )
+    wall = tmp_path / "wall.svg"
+    analysis.error_map(errors, [wall])
+    assert "90 kW with" in texts(wall) and "hot back wall" in texts(wall)
+    # Of two pressures nobody could say which curve the wall would move.
+    mixed = errors.assign(chamber_pressure=("condition", [5e3, 5e3, 2e3]))
+    analysis.error_map(mixed, [wall])
+    assert "hot back wall" not in texts(wall)
+
+
 def test_sight_lines_and_spectra_say_what_they_are(tmp_path):
     stated = [
         {"numerical_power": 90e3, "chamber_pressure": 5e3},

@@ -135,12 +135,16 @@ def jets(gas="air"):
     values[..., names.index("power")] = np.log(axes[2])
     computed = np.isfinite(values[..., 0])
     base = int(np.searchsorted(axes[0], PAIR_PRESSURE))
-    model = None
-    for k in range(kinds.index(gas) + 1):
-        model = values[k, base] = carried_over(values[k, base], computed[k, base], model)
-    values, computed = values[k], computed[k]
-    for p in range(len(axes[0])):
-        values[p] = carried_over(values[p], computed[p], model)
+    for k, (own, done) in enumerate(zip(values, computed, strict=True)):  # other gases follow air
+        if done.any():
+            own[base] = carried_over(own[base], done[base], values[0, base] if k else None)
+        for p in range(len(own)):
+            own[p] = (
+                carried_over(own[p], done[p], own[base])
+                if done[p].any()
+                else values[0, p] + own[base] - values[0, base]
+            )
+    values, computed = values[kinds.index(gas)], computed[kinds.index(gas)]
     pressure, mixing = axes[:2]
     fine = np.linspace(mixing[0], mixing[-1], FINE)
     share = weights(fine, mixing)
