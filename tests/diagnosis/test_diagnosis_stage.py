@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from small_laboratory import OFF, SLIT_FWHM, temperature_of
+from small_laboratory import OFF, SLIT_FWHM, black_body, temperature_of
 
 from plasmapyro import cli, contracts, io
 from plasmapyro.diagnosis import command
@@ -184,11 +184,38 @@ def test_one_instrument_is_enough_to_run(record, laboratory, instrument):
     assert worst(result.temperature, "base_temperature").max() < 20.0  # emittance 6 %: 10 K at 1600 K
 
 
-def test_a_lamp_is_sent_to_what_judges_it(record):
-    lamp = record().assign_attrs(condition="none")
-    del lamp.attrs["reference_window"]
-    with pytest.raises(ValueError, match="a furnace has none: `correct` says"):
-        command.diagnose_test(lamp, command.Inputs({}, {}, None, None, None, origin="", digests={}))
+def furnace(record, line=0.0):
+    """Spectra of a grey surface that warms from 1500 to 1560 K, without a gas; a `line` over its light."""
+    lamp = record(end=60.0).drop_dims("time").assign_attrs(condition="none")
+    for name in ("reference_window", "injection_time", "plasma_off_time"):
+        del lamp.attrs[name]
+    kelvin = 1500 + lamp.spectrum_time.values + 12
+    light = 0.83 * black_body(lamp.wavelength.values, kelvin[:, None])
+    light = light * (1 + line * np.exp(-(((lamp.wavelength.values - 811.5e-9) / 0.8e-9) ** 2)))
+    noise = np.random.default_rng(3).standard_normal(light.shape)
+    lamp["spectral_radiance"] = lamp.spectral_radiance.copy(data=light * (1 + 0.006 * noise))
+    return lamp, kelvin
+
+
+def diagnosed_furnace(lamp):
+    inputs = command.Inputs({}, {}, None, None, None, origin="synthetic", digests={})
+    return command.diagnose_test(lamp, inputs, draws=200)
+
+
+def test_a_furnace_is_diagnosed_without_a_gas(record):
+    lamp, kelvin = furnace(record)
+    found = diagnosed_furnace(lamp)
+    assert found.report["verdict"]["status"] == "null"
+    assert found.report["simulation"]["systems"] == [] and found.report["show"]["gas_monitor"] is None
+    low, high = found.temperature.recommended_temperature_interval.values
+    truth = np.interp(found.temperature.time_bin, lamp.spectrum_time, kelvin)
+    inside = (low < truth) & (high > truth)
+    assert inside.mean() > 0.95 and (high - low).max() < 120  # emissivity 6 %, course 10 %: 25 K at 1500 K
+
+
+def test_a_line_before_a_furnace_is_no_light_of_its_surface(record):
+    lamp, _ = furnace(record, line=0.05)
+    assert diagnosed_furnace(lamp).report["verdict"]["status"] in ("unknown", "named+unknown")
 
 
 def test_without_variations_of_the_gas_what_needs_them_is_not_looked_for(record, laboratory):

@@ -24,6 +24,7 @@ PLASMA = """  injection_time: 0.0
   window_transmittance_radiometer: 0.9
   radiometer_integration_time: 0.01
 """
+FURNACE = "  window_transmittance_radiometer: 0.9\n  radiometer_integration_time: 0.01\n"
 COLUMNS = "radiometer:\n  columns:\n    time: {name: t, unit: s}\n"
 
 
@@ -188,12 +189,15 @@ def test_an_instrument_file_that_means_nothing_is_refused(place, pytestconfig, c
     assert words in capsys.readouterr().err
 
 
-def diagnosed(place, cut=None):
-    """Report and temperatures of a diagnosis of five bands behind the shipped gas of 90 kW; truth (t,) [K].
+FIVE = {"b1": (740, 760), "b2": (795, 815), "b3": (880, 900), "b4": (990, 1010), "b5": (1080, 1100)}
 
-    `cut`: (time (t,), band) -> what reaches the band of its light.
+
+def diagnosed(place, cut=None, bands=FIVE, plasma=True):
+    """Report and temperatures of a diagnosis of bands behind the shipped gas of 90 kW; truth (t,) [K].
+
+    `cut`: (time (t,), band) -> what reaches the band of its light. Without a plasma: a furnace that is warm
+    from the first sample on, and no gas.
     """
-    bands = {"b1": (740, 760), "b2": (795, 815), "b3": (880, 900), "b4": (990, 1010), "b5": (1080, 1100)}
     gas, rng = shipped.by_condition()["90kW"], np.random.default_rng(1)
     test, root = place, place.parent
     lab = root / "calibration"
@@ -215,6 +219,8 @@ def diagnosed(place, cut=None):
     assert run("calibrate", lab, "--out", root / "lab", "--source-temperature-uncertainty-k", 2) == 0
     time = np.arange(-3.0, 70.0, 0.1)
     kelvin = 350 + 1300 / (1 + np.exp(-(time - 14) / 3.0)) - 15 * np.maximum(time - 60, 0)
+    if not plasma:
+        kelvin = 1300 + 200 * np.tanh((time - 30) / 12)
     noise, flicker = rng.normal(size=time.size), np.zeros(time.size)
     for n in range(1, time.size):  # correlated over 0.3 s
         flicker[n] = np.exp(-1 / 3) * flicker[n - 1] + np.sqrt(1 - np.exp(-2 / 3)) * noise[n]
@@ -222,12 +228,14 @@ def diagnosed(place, cut=None):
     for name, edges in bands.items():
         inside = np.abs(gas.wavelength_slit.values * 1e9 - np.mean(edges)) < np.ptp(edges) / 2
         own = np.trapezoid(gas.gas_radiance_slit.values[inside], gas.wavelength_slit.values[inside])
-        own = own * (1 + 0.01 * flicker) * np.where(time < 0, 1.5, 1.0) * (time < 60)
-        surface = light(edges, kelvin, lambda at: 0.78 * (at / 0.9e-6) ** -0.25) * (time >= 0)
+        own = own * (1 + 0.01 * flicker) * np.where(time < 0, 1.5, 1.0) * (time < 60) * plasma
+        surface = light(edges, kelvin, lambda at: 0.78 * (at / 0.9e-6) ** -0.25)
+        surface = surface * ((time >= 0) | (not plasma))
         share = 1.0 if cut is None else cut(time, name)
         signals[name] = 0.9 * GAIN[name] * share * (own + surface) * rng.normal(1, 0.003, time.size)
     table(test / "radiometer.csv", signals)
-    facts = (FACTS.format(condition="90kW") + PLASMA).replace("40.0", "60.0").replace("0.16", "0.05")
+    facts = FACTS.format(condition="90kW" if plasma else "none") + (PLASMA if plasma else FURNACE)
+    facts = facts.replace("40.0", "60.0").replace("0.16", "0.05")
     (test / "test.yaml").write_text(facts + COLUMNS + names)
     assert run("diagnose", test, "--instrument", root / "lab", "--out", root / "d") == 0
     found = io.read(root / "d/temperature.nc", "diagnosis_temperature")
@@ -249,5 +257,33 @@ def test_a_deposit_before_five_bands_is_named(place):
 
 def test_a_gain_of_one_of_five_bands_is_found_in_that_band(place):
     report, _, _ = diagnosed(place[0], lambda time, band: np.where((time > 35) & (band == "b3"), 1.04, 1.0))
+    assert report["verdict"]["status"] in ("unknown", "named+unknown")
+    assert "band b3" in " ".join(report["verdict"]["sentences"])
+
+
+def held(found, truth, least):
+    """Whether the recommended interval holds the truth (t,) in at least a share of the hot samples."""
+    low, high = found.recommended_temperature_interval.values
+    hot = (truth > 1100) & np.isfinite(low)
+    assert hot.sum() > 0.8 * (truth > 1100).sum()
+    return ((low < truth) & (high > truth))[hot].mean() >= least
+
+
+@pytest.mark.parametrize("plasma", [True, False], ids=["plasma", "furnace"])
+def test_one_band_is_enough_for_a_diagnosis(place, plasma):
+    report, found, truth = diagnosed(place[0], bands={"b3": FIVE["b3"]}, plasma=plasma)
+    assert report["verdict"]["status"] == "null" and held(found, truth, 0.95)
+
+
+def test_a_furnace_is_diagnosed_without_a_gas(place):
+    report, found, truth = diagnosed(place[0], plasma=False)
+    assert report["verdict"]["status"] == "null" and held(found, truth, 0.95)
+    assert report["simulation"]["sentences"] == ["There is no plasma: nothing to compare."]
+    assert found.time_bin[0] < -2.0  # from the first sample on
+
+
+def test_a_gain_of_a_band_before_a_furnace_is_found(place):
+    cut = lambda time, band: np.where((time > 35) & (band == "b3"), 1.04, 1.0)  # noqa: E731
+    report, _, _ = diagnosed(place[0], cut, plasma=False)
     assert report["verdict"]["status"] in ("unknown", "named+unknown")
     assert "band b3" in " ".join(report["verdict"]["sentences"])

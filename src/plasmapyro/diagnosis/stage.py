@@ -7,6 +7,7 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
+from plasmapyro.diagnosis.fit.no_plasma import askable, with_stray_light
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
@@ -16,10 +17,10 @@ from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.selection import select
-from plasmapyro.diagnosis.simulation.compare import compare
+from plasmapyro.diagnosis.simulation.compare import compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
-from plasmapyro.record.inputs import instruments
+from plasmapyro.record.inputs import has_plasma, instruments
 
 STRANGE_LINE = "line_gas_pattern"  # structure that a line which nobody simulates is
 OF_TWO_BANDS = {"edge1", "edge2", "resp_long", "phi", "off1", "off2"}  # effects of the wide and narrow band
@@ -103,11 +104,14 @@ def diagnose(
     ValueError
         Unknown condition or effect.
     """
+    plasma = has_plasma(test)
+    if not plasma:
+        effects, given = askable(effects), with_stray_light(given, test)
     taken = {term.setting.id for term in given} & set(effects)
     looked_for = without(effects, {*exclude, *taken})
     if "pyrometer" not in instruments(test):
         looked_for = without(looked_for, OF_TWO_BANDS & set(looked_for))
-    if variations is None:
+    if variations is None and plasma:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
     instrument = response, calibration, spectrometer_calibration
 
@@ -118,7 +122,7 @@ def diagnose(
     slope = float(test.attrs.get("emittance_slope", 1.0))
     reading = (
         None
-        if calibration is None or "pyrometer" not in instruments(test)
+        if calibration is None or not plasma or "pyrometer" not in instruments(test)
         else Reading.of(calibration, slope, **limits)
     )
     base = fitted(test, variations, given=tuple(given), known=known)
@@ -131,8 +135,11 @@ def diagnose(
         selection, gained = selection.unnamed(), None
     elif gained is not None and not gained.improves:
         selection = selection.doubted("unconfirmed")
-    comparison = compare(base.model, measured_gas(base.model, selection.final), questions[1], seed=seed)
-    elsewhere = other_pressure(test, radiation)
+    comparison, elsewhere = nothing_to_compare(base.model), ()
+    if plasma:
+        measured = measured_gas(base.model, selection.final)
+        comparison = compare(base.model, measured, questions[1], seed=seed)
+        elsewhere = other_pressure(test, radiation)
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
     if selection.unknown_class or elsewhere:

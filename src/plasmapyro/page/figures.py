@@ -136,6 +136,7 @@ def signal_residuals(report, dataset):
     bands = _some([str(band) for band in dataset["band"].values])
 
     def draw(axes):
+        axes = np.atleast_1d(axes)
         for one, (band, colour) in zip(axes, _colours(bands).items(), strict=True):
             _shade(one, report["dataset"]["phases"], labelled=band == bands[0])
             base = dataset["signal_residual"].sel(model="base", band=band).values

@@ -43,11 +43,12 @@ def instruments(test):
 
 
 def has_plasma(test):
-    """Whether a test has a plasma, and so an injection, an end and a reference window.
+    """Whether a test, or one of some attributes, has a plasma, and so an injection, an end and a reference.
 
     A lamp or a furnace has none: `condition` is 'none', and nothing is said of a window.
     """
-    return test.attrs.get("condition") != "none" or "reference_window" in test.attrs
+    attributes = getattr(test, "attrs", test)
+    return attributes.get("condition") != "none" or "reference_window" in attributes
 
 
 def faults(test):

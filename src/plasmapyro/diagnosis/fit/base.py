@@ -39,12 +39,12 @@ def guess_temperature(model):
     knots = model.history.knots
     seen = [_seen(model, which) for which in range(len(model.instruments))]
     (time, found), limit = max(seen, key=lambda one: one[0][0].size)
-    if time.size < LEAST_SEEN:
+    if time.size < LEAST_SEEN and model.history.cold:
         return INITIAL_TEMPERATURE + (limit - INITIAL_TEMPERATURE) * -np.expm1(
             -np.maximum(knots, 0) / START_TIME
         )
     result = np.interp(knots, time, found)
-    early = knots < time[0]
+    early = (knots < time[0]) & model.history.cold
     result[early] = INITIAL_TEMPERATURE + (found[0] - INITIAL_TEMPERATURE) * (
         1 - (1 - knots[early] / time[0]) ** 1.5
     )
@@ -62,7 +62,7 @@ def _seen(model, which):
     burning = (middle > 0) & (middle < model.off)
     reference = model.record.in_window(middle)
     gas = _median(total[reference]) if reference.any() else np.nanmin(total[burning], initial=np.inf)
-    gas = np.where(burning, gas if np.isfinite(gas) else 0.0, 0.0)
+    gas = np.where(burning & model.plasma, gas if np.isfinite(gas) else 0.0, 0.0)
     ladder = np.linspace(LEAST_GUESS, MOST_GUESS, 60)
     dark = int(np.argmax(middle >= model.off)) if (middle >= model.off).any() else middle.size - 1
     flat = [
@@ -195,7 +195,7 @@ def fit_base(model, rounds=2):
     -------
     Base
     """
-    values, errors = first_gas.guess(model)
+    values, errors = first_gas.guess(model) if model.plasma else first_gas.none(model)
     # Its light is free in each channel: how bright it is as a whole, the simulation is not asked.
     bright = model.index["gas"]
     model = _with_law(model, {bright: {"centre": float(values[bright])}})

@@ -1,6 +1,7 @@
 """From a test, its calibrations and the gas spectra to instruments on bins and the base model."""
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,9 +16,11 @@ from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record import binning, flags
 from plasmapyro.record.emittance import tilt
+from plasmapyro.record.inputs import has_plasma
 
 LOG = logging.getLogger(__name__)
 LEAST_SAMPLES = 10  # of an instrument: differences of fewer tell no noise
+FEW = 5  # the same of spectra without a plasma, whose pixels tell it together
 LEAST_PIXELS = 8
 MOST_SAMPLES, MOST_SPECTRA = 12000, 3000  # of a fit; a longer record is averaged over neighbours
 EXACT = 1e-6  # [1] stands for an uncertainty of zero
@@ -30,6 +33,7 @@ FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the da
 BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is held into
 EDGE = 1.0  # [nm] ASSUME: of the stated edges of a band; filters are cut to 1 or 2 nm and drift by 0.02 nm/K
 TAIL_ERROR = 0.02  # [1] ASSUME: of silicon at its long-wave end, 1 % per kelvin
+OF_GAS = ("gas", "before_injection", "before_power")
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
@@ -61,7 +65,7 @@ def base_model(
     Model
         Its times count from the injection, as those of the record.
     """
-    edges = observation.time_bins(record)
+    edges, known = observation.time_bins(record), None
     axis = None if response is None else (response["wavelength"].values, responsivities(response))
     instruments, lamp, sources = [], {}, None
     bands, frames = (record.instrument(name) for name in ("pyrometer", "spectrometer"))
@@ -83,27 +87,35 @@ def base_model(
         fwhm = float(record.attributes["spectrometer_fwhm"])
         instruments.append(_spectrometer(frames, record.off, library, edges, fwhm))
         lamp["spectrometer"] = _lamp_of_spectrometer(instruments[-1], spectrometer_calibration)
-    if others is not None:
+    plasma = has_plasma(record.attributes)
+    bending = others is not None or not plasma  # an emissivity that bends over wavelength
+    if bending:
         instruments = radiometer.of_an_emissivity(instruments, record, known)
-    instruments = _sufficient(instruments, record.off)
+    instruments = _sufficient(instruments, record.off, plasma)
     end = max(instrument.moment.max() for instrument in instruments)
-    history = History(knots(edges, 0.0, record.off, end), record.off)
+    history = History(knots(edges, 0.0, record.off, end), record.off, cold=plasma)
     parameters = base_parameters(record, calibration)
-    if others is not None:
+    if bending:
         parameters = radiometer.instead(parameters, instruments, record, known)
     if "pyrometer" in lamp:
         names = BANDS if others is None else others.band
         parameters += _responses(sources, axis, names)[: len(names) + (others is None)]
-    parameters = (*parameters, *of_given(given), *wandering_gas(edges[0], edges[-1]))
+    parameters = (*parameters, *of_given(given))
+    if plasma:
+        parameters += wandering_gas(edges[0], edges[-1])
+    else:
+        parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
     return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)
 
 
-def _sufficient(instruments, off):
-    """The instruments with samples enough to know their noise by; refused if there are none, or no plasma."""
+def _sufficient(instruments, off, plasma):
+    """The instruments with samples enough to know their noise by; refused if there are none, or none lit by
+    the plasma that a test has."""
     count = {one.kind: int((one.raw_bin >= 0).sum()) for one in instruments}
-    kept = [one for one in instruments if count[one.kind] >= LEAST_SAMPLES]
+    least = {one.kind: LEAST_SAMPLES if plasma or one.weight is not None else FEW for one in instruments}
+    kept = [one for one in instruments if count[one.kind] >= least[one.kind]]
     lit = any(((one.moment[:, 0] > 0) & (one.moment[:, -1] < off)).any() for one in kept)
     for one in kept:
         dark = ~(np.nanmedian(one.value, axis=0) > 0)
@@ -111,12 +123,14 @@ def _sufficient(instruments, off):
             raise ValueError(f"most samples of the {one.kind} are not > 0: are sign and dark level right?")
     if kept and lit:
         for kind in set(count) - {one.kind for one in kept}:
-            LOG.warning("the %s is left out: %d samples, %d needed", kind, count[kind], LEAST_SAMPLES)
+            LOG.warning("the %s is left out: %d samples, %d needed", kind, count[kind], least[kind])
         return kept
     held = ", ".join(f"{number} of the {kind}" for kind, number in count.items())
     raise ValueError(
-        f"a diagnosis needs {LEAST_SAMPLES} sound samples of an instrument, some between injection and the"
-        f" end of the plasma; the test holds {held}" + ("" if lit or not kept else ", none lit by it")
+        f"a diagnosis needs {min(least.values(), default=LEAST_SAMPLES)} sound samples of an instrument"
+        + (", some between injection and the end of the plasma" if plasma else "")
+        + f"; the test holds {held}"
+        + ("" if lit or not kept else ", none lit by it")
     )
 
 

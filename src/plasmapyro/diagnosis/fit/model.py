@@ -9,12 +9,14 @@ from plasmapyro.diagnosis.effects.scene import Output, Scene
 from plasmapyro.diagnosis.fit.observation import band_weights
 from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record.emittance import relative_emittance
+from plasmapyro.record.inputs import has_plasma
 
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
 STEP = 1e-4  # of finite differences, in units of the prior
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
+ANY_TEMPERATURE = 1e4  # [K] of it where nothing is known of the start
 POWER_SIGMA = 0.08  # [1] of ln P: the efficiency 0.375 +- 0.025 of the paper and the scatter of the field
 CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature just after the injection,
 CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
@@ -29,8 +31,9 @@ SHORTEST = 0.2  # [s] from when on
 class History:
     """Temperature of the surface as a spline through knots, with a break in slope when the plasma ends."""
 
-    def __init__(self, knots, off):
-        self.knots, self.off = knots, off
+    def __init__(self, knots, off, cold=True):
+        """`cold`: it starts cold at time 0 and heats as what is put into a plasma; else it may be any."""
+        self.knots, self.off, self.cold = knots, off, cold
         self.before = knots <= off + 1e-9
         self.after = knots >= off - 1e-9
 
@@ -71,9 +74,10 @@ class History:
                 row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
                 since = self.knots[middle] - start
                 root = ROOT * max(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
-                rows.append(row / (bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR))
+                falls = bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR
+                rows.append(row / (falls if self.cold else bend))
         first = np.zeros(self.knots.size)
-        first[0] = 1 / INITIAL_UNCERTAINTY
+        first[0] = 1 / (INITIAL_UNCERTAINTY if self.cold else ANY_TEMPERATURE)
         return np.array([*rows, first])
 
 
@@ -116,6 +120,7 @@ class Model:
         self.precision = np.diag(sigma**-2.0) if precision is None else precision
         self.power = (0.0, POWER_SIGMA) if power is None else power
         self.off, self.emittance = record.off, record.emittance
+        self.plasma = has_plasma(record.attributes)
         self.slope, self.response, self.lamp = slope, response, lamp
         # (M,) of each instrument, over the stated emittance; a number for a grey surface.
         self.relative = [
@@ -175,7 +180,7 @@ class Model:
         injected = (instrument.moment >= 0)[..., None]
         before = np.exp(values[self.index["before_injection"]])
         gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
-        gain = gain * np.exp(self.gas_histories[which] @ values[self.wandering])
+        gain = self.plasma * gain * np.exp(self.gas_histories[which] @ values[self.wandering])
         scene = Scene(
             kind=instrument.kind,
             time=instrument.moment,

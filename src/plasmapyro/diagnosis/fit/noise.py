@@ -138,25 +138,34 @@ def _unchanged(phase):
 
 
 def _halves(values):
-    """Means (t, 2) over every other band of values (t, C)."""
+    """Means (t, 2) over every other band of values (t, C); twice the same of one band."""
+    if values.shape[1] == 1:
+        return np.repeat(values, 2, axis=1)
     return np.stack([values[:, ::2].mean(axis=1), values[:, 1::2].mean(axis=1)], axis=1)
 
 
 def _of_bands(residual, prediction, gas, used, phase, period):
-    """Law of the noise of C bands, from what they do not share, and what their halves do."""
+    """Law of the noise of C bands, from what they do not share, and what their halves do.
+
+    All that one band shows without gas is its own noise, and its gas flickers by what there is besides.
+    """
     same, bands = _unchanged(phase), residual.shape[1]
+    alone = bands == 1
     share = gas / np.maximum(prediction, 1e-30)
     relative = residual / np.maximum(prediction, 1e-30)
     bright = used & (share.min(axis=1) > BRIGHT)
     clear = used & (share.max(axis=1) < 0.02)
     each, light = _halves(relative / np.maximum(share, 1e-9)), Coloured()
-    if np.count_nonzero(bright[1:] & bright[:-1] & same[1:]) >= 8:
+    enough = np.count_nonzero(bright[1:] & bright[:-1] & same[1:]) >= 8
+    if enough and not alone:
         light = coloured(*each.T, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
     rows, variances, memories = [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
     little = used & (share.max(axis=1) < LITTLE)
     both = _halves(share).prod(axis=1)
-    gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
+    gain = Coloured()
+    if not alone:
+        gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
     one, two, place = differences(relative, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
@@ -170,7 +179,7 @@ def _of_bands(residual, prediction, gas, used, phase, period):
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     one, two, place = differences(each[:, 0] - each[:, 1], bright)
     own = same[place + 1]
-    if own.sum() >= 8:
+    if own.sum() >= 8 and not alone:
         weight = 1 / np.where(np.arange(bands) % 2, bands // 2, (bands + 1) // 2) ** 2.0
         rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
         variances.append(clipped_variance(one[own]) / 2)
@@ -187,6 +196,11 @@ def _of_bands(residual, prediction, gas, used, phase, period):
     constant, quadratic = solution / scale
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
+    if enough and alone:
+        error = ((constant / np.maximum(prediction, 1e-30) ** 2 + quadratic) / np.maximum(share, 1e-9) ** 2)[
+            :, 0
+        ]
+        light = coloured(*each.T, error, bright, phase, period, LONGEST_FLICKER)
     swell = 1 / (1 - memory)
     return (constant * swell, 0.0, quadratic * swell), memory, light, gain, residual
 
@@ -199,12 +213,13 @@ def _least_memory(count):
 def _level_groups(level, chosen):
     """Index arrays of chosen samples in groups of alike level."""
     place = np.flatnonzero(chosen)
-    if place.size < 12:
+    levels = min(LEVELS, place.size // LEAST_IN_GROUP)
+    if levels < 2:
         return
-    edges = np.quantile(level[place], np.linspace(0, 1, LEVELS + 1))
+    edges = np.quantile(level[place], np.linspace(0, 1, levels + 1))
     for low, high in zip(edges[:-1], edges[1:], strict=True):
         group = place[(level[place] >= low) & (level[place] <= high)]
-        if group.size >= 6:
+        if group.size >= LEAST_IN_GROUP:
             yield group
 
 

@@ -9,7 +9,6 @@ from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.record.emittance import ANY_LEVEL, UNTOLD, mean_emittance
 
 LOG = logging.getLogger(__name__)
-LEAST_BANDS = 2  # of one, nothing tells light of the gas from that of the surface
 UNSEEN = 1e-3  # [1], of the response of a band that may lie outside the simulated spectra
 GRID = 10e-9  # [m] on which shapes of the emissivity are held
 # ASSUME: course of an emissivity over wavelength about the stated one, as of the estimate with `emissivity`.
@@ -29,7 +28,7 @@ def covered(frames, calibration, wavelength):
     Raises
     ------
     ValueError
-        If they are too few.
+        If there is none.
     """
     axis, kept = calibration.wavelength.values, []
     inside = (axis >= wavelength[0]) & (axis <= wavelength[-1])
@@ -39,10 +38,10 @@ def covered(frames, calibration, wavelength):
             kept.append(place)
     span = f"the simulated spectra, {wavelength[0] * 1e9:.0f} to {wavelength[-1] * 1e9:.0f} nm"
     lost = [band for place, band in enumerate(frames.band) if place not in kept]
-    if len(kept) < LEAST_BANDS:
+    if not kept:
         raise ValueError(
-            f"a diagnosis needs {LEAST_BANDS} bands within {span}; the radiometer has {len(kept)}: compute"
-            " the radiance over its range, or leave it out"
+            f"a diagnosis needs a band within {span}; the radiometer has none: compute the radiance over its"
+            " range, or leave it out"
         )
     if lost:
         LOG.warning("bands beyond %s are left out: %s", span, ", ".join(lost))
@@ -81,12 +80,15 @@ def of_an_emissivity(instruments, record, calibration):
 
 
 def instead(base, instruments, record, calibration):
-    """Parameters of the base model for a radiometer instead of a pyrometer."""
+    """Parameters of the base model with an emissivity that bends; of a radiometer instead of a pyrometer
+    where there is its `calibration`."""
     level = record.emittance_uncertainty / record.emittance or UNTOLD
-    changed = {"emittance": level, "lamp": max(float(calibration.source_temperature_uncertainty), 1e-3)}
-    if calibration.attrs["calibration"] == "relative":
-        changed["gain_pyrometer"] = ANY_LEVEL
-    kept = [replace(one, sigma=changed.get(one.id, one.sigma)) for one in base if one.id != "ratio"]
+    changed, left_out = {"emittance": level}, set()
+    if calibration is not None:
+        changed["lamp"], left_out = max(float(calibration.source_temperature_uncertainty), 1e-3), {"ratio"}
+        if calibration.attrs["calibration"] == "relative":
+            changed["gain_pyrometer"] = ANY_LEVEL
+    kept = [replace(one, sigma=changed.get(one.id, one.sigma)) for one in base if one.id not in left_out]
     name = "course of the emissivity over wavelength"
     count = instruments[0].course.shape[1]
     return (*kept, *(Parameter(f"course_{place}", name, 1.0) for place in range(count)))

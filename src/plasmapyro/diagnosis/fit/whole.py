@@ -1,10 +1,14 @@
 """The base fit of a whole test: its record, the gas of its condition, the base model."""
 
-from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit import no_plasma
+from plasmapyro.diagnosis.fit.base import fit_base, guess_temperature
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.prior import relative, with_prior
 from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.record.inputs import has_plasma
 from plasmapyro.record.record import record_of
+
+LUKEWARM = 1000.0  # [K], to begin with
 
 
 def fit_test(
@@ -33,8 +37,13 @@ def fit_test(
             " radiometer"
         )
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
-    library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
-    model = base_model(
-        record, library, calibration, response, spectrometer_calibration, given, radiometer_calibration
-    )
+    rest = calibration, response, spectrometer_calibration, given, radiometer_calibration
+    if has_plasma(test):
+        library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
+        model = base_model(record, library, *rest)
+    else:
+        record = no_plasma.timed(record)
+        first = base_model(record, no_plasma.dark_library(fwhm, LUKEWARM), *rest)
+        library = no_plasma.dark_library(fwhm, float(guess_temperature(first).max()))
+        model = base_model(record, library, *rest)
     return fit_base(model if known is None else with_prior(model, relative(known, model)))

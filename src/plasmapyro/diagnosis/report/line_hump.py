@@ -22,7 +22,9 @@ ONE_CAUSE = {"core": "P_eff", "refl": "path", "refl_diffuse": "refl"}
 
 
 def line_against_hump(findings):
-    """Entry of the measured point and the tracks of the explanations."""
+    """Entry of the measured point and the tracks of the explanations; None without a plasma."""
+    if not findings.model.plasma:
+        return None
     model, solution, found = findings.model, findings.base.solution, findings.comparison
     spectrum = model.library.base * found.ratio
 

@@ -170,7 +170,7 @@ def gas_monitor(model, fitter, solution):
     """Brightness of the gas over the simulated one, bin by bin, from the channels where it stands out."""
     which = len(model.instruments) - 1
     one, noise = model.instruments[which], fitter.noise[which]
-    if one.kind != "spectrometer":
+    if one.kind != "spectrometer" or not model.plasma:
         return None  # two bands do not tell gas from surface
     gas, time = solution.gas[which], one.time
     gain = np.where(time < 0, np.exp(solution.state.values[model.index["before_injection"]]), 1.0)

@@ -46,6 +46,8 @@ def simulation(findings):
 
 def _sentences(found, systems):
     """What differs, in words: at most one sentence for each system that is off and each line."""
+    if not found.systems and not found.gains:
+        return ["There is no plasma: nothing to compare."]
     lines = power_sentences(found)
     lines += [system_sentence(one) for one in systems if one.beyond]
     lines += [

@@ -144,9 +144,12 @@ def structures_of(model, solution):
 
 
 def classes_of_bands(names):
-    """(id, name, signs) of gains of bands: together, against each other where they are two, apart."""
+    """(id, name, signs) of gains of bands: together, against each other where they are two, apart where they
+    are several."""
     each = np.eye(len(names))
     yield "pyrometer", "gain of the pyrometer", np.ones(len(names))
+    if len(names) == 1:
+        return
     if len(names) == 2:
         yield "ratio", "ratio of the pyrometer", (1.0, -1.0)
     for name, signs in zip(names, each, strict=True):

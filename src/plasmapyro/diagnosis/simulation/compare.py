@@ -144,6 +144,13 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     return replace(found, rivals_of_power=alike)
 
 
+def nothing_to_compare(model):
+    """The `Comparison` of a test without a gas."""
+    nothing = Fit(0.0, 0.0, (), 0.0, np.zeros((2, 2)))
+    ratio = np.ones(model.library.wavelength.size)
+    return Comparison(nothing, nothing, (), (), {}, 0.0, 1.0, ratio, power=model.power)
+
+
 def _power(fit, library, spread):
     """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error, by the
     Birge ratio `spread` [1] of the fit larger than by its covariance."""
