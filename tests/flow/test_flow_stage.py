@@ -369,7 +369,7 @@ def test_a_plasma_that_goes_out_is_reported_with_the_conditions_between(air, sta
 def test_a_start_without_its_meshes_gives_the_same_flow(air, start, at_80, monkeypatch):
     # A file of the user's: the mesh is made again, once.
     plain = start.drop_vars([name for name in start if name.startswith("solver_")])
-    assert len(plain) == len(start) - 7
+    assert len(plain) == len(start) - 9
     made, build = [], meshes.build_mesh
     monkeypatch.setattr(meshes, "build_mesh", lambda *args: made.append(args) or build(*args))
     found = condition(air, plain, numerical_power=80e3, **CONDITION, **TOLERANCES)
@@ -400,6 +400,9 @@ def test_the_error_of_the_mesh_is_stored_and_its_coarse_mesh_leads_there(air, st
         )
     messages = [record.message for record in caplog.records]
     assert any("from the coarse mesh: step" in message for message in messages)
+    # The mesh between begins with the change of the coarsest, from the solutions that the start holds.
+    assert sum("mesh 1.15 times as coarse: step" in message for message in messages) <= 6
+    assert not any("mesh 1.32 times as coarse: step" in message for message in messages)
     assert not any("the way is tried on the fine mesh" in message for message in messages)
     # The same flow as without the coarse mesh, in fewer steps on the fine one.
     assert np.abs(np.log(found.temperature / at_80.temperature)).max() < TOLERANCES["temperature_tolerance"]

@@ -44,6 +44,10 @@ class Case:
     mesh_ratio: float
     label: str
 
+    def on_level(self, level):
+        """Label of a run on a coarser mesh."""
+        return f"{self.label}, mesh {self.mesh_ratio**level:.3g} times as coarse"
+
 
 def problem_of(mesh, setup, air, condition, order, limiter=0.0):
     """The Problem of a Condition on a mesh from `geometry.build_mesh`, torch and walls as in `setup`."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plasmapyro.flow.case import problem_of
+from plasmapyro.flow.case import moved, problem_of
 from plasmapyro.flow.continuation import NotConverged, Schedule, march
 from plasmapyro.flow.evaluate import carried, transfer
 from plasmapyro.flow.follow import LARGEST_COURANT, LINEAR_TOLERANCE, PATIENCE, RESTART_COURANT, follow
@@ -28,6 +28,9 @@ COARSER = Schedule(
 # Where the coarse way begins: what is left of its error is small against the change along the way.
 COARSE_BEGIN = replace(COARSER, velocity_tolerance=5.0, temperature_tolerance=0.1)
 COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
+# Start and growth of the Courant number from a guess that the next coarser mesh corrected: Newton's method at
+# once; and from one that only the coarsest did.
+NEAR, FAR = {"first_courant": 2000.0, "growth": 6.0}, {"first_courant": RESTART_COURANT, "growth": 2.25}
 SLOW_COURANT = 30.0  # where a coarse mesh is not reached at the first try
 COARSEST = 2  # level of the coarsest mesh
 
@@ -45,42 +48,60 @@ class Solution:
     state: np.ndarray
 
 
-def coarse_way(known, case, origin, target):
-    """Solution at `target` on the coarsest mesh, and a first guess for the mesh of `known`.
+def coarse_way(known, coarser, case, origin, target):
+    """Solutions at `target` on coarser meshes by level, and a first guess for the mesh of `known`.
 
-    The coarse mesh is solved at `origin` and followed to `target`. The guess is the known state plus the
-    change of the coarse one: what only the fine mesh resolves stays in it.
+    The coarsest mesh is followed from `origin` to `target`. What changed there, added to the solution of the
+    next finer mesh at `origin`, is a guess for that mesh at `target`: what only it resolves stays in it.
 
     Parameters
     ----------
     known : Solution at `origin`
+    coarser : mapping of level -> Solution at `origin`
+        Those that are known; the coarsest is solved where it is missing, others are left out.
     case : Case
     origin, target : Condition
 
     Raises
     ------
     NotConverged
+        On the coarsest mesh.
     """
-    same = origin == target
-    here = solved_on(COARSEST, known, case, origin, COARSER if same else COARSE_BEGIN)
-    if same:
-        return here, known.state
+    if origin == target:
+        return dict(coarser), known.state
+    here = coarser.get(COARSEST) or solved_on(COARSEST, known, case, origin, COARSE_BEGIN)
     label = f"{case.label}, coarse mesh"
     problem, result = follow(
         here.problem, here.state, case.air, origin, target, case.power_step, COARSE_END, label
     )
     there = Solution(problem, result.state)
-    return there, known.state + carried(there.state - here.state, there.problem, known.problem)
+    found, schedule = {COARSEST: there}, replace(COARSER, **NEAR)
+    for level in sorted(coarser.keys() - found.keys(), reverse=True):
+        problem = moved(coarser[level].problem, case.air, target)
+        guess = changed(coarser[level], here, there, problem)
+        try:
+            state = march(problem, guess, target.numerical_power, schedule, case.on_level(level)).state
+        except NotConverged as fault:
+            log.info("%s; left out of the way", fault)
+            break
+        here, there = coarser[level], Solution(problem, state)
+        found[level] = there
+    return found, changed(known, here, there, moved(known.problem, case.air, target))
+
+
+def changed(known, here, there, problem):
+    """First guess for `problem`: a known state plus the change from `here` to `there` on a coarser mesh."""
+    guess = known.state + carried(there.state - here.state, there.problem, problem)
+    guess[problem.fixed] = problem.values[problem.fixed]
+    return guess
 
 
 def solved_on(level, known, case, condition, schedule=COARSER):
     """Solution on a coarser mesh: cells `mesh_ratio`^level times those of `known`, same condition."""
-    factor = case.mesh_ratio**level
-    mesh = case.meshes(case.setup.mesh_factor * factor)
+    mesh = case.meshes(case.setup.mesh_factor * case.mesh_ratio**level)
     problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
     guess = transfer(known.state, known.problem, problem)
-    label = f"{case.label}, mesh {factor:.3g} times as coarse"
-    power = condition.numerical_power
+    label, power = case.on_level(level), condition.numerical_power
     try:
         return Solution(problem, march(problem, guess, power, schedule, label).state)
     except NotConverged as fault:
@@ -89,14 +110,14 @@ def solved_on(level, known, case, condition, schedule=COARSER):
     return Solution(problem, march(problem, guess, power, schedule, label).state)
 
 
-def estimated_error(known, coarsest, case, condition):
+def estimated_error(known, coarser, case, condition):
     """Error of the temperature at the nodes [K] and observed order, from coarser meshes.
 
     Parameters
     ----------
     known : Solution at `condition`
-    coarsest : Solution or None
-        On the coarsest mesh, where it is known already.
+    coarser : mapping of level -> Solution
+        Those that are known already.
     case : Case
     condition : Condition
 
@@ -104,15 +125,47 @@ def estimated_error(known, coarsest, case, condition):
     -------
     error, order; None if the first coarser mesh has no steady solution; order NaN if the second has none
     """
-    try:
-        coarser = [solved_on(1, known, case, condition)]
-    except NotConverged as fault:
-        log.warning("%s: no error estimate: %s", case.label, fault)
-        return None
-    try:
-        coarser.append(coarsest or solved_on(COARSEST, known, case, condition))
-    except NotConverged as fault:
-        log.warning("%s: error estimate from two meshes only: %s", case.label, fault)
-    error, order = mesh_error(known, coarser, case.mesh_ratio)
+    found = []
+    for level in range(1, COARSEST + 1):
+        try:
+            found.append(coarser.get(level) or solved_on(level, known, case, condition))
+        except NotConverged as fault:
+            if not found:
+                log.warning("%s: no error estimate: %s", case.label, fault)
+                return None
+            log.warning("%s: error estimate from two meshes only: %s", case.label, fault)
+    error, order = mesh_error(known, found, case.mesh_ratio)
     log.info("%s: observed order of the temperature %.2f", case.label, order)
     return error, order
+
+
+def state_variables(solutions):
+    """Variables of contract 'flow' that hold the solutions on coarser meshes by level, for `known_levels`."""
+    levels = sorted(solutions.keys() - {0})
+    if not levels:
+        return {}
+    states = [solutions[level].state for level in levels]
+    return {
+        "solver_state_mesh": (
+            "solver_dof", np.repeat(np.array(levels, dtype=np.int8), [len(state) for state in states]),
+        ),
+        "solver_state": ("solver_dof", np.concatenate(states)),
+    }  # fmt: skip
+
+
+def known_levels(dataset, known, case, condition):
+    """Solutions on coarser meshes, by level, that a flow dataset holds besides the one that is `known`.
+
+    Empty where it holds none, or those of other meshes.
+    """
+    found = {}
+    if not case.mesh_ratio or "solver_state" not in dataset:
+        return found
+    for level, factor in enumerate(level_factors(case.setup.mesh_factor, case.mesh_ratio)):
+        state = dataset.solver_state.values[dataset.solver_state_mesh.values == level]
+        if level and len(state):
+            mesh = case.meshes(factor)
+            problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
+            if problem.space.size == len(state):
+                found[level] = Solution(problem, state)
+    return found

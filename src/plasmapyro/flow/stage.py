@@ -23,7 +23,16 @@ from plasmapyro.flow.follow import (
 )
 from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.initial import hot_torch
-from plasmapyro.flow.levels import Solution, coarse_way, estimated_error, level_factors
+from plasmapyro.flow.levels import (
+    FAR,
+    NEAR,
+    Solution,
+    coarse_way,
+    estimated_error,
+    known_levels,
+    level_factors,
+    state_variables,
+)
 from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
 
 log = logging.getLogger(__name__)
@@ -42,12 +51,8 @@ SETTLING = Schedule(
     temperature_tolerance=0.1,
     converged_courant=30.0,
 )
-# Quadratic elements on the start mesh, only a first guess for the final mesh.
-UPGRADE = Schedule(
-    10.0, 3000.0, 60, velocity_tolerance=20.0, temperature_tolerance=0.1, converged_courant=100.0
-)
+FIRST_COURANT = 10.0  # of quadratic elements, from linear ones
 TRIES = 2  # known solutions from which a condition is tried
-NEAR_GROWTH = 2.25  # of the Courant number, from a guess that the coarse mesh corrected
 LOW_MACH = 0.7  # at the inlet; density follows the chamber pressure within some 20 % below
 MASS_BAR, ENERGY_BAR = 5e-3, 2e-2  # worst imbalance of a solution that is handed on
 
@@ -136,16 +141,9 @@ def cold_start(
     for start_limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
         limited = coarse.with_limiter(start_limiter)
         state = march(limited, state, power, schedule, f"{label}, linear elements").state
-    # One change at a time: linear to quadratic on one mesh, then the finer mesh.
-    source = coarse
-    if setup.mesh_factor < start_mesh_factor:
-        source = problem_of(coarse_mesh, setup, air, reference, 2, limiter)
-        state = transfer(state, coarse, source)
-        state = march(source, state, power, UPGRADE, f"{label}, start mesh").state
-    fine = problem_of(meshes(setup.mesh_factor), setup, air, reference, 2, limiter)
-    state = transfer(state, source, fine)
+    # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
     final = Schedule(
-        10.0,
+        FIRST_COURANT,
         LARGEST_COURANT,
         largest_step_count,
         velocity_tolerance=velocity_tolerance,
@@ -153,9 +151,16 @@ def cold_start(
         confirmed=True,
         linear_tolerance=LINEAR_TOLERANCE,
     )
-    result = march(fine, state, power, final, label)
-    found = to_dataset(fine, setup, reference, result, _balanced(fine, result, label))
-    return found.assign(mesh_variables(meshes, factors)).assign_attrs(_named(gas))
+    source, solutions = coarse, {}
+    for level in reversed(range(len(factors))):
+        problem = problem_of(meshes(factors[level]), setup, air, reference, 2, limiter)
+        where = f"{label}, mesh factor {factors[level]:.3g}"
+        result = march(problem, transfer(state, source, problem), power, final, where)
+        source, state, solutions[level] = problem, result.state, Solution(problem, result.state)
+        final = replace(final, first_courant=RESTART_COURANT)
+    found = to_dataset(problem, setup, reference, result, _balanced(problem, result, label))
+    levels = {**mesh_variables(meshes, factors), **state_variables(solutions)}
+    return found.assign(levels).assign_attrs(_named(gas))
 
 
 def condition(
@@ -274,11 +279,11 @@ def condition(
         here = Solution(problem, _known_state(one, setup, problem, gas))
         case = Case(setup, meshes, air, power_step, mesh_ratio, label)
         try:
-            problem, result, coarsest = _reached(here, case, origin, target, final)
+            problem, result, coarser = _reached(one, here, case, origin, target, final)
             balance = _balanced(problem, result, label)
             error = None
             if case.mesh_ratio:
-                error = estimated_error(Solution(problem, result.state), coarsest, case, target)
+                error = estimated_error(Solution(problem, result.state), coarser, case, target)
             found = to_dataset(problem, setup, target, result, balance, error)
             return found.assign_attrs(_named(gas))
         except Unbalanced:
@@ -315,27 +320,26 @@ def _known_state(dataset, setup, problem, gas):
     return transfer(state_from(dataset, source), source, problem)
 
 
-def _reached(here, case, origin, target, final):
-    """Problem at `target`, its Result, and the solution on the coarsest mesh where that was needed.
+def _reached(dataset, here, case, origin, target, final):
+    """Problem at `target`, its Result, and the solutions on coarser meshes by level that led there.
 
     With meshes for an error estimate the way is gone on the coarsest of them, and only its end on the mesh
     of `here`; without, or where the coarse mesh finds no way, on the mesh of `here`.
     """
-    coarsest = None
     if case.mesh_ratio:
         try:
-            coarsest, guess = coarse_way(here, case, origin, target)
+            known = known_levels(dataset, here, case, origin)
+            coarser, guess = coarse_way(here, known, case, origin, target)
             problem = moved(here.problem, case.air, target)
-            guess[problem.fixed] = problem.values[problem.fixed]
             label = f"{case.label}, from the coarse mesh"
-            schedule = replace(final, growth=NEAR_GROWTH)
-            return problem, march(problem, guess, target.numerical_power, schedule, label), coarsest
+            schedule = replace(final, **(NEAR if 1 in coarser else FAR))
+            return problem, march(problem, guess, target.numerical_power, schedule, label), coarser
         except NotConverged as fault:
             log.info("%s; the way is tried on the fine mesh", fault)
     problem, result = follow(
         here.problem, here.state, case.air, origin, target, case.power_step, final, case.label
     )
-    return problem, result, coarsest
+    return problem, result, {}
 
 
 def _balanced(problem, result, label):
