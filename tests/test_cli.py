@@ -176,7 +176,7 @@ def test_a_range_without_data_is_refused(folder, capsys):
     words = [str(folder / "path.nc"), "--out", str(folder / "x.nc"), "--wavelength-nm"]
     for edges in (("500", "600"), ("0.7", "1.2"), ("800", "700")):  # no data; micrometres; falling
         assert cli.main(["radiance", *words, *edges]) == 2
-        said = f"within 650 to 1250 nm; got {' '.join(edges)}"
+        said = f"within 650 to 2500 nm; got {' '.join(edges)}"
         assert said in capsys.readouterr().err
 
 

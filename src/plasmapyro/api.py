@@ -289,7 +289,7 @@ def radiance(
     response : path of a file of contract 'response', optional
         Adds the signals of two pyrometer bands.
     wavelength_range : (2,) floats [m]
-        In vacuum, within 650 to 1250 nm.
+        In vacuum, within 650 to 2500 nm.
     grid_points : int
         Of a logarithmic wavenumber grid; too few are refused with the number that would do.
     slit_fwhm : float [m]

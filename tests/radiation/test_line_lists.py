@@ -4,8 +4,10 @@ import pytest
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.radiation.atoms import atomic_lines, line_uncertainty
 from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm, mean_square_radius
+from plasmapyro.radiation.continuum import bound_free
 from plasmapyro.radiation.lines import LineList
 from plasmapyro.radiation.opacity import boltzmann_population, line_emission
+from plasmapyro.refraction import air_wavelength
 
 NITROGEN_MASS = 14.007 * 1.66053906660e-27
 WAVELENGTH_ATOL = 0.01e-9  # printed digits of the wavelengths in air, refraction included
@@ -81,6 +83,50 @@ def test_the_difference_in_the_nitrogen_multiplet_is_its_older_probabilities(pub
     inside = np.abs(1e9 / lines.wavenumber - 868.55) < 0.65
     older = emission * np.array(OLDER_PROBABILITIES) / lines.einstein_a[inside]
     assert older.sum() == pytest.approx(float(row["emission"]), rel=0.001, abs=0)
+
+
+@pytest.mark.parametrize(
+    "system, wavelength_air",  # Sansonetti and Martin, J. Phys. Chem. Ref. Data 34 (2005) 1559
+    [
+        ("N I", 1358.133),
+        ("O I", 1316.485),
+        ("O I", 1316.389),
+        ("C I", 1454.250),
+        ("C I", 1689.038),
+        ("Ar I", 1350.4191),
+        ("Ar I", 1694.0584),
+    ],
+)
+def test_infrared_lines_are_where_the_handbook_has_them(system, wavelength_air):
+    lines = atomic_lines(system, infrared=True)
+    place = air_wavelength(1 / lines.wavenumber)
+    assert np.abs(place - wavelength_air * 1e-9).min() < 0.005e-9  # levels are rounded to 0.01 cm-1
+
+
+def test_infrared_lines_leave_the_others_alone_and_carry_a_few_per_cent():
+    plain, whole = atomic_lines("N I"), atomic_lines("N I", infrared=True)
+    assert whole.wavenumber[len(plain) :].max() <= 1 / 1250e-9
+    first = whole.select(np.arange(len(plain)))
+    for name in ("wavenumber", "einstein_a", "stark_hwhm", "natural_hwhm", "van_der_waals_hwhm"):
+        assert np.array_equal(getattr(first, name), getattr(plain, name))
+    population = boltzmann_population(
+        whole.upper_energy, whole.upper_degeneracy, 8000.0, 1e20, partition_function("N", 8000.0)
+    )
+    emission = line_emission(whole, population)
+    # The list of strongest lines behind the names of species has 3.4 %.
+    assert 0.03 < emission[len(plain) :].sum() / emission[: len(plain)].sum() < 0.05
+
+
+@pytest.mark.parametrize("species", ["N", "O"])
+def test_the_recombination_continuum_goes_on_into_the_infrared(species):
+    wavenumber = np.linspace(1 / 2500e-9, 1 / 650e-9, 4000)
+    light = bound_free(species, wavenumber)
+    population = light.degeneracy * np.exp(-1.438777e-2 * light.energy / 1e4)
+    section = population @ light.cross_section
+    # Unsoeld's rule, levels as dense as in hydrogen: (exp(h nu / kT) - 1) over the cube of the wavenumber.
+    rule = np.expm1(1.438777e-2 * wavenumber / 1e4) / wavenumber**3
+    low, high = (np.mean((section / rule)[part]) for part in (wavenumber < 5.5e5, wavenumber > 8e5))
+    assert low / high == pytest.approx(1.0, abs=0.5)
 
 
 def test_doppler_width_has_the_textbook_number():

@@ -6,7 +6,7 @@ from plasmapyro import contracts, io, progress
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.quality.catalogue import OF_SIGHTLINE
 from plasmapyro.quality.rule import Case, look
-from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.atoms import WHOLE_RANGE
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA, REACH
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -84,7 +84,7 @@ def summary(result):
 def _check_units(options):
     """Refuse, in the unit of the option, what no spectrum is needed to see."""
     first, last = options.wavelength_nm
-    low, high = (round(edge / NANOMETRE) for edge in TABLE_RANGE)
+    low, high = (round(edge / NANOMETRE) for edge in WHOLE_RANGE)
     if not low <= first < last <= high:
         raise ValueError(
             f"--wavelength-nm takes two rising wavelengths within {low} to {high} nm; got {first:g} {last:g}"

@@ -6,7 +6,7 @@ from scipy.integrate import cumulative_trapezoid
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.atoms import WHOLE_RANGE
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import gas_path
 from plasmapyro.radiation.systems import component_uncertainty, line_lists
@@ -22,10 +22,10 @@ def bin_edges(wavelength_range, bin_width):
     Raises
     ------
     ValueError
-        Outside 650-1250 nm, where the line tables end, or a width not > 0.
+        Outside 650-2500 nm, where the line tables end, or a width not > 0.
     """
     first, last = increasing(
-        "wavelength_range", within("wavelength_range", wavelength_range, *TABLE_RANGE, "m"), "m"
+        "wavelength_range", within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m"), "m"
     )
     # A hair less than the quotient: 500 nm in bins of 1 nm are 500, whatever the last digit of the floats.
     count = int(np.ceil((last - first) / float(positive("bin_width", bin_width, "m")) - 1e-6))

@@ -17,7 +17,8 @@ from plasmapyro.radiation.broadening import (
 from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList
 
 PERTURBER_POLARISABILITY = 1.10e-30  # [m3] of the nitrogen atom; CRC Handbook (O 0.80, N2 1.74)
-TABLE_RANGE = (650e-9, 1250e-9)  # [m], vacuum wavelengths of the line tables
+TABLE_RANGE = (650e-9, 1250e-9)  # [m], vacuum wavelengths of the line tables of each atom
+WHOLE_RANGE = (650e-9, 2500e-9)  # [m], with the table of infrared lines
 LEVEL_MATCH = 20.0  # [m-1]; rounding between two issues of the same level table
 MULTIPLET_MATCH = 0.02  # [1]; a line belongs to a multiplet of equal terms within 2 % of its wavelength
 ORBITALS = "spdfgh"
@@ -84,7 +85,7 @@ FEWEST_MULTIPLETS = 4  # for a fit with a free exponent
 def ionisation_limit(atom, configuration, energy):
     """Limit [m-1] a level converges to: that of its core term, or the lowest above it if none is given."""
     core = re.search(r"\((\d[SPD])\*?\)", configuration)
-    if core and atom.limits[core[1]] > energy:
+    if core and atom.limits.get(core[1], 0.0) > energy:
         return atom.limits[core[1]]
     return min(limit for limit in atom.limits.values() if limit > energy)
 
@@ -158,11 +159,10 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
     ASSUME: C I and Ar I broaden like N I and C II like N II at equal binding, for want of a table.
     """
-    width, power, fitted = _tabulated_widths(atom, labels, wavenumber, upper_binding)
-    if atom.stark[1] != atom.system:
-        like = ATOMS[atom.stark[1]]
-        levels = _levels(like)
-        fitted = _tabulated_widths(like, levels.labels, levels.wavenumber, levels.binding["upper"])[2]
+    width, power, _ = _tabulated_widths(atom, labels, wavenumber, upper_binding)
+    like = ATOMS[atom.stark[1]]
+    levels = _levels(like)
+    fitted = _tabulated_widths(like, levels.labels, levels.wavenumber, levels.binding["upper"])[2]
     binding, known, rises = np.array(fitted).T
     if len(known) < FEWEST_MULTIPLETS:
         slope, offset = ION_WIDTH_EXPONENT, np.mean(np.log(known) - ION_WIDTH_EXPONENT * np.log(binding))
@@ -178,15 +178,19 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
 class _Levels:
     """Lines of an atom and what their configurations say: binding [m-1], orbital by side, Stark labels."""
 
-    table: tables.Table
+    table: dict
     wavenumber: np.ndarray
     binding: dict
     orbital: dict
     labels: list
 
 
-def _levels(atom):
-    table = tables.load(f"radiation/lines_{atom.table}")
+def _levels(atom, infrared=False):
+    table = tables.load(f"radiation/lines_{atom.table}").columns
+    if infrared:
+        more = tables.load("radiation/lines_infrared")
+        own = more["system"] == atom.system
+        table = {name: np.concatenate([column, more[name][own]]) for name, column in table.items()}
     binding, orbital = {}, {}
     for side in ("upper", "lower"):
         energy, configuration = table[f"{side}_energy"], table[f"{side}_configuration"]
@@ -221,13 +225,15 @@ def line_uncertainty(accuracy, emission):
     return float(np.average([ACCURACY[word] for word in accuracy], weights=emission))
 
 
-def atomic_lines(system):
-    """Line list of an atom or atomic ion in the range of its table (650-1250 nm).
+def atomic_lines(system, infrared=False):
+    """Line list of an atom or atomic ion from 650 to 1250 nm.
 
     Parameters
     ----------
     system : str
         In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'Ar I', 'C I' or 'C II'.
+    infrared : bool
+        Whether those from 1250 to 2500 nm come along.
 
     Returns
     -------
@@ -248,7 +254,7 @@ def atomic_lines(system):
     if system not in ATOMS:
         raise ValueError(f"atomic system must be one of {', '.join(ATOMS)}; got {system!r}")
     atom = ATOMS[system]
-    levels = _levels(atom)
+    levels = _levels(atom, infrared)
     table, binding, wavenumber = levels.table, levels.binding, levels.wavenumber
     decay_table = tables.load(f"radiation/decay_{atom.table}")
     mass, perturber = particle_mass(atom.species), particle_mass("N")
@@ -287,6 +293,6 @@ def atomic_lines(system):
         resonance_hwhm=resonance["upper"] + resonance["lower"],
         family=_multiplets(table),
         strength_uncertainty=np.array([ACCURACY[word] for word in table["accuracy"]]),
-        origin=tables.weakest((table.origin, decay_table.origin)),
+        origin=tables.weakest((tables.load(f"radiation/lines_{atom.table}").origin, decay_table.origin)),
         relative_uncertainty=line_uncertainty(table["accuracy"], emission),
     )

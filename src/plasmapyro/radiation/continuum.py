@@ -223,7 +223,7 @@ def bound_free(species, wavenumber):
     ----------
     species : 'N' or 'O'
     wavenumber : (W,) [m-1]
-        Ascending, within the tables (vacuum wavelengths 0.63-1.36 um).
+        Ascending, within the tables (vacuum wavelengths 0.63-2.5 um).
 
     Returns
     -------
@@ -245,7 +245,7 @@ def bound_free(species, wavenumber):
     """
     atom = next(a for a in ATOMS.values() if a.species == species)
     table = tables.load(f"radiation/photoionisation_{TABLES[species]}")
-    lowest, highest = 0.0665 * RYDBERG, 0.1465 * RYDBERG
+    lowest, highest = 0.0364 * RYDBERG, 0.1465 * RYDBERG
     if wavenumber[0] < lowest or wavenumber[-1] > highest:
         raise ValueError(
             f"wavelength must lie in [{1 / highest:.4g}, {1 / lowest:.4g}] m, the photoionisation tables;"

@@ -7,7 +7,7 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.checks import within
-from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.atoms import WHOLE_RANGE
 from plasmapyro.radiation.bandsignal import (
     band_signal,
     bands_of,
@@ -41,7 +41,7 @@ def line_of_sight_radiance(
     band_response : Dataset, contract 'response', or None
         Without it the result has no band signals and honours the contract 'spectrum' instead.
     wavelength_range : (shortest, longest) [m]
-        Vacuum, within 650-1250 nm (the line tables), covering both bands.
+        Vacuum, within 650-2500 nm (the line tables), covering both bands.
     grid_points : int
         Of the logarithmic wavenumber grid; refused when too few for the Doppler widths.
     slit_fwhm : float [m]
@@ -72,7 +72,7 @@ def line_of_sight_radiance(
     Source: Fagnani et al., sec. 4.2, second term of eq. 2.
     ASSUME: local thermal equilibrium, but for `levels`.
     """
-    wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
+    wavelength_range = within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
     response_wavelength, responses = _responses(band_response, wavelength_range)
     path = radiating_path(sightline, levels)
@@ -197,7 +197,7 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
     ASSUME: the rays start dark at the boundary of the field: torch and chamber walls do not glow.
     ASSUME: neighbours of the stagnation point within the measured spot see the same gas.
     """
-    wavelength_range = within("wavelength_range", wavelength_range, *TABLE_RANGE, "m")
+    wavelength_range = within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m")
     weights = view["ray_weight"].values
     if np.count_nonzero(weights == 0) != 1:
         raise ValueError(f"exactly one ray must have weight 0; got {np.count_nonzero(weights == 0)}")

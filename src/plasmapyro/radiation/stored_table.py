@@ -16,7 +16,7 @@ def stored_table(*, wavelength_range, grid_points, pressure, nitrogen):
     Parameters
     ----------
     wavelength_range : (shortest, longest) [m]
-        Vacuum, within 650-1250 nm (the line tables).
+        Vacuum, within 650-2500 nm (the line tables).
     grid_points : int
     pressure : float [Pa]
         For the widths of lines; densities are those of the paths.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plasmapyro.gas.species import SPECIES
-from plasmapyro.radiation.atoms import ATOMS, atomic_lines
+from plasmapyro.radiation.atoms import ATOMS, TABLE_RANGE, atomic_lines
 from plasmapyro.radiation.band_systems import SYSTEMS as MOLECULES
 from plasmapyro.radiation.opacity import PADDING
 
@@ -17,6 +17,7 @@ CONTINUA_UNCERTAINTY = {
     "free-bound": 0.2,
     "O- detachment": 0.2,
 }
+ROUNDING = 1e-9  # [1], of the end of a grid
 REFERENCE_TEMPERATURE = (3000.0, 5000.0, 8000.0, 12000.0)  # [K], where that is made sure
 
 
@@ -45,7 +46,8 @@ def line_lists(grid, species=SPECIES):
         the grid.
     """
     reach, species = _molecular_range(grid), set(species)
-    atoms = [atomic_lines(name) for name, atom in ATOMS.items() if atom.species in species]
+    infrared = grid.wavenumber[0] * TABLE_RANGE[1] < 1 - ROUNDING
+    atoms = [atomic_lines(name, infrared) for name, atom in ATOMS.items() if atom.species in species]
     molecules = [
         system.line_list(
             reach,
