@@ -133,6 +133,8 @@ rule corrected_reading:
         "results/logs/corrected_reading_{reading}.log",
     benchmark:
         "results/benchmarks/corrected_reading_{reading}.tsv"
+    wildcard_constraints:
+        reading=one_of(READINGS),
     params:
         settings=lambda wildcards: {
             key: value for key, value in READINGS[wildcards.reading].items() if key != "file"
