@@ -42,6 +42,31 @@ def test_a_log_becomes_a_file_and_a_summary(results, capsys):
     assert "2 two surface temperatures" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    "table",
+    [
+        "time [s];Ts [K]\n1,25;1400,5\n2,5;1559\n",
+        "time [s]\tTs [K]\n1,25\t1400,5\n2,5\t1559\n",
+        "time [s]\tTs [K]\n1.25\t1400.5\t\n2.5\t1559\t\n",
+        "time [s], Ts [K]\n1.25, 1400.5\n2.5, 1559\n",
+        "time [s]  Ts [K]\n1.25   1400.5\n2.5    1559\n",
+        "time [s] Ts [K]\n1,25 1400,5\n2,5 1559,0\n",
+    ],
+    ids=["semicolons", "tabs and commas", "final tabs", "commas", "blanks", "blanks and commas"],
+)
+def test_cells_stand_between_any_usual_marks(tmp_path, table):
+    (tmp_path / "log.csv").write_text(table)
+    time, reading = read_readings(tmp_path / "log.csv")
+    np.testing.assert_array_equal(time, [1.25, 2.5])
+    np.testing.assert_array_equal(reading, [1400.5, 1559.0])
+
+
+def test_commas_that_may_part_thousands_are_asked_about(tmp_path):
+    (tmp_path / "log.csv").write_text("time [s];Ts [K]\n1;1,400\n2;1,559\n")
+    with pytest.raises(ValueError, match="decimals or thousands"):
+        read_readings(tmp_path / "log.csv")
+
+
 def test_a_condition_of_ones_own_is_found_and_only_its_ladder_says_what_power_does(results, capsys):
     nitrogen = gas({"60kW": (1.0, 0.2), "70kW": (1.5, 0.3), "71kW": (3.0, 0.6)})
     nitrogen = nitrogen.assign_coords(condition=["n60", "n70", "air71"])

@@ -1,5 +1,7 @@
 """The algebra of the chain against dense matrices, and its prior against simulation."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -42,9 +44,6 @@ def test_factor_solves_and_inverts_like_the_dense_matrix(blocks):
     right = np.arange(24.0)
     np.testing.assert_allclose(factor.solve(right), np.linalg.solve(whole, right), rtol=EXACT)
     assert factor.log_determinant() == pytest.approx(np.linalg.slogdet(whole)[1], rel=EXACT)
-    inverse = np.linalg.inv(whole)
-    expected = [inverse[4 * k : 4 * k + 4, 4 * k : 4 * k + 4] for k in range(6)]
-    np.testing.assert_allclose(factor.inverse_diagonal(), expected, rtol=1e-8, atol=1e-12)
 
 
 def test_border_gives_the_marginal_covariance_of_the_whole(blocks):
@@ -101,7 +100,8 @@ def test_two_steps_are_one_step_of_twice_the_length():
 def test_a_switch_kicks_the_rate_and_forgets_the_gas_before():
     time = np.arange(-10, 3) / 10
     matrix, covariance = transition(DYNAMICS, time, (0.0,), 0.0)
-    kicked = covariance[:, RATE, RATE] > DYNAMICS.kick**2
+    kicked = covariance[:, GAS, GAS] == DYNAMICS.gas_start**2
+    assert covariance[kicked, RATE, RATE] > DYNAMICS.kick**2
     assert kicked.sum() == 1 and time[1:][kicked] == pytest.approx(0.0, abs=1e-12)
     assert (matrix[:, GAS, GAS] == 0).tolist() == kicked.tolist()
     assert covariance[kicked, GAS, GAS] == pytest.approx(DYNAMICS.gas_start**2, rel=1e-12)
@@ -120,3 +120,34 @@ def test_prior_value_gradient_and_blocks_belong_together():
     quadratic = gradient.ravel() @ step.ravel() + 0.5 * step.ravel() @ whole @ step.ravel()
     assert then - value == pytest.approx(quadratic, rel=1e-6)
     assert prior.log_determinant == pytest.approx(-np.linalg.slogdet(whole)[1], rel=1e-6)
+
+
+def chained(quiet, steps):
+    """Prior of a chain whose temperature is nearly straight, and what a thermometer says late in it."""
+    time = np.linspace(0.02, 0.02 * steps, steps)
+    dynamics = dataclasses.replace(DYNAMICS, quiet=quiet, bending=0.0, kick=0.0)
+    moved = transition(dynamics, time, (), 0.0)
+    prior = ChainPrior(*moved, np.zeros(4), np.diag([2500.0, 100.0, 1.0, 1e-4]))
+    information = np.zeros((steps, 4, 4))
+    information[-3:, TEMPERATURE, TEMPERATURE] = 100.0
+    information[:, GAS, GAS] = 1e4
+    return prior, information
+
+
+def test_covariances_of_the_states_are_blocks_of_the_dense_inverse():
+    prior, information = chained(50.0, 12)
+    diagonal, below = prior.blocks()
+    inverse = np.linalg.inv(dense(diagonal + information, below))
+    expected = [inverse[4 * k : 4 * k + 4, 4 * k : 4 * k + 4] for k in range(12)]
+    np.testing.assert_allclose(prior.spread(information), expected, rtol=1e-6, atol=1e-9)
+
+
+def test_a_stiff_chain_keeps_the_uncertainty_of_what_no_sample_shows():
+    """3000 steps whose inverse covariance spans 1e17: the temperature is a straight line, seen at its end."""
+    prior, information = chained(1e-6, 3000)
+    spread = prior.spread(information)
+    assert (np.linalg.eigvalsh(spread) > 0).all()
+    # A line of two numbers, 0 +- 50 K and 0 +- 10 K/s at first, and three thermometers of 0.1 K at its end.
+    row = np.array([np.ones(3), 0.02 * np.arange(2997, 3000)])
+    left = np.linalg.inv(np.diag([1 / 2500.0, 1 / 100.0]) + 100.0 * row @ row.T)
+    assert spread[0, TEMPERATURE, TEMPERATURE] == pytest.approx(left[0, 0], rel=1e-3)

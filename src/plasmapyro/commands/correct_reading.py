@@ -11,7 +11,7 @@ from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.stage import band_response, ratio_curve
-from plasmapyro.readers import text, units
+from plasmapyro.readers import columns, text, units
 
 CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "sensitivity_ratio": 0.315,
@@ -19,6 +19,7 @@ CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "instrument_range": (973.0, 2073.0),
 }
 LARGEST = 96_000_000  # [byte]
+MARKS = (";", "\t", ",", " ")  # between cells
 HEADER = {"time": ("time", "t"), "temperature": ("ts", "temperature", "t_app", "reading")}
 
 
@@ -64,6 +65,8 @@ def gas_of(results, condition):
 def read_readings(path):
     """Time [s] and displayed temperature [K] of a text table with a header that states the units.
 
+    Cells stand between semicolons, tabs, commas or blanks; a decimal comma is read but between commas.
+
     Parameters
     ----------
     path : path
@@ -93,22 +96,33 @@ def read_readings(path):
     factor, shift = units.factor(found["time"][1], "time"), units.offset(found["temperature"][1])
     if factor is None or units.factor(found["temperature"][1], "temperature") is None:
         text.refuse(path, f"unknown unit in {text.quote(lines[0])}", "write [s] and [K] or [C]", 1)
+    listed = [(number, line) for number, line in enumerate(lines[1:], start=2) if line.strip()]
+    if not listed:
+        text.refuse(path, "holds no reading", "export it with its samples")
+    mark = next((one for one in MARKS if _numbers(listed[0][1], one, len(cells))), " ")
+    words = [columns.without_empty_end(columns.split(line, mark)) for _, line in listed]
+    decimal, faults = columns.decimal_sign(path, mark, dict(enumerate(words)), [listed[0][0]])
+    text.refuse_all(path, faults)
     rows = []
-    for number, line in enumerate(lines[1:], start=2):
-        words = line.replace(",", " ").replace(";", " ").split()
-        if not words:
-            continue
-        values = [text.number(word) for word in words]
+    for (number, line), row in zip(listed, words, strict=True):
+        values = [text.number(word, decimal) for word in row]
         if len(values) != len(cells) or None in values:
             text.refuse(path, f"{text.quote(line)} is no row of numbers", "correct or remove it", number)
         rows.append(values)
-    if not rows:
-        text.refuse(path, "holds no reading", "export it with its samples")
     table = np.array(rows)
     time = table[:, found["time"][0]] * factor
     if np.any(np.isnan(time)) or np.any(np.diff(time) <= 0):
         text.refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
     return time, table[:, found["temperature"][0]] + shift
+
+
+def _numbers(line, mark, count):
+    """Whether a line holds as many numbers between marks."""
+    words = columns.without_empty_end(columns.split(line, mark))
+    decimals = "." if mark == "," else ".,"
+    return len(words) == count and all(
+        any(text.number(word, decimal) is not None for decimal in decimals) for word in words
+    )
 
 
 def summary(result):

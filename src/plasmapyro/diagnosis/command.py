@@ -271,9 +271,16 @@ def _usable(test, inputs):
         return condition
     if condition not in inputs.radiation:
         raise ValueError(
-            f"attribute condition must name one of {', '.join(inputs.radiation)}; got {condition!r}"
+            f"no simulated gas of condition {condition!r}: known are"
+            f" {', '.join(inputs.radiation)}{_whose(inputs)}; name one of them as `condition`, or give"
+            " your own simulation by `--radiance FOLDER`"
         )
     return condition
+
+
+def _whose(inputs):
+    """Whose simulations are known: those of the package, or those of a folder."""
+    return ", which come with plasmapyro" if "radiation/shipped" in inputs.digests else ""
 
 
 def page_writer():

@@ -31,7 +31,6 @@ class Factor:
     """Cholesky factor of a block tridiagonal matrix."""
 
     def __init__(self, diagonal, below):
-        self._blocks = diagonal, below
         self._factor = cholesky_banded(lower_band(diagonal, below), lower=True, check_finite=False)
 
     def solve(self, right):
@@ -41,26 +40,6 @@ class Factor:
     def log_determinant(self):
         """Logarithm of the determinant."""
         return 2 * np.log(self._factor[0]).sum()
-
-    def inverse_diagonal(self):
-        r"""Diagonal blocks (n, d, d) of the inverse, by forward and backward elimination.
-
-        .. math:: \Lambda_k = A_{kk} - A_{k,k-1}\Lambda_{k-1}^{-1}A_{k-1,k}, \qquad
-                  P_k = \Lambda_k^{-1} + G_k P_{k+1} G_k^T, \quad G_k = \Lambda_k^{-1} A_{k,k+1}
-
-        Notes
-        -----
-        Source: Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965): fixed-interval smoother, in information form.
-        """
-        diagonal, below = self._blocks
-        inverse = np.empty_like(diagonal)
-        inverse[0] = np.linalg.inv(diagonal[0])
-        for k in range(1, len(diagonal)):
-            inverse[k] = np.linalg.inv(diagonal[k] - below[k - 1] @ inverse[k - 1] @ below[k - 1].T)
-        for k in range(len(diagonal) - 2, -1, -1):
-            gain = inverse[k] @ below[k].T
-            inverse[k] = inverse[k] + gain @ inverse[k + 1] @ gain.T
-        return inverse
 
 
 def solve_bordered(factor, border, corner, right, right_constant):

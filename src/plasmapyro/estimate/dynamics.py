@@ -7,6 +7,7 @@ import numpy as np
 # One state: temperature [K], its rate [K/s], logarithm of the gas amplitude (slow), its flicker.
 TEMPERATURE, RATE, GAS, FLICKER = range(4)
 SIZE = 4
+SETTING_IN = 3.0  # [s] tau_k: over which the heat of a switch may set in
 
 
 @dataclasses.dataclass(frozen=True)
@@ -16,17 +17,18 @@ class Dynamics:
     quiet: float  # [K2 s-3] variance of the rate per second, long after a switch
     bending: float  # [K2 s-3] in addition, right after injection and the end of the plasma
     memory: float  # [s] over which that fades
-    kick: float  # [K/s] standard deviation of the sudden change of the rate at a switch
+    kick: float  # [K/s] standard deviation of the change of the rate at a switch, and of what follows it
     gas: float  # [s-1] variance of the logarithm of the gas amplitude per second
     gas_start: float  # [1] standard deviation of it right after injection, where it is 0 by definition
     flicker: float  # [1] standard deviation of the flicker
     flicker_time: float  # [s]
+    start: float = 0.0  # [K] standard deviation of the change of the temperature at injection
 
 
 def transition(dynamics, time, switches, injection_time):
     r"""Transition matrices and covariances from each sample to the next.
 
-    .. math:: q = q_\infty + q_0 e^{-(t - t_s)/\tau}, \qquad
+    .. math:: q = q_\infty + q_0 e^{-(t - t_s)/\tau} + \frac{k^2}{t - t_s} e^{-(t - t_s)/\tau_k}, \qquad
               Q_{T\dot T} = q\begin{pmatrix}\Delta^3/3 & \Delta^2/2\\ \Delta^2/2 & \Delta\end{pmatrix}
 
     Parameters
@@ -43,8 +45,10 @@ def transition(dynamics, time, switches, injection_time):
 
     Notes
     -----
-    Integrated Wiener process for the temperature (a cubic smoothing spline in the limit: Wahba, J. R.
-    Stat. Soc. B 40, 364 (1978)), random walk for the gas, Ornstein-Uhlenbeck process for its flicker.
+    The term of the kick k has no scale of time up to :math:`\tau_k`: a heat flux that sets in at once or
+    within a second, and any power of time are as likely. Integrated Wiener process for the temperature
+    (a cubic smoothing spline in the limit: Wahba, J. R. Stat. Soc. B 40, 364 (1978)), random walk for the
+    gas, Ornstein-Uhlenbeck process for its flicker.
     """
     step = np.diff(time)
     middle = time[:-1] + step / 2
@@ -52,8 +56,14 @@ def transition(dynamics, time, switches, injection_time):
     matrix, covariance = np.zeros((2, step.size, SIZE, SIZE))
     for moment in switches:
         after = middle >= moment
-        level[after] += dynamics.bending * np.exp(-(middle[after] - moment) / dynamics.memory)
-        covariance[(time[:-1] < moment) & (time[1:] >= moment), RATE, RATE] += dynamics.kick**2
+        since = middle[after] - moment
+        level[after] += dynamics.bending * np.exp(-since / dynamics.memory)
+        after = time[:-1] >= moment  # in the step of the switch itself the kick stands below
+        since = middle[after] - moment
+        level[after] += dynamics.kick**2 / since * np.exp(-since / SETTING_IN)
+        for k in np.flatnonzero((time[:-1] < moment) & (time[1:] >= moment)):
+            kicked = np.array([time[k + 1] - moment, 1.0])  # of temperature and rate at the next sample
+            covariance[k, : RATE + 1, : RATE + 1] += dynamics.kick**2 * np.outer(kicked, kicked)
     memory = np.exp(-step / dynamics.flicker_time)
     matrix[:] = np.eye(SIZE)
     matrix[:, TEMPERATURE, RATE] = step
@@ -67,6 +77,7 @@ def transition(dynamics, time, switches, injection_time):
     # The probe changes the jet: what the gas was before says nothing of its level after.
     matrix[jump, GAS, GAS] = 0.0
     covariance[jump, GAS, GAS] = dynamics.gas_start**2
+    covariance[jump, TEMPERATURE, TEMPERATURE] += dynamics.start**2
     covariance[:, FLICKER, FLICKER] = dynamics.flicker**2 * (1 - memory**2)
     return matrix, covariance
 
@@ -76,6 +87,7 @@ class ChainPrior:
 
     def __init__(self, matrix, covariance, first, first_covariance):
         self._matrix, self._first = matrix, first
+        self._covariance, self._first_covariance = covariance, first_covariance
         self._weight = np.linalg.inv(covariance)
         self._first_weight = np.linalg.inv(first_covariance)
         self.log_determinant = np.linalg.slogdet(covariance)[1].sum() + np.linalg.slogdet(first_covariance)[1]
@@ -99,3 +111,43 @@ class ChainPrior:
         gradient[1:] += weighted
         gradient[:-1] -= np.einsum("kji,kj->ki", self._matrix, weighted)
         return 0.5 * (np.sum(change * weighted) + (path[0] - self._first) @ start), gradient
+
+    def spread(self, information):
+        r"""Covariances (n, 4, 4) of the states, each given all the data.
+
+        .. math:: S_k = (1 + L_k^T P_k L_k)^{-1}, \quad C_k = 1 - P_k L_k S_k L_k^T, \quad
+                  P_{k+1} = F_k C_k P_k F_k^T + Q_k
+
+        .. math:: \Lambda_k = L_k S_k L_k^T + C_k^T F_k^T \Lambda_{k+1} F_k C_k, \qquad
+                  \Sigma_k = P_k - P_k \Lambda_k P_k
+
+        Parameters
+        ----------
+        information : (n, 4, 4) array
+            :math:`L_k L_k^T`, what the data of each sample add.
+
+        Notes
+        -----
+        Source: Bierman, Automatica 9, 503 (1973), modified Bryson-Frazier smoother. In covariances, not in
+        their inverses: what is nearly fixed from sample to sample has an inverse too large to hold the rest.
+        """
+        unit = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), np.finfo(float).tiny))
+        value, vector = np.linalg.eigh(information / (unit[:, :, None] * unit[:, None, :]))
+        root = unit[:, :, None] * vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
+        predicted, kept, gained = (np.empty_like(information) for _ in range(3))
+        now, one, steps = self._first_covariance, np.eye(SIZE), len(self._matrix)
+        for k, own in enumerate(root):
+            seen = now @ own
+            gained[k] = own @ np.linalg.solve(one + own.T @ seen, own.T)
+            predicted[k], kept[k] = now, one - now @ gained[k]
+            if k < steps:
+                now = self._matrix[k] @ kept[k] @ now @ self._matrix[k].T + self._covariance[k]
+                now = (now + now.T) / 2
+        later = np.zeros((SIZE, SIZE))
+        for k in range(steps, -1, -1):
+            if k < steps:
+                moved = self._matrix[k] @ kept[k]
+                later = moved.T @ later @ moved
+            later = gained[k] + later
+            predicted[k] -= predicted[k] @ later @ predicted[k]
+        return predicted

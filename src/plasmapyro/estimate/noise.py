@@ -5,6 +5,13 @@ from itertools import combinations, product
 import numpy as np
 
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
+THIRD_DIFFERENCES = 20.0  # variance of third differences of white noise over its own: 1 + 9 + 9 + 1
+ITERATIONS, SMALLEST_SHARE = 10, 1e-3  # of the weights of the groups, and least model
+CHANCE = (
+    5.0  # two standard errors of a covariance by medians, of third differences, which are not independent
+)
+LARGEST_SHARED = 1.5  # of the lesser variance: beyond, it is no common flicker but a common course
+LEAST_ALIKE = 12  # samples that tell a variance
 LAGS = 4  # samples over which the decay of the flicker is read
 
 
@@ -26,8 +33,9 @@ def smoothed(signal, samples):
 def signal_noise(signals, block):
     r"""Noise of the signals of C bands, :math:`\sigma^2 = a^2 + b^2 S^2`.
 
-    Blocks of second differences of S over its running median; the covariance of each band with the others,
-    which is the gas's, is taken off, then a and b follow by non-negative least squares.
+    Third differences, to which a steep course is small, of samples of like S (a running median); the
+    covariance of each band with the others, which is the gas's, is taken off, then a and b follow by
+    non-negative least squares.
 
     Parameters
     ----------
@@ -47,32 +55,65 @@ def signal_noise(signals, block):
     """
     from scipy.optimize import nnls
 
-    level = np.stack([smoothed(row, 11) for row in signals])
-    count = signals.shape[1] // block
-    if count < 4:
+    if signals.shape[1] < 4 * block:
         raise ValueError(f"the noise needs {4 * block} samples; got {signals.shape[1]}")
-    bend = signals[:, :-2] - 2 * signals[:, 1:-1] + signals[:, 2:]
-    parts = np.array_split(np.arange(bend.shape[1]), count)
-    bands = range(len(signals))
+    level = np.stack([smoothed(row, 11) for row in signals])[:, 1:-2]
+    bend = np.diff(signals, 3, axis=1)
     floor, relative = np.zeros((2, len(signals)))
-    found = np.full((len(signals), count), np.nan)
-    scale = np.stack([[np.median(np.abs(row[part])) for part in parts] for row in level])
-    for place, part in enumerate(parts):
-        each = bend[:, part] / scale[:, place, None]
-        for band, own in enumerate(each):
-            shared = [(variance(own + it) - variance(own - it)) / 4 for it in np.delete(each, band, axis=0)]
-            found[band, place] = max(variance(own) - max(np.mean(shared or 0.0), 0.0), 0.0) / 6
-    for band in bands:
-        good = np.isfinite(found[band]) & (found[band] > 0) & (scale[band] > 0)
+    for band, row in enumerate(level):
+        scale, found, count = [], [], []
+        for part in alike(row, bend[band]):
+            size = np.median(np.abs(level[:, part]), axis=1)
+            own, *others = np.roll(bend[:, part] / size[:, None], -band, axis=0)
+            whole = variance(own)
+            rest = whole - np.mean([shared(own, it) for it in others] or [0.0])
+            scale.append(size[band])
+            count.append(part.size)
+            found.append(max(rest, whole / own.size) / THIRD_DIFFERENCES)
+        scale, found, count = np.array([scale, found, count])
+        good = np.isfinite(found) & (found > 0) & (scale > 0)
         if not good.any():
             raise ValueError("a signal has no noise at all; give the record as measured, not interpolated")
-        inverse = scale[band, good].min() / scale[band, good]
-        weight = 1 / np.maximum(found[band, good], np.median(found[band, good]))
-        design = np.stack([inverse**2, np.ones(good.sum())], axis=1) * weight[:, None]
-        (square, constant), _ = nnls(design, found[band, good] * weight)
-        floor[band] = np.sqrt(square) * scale[band, good].min()
-        relative[band] = np.sqrt(constant)
+        least, found = scale[good].min(), found[good]
+        design = np.stack([(least / scale[good]) ** 2, np.ones(good.sum())], axis=1)
+        model = found
+        for _ in range(ITERATIONS):  # each variance is known to a share of itself, not of what was found
+            weight = np.sqrt(count[good]) / model
+            both, _ = nnls(design * weight[:, None], found * weight)
+            model = np.maximum(design @ both, SMALLEST_SHARE * found)
+        floor[band], relative[band] = np.sqrt(both) * [least, 1.0]
     return floor, relative
+
+
+def shared(one, other):
+    """Variance that two rows of as many values have in common; 0 where it is no more than chance.
+
+    What both share in full is no more than the variance of either; the same noise in each is.
+    """
+    own, its = variance(one), variance(other)
+    found = (variance(one + other) - variance(one - other)) / 4
+    chance = CHANCE * np.sqrt((own * its + found**2) / one.size)
+    least = min(own, its)
+    return min(found, least) if chance < found < LARGEST_SHARED * least else 0.0
+
+
+def alike(level, bend):
+    """Indices of samples in groups: of levels (n,) none is twice another one, or all are in the noise.
+
+    `bend`: third differences (n,) there.
+    """
+    order = np.argsort(level, kind="stable")
+    order = order[np.isfinite(bend[order])]
+    least = (
+        4 * np.sqrt(np.nan_to_num(variance(bend[order[:LEAST_ALIKE]])) / THIRD_DIFFERENCES)
+        + np.finfo(float).tiny
+    )
+    height, groups, first = np.maximum(level[order], least), [], 0
+    while first < order.size:
+        last = np.searchsorted(height, 2 * height[first], side="right")
+        groups.append(order[first:last])
+        first = last
+    return [one for one in groups if one.size >= LEAST_ALIKE] or [order]
 
 
 def flicker(time, signals, chosen):

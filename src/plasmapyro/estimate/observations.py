@@ -8,6 +8,7 @@ from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import GreyTable
 
 HUBER = 4.0  # [1] residuals beyond this many standard deviations count less
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)  # of the mean over an exposure, which lasts from -1 to 1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -172,7 +173,9 @@ class SpectrometerData:
               \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
 
     s is the error of the scale, r_c that of a bin. The flicker within an exposure is common to all its
-    bins: its variance times the outer product of the gas spectrum stands in their covariance.
+    bins: its variance times the outer product of the gas spectrum stands in their covariance. The mean over
+    an exposure follows temperature and rate at its sample, and how the path bends away from them (`bent`),
+    which an iteration holds.
     """
 
     place: np.ndarray  # (S,) sample nearest to the middle of the exposure
@@ -189,13 +192,27 @@ class SpectrometerData:
     tag: str = ""  # before the names of its own constants
     source: str = "source_error"  # constant that is the error of its source
     shape: np.ndarray | None = None  # (C, K) as that of `PyrometerData`
+    away: np.ndarray | float = 0.0  # (S, nodes) temperature less that of its straight line, see `bent`
+
+    def moments(self):
+        """Times (S, nodes) [s] of the nodes of each exposure, from its sample on."""
+        return self.offset[:, None] + self.exposure / 2 * NODES
+
+    def bent(self, time, path, switches):
+        """The same with the path (n, 4) at times (n,) as the one that exposures see between its samples."""
+        line = path[self.place, TEMPERATURE, None] + self.moments() * path[self.place, RATE, None]
+        seen = between(time, path, time[self.place, None] + self.moments(), switches)
+        return dataclasses.replace(self, away=seen - line)
 
     def predict(self, path, values, of):
-        """Surface (S, C) and gas (S, C) parts, and the derivative of the surface by the temperature."""
-        state = path[self.place]
-        temperature = state[:, TEMPERATURE] + self.offset * state[:, RATE]
-        body, slope, bend = self.table(np.clip(temperature, *self.table.temperatures))
-        body = body + 0.5 * ((state[:, RATE] * self.exposure) ** 2 / 12)[:, None] * bend
+        """Surface (S, C) and gas (S, C) parts, and the surface's derivatives by temperature and rate."""
+        state, moments = path[self.place], self.moments()
+        temperature = state[:, TEMPERATURE, None] + moments * state[:, RATE, None] + self.away
+        found = self.table(np.clip(temperature, *self.table.temperatures).ravel())
+        body, slope = (one.reshape(*moments.shape, -1) for one in found[:2])
+        mean = WEIGHTS / WEIGHTS.sum()
+        by_rate = np.einsum("q,sq,sqc->sc", mean, moments, slope)
+        body, slope = (np.einsum("q,sqc->sc", mean, one) for one in (body, slope))
         gain = np.exp(
             values[of("log_emittance")]
             - self.source_slope * values[of(self.source)]
@@ -208,7 +225,7 @@ class SpectrometerData:
             self.injected[:, None], 1.0, 1 + values[of(self.tag + "gas_radiance_before")]
         )
         amplitude = np.where(self.shining, np.exp(state[:, GAS]), 0.0)[:, None]
-        return seen * body, gas * amplitude, seen * slope
+        return seen * body, gas * amplitude, seen * slope, seen * by_rate
 
     def _whitened(self, gas, rows):
         """Rows (S, C, ...) over the noise, with the common flicker of an exposure taken out."""
@@ -222,36 +239,35 @@ class SpectrometerData:
 
     def residual(self, path, values, of):
         """Whitened residuals (S, C), NaN where there is no sample."""
-        surface, gas, _ = self.predict(path, values, of)
+        surface, gas, *_ = self.predict(path, values, of)
         white = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         return np.where(np.isfinite(self.radiance), white, np.nan)
 
-    def _by_state(self, gas, slope):
+    def _by_state(self, gas, slopes):
         """Derivative (S, C, 4) of the prediction by the states."""
         rows = np.zeros((*gas.shape, SIZE))
-        rows[:, :, TEMPERATURE] = slope
-        rows[:, :, RATE] = slope * self.offset[:, None]
+        rows[:, :, TEMPERATURE], rows[:, :, RATE] = slopes
         rows[:, :, GAS] = gas
         return rows
 
     def state_matrix(self, path, values, of):
         """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
-        surface, gas, slope = self.predict(path, values, of)
+        surface, gas, *slopes = self.predict(path, values, of)
         residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
-        rows = self._whitened(gas, self._by_state(gas, slope))
+        rows = self._whitened(gas, self._by_state(gas, slopes))
         result = np.zeros((len(path), SIZE, SIZE))
         np.add.at(result, self.place, np.matmul(np.swapaxes(rows * weight[:, :, None], 1, 2), rows))
         return result
 
     def information(self, path, values, of):
-        surface, gas, slope = self.predict(path, values, of)
+        surface, gas, *slopes = self.predict(path, values, of)
         frames, bins = surface.shape
         count, size = len(path), len(values)
         residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
         jacobian = np.zeros((frames, bins, SIZE + size))
-        jacobian[:, :, :SIZE] = self._by_state(gas, slope)
+        jacobian[:, :, :SIZE] = self._by_state(gas, slopes)
         jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
         jacobian[:, :, SIZE + of(self.tag + "scale_error")[0]] = surface
         jacobian[:, :, SIZE + of(self.source)[0]] = -self.source_slope * surface
@@ -282,6 +298,37 @@ class SpectrometerData:
         return dataclasses.replace(
             result, value=robust_sum(np.where(np.isfinite(self.radiance), residual, np.nan))
         )
+
+
+def between(time, path, moments, switches):
+    """Temperatures at any moments on a path (n, 4): cubic between samples, straight up to a switch.
+
+    Parameters
+    ----------
+    time : (n,) array [s]
+    path : (n, 4) array
+    moments : array [s], within the times
+    switches : floats [s]
+        Moments when the heat, and so the rate, jumps.
+
+    Returns
+    -------
+    ndarray like `moments` [K]
+    """
+    after = np.clip(np.searchsorted(time, moments), 1, time.size - 1)
+    before = after - 1
+    step = time[after] - time[before]
+    x, (first, last) = (moments - time[before]) / step, (path[before], path[after])
+    bend = x * (1 - x) * step
+    rise = (last[..., TEMPERATURE] - first[..., TEMPERATURE]) / step
+    whole = first[..., TEMPERATURE] + x * step * rise
+    whole = whole + bend * ((1 - x) * (first[..., RATE] - rise) - x * (last[..., RATE] - rise))
+    for moment in switches:
+        apart = (time[before] < moment) & (moment <= time[after])
+        near = np.where(moments < moment, before, after)
+        straight = path[near, TEMPERATURE] + (moments - time[near]) * path[near, RATE]
+        whole = np.where(apart, straight, whole)
+    return whole
 
 
 def _nothing(count, size):

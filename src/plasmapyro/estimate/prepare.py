@@ -69,7 +69,7 @@ def samples_of(record, spans, most=MOST_SAMPLES):
                 f" estimate; got {np.isfinite(row).sum()}"
             )
     floor, relative = noise.signal_noise(signal, min(NOISE_BLOCK, time.size // 4))
-    level = np.stack([noise.smoothed(row, 11) for row in signal])
+    level = np.stack([noise.smoothed(row, 3) for row in signal])  # of a steep rise, each its own
     spread = np.hypot(floor[:, None], relative[:, None] * level)
     spread = np.maximum(spread, np.median(spread, axis=1, keepdims=True) * LEAST_NOISE)
     low, high = record.window
@@ -310,3 +310,8 @@ def rescaled(data, found, fixed):
     scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=axis, keepdims=True)
     scale = np.clip(scale, *RESCALING)
     return dataclasses.replace(data, noise=data.noise * scale)
+
+
+def bent(data, chain, path):
+    """Data whose exposures see the path between its samples; samples of bands are instants."""
+    return data.bent(chain.time, path, chain.switches) if hasattr(data, "bent") else data

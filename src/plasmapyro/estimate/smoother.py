@@ -119,11 +119,10 @@ def marginalised(chain, observations, prior_constants, found):
 def _slope_of_determinant(chain, observations, prior_constants, found):
     """Derivative (p,) of half ln det A by the constants, the path following them."""
     count, size = len(found.path), len(found.values)
-    factor, gathered, _ = _normal_equations(
-        chain.prior(found.dynamics), observations, prior_constants, found.path, found.values
-    )
+    prior = chain.prior(found.dynamics)
+    factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)
     effect = factor.solve(gathered.border.reshape(count * SIZE, size)).reshape(count, SIZE, size)
-    own = factor.inverse_diagonal()
+    own = prior.spread(gathered.state_matrix)
 
     def each(path, values):
         """What each sample adds to half the trace of A^-1 times its matrix, A^-1 held."""
@@ -155,15 +154,15 @@ def spread_of(chain, observations, prior_constants, found):
     Spread
     """
     count, size = len(found.path), len(found.values)
-    factor, gathered, _ = _normal_equations(
-        chain.prior(found.dynamics), observations, prior_constants, found.path, found.values
-    )
+    prior = chain.prior(found.dynamics)
+    factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)
     corner = gathered.corner + np.diag(prior_constants.deviation**-2.0)
     _, _, effect, covariance = solve_bordered(
         factor, gathered.border.reshape(count * SIZE, size), corner, np.zeros(count * SIZE), np.zeros(size)
     )
     effect = effect.reshape(count, SIZE, size)
-    own = factor.inverse_diagonal() + effect @ covariance @ np.swapaxes(effect, 1, 2)
+    own = prior.spread(gathered.state_matrix)
+    own = own + effect @ covariance @ np.swapaxes(effect, 1, 2)
     told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
     return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, told)
 

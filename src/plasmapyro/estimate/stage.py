@@ -18,12 +18,14 @@ from plasmapyro.record.emittance import UNTOLD, tilt
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
-FIRST_RATE = 0.1  # [K/s] standard deviation before injection: nothing heats the sample
+FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
+FIRST_RATE = 0.01  # [K/s] standard deviation before injection: nothing heats the sample
 KICK = 100.0  # [K/s] of the rate at injection and at the end of the plasma
 START_DYNAMICS = {"quiet": 1e-2, "bending": 30.0, "memory": 15.0}  # where the search begins
 GAS_START = 1e-3  # [1] the gas amplitude right after injection is 1 by definition
 BEFORE_DEVIATION = 1.0  # [1] of the logarithm of the gas amplitude before injection: left to the data
 FIRST_ROUNDS = 2  # of path and dynamics, before the noise is looked at again
+BENDS = 2  # times that exposures take the path between their samples anew
 # ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
 # a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
 CHANGING = 0.02  # [1] standard, of the level of the light through the test
@@ -223,7 +225,7 @@ def estimate(
         np.array([start, 0.0, path[0, GAS], 0.0]),
         np.diag(
             [
-                error**2,
+                FIRST_TEMPERATURE**2 if time[0] < 0 else error**2,
                 FIRST_RATE**2 if time[0] < 0 else kick**2,
                 BEFORE_DEVIATION**2 if time[0] < 0 else GAS_START**2,
                 deviation**2,
@@ -237,11 +239,15 @@ def estimate(
         gas_start=GAS_START,
         flicker=deviation,
         flicker_time=correlation,
+        start=error,
     )
     found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy(), FIRST_ROUNDS)
     # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
-    observations = [prepare.rescaled(one, found, fixed) for one in observations]
-    found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
+    for rounds in (1, *(0,) * BENDS):
+        if rounds:
+            observations = [prepare.rescaled(one, found, fixed) for one in observations]
+        observations = [prepare.bent(one, chain, found.path) for one in observations]
+        found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, rounds)
     if course is None:  # else no temperature is nearer to others than another one
         found = marginalised(chain, observations, fixed, found)
     if not found.converged:

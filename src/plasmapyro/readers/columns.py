@@ -178,7 +178,7 @@ def read_table(path, columns, delimiter=None, decimal=None):
     if not stamped and "time" in cells:
         faults += _unstated_stamps(path, cells["time"], numbers)
     if not faults or decimal is None:
-        decimal, more = (decimal, []) if decimal else _decimal(path, mark, plain, numbers)
+        decimal, more = (decimal, []) if decimal else decimal_sign(path, mark, plain, numbers)
         faults += more
     result = {}
     for name, words in plain.items():
@@ -338,8 +338,8 @@ def units_below(cells):
     return [word if units.is_unit(word) else None for word in found]
 
 
-def _decimal(path, mark, cells, numbers):
-    """The decimal sign of the cells, and what leaves it open."""
+def decimal_sign(path, mark, cells, numbers):
+    """The decimal sign of the cells (name -> words), and what leaves it open."""
     commas = points = doubtful = 0
     for words in cells.values():
         for word in words:
@@ -443,7 +443,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
         )
     listing = {rows[0][0]: header[1:], **cells}
     if decimal is None:
-        decimal, faults = _decimal(path, mark, listing, [rows[0][0]])
+        decimal, faults = decimal_sign(path, mark, listing, [rows[0][0]])
         if faults:
             raise Refusal(faults)
     numbers = {}
