@@ -1,7 +1,6 @@
 """How much of what a band detects comes from the surface."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from plasmapyro.checks import fraction, non_negative, positive
 
@@ -84,4 +83,6 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance):
 
     if excess(BRACKET[0]) > 0 or excess(BRACKET[1]) < 0:
         return np.nan
+    from scipy.optimize import brentq  # 0.4 s, which the other quantities of the analysis do not cost
+
     return brentq(excess, *BRACKET, xtol=1e-6, rtol=1e-12)

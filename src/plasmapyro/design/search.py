@@ -5,7 +5,6 @@ front.
 from itertools import count
 
 import numpy as np
-from scipy.optimize import differential_evolution
 
 from plasmapyro.progress import step
 
@@ -60,6 +59,8 @@ def optimise(score, bands, wavelength_range, width_range, *, seed, population, g
             generations,
             f"score {intermediate_result.fun:.4g}",
         )
+
+    from scipy.optimize import differential_evolution  # 0.3 s, which spectra do not cost
 
     found = differential_evolution(
         values,

@@ -197,9 +197,6 @@ def _field(flow, sightline, raster, paths):
         axes.set(xlim=(first - 10, last + 10), ylim=(-outer - 10, outer + 10))
         axes.grid(False)
     lower.set(xlabel="Axial position $z$ [mm]")
-    # The layout takes longer than the drawing: once for all files.
-    drawing.draw_without_rendering()
-    drawing.set_layout_engine("none")
     style.save(upper, paths)
 
 

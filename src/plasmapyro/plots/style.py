@@ -122,4 +122,5 @@ def save(axes, paths, *datasets):
     for path in paths:
         metadata = {"Date": None} if str(path).endswith(".svg") else {"Software": None}
         io.store(path, partial(axes.figure.savefig, metadata=metadata))
+        axes.figure.set_layout_engine("none")  # the layout takes as long as the drawing: once for all files
     plt.close(axes.figure)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.interpolate import RegularGridInterpolator
 from scipy.special import kve
 
 from plasmapyro import tables
@@ -37,12 +36,18 @@ def _photon_ratio(wavenumber, temperature):
     return SECOND_RADIATION * wavenumber / temperature
 
 
+def _interpolator(axes, values, **options):
+    from scipy.interpolate import RegularGridInterpolator  # 0.4 s, which light from a table does not cost
+
+    return RegularGridInterpolator(axes, values, **options)
+
+
 @cache
 def _gaunt_table():
     table = tables.load("radiation/gaunt_free_free")
     gamma, ratio = np.unique(table["gamma_squared"]), np.unique(table["photon_ratio"])
     values = table["gaunt_factor"].reshape(len(gamma), len(ratio))
-    return RegularGridInterpolator((np.log(gamma), np.log(ratio)), values), (ratio[0], ratio[-1])
+    return _interpolator((np.log(gamma), np.log(ratio)), values), (ratio[0], ratio[-1])
 
 
 def gaunt_factor(wavenumber, temperature):
@@ -108,7 +113,7 @@ def _neutral_table(species):
     table = tables.load(f"radiation/free_free_{TABLES[species]}")
     temperature, wavelength = np.unique(table["temperature"]), np.unique(table["wavelength"])
     values = table["coefficient"].reshape(len(temperature), len(wavelength))
-    return RegularGridInterpolator(
+    return _interpolator(
         (np.log(temperature), np.log(wavelength)), np.log(values), bounds_error=False, fill_value=None
     )
 

@@ -1,7 +1,6 @@
 """Potential curves of diatomic molecules from their spectroscopic constants, and the vibration in them."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from plasmapyro.checks import increasing, positive
 from plasmapyro.constants import LIGHT_SPEED, PLANCK
@@ -108,6 +107,8 @@ def potential_curve(radius, vibration, rotation, reduced_mass, highest_level, we
     energy = np.polynomial.Polynomial(np.concatenate(([0.0], vibration)))(action)
     bottom = np.sqrt(kinetic_factor(reduced_mass) / rotation[0])
     points = increasing("turning points", np.concatenate((inner[::-1], [bottom], outer)), "m")
+    from scipy.interpolate import CubicSpline  # 0.4 s, which light from a table does not cost
+
     spline = CubicSpline(points, np.concatenate((energy[::-1], [0.0], energy)))
     top = energy[-1]
     if well_depth <= top:
