@@ -10,8 +10,9 @@ import xarray as xr
 
 from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.elements import Space
+from plasmapyro.flow.gradient import derivatives
 from plasmapyro.flow.linear import Factorised
-from plasmapyro.flow.physics import Points, complex_step_derivatives, densities, property_lines
+from plasmapyro.flow.physics import Points, densities, property_lines
 from plasmapyro.flow.properties import gas_properties
 from plasmapyro.flow.swirl import Swirl
 
@@ -173,7 +174,7 @@ def errors_of_the_flow(mesh, gas):
         lines = property_lines(gas, np.exp(inputs[6]))
         residual = space.residual(cells, np.stack(densities(inputs, lines, data)))
         residual += conduction.residual(state, gas)
-        slopes = complex_step_derivatives(lambda x, lines=lines: densities(x, lines, data), list(inputs))
+        slopes = derivatives(lambda x, lines=lines: densities(x, lines, data), list(inputs))
         matrices = space.element_matrices(cells, slopes)
         own = conduction.columns
         matrices[:, own, own] += conduction.element_matrices(state, gas, slice(None))

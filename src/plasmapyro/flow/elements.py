@@ -197,25 +197,29 @@ class Space:
         Parameters
         ----------
         part : slice
-        derivative : function, direction -> densities' derivatives along it, 3 n arrays (Q, e)
-            `direction`: mapping from the index of a field input to its share, a number or (e,).
+        derivative : function, seeds -> slopes of the 3 n densities, {direction: (Q, e)} each
+            `seeds`: for each field input {direction: share}, a number or (e,); a direction is the value of a
+            field or its slope along a side.
         """
         inverse = self._bases[max(self.orders)].mapping.invA[:, :, part]
         weight = np.ascontiguousarray(self.cells.weight[part].T)
         points, count = weight.shape
         fields = range(len(self.orders))
         forms = np.empty((len(fields), len(fields), COMPONENTS, COMPONENTS, points, count))
-        for trial in fields:
-            value, *slopes = range(COMPONENTS * trial, COMPONENTS * (trial + 1))
-            for column in range(COMPONENTS):
-                along = dict(zip(slopes, inverse[column - 1], strict=True)) if column else {value: 1.0}
-                rows = [row * weight for row in derivative(along)]
-                for test in fields:
-                    held, *by_axis = rows[COMPONENTS * test : COMPONENTS * (test + 1)]
+        seeds = []
+        for value in range(0, COMPONENTS * len(fields), COMPONENTS):
+            axes = ({value + 1 + side: inverse[side, axis] for side in range(2)} for axis in range(2))
+            seeds += [{value: 1.0}, *axes]
+        slopes = derivative(seeds)
+        for test in fields:
+            for trial in fields:
+                for column in range(COMPONENTS):
+                    own = (slopes[COMPONENTS * test + row] for row in range(COMPONENTS))
+                    held, by_z, by_r = (row.get(COMPONENTS * trial + column, 0.0) * weight for row in own)
                     form = forms[test, trial, :, column]
                     form[0] = held
                     for row, (along_z, along_r) in enumerate(inverse, start=1):
-                        form[row] = along_z * by_axis[0] + along_r * by_axis[1]
+                        form[row] = along_z * by_z + along_r * by_r
         matrices = np.empty((count, *2 * (self.cells.dofs.shape[1],)))
         for test in fields:
             for trial in fields:

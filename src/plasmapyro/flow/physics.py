@@ -62,7 +62,6 @@ SMALL_SPEED = 0.1  # [m/s]: smooths |u| at rest, so that its derivative exists
 LIMITER_ONSET = 0.3  # excess of C Re over 1 at which the limiter adds half of it
 TURBULENT_PRANDTL = 0.7  # of a round jet (Launder and Spalding 1972)
 LEAST_SHEAR = 1.0  # [s-2]: the root has a slope in gas at rest
-IMAGINARY_STEP = 1e-30
 PROPERTY_NAMES = (
     "density",
     "density_slope",
@@ -108,7 +107,7 @@ class Points:
 def property_lines(properties, temperature):
     """Tangents (value, slope, temperature) of the properties at real `temperature`, by name.
 
-    A complex step sees a function only through its value and slope; one look-up then serves all twelve steps.
+    A derivative sees a function only through its value and slope; one look-up then serves all of them.
     """
     names = PROPERTY_NAMES if properties.net_emission is None else (*PROPERTY_NAMES, "net_emission")
     return {name: (*getattr(properties, name)(temperature), temperature) for name in names}
@@ -130,8 +129,8 @@ def limited_viscosity(limiter, size, density, speed, viscosity):
     unsteady.
     """
     excess = limiter * density * speed * size / viscosity - 1
-    # The sign is decided by the real part, so that a complex step goes through.
-    positive = np.where(np.real(excess) > 0, excess, 0.0)
+    # The sign is decided by the real part, so that derivatives go through.
+    positive = excess * (np.real(excess) > 0)
     return viscosity * positive * positive / (positive + LIMITER_ONSET)
 
 
@@ -231,30 +230,9 @@ def backflow_densities(inputs, normal, density, heat_capacity, temperature):
     """
     uz, ur = REFERENCE_VELOCITY * inputs[0], REFERENCE_VELOCITY * inputs[3]
     outward = uz * normal[0] + ur * normal[1]
-    entering = np.where(np.real(outward) < 0, -outward, 0.0)
-    zero = np.zeros_like(uz)
-    rows = [zero] * INPUTS
+    entering = -outward * (np.real(outward) < 0)
+    rows = [0.0 * uz] * INPUTS
     rows[0] = 0.5 * density * entering * uz
     rows[3] = 0.5 * density * entering * ur
     rows[6] = density * heat_capacity * entering * (np.exp(inputs[6]) - temperature)
     return [scale * row for scale, row in zip(ROW_SCALE, rows, strict=True)]
-
-
-def complex_step(function, inputs, direction):
-    """Derivatives of the outputs of a pointwise function at real `inputs`, exact to round-off.
-
-    f(x + i d) = f(x) + i d f'(x) + O(d^2); d = 1e-30 leaves no truncation and no cancellation. `direction`:
-    mapping from the index of an input to its share in the direction of the derivative.
-    """
-    stepped = list(inputs)
-    for index, share in direction.items():
-        stepped[index] = inputs[index] + 1j * IMAGINARY_STEP * share
-    return [np.imag(row) / IMAGINARY_STEP for row in function(stepped)]
-
-
-def complex_step_derivatives(function, inputs):
-    """Derivatives (E, Q, outputs, inputs) of a pointwise function by each of its real `inputs`."""
-    columns = [
-        np.stack(complex_step(function, inputs, {index: 1.0}), axis=-1) for index in range(len(inputs))
-    ]
-    return np.stack(columns, axis=-1)

@@ -11,12 +11,12 @@ from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import flow_mesh
+from plasmapyro.flow.gradient import Graded, derivatives, gradient
 from plasmapyro.flow.induction import Induction, ring_potential
 from plasmapyro.flow.linear import Factorised, dissection
 from plasmapyro.flow.physics import (
     AXIAL,
     GAUGE_PRESSURE,
-    IMAGINARY_STEP,
     INPUTS,
     LOG_TEMPERATURE,
     RADIAL,
@@ -25,8 +25,6 @@ from plasmapyro.flow.physics import (
     SMALL_SPEED,
     Points,
     backflow_densities,
-    complex_step,
-    complex_step_derivatives,
     densities,
     limited_viscosity,
     property_lines,
@@ -267,11 +265,11 @@ class Problem:
             some = list(np.ascontiguousarray(inputs[:, part].transpose(0, 2, 1)))
             lines = property_lines(self.properties, np.exp(some[3 * LOG_TEMPERATURE]))
             forms = partial(densities, lines=lines, points=points.part(part))
-            matrices[part] = self.space.cell_matrices(part, partial(complex_step, forms, some))
+            matrices[part] = self.space.cell_matrices(part, partial(gradient, forms, some))
             heat = self._conduction.columns
             matrices[part, heat, heat] += self._conduction.element_matrices(state, self.properties, part)
         data = self.space.gathered(cells, matrices)
-        backflow = complex_step_derivatives(self._backflow, list(self.space.inputs(self._open, state)))
+        backflow = derivatives(self._backflow, list(self.space.inputs(self._open, state)))
         data += self.space.gathered(self._open, self.space.element_matrices(self._open, backflow))
         return self.space.matrix(data)
 
@@ -304,11 +302,13 @@ class Problem:
         lines = property_lines(self.properties, temperature)
         slope = self.properties.electrical_conductivity(temperature)[1] * temperature
         # Heating and forces enter linearly: their factors, once, in the rows where they have any.
-        factors = []
-        for name in ("joule_heating", "force_axial", "force_radial"):
-            stepped = replace(points, **{name: getattr(points, name) + 1j * IMAGINARY_STEP})
-            found = (np.imag(row) / IMAGINARY_STEP for row in densities(inputs, lines, stepped))
-            factors.append({row: factor for row, factor in enumerate(found) if factor.any()})
+        names = ("joule_heating", "force_axial", "force_radial")
+        sources = {name: Graded(getattr(points, name), {name: 1.0}) for name in names}
+        found = [getattr(row, "slopes", {}) for row in densities(inputs, lines, replace(points, **sources))]
+        factors = [
+            {row: slopes[name] for row, slopes in enumerate(found) if np.any(slopes.get(name, 0.0))}
+            for name in names
+        ]
         unit = self.induction_power(coupling)
 
         def induced(change):
