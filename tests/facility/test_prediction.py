@@ -87,9 +87,8 @@ def test_nitrogen_follows_air_but_where_it_was_computed():
 
 def test_more_mixing_takes_heat_at_the_same_pitot_pressure():
     wall = explanation(0.03, "kossyi", 0.0125)
-    found = [needed_mixing(wall, flux, 14.98) for flux in (700e3, 600e3, 500e3)]
-    mixing, kelvin = np.concatenate(found, axis=1)
-    assert np.all(np.diff(mixing) > 0) and np.all(np.diff(kelvin) < 0) and mixing[0] > 0
+    mixing = [needed_mixing(wall, flux, 14.98)[0] for flux in (700e3, 600e3, 500e3)]
+    assert np.all(np.diff(mixing) > 0) and mixing[0] > 0
     assert np.isnan(needed_mixing(wall, 5e6, 14.98)).all()
 
 

@@ -176,21 +176,19 @@ def carried_over(values, computed, model=None):
 
 
 def needed_mixing(explanations, heat_flux, pitot):
-    """Mixing length over the torch radius [1] with which jets at 50 mbar give heat fluxes [W m-2] at Pitot
-    pressures [Pa], and the temperature of their gas [K]: arrays (d,).
+    """Mixing length over the torch radius [1] with which jets of air at 50 mbar give heat fluxes [W m-2] at
+    Pitot pressures [Pa]: (d,).
 
     NaN where a jet of 16 g/s would have to give more than without mixing, or less than with the most that
     still lets a probe read so little.
     """
     count = len(explanations.nose)
     values, _ = jets().at(np.broadcast_to(pitot, count)[:, None], PAIR_PRESSURE, explanations)
-    goal = np.log(np.broadcast_to(heat_flux, count))
-    found = np.full((2, count), np.nan)
-    for k, (flux, kelvin) in enumerate(zip(values[:, ::-1, 0, 0], values[:, ::-1, 0, 1], strict=True)):
+    goal, found = np.log(np.broadcast_to(heat_flux, count)), np.full(count, np.nan)
+    for k, flux in enumerate(values[:, ::-1, 0, 0]):
         known = np.isfinite(flux)
         if known.any() and flux[known][0] <= goal[k] <= flux[-1]:
-            columns = jets().mixing[::-1], np.exp(kelvin)
-            found[:, k] = [np.interp(goal[k], flux[known], one[known]) for one in columns]
+            found[k] = np.interp(goal[k], flux[known], jets().mixing[::-1][known])
     return found
 
 
@@ -257,9 +255,7 @@ def predict(
     drawn = Explanations(gamma, random.integers(len(RATES), size=draws), radii)
     flux = table["heat_flux"][row] * np.exp(flux_uncertainty * random.standard_normal(draws))
     faded, warmth = random.uniform(size=(2, draws))
-    mixing, _ = needed_mixing(
-        drawn, flux, read * np.exp(pressure_uncertainty * random.standard_normal(draws))
-    )
+    mixing = needed_mixing(drawn, flux, read * np.exp(pressure_uncertainty * random.standard_normal(draws)))
     met = np.isfinite(mixing)
     if met.mean() < LEAST_SHARE:
         raise ValueError(

@@ -2,10 +2,16 @@
 
 import numpy as np
 
-from plasmapyro.facility.causes import causes
-from plasmapyro.facility.prediction import MIDDLE, NOSES, RATES, Explanations, needed_mixing, scale
+from plasmapyro.facility.causes import NAMES, causes
+from plasmapyro.facility.prediction import MIDDLE, scale
 
 LEAST = 5e-4  # probability below which a cause is not listed
+SIZES = {  # of a cause: factor, form and unit in which they are told
+    "temperature": (1.0, ".0f", " K"),
+    "mixing": (1.0, ".3f", ""),
+    "recombination": (1.0, ".2g", ""),
+    "nose": (1e3, ".0f", " mm"),
+}
 SUFFICES = 2.0  # standard uncertainties within which a cause explains
 WORDS = {
     1: "explains: some admissible recombination meets the pair",
@@ -22,9 +28,8 @@ def judge(found, admissible):
     gamma that meets the measured flux, NaN where none does; `heat_left` is q over the measured flux at both
     ends of the admissible recombination. The other way round, `momentum_left` is the measured pressure over
     that of the flow which gives the measured flux: what momentum, or a mixing that makes the jet colder at
-    the same momentum, would have to supply. `needed_mixing` is the mixing length over the torch radius with
-    which jets of the table 'facility/jets' meet the pair, at both ends of the admissible recombination, and
-    `mixed_temperature` the gas then ahead of the probe, where these flows have `matching_temperature`.
+    the same momentum, would have to supply. `cause_probability` names causes, see `causes`; what each leaves
+    free lies between the ends `cause_mixing` and so on, 95 %.
 
     Parameters
     ----------
@@ -40,7 +45,6 @@ def judge(found, admissible):
     shape = tuple(found.sizes[name] for name in ("pair", "rates", "pitot_radius"))
     needed, verdict = np.full(shape, np.nan), np.empty(shape, dtype="int8")
     heat, momentum = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
-    mixing, mixed = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
     power, kelvin = np.full((shape[0], shape[2]), np.nan), np.full((shape[0], shape[2]), np.nan)
     for pair, rates, radius in np.ndindex(shape):
         pressure = found.pitot_pressure.values[:, radius]
@@ -48,12 +52,6 @@ def judge(found, admissible):
         target, goal = found.pair_heat_flux.values[pair], found.pair_pressure.values[pair]
         at_ends = np.stack([_along(one, gamma, flux) for one in admissible])  # (2, condition)
         momentum[pair, rates, radius] = [goal / _inside(target, ends, pressure) for ends in at_ends]
-        kind, nose = str(found.rates.values[rates]), float(found.pitot_radius.values[radius])
-        if kind in RATES and NOSES[0] <= nose <= NOSES[-1]:
-            index = np.full(2, RATES.index(kind))
-            walls = Explanations(np.array(admissible, dtype=float), index, np.full(2, nose))
-            needs = needed_mixing(walls, target, goal)
-            mixing[pair, rates, radius], mixed[pair, rates, radius] = needs
         if not pressure[0] <= goal <= pressure[-1]:
             verdict[pair, rates, radius] = 2
             continue
@@ -68,19 +66,40 @@ def judge(found, admissible):
             0 if ends.min() > target + margin else -1 if ends.max() < target - margin else 1
         )
     dims = ("pair", "rates", "pitot_radius")
-    return found.assign(
+    return named(found, admissible).assign(
         needed_recombination=(dims, needed),
         heat_left=((*dims, "bound"), heat),
         momentum_left=((*dims, "bound"), momentum),
         matching_power=(("pair", "pitot_radius"), power),
         matching_temperature=(("pair", "pitot_radius"), kelvin),
-        needed_mixing=((*dims, "bound"), mixing),
-        mixed_temperature=((*dims, "bound"), mixed),
         pair_verdict=(
             dims,
             verdict,
             {"flag_values": np.array(list(WORDS), "int8"), "flag_meanings": _flags()},
         ),
+    )
+
+
+def named(found, admissible):
+    """Readings and pairs with the causes of each pair, their probabilities and sizes; see `causes`."""
+    names = ["none", *NAMES, "unknown"]
+    probability = np.empty((found.sizes["pair"], len(names)))
+    sizes = {size: np.full((*probability.shape, 2), np.nan) for size in SIZES}
+    for pair, row in enumerate(probability):
+        one = found.isel(pair=pair)
+        flux, read = float(one.pair_heat_flux), float(one.pair_pressure)
+        known = causes(
+            flux, read, admissible=admissible,
+            flux_uncertainty=float(one.pair_flux_uncertainty) / flux,
+            pressure_uncertainty=float(one.pair_pressure_uncertainty) / read,
+        )  # fmt: skip
+        for k, name in enumerate(names):
+            row[k] = known[name][0]
+            for size, ends in known[name][1].items():
+                sizes[size][pair, k] = ends
+    columns = {f"cause_{size}": (("pair", "cause", "bound"), ends) for size, ends in sizes.items()}
+    return found.assign_coords(cause=names).assign(
+        cause_probability=(("pair", "cause"), probability), **columns
     )
 
 
@@ -128,13 +147,11 @@ def as_markdown(found):
         "",
         f"Admissible recombination {low:g} to {high:g}. Heat left: computed over measured heat flux at the"
         " measured pressure, at both ends. Momentum left: measured over computed pressure where the heat"
-        " flux is the measured one. Mixing needed: mixing length over the torch radius with which a jet that"
-        " radiates meets the pair, at both ends (0.075 of its width is usual in round jets). What decides:"
-        " the temperature of the gas ahead of the probe, in these flows and with that mixing.",
+        " flux is the measured one.",
         "",
-        "| pair | rates | Pitot radius | power there | recombination needed | heat left | momentum left |"
-        " mixing needed | temperature here, with mixing | without mixing |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "| pair | rates | Pitot radius | power there | temperature ahead | recombination needed | heat left |"
+        " momentum left | recombination alone |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for pair, name in enumerate(found.pair.values):
         for rates, kind in enumerate(found.rates.values):
@@ -143,81 +160,32 @@ def as_markdown(found):
                 lines.append(
                     f"| {name} | {kind} | {size * 1e3:g} mm | "
                     f"{_word(found.matching_power.values[pair, radius] / 1e3, '.0f', ' kW')} | "
+                    f"{_word(found.matching_temperature.values[pair, radius], '.0f', ' K')} | "
                     f"{_word(found.needed_recombination.values[at], '.4f')} | "
                     f"{_words(found.heat_left.values[at])} | {_words(found.momentum_left.values[at])} | "
-                    f"{_words(found.needed_mixing.values[at], '.3f')} | "
-                    f"{_word(found.matching_temperature.values[pair, radius], '.0f', ' K')}, "
-                    f"{_words(found.mixed_temperature.values[at], '.0f', ' K')} | "
                     f"{WORDS[int(found.pair_verdict.values[at])]} |"
                 )
-    pairs = [found.sel(pair=name) for name in found.pair.values]
-    lines += ["", *map(_summary, pairs)]
-    for one in pairs:
-        lines += _names(one, (low, high))
+    lines += [
+        "",
+        "## Names",
+        "",
+        "Causes alone and together, with the priors of a diagnosis, and 95 % of what each leaves free, the"
+        " mixing in torch radii. `none`: a good catalyst (0.1 to 1), a nose of 25 mm, a laminar jet;"
+        " `unknown`: something else. A measured temperature ahead of the probe decides between causes.",
+        "",
+        "| pair | cause | probability | temperature ahead | mixing | recombination | Pitot nose |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in found.pair.values:
+        one = found.sel(pair=name).sortby("cause_probability", ascending=False)
+        for k in np.flatnonzero(one.cause_probability.values >= LEAST):
+            cells = [
+                _words(factor * one[f"cause_{size}"].values[k], form, unit)
+                for size, (factor, form, unit) in SIZES.items()
+            ]
+            probability = f"{float(one.cause_probability[k]):.3f}"
+            lines.append(f"| {name} | {one.cause.values[k]} | {probability} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
-
-
-SHOWN = {  # of a cause: factor, form, unit
-    "mixing": (1.0, ".3f", ""),
-    "recombination": (1.0, ".2g", ""),
-    "nose": (1e3, ".0f", " mm"),
-    "temperature": (1.0, ".0f", " K"),
-}
-
-
-def _names(one, admissible):
-    """Table of the causes of one pair that stay possible, each with its probability and size."""
-    flux, read = float(one.pair_heat_flux), float(one.pair_pressure)
-    named = causes(
-        flux, read, admissible=admissible,
-        flux_uncertainty=float(one.pair_flux_uncertainty) / flux,
-        pressure_uncertainty=float(one.pair_pressure_uncertainty) / read,
-    )  # fmt: skip
-    lines = [
-        "",
-        f"## Names for {one.pair.item()}",
-        "",
-        "Causes alone and together, with the priors of a diagnosis, and 95 % of what each leaves free."
-        " `none`: a good catalyst (0.1 to 1), a nose of 25 mm, a laminar jet; `unknown`: something else.",
-        "",
-        "| cause | probability | mixing | recombination | Pitot nose | temperature ahead |",
-        "|---|---|---|---|---|---|",
-    ]
-    for cause, (probability, size) in named.items():
-        if probability < LEAST:
-            break
-        cells = [f"{probability:.3f}"]
-        for name, (factor, form, unit) in SHOWN.items():
-            ends = [factor * end for end in size.get(name, ())]
-            cells.append(_words(ends, form, unit) if ends else "-")
-        lines.append(f"| {cause} | {' | '.join(cells)} |")
-    return lines
-
-
-def _summary(one):
-    """What can explain one pair, how much of it, and what would decide, in one line."""
-    able = [
-        f"a Pitot nose of {1e3 * size:g} mm under the rates '{kind}'"
-        for r, kind in enumerate(one.rates.values)
-        for k, size in enumerate(one.pitot_radius.values)
-        if one.pair_verdict.values[r, k] == 1
-    ]
-    words = "recombination alone with " + ", ".join(able) if able else "no admissible recombination alone"
-    line = f"* **{one.pair.item()}**: {words}"
-    mixing, mixed = (_ends(one[name].values) for name in ("needed_mixing", "mixed_temperature"))
-    if not np.isfinite(mixing[0]):
-        return line + "; no mixing of the table either."
-    plain = _words(_ends(one.matching_temperature.values), ".0f", " K")
-    return (
-        f"{line}; mixing of {_words(mixing, '.3f')} of the torch radius. A measured temperature decides:"
-        f" {_words(mixed, '.0f', ' K')} with mixing, {plain} in these flows."
-    )
-
-
-def _ends(values):
-    """Least and largest of what is known, or NaN."""
-    known = values[np.isfinite(values)]
-    return (known.min(), known.max()) if known.size else (np.nan, np.nan)
 
 
 def _word(value, form, unit=""):
