@@ -248,8 +248,9 @@ def _bands(bands, off, sensitivity, response, library, edges):
 
 def _spectrometer(frames, off, library, edges, fwhm):
     frames = binning.thinned(frames, off, MOST_SPECTRA)
-    wavelength, radiance = frames.wavelength, frames.sound
-    saturated = frames.flagged(flags.SATURATED)
+    wavelength, saturated = frames.wavelength, frames.flagged(flags.SATURATED)
+    slit = library.slit_fwhm
+    radiance, saturated = observation.as_through(slit, fwhm, wavelength, frames.sound, saturated)
     factor = np.ones(wavelength.size) if frames.factor is None else frames.factor
     relative = np.zeros(wavelength.size)
     if frames.factor_uncertainty is not None:
@@ -270,7 +271,7 @@ def _spectrometer(frames, off, library, edges, fwhm):
         relative[chosen],
     )
     seen = np.interp(wavelength, library.wavelength, library.base)
-    pixels = binning.pixel_edges(wavelength, seen, fwhm)
+    pixels = binning.pixel_edges(wavelength, seen, slit)
     raw, number_of_pixels = observation.in_pixel_bins(radiance, pixels)
     in_bin = number_of_pixels.max(axis=0)
     # The mean of some pixels of a bin is that of another wavelength.

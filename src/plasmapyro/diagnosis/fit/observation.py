@@ -12,6 +12,8 @@ from plasmapyro.record import binning
 
 NODE = 6e-9  # [m] of the quadrature over a band
 NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
+LEAST_SEEN = 0.9  # [1] of the weight about a pixel, for the mean of its neighbours to be that of its place
+REACH = 3.0  # standard deviations
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,26 @@ def in_pixel_bins(values, edges):
     total = np.add.reduceat(np.where(finite, values, 0.0), edges[:-1], axis=-1)
     number = np.add.reduceat(finite.astype(float), edges[:-1], axis=-1)
     return np.where(number > 0, total / np.maximum(number, 1), np.nan), number
+
+
+def as_through(slit, own, wavelength, values, saturated):
+    """Spectra (t, P) of a slit of width `own` [m] as through the wider `slit` [m], and which pixels of them
+    saturated ones (t, P) reach: of two spectra the finer one can be made as coarse as the other.
+
+    NaN where too many neighbours of a pixel are missing, as at the ends.
+    """
+    sigma = np.sqrt(max(slit**2 - own**2, 0.0)) / FWHM_PER_SIGMA
+    width = np.abs(np.gradient(wavelength))
+    if not sigma > 0.5 * np.median(width):
+        return values, saturated
+    away = (wavelength[:, None] - wavelength) / sigma
+    kernel = np.where(np.abs(away) < REACH, np.exp(-0.5 * away**2) * width, 0.0)
+    kernel = sparse.csr_array(kernel / (sigma * np.sqrt(2 * np.pi)))
+    finite = np.isfinite(values)
+    weight = finite.astype(float) @ kernel.T
+    total = np.where(finite, values, 0.0) @ kernel.T
+    reached = (saturated.astype(float) @ (kernel > 0).astype(float).T) > 0
+    return np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan), reached
 
 
 def beside_saturation(saturated, index, edges):

@@ -237,7 +237,9 @@ class Fitter:
                 wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
             else:
                 groups.append(simulated.model.library.group_name.index(name))
-        self.root = self.root_of(simulated.strength * wide, simulated.shape, simulated.group[groups])
+        self.root = self.root_of(
+            simulated.strength * wide, simulated.shape, simulated.group[groups], seen=light
+        )
 
     def root_of(self, *modes, seen=None):
         """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.

@@ -3,22 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, cho_solve
-from scipy.special import ndtr
+from scipy.linalg import cho_solve
 
 from plasmapyro.diagnosis.fit.inference import pattern_sigmas
-from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
-LEAST_SIGMA = 1e-11  # [m]: slits nearer to each other are the same
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
 DARK = 1e-3  # [1] of the level: less light is none
 
 
 @dataclass(frozen=True)
 class MeasuredGas:
-    """Light of the gas after injection, channel by channel of all instruments, as through the slit of the
-    simulation where that of the spectrometer is narrower.
+    """Light of the gas after injection, channel by channel of all instruments.
 
     `value` (C,) over `level` (C,), the simulated light (or a share of its mean where it is dark);
     `covariance` (C, C) of `value`: noise, calibration, the surface; `relative` (C, k): roots r of the part
@@ -75,12 +71,6 @@ def measured_gas(model, solution):
     level, simulated = (np.concatenate(rows) for rows in zip(*levels, strict=True))
     lines = np.concatenate(solution.state.lines)
     value = brightness * (simulated / level + lines)
-    as_simulated = block_diag(
-        *(
-            _at_the_slit_of(model, one) * one_level / one_level[:, None]
-            for one, (one_level, _) in zip(model.instruments, levels, strict=True)
-        )
-    )
     places, at = [], len(solution.covariance)
     for one in model.instruments:
         for which, sigma in enumerate(pattern_sigmas(one)):
@@ -96,10 +86,10 @@ def measured_gas(model, solution):
     chosen = np.zeros((solution.factor[0].shape[0], places.size))
     chosen[places, np.arange(places.size)] = 1.0
     covariance = cho_solve(solution.factor, chosen)[places]
-    slope = as_simulated @ np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
+    slope = np.concatenate([value[:, None], brightness * np.eye(lines.size)], axis=1)
     root = np.linalg.inv(np.linalg.cholesky(covariance[count:, count:]))
     return MeasuredGas(
-        value=as_simulated @ value,
+        value=value,
         covariance=slope @ covariance[:count, :count] @ slope.T,
         relative=slope @ covariance[:count, count:] @ root.T,
         level=level,
@@ -109,30 +99,6 @@ def measured_gas(model, solution):
             [np.full(one.channels, place) for place, one in enumerate(model.instruments)]
         ),
     )
-
-
-def _at_the_slit_of(model, one):
-    """Matrix (C, C) that shows the channels of an instrument as through the slit of the simulation, if its
-    own is narrower: of two spectra the finer one can be made as coarse as the other."""
-    if one.weight is not None:
-        return np.eye(one.channels)
-    own = float(model.record.attributes["spectrometer_fwhm"])
-    sigma = np.sqrt(max(model.library.slit_fwhm**2 - own**2, 0.0)) / FWHM_PER_SIGMA
-    if not sigma > LEAST_SIGMA:
-        return np.eye(one.channels)
-    middle = (one.wavelength[1:] + one.wavelength[:-1]) / 2
-    first, last = one.wavelength[0] - middle[0], one.wavelength[-1] - middle[-1]
-    edges = np.concatenate([[middle[0] + 2 * first], middle, [middle[-1] + 2 * last]])
-    width = np.diff(edges)
-    # Light that counts as evenly spread over its channel is widened by that already.
-    sigma = np.sqrt(np.maximum(sigma**2 - width**2 / 12, LEAST_SIGMA**2))
-
-    def integral(x):
-        return x * ndtr(x / sigma) + sigma * np.exp(-0.5 * (x / sigma) ** 2) / np.sqrt(2 * np.pi)
-
-    apart = edges[:, None] - edges
-    share = np.diff(integral(apart[:, :-1]) - integral(apart[:, 1:]), axis=0)
-    return share / share.sum(axis=1, keepdims=True)
 
 
 def _wavelength(one):
