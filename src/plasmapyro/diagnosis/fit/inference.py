@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE
-from plasmapyro.diagnosis.fit.setting import WIDE, free_numbers, numbers_of, with_numbers
+from plasmapyro.diagnosis.fit.setting import free_numbers, log_prior, numbers_of, with_numbers
 
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the brightness of the gas beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
@@ -563,9 +563,11 @@ class Fitter:
 def log_evidence(solution, size):
     r"""Log of the evidence of a fit with effects, up to what all fits of a data set share.
 
-    .. math:: \ln Z = -\tfrac12 \chi^2_{MAP} + \tfrac12 \ln\det C_{effects} - \sum_j \ln \sigma_j
+    .. math:: \ln Z = -\tfrac12 \chi^2_{MAP} + \tfrac12 \ln\det C_{effects} + \sum_j \ln \pi_j
 
-    with the posterior covariance of the free numbers of the effects and their prior standard deviations.
+    with the posterior covariance of the free numbers of the effects and their densities before the data: of
+    amplitudes the mean of some normals (`setting.log_prior`), of shapes one. The prior of amplitudes in
+    fits is taken out of chi-squared.
 
     Parameters
     ----------
@@ -581,11 +583,6 @@ def log_evidence(solution, size):
     if not free:
         return -0.5 * solution.objective
     block = solution.covariance[size:, size:]
-    sigma = np.array([number.sigma / (WIDE if number.name is None else 1.0) for number in free])
     _, log_determinant = np.linalg.slogdet(block)
-    excess = sum(
-        (number / s) ** 2 - (number / (WIDE * s)) ** 2
-        for number, s, one in zip(solution.state.amplitudes, sigma, free, strict=True)
-        if one.name is None
-    )
-    return float(-0.5 * (solution.objective + excess) + 0.5 * log_determinant - np.sum(np.log(sigma)))
+    prior = log_prior(free, solution.state.amplitudes)
+    return float(-0.5 * solution.objective + 0.5 * log_determinant + prior)

@@ -3,10 +3,14 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.special import logsumexp
 
 from plasmapyro.diagnosis.effects.effect import Effect
 
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
+TAILS = np.array([1.0, 3.0, 10.0, 30.0])
+"""Widths of the normals, over the standard deviation of the catalogue, of which the prior of an amplitude is
+the mean: faults are mostly small, and now and then gross."""
 
 
 @dataclass(frozen=True)
@@ -72,3 +76,28 @@ def numbers_of(settings):
             for free in free_numbers(settings)
         ]
     )
+
+
+def log_prior(free, numbers):
+    r"""Log density of numbers before the data, without factors of :math:`\sqrt{2\pi}`, over that in fits but
+    for its norm.
+
+    .. math:: \sum_j \ln \frac1n \sum_k \frac{1}{k\sigma_j}
+        \exp\left(-\frac{a_j^2}{2 k^2 \sigma_j^2}\right) + \frac{a_j^2}{2 (10 \sigma_j)^2}
+
+    for amplitudes, with the widths k of `TAILS`; :math:`-\ln \sigma_j` for shapes.
+
+    Parameters
+    ----------
+    free : list of FreeNumber
+    numbers : sequence of float
+    """
+    total = 0.0
+    for one, number in zip(free, numbers, strict=True):
+        if one.name is None:
+            wide = TAILS * one.sigma / WIDE
+            density = logsumexp(-0.5 * (number / wide) ** 2 - np.log(wide)) - np.log(wide.size)
+            total += density + 0.5 * (number / one.sigma) ** 2
+        else:
+            total -= np.log(one.sigma)
+    return float(total)

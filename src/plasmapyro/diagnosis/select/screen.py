@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve
+from scipy.special import logsumexp
 
 from plasmapyro.diagnosis.effects.effect import Effect
 from plasmapyro.diagnosis.fit.inference import gram, own_patterns
-from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.setting import TAILS, Setting
 from plasmapyro.diagnosis.select.structures import structures_of
 
 # What the base parameters must leave [1] of the information of a direction for it to be seen, in gains,
@@ -164,12 +165,13 @@ def angles(information):
 
 
 def linear_evidence(screen):
-    """Log Bayes factor of each candidate over no effect, Gaussian prior of its amplitude (candidates,)."""
+    """Log Bayes factor (candidates,) of each over no effect, by the prior of `setting.log_prior`."""
     own = np.diag(screen.information)[: screen.count]
-    sigma2 = np.array([candidate.effect.sigma**2 for candidate in screen.candidates])
+    sigma2 = np.array([(TAILS * candidate.effect.sigma) ** 2 for candidate in screen.candidates]).T
     score = screen.score[: screen.count]
     usable = screen.left[: screen.count] > LEAST_LEFT
     value = -0.5 * np.log1p(sigma2 * own) + 0.5 * score**2 / (own + 1 / sigma2)
+    value = logsumexp(value, axis=0) - np.log(TAILS.size)
     return np.where(usable, value, -np.inf)
 
 

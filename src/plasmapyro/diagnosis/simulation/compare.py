@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 from scipy.stats import chi2
 
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
-from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of, with_numbers
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, log_prior, numbers_of, with_numbers
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
 
@@ -166,8 +166,8 @@ def _power(fit, library, spread):
 def log_bayes(fit, base):
     """Log Bayes factor of a fit over the one without effects, by Laplace's approximation."""
     volume = [np.linalg.slogdet(one.covariance)[1] for one in (fit, base)]
-    prior = sum(np.log(number.sigma) for number in free_numbers(fit.settings))
-    return float(0.5 * (base.objective - fit.objective + volume[0] - volume[1]) - prior)
+    prior = log_prior(free_numbers(fit.settings), numbers_of(fit.settings))
+    return float(0.5 * (base.objective - fit.objective + volume[0] - volume[1]) + prior)
 
 
 def settled(simulated, settings=(), wrong=()):
