@@ -24,6 +24,7 @@ from plasmapyro.record.inputs import has_plasma, instruments
 
 STRANGE_LINE = "line_gas_pattern"  # structure that a line which nobody simulates is
 OF_TWO_BANDS = {"edge1", "edge2", "resp_long", "phi", "off1", "off2"}  # effects of the wide and narrow band
+MBAR = 100.0  # [Pa]
 SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
 
 
@@ -135,15 +136,15 @@ def diagnose(
         selection, gained = selection.unnamed(), None
     elif gained is not None and not gained.improves:
         selection = selection.doubted("unconfirmed")
-    comparison, elsewhere = nothing_to_compare(base.model), ()
+    comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)
         comparison = compare(base.model, measured, questions[1], seed=seed)
-        elsewhere = other_pressure(test, radiation)
+        elsewhere = other_gas(test, radiation, comparison)
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
     if selection.unknown_class or elsewhere:
-        comparison = comparison.without_names()
+        comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     findings = Findings(base, selection, comparison, effects, gained, crossed, reading, provenance or {})
@@ -160,17 +161,27 @@ def _gained(base, selection):
     return gain(base.model, base.solution, selection.final) if named else None
 
 
-def other_pressure(test, radiation):
-    """Pressures [Pa] (of the test, of the simulation) if they are not the same, else ().
+def other_gas(test, radiation, comparison):
+    """Why the simulation is not one of the gas of a test, in a sentence, or "".
 
     Densities go with the pressure, and lines that absorb themselves, and what electrons excite, do not even
     go with the density: nothing says how the simulated spectrum would change.
     """
     simulated = conditions.number(radiation[str(test.attrs["condition"])], "chamber_pressure")
-    if "chamber_pressure" not in test:
-        return ()
-    measured = float(np.nanmedian(test["chamber_pressure"]))
-    return (measured, simulated) if abs(measured / simulated - 1) > SAME_PRESSURE else ()
+    if "chamber_pressure" in test:
+        measured = float(np.nanmedian(test["chamber_pressure"]))
+        if abs(measured / simulated - 1) > SAME_PRESSURE:
+            return (
+                f"The test ran at {measured / MBAR:.3g} mbar, the simulation at {simulated / MBAR:.3g} mbar:"
+                " no cause is looked for in what they differ by."
+            )
+    elif comparison.unlike:
+        return (
+            f"At its best power the gas is {np.exp(comparison.base.brightness):.2g} times as bright as"
+            f" simulated for {simulated / MBAR:.3g} mbar, and the test records no pressure: no cause is"
+            " looked for before that is known."
+        )
+    return ""
 
 
 def _crossed(base, final, other):

@@ -70,6 +70,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
         strength_modes=widened(axis, strength, sigma),
         shape_systems=(*shape_systems, *[""] * len(scale)),
         shape_modes=widened(axis, np.concatenate([shape, scale]), sigma),
+        bands=widened(axis, _of_bands(own), sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
         core=None
         if variations is None
@@ -96,6 +97,15 @@ def _error_modes(radiation):
     modes = radiation["error_share"].values * light[place]
     strength = np.isin(radiation["error_cause"].values.astype(str), STRENGTHS)
     return tuple((tuple(system[kind]), modes[kind]) for kind in (strength, ~strength))
+
+
+def _of_bands(radiation):
+    """Light (K,) of the systems whose spectrum states an error of its rotational structure."""
+    if "error_share" not in radiation:
+        return np.zeros(radiation["wavelength_slit"].size)
+    cause, system = (radiation[name].values.astype(str) for name in ("error_cause", "error_system"))
+    rotating = np.isin(radiation["component"].values.astype(str), system[cause == "rotation"])
+    return radiation["gas_radiance_component_slit"].values[rotating].sum(axis=0)
 
 
 def _of_scale(wavelength, light, fwhm):

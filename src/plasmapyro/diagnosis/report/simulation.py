@@ -48,7 +48,8 @@ def _sentences(found, systems):
     """What differs, in words: at most one sentence for each system that is off and each line."""
     if not found.systems and not found.gains:
         return ["There is no plasma: nothing to compare."]
-    lines = power_sentences(found)
+    lines = [found.silence] if found.silence else []
+    lines += power_sentences(found)
     lines += [system_sentence(one) for one in systems if one.beyond]
     lines += [
         f"{'A line' if one.strength > 0 else 'Less light'} at {one.wavelength / NANOMETRE:.1f} nm that the"

@@ -6,7 +6,7 @@ import numpy as np
 
 from plasmapyro.diagnosis.select import prices
 from plasmapyro.diagnosis.select.screen import best_by_id, best_pairs
-from plasmapyro.diagnosis.select.search import REFITTED
+from plasmapyro.diagnosis.select.search import REFITTED, at_end
 
 MOST_EFFECTS = 3
 NEAR_MISS = 0.5  # of what a further effect must bring: if its tangent promises so much, it is fitted
@@ -57,7 +57,7 @@ def _next(search, step, price, trials):
     chosen = None
     if np.any(wanted > 0):
         chosen = search.best_refit(step, wanted, trials if first else None)
-    if chosen is None or not prices.holds(step, chosen, price):
+    if chosen is None or not prices.holds(step, chosen, price) or (not first and at_end(chosen)):
         return None, left(search, step)
     best = best_by_id(step.screen.candidates, wanted)[0]
     evidence = search.evidence_of(step)[best]

@@ -7,12 +7,13 @@ import numpy as np
 from plasmapyro.diagnosis.effects.catalogue import without
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution, log_evidence
 from plasmapyro.diagnosis.fit.model import Model
-from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
 from plasmapyro.diagnosis.select.screen import Screen, best_by_id, linear_evidence, screen
 from plasmapyro.diagnosis.select.thresholds import Thresholds
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
+AT_END = 1e-3  # [1], of the range of an amplitude
 REFITTED = 3  # effects that are fitted anew, of those that explain about as much as the best
 
 
@@ -48,6 +49,15 @@ def setting_of(candidate, number):
     limit = 6 * effect.sigma
     amplitude = np.clip(np.clip(effect.amplitude_of(number), *effect.bounds), -limit, limit)
     return Setting(effect, float(amplitude), {name: float(value) for name, value in candidate.shape.items()})
+
+
+def at_end(solution):
+    """Whether the newest amplitude is as large as its effect may make it: no measure of its cause."""
+    last = len(solution.settings) - 1
+    for one, number in zip(free_numbers(solution.settings), solution.state.amplitudes, strict=True):
+        if (one.place, one.name) == (last, None):
+            return number != 0 and one.at_end(number, AT_END)
+    return False
 
 
 @dataclass
@@ -91,7 +101,11 @@ class Search:
             fits.append(self._refit(step, index))
             if trials is not None:
                 trials[step.screen.candidates[index].id] = self.evidence(fits[-1])
-        return max(fits, key=self.evidence)
+        return max(fits, key=lambda fit: (not at_end(fit) and self._pays(step, fit), self.evidence(fit)))
+
+    def _pays(self, step, solution):
+        """Whether a refit gains what chance may reach."""
+        return step.gained(solution) > self.thresholds.effect
 
     def _refit(self, step, index):
         """Fit with one more candidate: the one there is, unless the tangent promises more."""

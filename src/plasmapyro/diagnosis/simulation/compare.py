@@ -27,6 +27,7 @@ MOST_GROUPS = 10  # the brightest, one of which of another strength may stand fo
 CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
 SYSTEM = "system"  # stands for one radiating system of another strength
+ROUGHNESS = (0.0, 0.02, 0.05, 0.1, 0.2)  # [1] of the light of bands from channel to channel
 ROUNDS = 2  # of the fit without effects and the errors about it
 ROUNDING = 1e-9  # [1], relative, added to a singular covariance
 
@@ -68,6 +69,7 @@ class Comparison:
     evidence: dict = field(default_factory=dict)
     power: tuple = (0.0, np.inf)  # logarithm of it over the simulated one, error; a hotter gas counted in
     rivals_of_power: tuple = ()  # ids of effects that at the simulated power explain as much as another one
+    silence: str = ""  # a sentence: why no cause is looked for
 
     @property
     def power_is_wrong(self):
@@ -75,9 +77,15 @@ class Comparison:
         change, error = self.power
         return abs(change) > FAR * error
 
-    def without_names(self):
+    @property
+    def unlike(self):
+        """Whether the gas is more than `FAR` prior standard deviations brighter or fainter than simulated,
+        the power apart."""
+        return abs(self.base.brightness) > FAR * GAS_SIGMA
+
+    def without_names(self, why=""):
         """The same, no effect named: where something unknown may lie behind what the gas looks like."""
-        return replace(self, final=self.base, rivals={})
+        return replace(self, final=self.base, rivals={}, silence=why)
 
 
 def compare(model, measured, effects, *, draws=1000, seed=1):
@@ -102,6 +110,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     Comparison
     """
     simulated = Simulated(model, measured, effects)
+    simulated.roughness = likeliest_roughness(simulated)
     fitter, base = settled(simulated)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
@@ -194,6 +203,18 @@ def settled(simulated, settings=(), wrong=()):
         fit = fitter.fit(settings)
         fitter = Fitter(simulated, fitter.light(fit), wrong)
     return fitter, fitter.fit(settings, fit)
+
+
+def likeliest_roughness(simulated):
+    """The roughness of the bands [1] among `ROUGHNESS` that makes the measured light most probable.
+
+    Lines of bands stand as close as pixels do: constants of a molecule that err in the fifth digit, or a
+    branch without strength, move light from channel to channel without any change of a band.
+    """
+    found = {}
+    for simulated.roughness in ROUGHNESS:
+        found[simulated.roughness] = settled(simulated)[1].objective
+    return min(found, key=found.get)
 
 
 def least_likely(simulated, settings, wrong):

@@ -16,8 +16,11 @@ class Simulated:
     """Light of the simulated gas in the channels of a test, over its level, and the errors of it.
 
     `strength`, `shape` (M, C): the modes of `radiation.uncertainty` in the channels, `systems` (M,) whose
-    strength they are; `group` (G, C): the light in groups of lines; `effects` {id: Effect} that may act.
+    strength they are; `group` (G, C): the light in groups of lines; `effects` {id: Effect} that may act;
+    `roughness` [1]: error of the light of bands in each channel by itself, which the data may raise from 0.
     """
+
+    roughness = 0.0
 
     def __init__(self, model, measured, effects):
         instruments = [
@@ -51,6 +54,8 @@ class Simulated:
         self.strength, self.shape, self.group = (
             self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
         )
+        self.bands = self._channels(np.broadcast_to(library.bands, (1, library.wavelength.size)))[0]
+        self.bands[: -model.instruments[-1].channels] = 0.0  # a wide band sees the mean of many lines
 
     def _signals(self, values, settings):
         """Signals (C,) of all instruments, in their units."""
@@ -73,8 +78,9 @@ class Simulated:
     def covariance(self, modes, light):
         """Covariance (C, C) of the error that modes (M, C) state, relative to some light (C,)."""
         simulated = np.where(self.measured.simulated > 0, self.measured.simulated, 1.0)
-        scaled = modes * np.clip(light / simulated, FAINTER, BRIGHTER)
-        return scaled.T @ scaled
+        factor = np.clip(light / simulated, FAINTER, BRIGHTER)
+        scaled = modes * factor
+        return scaled.T @ scaled + np.diag((self.roughness * self.bands * factor) ** 2)
 
     def groups_of(self, system):
         """Whether each group of lines (G,) is of a radiating system."""
