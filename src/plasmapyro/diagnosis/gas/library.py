@@ -52,7 +52,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
 
     components = own["component"].values.astype(str), own["gas_radiance_component_slit"].values
     groups, light = line_groups(axis, *components)
-    (systems, strength), (shape_systems, shape) = _error_modes(own)
+    (systems, causes, strength), (shape_systems, shape_causes, shape) = _error_modes(own)
     scale = _of_scale(axis, light.sum(axis=0), max(fwhm, slit))
     names = rungs(condition, radiation)
     return GasLibrary(
@@ -69,6 +69,8 @@ def gas_library(condition, radiation, variations, *, fwhm):
         systems=systems,
         strength_modes=widened(axis, strength, sigma),
         shape_systems=(*shape_systems, *[""] * len(scale)),
+        causes=causes,
+        shape_causes=(*shape_causes, *[""] * len(scale)),
         shape_modes=widened(axis, np.concatenate([shape, scale]), sigma),
         bands=widened(axis, _of_bands(own), sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
@@ -82,7 +84,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
 
 
 def _error_modes(radiation):
-    """Errors of a spectrum in strengths, and in shapes: systems (M,) and modes (M, K) of each.
+    """Errors of a spectrum in strengths, and in shapes: systems (M,), causes (M,) and modes (M, K) of each.
 
     Spectra that do not state modes err in the strengths of their systems alone.
     """
@@ -91,12 +93,13 @@ def _error_modes(radiation):
     if "error_share" not in radiation:
         shines = light.any(axis=1)
         size = np.maximum(radiation["component_uncertainty"].values[shines], LEAST_STRENGTH)
-        return (tuple(component[shines]), size[:, None] * light[shines]), ((), np.zeros((0, light.shape[1])))
-    system = radiation["error_system"].values.astype(str)
+        strength = tuple(component[shines]), ("strength",) * int(shines.sum()), size[:, None] * light[shines]
+        return strength, ((), (), np.zeros((0, light.shape[1])))
+    system, cause = (radiation[name].values.astype(str) for name in ("error_system", "error_cause"))
     place = [list(component).index(name) for name in system]
     modes = radiation["error_share"].values * light[place]
-    strength = np.isin(radiation["error_cause"].values.astype(str), STRENGTHS)
-    return tuple((tuple(system[kind]), modes[kind]) for kind in (strength, ~strength))
+    strength = np.isin(cause, STRENGTHS)
+    return tuple((tuple(system[kind]), tuple(cause[kind]), modes[kind]) for kind in (strength, ~strength))
 
 
 def _of_bands(radiation):

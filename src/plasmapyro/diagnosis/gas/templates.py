@@ -49,6 +49,8 @@ class GasLibrary:
     strength_modes: np.ndarray  # (M, K) errors of the simulated spectrum, see `radiation.uncertainty`
     shape_systems: tuple  # the same of the shape modes; '' of errors that the whole light shares
     shape_modes: np.ndarray
+    causes: tuple  # (M,) of the strength modes, and
+    shape_causes: tuple  # of the shape modes: see `radiation.uncertainty`; '' as above
     bands: np.ndarray | float = 0.0  # (K,) light of the systems whose rotational structure may err
     core: tuple | None = None
 

@@ -22,12 +22,16 @@ LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it 
 KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
+WIDTHS = "widths of "  # and a radiating system
+ANY_WIDTH = 3.0  # times the stated error of widths: published sets differ by up to a factor of 2
 MOST_WRONG = 3  # systems
 MOST_GROUPS = 10  # the brightest, one of which of another strength may stand for an effect
 CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
+RARE = 7.4  # of the objective: an effect is one of forty, and before the data less probable than such errors
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
 SYSTEM = "system"  # stands for one radiating system of another strength
-ROUGHNESS = (0.0, 0.02, 0.05, 0.1, 0.2)  # [1] of the light of bands from channel to channel
+ROUGHNESS = (0.0, 0.02, 0.035, 0.06, 0.1, 0.2)  # [1] of the light of bands from channel to channel
+SCATTER = (1.0, 1.5, 2.0, 3.0)  # [1] of A values over what is stated
 ROUNDS = 2  # of the fit without effects and the errors about it
 ROUNDING = 1e-9  # [1], relative, added to a singular covariance
 
@@ -110,7 +114,7 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     Comparison
     """
     simulated = Simulated(model, measured, effects)
-    simulated.roughness = likeliest_roughness(simulated)
+    raise_errors(simulated, effects)
     fitter, base = settled(simulated)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
@@ -205,16 +209,34 @@ def settled(simulated, settings=(), wrong=()):
     return fitter, fitter.fit(settings, fit)
 
 
-def likeliest_roughness(simulated):
-    """The roughness of the bands [1] among `ROUGHNESS` that makes the measured light most probable.
+def raise_errors(simulated, effects):
+    """Give the errors of the simulation that it states too small the size that makes the data most probable.
 
     Lines of bands stand as close as pixels do: constants of a molecule that err in the fifth digit, or a
-    branch without strength, move light from channel to channel without any change of a band.
+    branch without strength, move light from channel to channel without any change of a band (`ROUGHNESS`).
+    Classes of A values promise what compilations of other authors do not always keep (`SCATTER`), unless one
+    of some `effects` explains as much.
     """
-    found = {}
-    for simulated.roughness in ROUGHNESS:
-        found[simulated.roughness] = settled(simulated)[1].objective
-    return min(found, key=found.get)
+    simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS)[0]
+    fitter, base = settled(simulated)
+    scatter, objective = _likeliest(simulated, "scatter", SCATTER)
+    if base.objective - objective < ALIKE:
+        return
+    alone = min(fitter.best(base, effect).objective for effect in effects.values())
+    if alone > objective - CLEARER - RARE:
+        simulated.scatter = scatter
+
+
+def _likeliest(simulated, name, sizes):
+    """The size of an error by which the measured light is most probable, and the objective there; the error
+    is left as it was."""
+    before, found = getattr(simulated, name), {}
+    for size in sizes:
+        setattr(simulated, name, size)
+        found[size] = settled(simulated)[1].objective
+    setattr(simulated, name, before)
+    best = min(found, key=found.get)
+    return best, found[best]
 
 
 def least_likely(simulated, settings, wrong):
@@ -223,12 +245,15 @@ def least_likely(simulated, settings, wrong):
 
 
 def _freed(simulated, settings, wrong, groups=False):
-    """Fitters and fits in which one more radiating system, or one of the brightest groups of lines as well,
-    may have any strength."""
+    """Fitters and fits in which one more radiating system, or with `groups` one of the brightest groups of
+    lines, may have any strength, or the lines of one system any widths."""
     names = list(dict.fromkeys(simulated.systems))
     if groups:
         order = np.argsort(-simulated.group.sum(axis=1))[:MOST_GROUPS]
         names += [simulated.model.library.group_name[place] for place in order]
+        names += [
+            WIDTHS + one for one in dict.fromkeys(simulated.shape_systems) if simulated.widths_of(one).any()
+        ]
     return [settled(simulated, settings, (*wrong, one)) for one in dict.fromkeys(names) if one not in wrong]
 
 
@@ -245,7 +270,8 @@ def without_wrong(simulated, fitter, fit):
 class Fitter:
     """Fits of power, brightness and effects to the measured gas.
 
-    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength.
+    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength,
+    or lines any widths.
     """
 
     def __init__(self, simulated, light, wrong=()):
@@ -253,14 +279,15 @@ class Fitter:
         self.scale, self.sigma = light, np.array([simulated.power[1], GAS_SIGMA])
         self.centre = np.array([simulated.power[0], 0.0])
         wide, groups = np.ones((len(simulated.systems), 1)), []
+        shape = simulated.shape.copy()
         for name in wrong:
             if name in simulated.systems:
                 wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
+            elif name.startswith(WIDTHS):
+                shape[simulated.widths_of(name.removeprefix(WIDTHS))] *= ANY_WIDTH
             else:
                 groups.append(simulated.model.library.group_name.index(name))
-        self.root = self.root_of(
-            simulated.strength * wide, simulated.shape, simulated.group[groups], seen=light
-        )
+        self.root = self.root_of(simulated.strength * wide, shape, simulated.group[groups], seen=light)
 
     def root_of(self, *modes, seen=None):
         """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.

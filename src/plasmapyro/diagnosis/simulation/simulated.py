@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.fit.parameter import Parameter
 
 JUST_AFTER = 1e-3  # [s] after injection: the gas as it then is, in front of a cold surface
 FAINTER, BRIGHTER = 0.1, 10.0  # [1], over the simulated light: beyond, its relative error says nothing
+OF_A_VALUES = ("multiplet", "line")  # causes
 COLD = 250.0  # [K]: a surface that does not shine
 
 
@@ -17,10 +18,11 @@ class Simulated:
 
     `strength`, `shape` (M, C): the modes of `radiation.uncertainty` in the channels, `systems` (M,) whose
     strength they are; `group` (G, C): the light in groups of lines; `effects` {id: Effect} that may act;
-    `roughness` [1]: error of the light of bands in each channel by itself, which the data may raise from 0.
+    the data may raise `roughness` [1], the error of the light of bands in each channel by itself, from 0, and
+    `scatter` [1], the error of the A values of lines over the stated one, from 1.
     """
 
-    roughness = 0.0
+    roughness, scatter = 0.0, 1.0
 
     def __init__(self, model, measured, effects):
         instruments = [
@@ -51,7 +53,7 @@ class Simulated:
         self.unit = measured.simulated / self._signals(self.centre, ())
         library = model.library
         self.systems, self.shape_systems = library.systems, library.shape_systems
-        self.strength, self.shape, self.group = (
+        self._strength, self._shape, self.group = (
             self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
         )
         self.bands = self._channels(np.broadcast_to(library.bands, (1, library.wavelength.size)))[0]
@@ -85,6 +87,24 @@ class Simulated:
     def groups_of(self, system):
         """Whether each group of lines (G,) is of a radiating system."""
         return np.array([f"{system} " in f"{name} " for name in self.model.library.group_name])
+
+    @property
+    def strength(self):
+        """Modes (M, C) of the strengths of systems and of groups of their lines."""
+        return self._scattered(self._strength, self.model.library.causes)
+
+    @property
+    def shape(self):
+        """Modes (M, C) of what changes within systems and groups."""
+        return self._scattered(self._shape, self.model.library.shape_causes)
+
+    def _scattered(self, modes, causes):
+        return modes * np.where(np.isin(causes, OF_A_VALUES), self.scatter, 1.0)[:, None]
+
+    def widths_of(self, system):
+        """Whether each mode of shape (M,) is one of the widths of the lines of a radiating system."""
+        names = zip(self.model.library.shape_causes, self.shape_systems, strict=True)
+        return np.array([one == ("width", system) for one in names])
 
     def stronger(self, factors):
         """The modes of shape (M, C) where systems are {name: factor} as bright as simulated."""
