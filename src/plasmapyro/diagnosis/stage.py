@@ -136,6 +136,8 @@ def diagnose(
         selection, gained = selection.unnamed(), None
     elif gained is not None and not gained.improves:
         selection = selection.doubted("unconfirmed")
+    elif gained is not None and gained.of_a_moment:
+        selection = selection.doubted("moment")
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)

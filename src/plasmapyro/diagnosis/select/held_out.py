@@ -28,6 +28,7 @@ AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
 ENOUGH = 3.0  # log score by which held-out data must improve: odds of 20
 SURE = 3.0  # standard errors of it
 HEARD = 0.5  # standard errors of held-out gain below which nothing is said
+MOMENT = 0.6  # [1], of a gain: from one block, it speaks for something that happened then
 CALIBRATED = ("ratio", "lamp")  # parameters of the base model that the calibration measured
 
 
@@ -45,6 +46,12 @@ class Gain:
     def improves(self):
         """Whether held-out data speak for the effects by more than `ENOUGH` and `SURE` standard errors."""
         return self.total > max(ENOUGH, SURE * self.standard_error)
+
+    @property
+    def of_a_moment(self):
+        """Whether one block alone gives nearly all of the gain: most causes act throughout a phase."""
+        scores = [score for *_, score in self.blocks]
+        return len(scores) > 1 and max(scores) > MOMENT * self.total
 
     @property
     def silent(self):

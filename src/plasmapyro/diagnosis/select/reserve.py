@@ -16,6 +16,7 @@ SURE = 3.0  # standard deviations
 
 SENTENCES = {
     "unconfirmed": "Data that are left out of the fit do not confirm these names by three standard errors.",
+    "moment": "Nearly all that speaks for these names are a few seconds: something may have happened then.",
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
     "one": "What was named later is so much less than what was before that one cause, near the first but"
     " missing in the catalogue, would look the same.",
