@@ -213,7 +213,8 @@ def exponential():
         radiance=1.7 ** np.arange(-3, 4)[:, None] * light(hotter), group_name=("all",), group=light([0.0]),
         variation={"excitation": (np.array([-0.1, -0.05, 0, 0.05, 0.1]), light([-0.1, -0.05, 0, 0.05, 0.1]))},
         addition={}, weakest=light([-0.1])[0], core=(change, light(change)),
-            systems=("all",), strength_modes=light([0.0]), shape_systems=("all",), shape_modes=light([0.0]), causes=("strength",), shape_causes=("width",),
+            systems=("all",), strength_modes=light([0.0]), shape_systems=("all",), shape_modes=light([0.0]),
+            causes=("strength",), shape_causes=("width",),
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import cho_factor
 from scipy.stats import multivariate_normal
 
-from plasmapyro.diagnosis.select.held_out import SURE, _held_out, standard_error
+from plasmapyro.diagnosis.select.held_out import SURE, Gain, _held_out, standard_error
 
 SIGMA = 0.3
 
@@ -48,3 +48,12 @@ def test_standard_error_is_that_of_noise_and_no_less_where_blocks_agree():
     assert 10 < SURE * standard_error(np.array([5.0, 5.0]))
     assert 40 > SURE * standard_error(np.array([20.0, 20.0]))
     assert standard_error(np.array([40.0, -20.0])) > standard_error(np.array([30.0, 30.0]))
+
+
+def test_a_gain_of_one_block_alone_is_told():
+    def gain(*scores):
+        blocks = tuple((float(i), i + 1.0, score) for i, score in enumerate(scores))
+        return Gain(blocks, 0.0, sum(scores), 1.0, None)
+
+    assert gain(0.1, -0.2, 53.0, 1.0).of_a_moment
+    assert not gain(10.0, 12.0, 9.0).of_a_moment and not gain(20.0).of_a_moment

@@ -1,14 +1,20 @@
 """Bins of single pixels, terms that act by their square, and names beside unknown structures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.observation import as_through
+from plasmapyro.diagnosis.fit.setting import TAILS, WIDE, Setting, free_numbers, log_prior, numbers_of
 from plasmapyro.diagnosis.gas.templates import line_groups
 from plasmapyro.diagnosis.select.screen import Candidate, Screen
+from plasmapyro.diagnosis.select.search import at_end
 from plasmapyro.diagnosis.select.structures import Structure
 from plasmapyro.diagnosis.select.unknowns import SCALES, Unknowns
+from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.record.binning import pixel_edges
 
 ALGEBRA = 1e-8  # relative, of two ways to the same number
@@ -22,6 +28,45 @@ def test_a_pixel_as_wide_as_the_slit_may_be_a_bin_of_its_own_at_a_line():
     at_line = np.searchsorted(edges, np.argmax(gas), side="right") - 1
     assert (size[at_line - 2 : at_line + 3] == 1).any()
     assert size[3] > 1  # away from the line pixels are joined
+
+
+def test_a_finer_spectrum_becomes_that_of_the_coarser_slit():
+    """Lines between the pixels, seen through 0.35 nm, against the formula for 0.75 nm."""
+    pixels = np.linspace(770e-9, 790e-9, 401)
+    lines = np.array([775.03e-9, 777.41e-9, 777.63e-9, 785.0e-9])
+
+    def seen(fwhm):
+        return norm.pdf(pixels[:, None], lines, fwhm / FWHM_PER_SIGMA).sum(axis=1)
+
+    fine = np.stack([seen(0.35e-9), 2 * seen(0.35e-9)])
+    fine[0, 240] = np.nan  # no line there
+    full = np.zeros(fine.shape, dtype=bool)
+    full[1, 240] = True
+    found, reached = as_through(0.75e-9, 0.35e-9, pixels, fine, full)
+    inner = np.isfinite(found).all(axis=0)
+    assert not inner[[0, -1]].any() and inner[40:-40].all()
+    expected = np.stack([seen(0.75e-9), 2 * seen(0.75e-9)])[:, inner]
+    assert found[:, inner] == pytest.approx(expected, abs=0.006 * expected.max())  # reach of three sigma
+    assert not reached[0].any() and 21 <= reached[1].sum() <= 41 and reached[1, 240]
+    same, untouched = as_through(0.75e-9, 0.75e-9, pixels, fine, full)
+    assert same is fine and untouched is full
+
+
+def test_an_amplitude_far_beyond_what_is_usual_is_dear_but_not_ruled_out():
+    """The prior is the mean of normals, against its definition, over the normal of the fit."""
+    effect = CATALOGUE["CaII"]
+    free = free_numbers((Setting(effect, 24.0, {}),))[:1]
+    density = np.mean([norm.pdf(24.0, 0, k * effect.sigma) for k in TAILS])
+    in_fit = np.exp(-0.5 * (24.0 / (WIDE * effect.sigma)) ** 2)
+    assert log_prior(free, [24.0]) == pytest.approx(np.log(np.sqrt(2 * np.pi) * density / in_fit))
+    assert log_prior(free, [24.0]) > norm.logpdf(24.0, 0, effect.sigma) + 200
+
+
+@pytest.mark.parametrize(("amplitude", "ends"), [(3.0, True), (2.9, False), (0.0, False)])
+def test_an_amplitude_at_the_end_of_its_range_measures_nothing(amplitude, ends):
+    settings = (Setting(CATALOGUE["winE"], 0.1, {}), Setting(CATALOGUE["refl"], amplitude, {"diffuse": 0.05}))
+    state = SimpleNamespace(amplitudes=numbers_of(settings))
+    assert at_end(SimpleNamespace(settings=settings, state=state)) is ends
 
 
 @pytest.mark.parametrize(("identity", "tolerance"), [("grad", 0.02), ("lsf", 0.12), ("ripple", 0.4)])

@@ -56,7 +56,7 @@ def at_end(solution):
     last = len(solution.settings) - 1
     for one, number in zip(free_numbers(solution.settings), solution.state.amplitudes, strict=True):
         if (one.place, one.name) == (last, None):
-            return number != 0 and one.at_end(number, AT_END)
+            return bool(number != 0 and one.at_end(number, AT_END))
     return False
 
 
