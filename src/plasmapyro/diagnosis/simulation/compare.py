@@ -120,10 +120,10 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
     final, tried, rivals = base, alone, {}
     free = min(fit.objective for _, fit in _freed(simulated, (), (), groups=True))
-    least = threshold if simulated.scatter == 1.0 else threshold + RARE
+    wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     while tried and len(final.settings) < MOST_EFFECTS:
         best = min(tried, key=lambda identity: tried[identity].objective)
-        price = least * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
+        price = wanted * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
         if not final.objective - tried[best].objective > price or tried[best].objective > free - CLEARER:
             break
         least = tried[best].objective
