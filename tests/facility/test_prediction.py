@@ -6,6 +6,8 @@ import pytest
 from plasmapyro import tables
 from plasmapyro.facility.jet import Jet
 from plasmapyro.facility.prediction import (
+    CARRIED,
+    FADED,
     GASES,
     NOSES,
     RATES,
@@ -14,6 +16,7 @@ from plasmapyro.facility.prediction import (
     jets,
     needed_mixing,
     predict,
+    weights,
 )
 from plasmapyro.facility.probes import Calorimeter, heat_flux, pitot_pressure
 
@@ -148,3 +151,42 @@ def test_what_cannot_be_answered_is_refused():
     with pytest.raises(ValueError, match="of 200 draws meet the pair 'ZU1'"):
         catalytic = {"recombination": (0.1, 1.0), "nose": (0.0249, 0.025)}
         predict([15.0], 5000.0, **{**PAIR, "pair": "ZU1"}, **catalytic, **EXACT)
+
+
+def test_intervals_hold_what_is_read_in_jets_like_those(monkeypatch):
+    """A hundred facilities, a pair measured in each, and other readings with another mixing, of the table."""
+    random, known, load = np.random.default_rng(77), jets(), tables.load
+    asked, held = np.array([10.0, 15.0, 30.0, 100.0]), []
+
+    def flux_of(wall, pitot, mixing):
+        values, inside = known.at(pitot, 5e3, wall)
+        share = weights(mixing, known.mixing)
+        columns = (np.einsum("nm,mn->n", share, one[0]) for one in (values[..., 0], inside))
+        flux, between = columns
+        return np.exp(flux + CARRIED * (1 - between) * random.standard_normal(len(pitot)))
+
+    for seed in range(100):
+        gamma, nose = (np.exp(random.uniform(*np.log(ends))) for ends in ADMISSIBLE.values())
+        one = [np.array([value]) for value in (gamma, random.integers(2), nose, random.uniform())]
+        wall, mixing, fading = Explanations(*one), random.uniform(0.03, 0.09), random.uniform()
+        first = np.array([random.uniform(13.0, 20.0)])
+        read, flux = first * np.exp(0.05 * random.standard_normal()), flux_of(wall, first, np.array([mixing]))
+        pair = {
+            "pair": ["X"],
+            "dynamic_pressure": read,
+            "heat_flux": flux * np.exp(0.1 * random.standard_normal()),
+        }
+        monkeypatch.setattr(tables, "load", lambda name, pair=pair: pair if "pairs" in name else load(name))
+        try:
+            found = predict(asked, 5e3, **PAIR | {"pair": "X", "seed": seed}, **ADMISSIBLE, **USUAL)[
+                "heat_flux"
+            ]
+        except ValueError:  # errors so large that hardly any mixing meets the pair
+            continue
+        true = asked * np.exp(-0.05 * random.standard_normal(4))
+        there = mixing * (1 - fading * np.clip(np.log(true / first) / np.log(FADED), 0, 1))
+        there = np.minimum(there * np.exp(0.25 * random.standard_normal(4)), known.mixing[-1])
+        shown = flux_of(wall, true, there) * np.exp(0.1 * random.standard_normal(4))
+        held.append((found[0] < shown) & (shown < found[2]))
+    assert len(held) > 90
+    assert 0.90 < np.mean(held) < 0.99
