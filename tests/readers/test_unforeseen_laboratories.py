@@ -51,6 +51,26 @@ TABLES = {
     .encode("cp932"),
     "French names": PLAIN.replace("S1", "Voie large").replace("S2", "Voie étroite").encode("latin-1"),
     "German channels": PLAIN.replace("S1", "Kanal 1").replace("S2", "Kanal 2"),
+    "halves of a day": table(
+        "Date/Time,S1 [nA],S2 [nA]",
+        lambda t, *p: ((NOON + timedelta(seconds=t)).strftime("%m/%d/%Y %I:%M:%S.%f %p"), *p),
+    ),
+    "units in the names": table("time_us,Wide_nA,Narrow_nA", lambda t, *p: (int(t * 1e6), *p)),
+    "ticks": table("ticks (0.1 ms),S1 [nA],S2 [nA]", lambda t, *p: (int(t * 1e4), *p)),
+    "thousands in quotes": table(
+        "Time [s],S1 [pA],S2 [pA]", lambda t, *p: (t, *(f'"{value * 1e3:,.1f}"' for value in p))
+    ),
+    "thousands by points": table(
+        "Zeit [s];S1 [pA];S2 [pA]",
+        lambda t, *p: (t, *(f"{value * 1e3:,.1f}".replace(",", "!") for value in p)),
+        ";",
+        ",",
+    ).replace("!", "."),
+    "exponents of Fortran": table(
+        "Time [s],S1 [A],S2 [A]", lambda t, *p: (t, *(f"{v * 1e-9:.10E}".replace("E", "D") for v in p))
+    ),
+    "remarks below the units": table("Time,S1,S2\ns,nA,nA\n,pyro wide,pyro narrow", lambda *row: row),
+    "a header above each block": PLAIN.replace("\n9.0,", "\nTime [s],S1 [nA],S2 [nA]\n9.0,"),
     "letters that are none": PLAIN.replace("S1", "S\x8e1").replace("S2", "S2").encode("latin-1"),
 }
 
@@ -78,7 +98,9 @@ def test_a_packed_table_is_read_and_a_bomb_is_not(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "word", ["OVER", "1.#INF", "-1.#IND", "1.#QNAN", "#N/A", "Inf", "---", "O.L", "9.9E37", "-9999"]
+    "word",
+    ["OVER", "1.#INF", "-1.#IND", "1.#QNAN", "#N/A", "Inf", "---", "O.L", "9.9E37", "-9999", "(null)"]
+    + ["-nan(ind)", "?", "****", "-1.#J", "BAD"],
 )
 def test_what_meters_show_instead_of_a_number_is_no_sample(tmp_path, word):
     test, _ = described(tmp_path / "t", log__csv=PLAIN.replace("3.0,53.0,31.5", f"3.0,{word},31.5"))
@@ -119,6 +141,28 @@ SPECTRA = {
         ),
         "dark.csv": matrix(["t", *AIR[::-1] / 1e3], [[0, *DARK[::-1]]]),
     },
+    "in Angstrom": {
+        name: matrix(["t [s] / lambda [A]", *AIR * 10], rows)
+        for name, rows in (
+            ("s.csv", ([t, *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),
+            ("dark.csv", [[0, *DARK]]),
+        )
+    },
+    "in columns with units": {
+        "s.csv": upright(["Wavelength [nm]", *(f"{t} s" for t in MOMENTS)], *COUNTS),
+        "dark.csv": upright(["Wavelength [nm]", "D"], DARK),
+    },
+    "behind the number of the pixel": {
+        f"run/{name}.csv": "Gain,Low\n"
+        + matrix(["Pixel", "Wavelength", "Intensity"], zip(range(40), AIR, row, strict=True))
+        for name, row in zip(("000", "001", "002", "dark"), [*COUNTS, DARK], strict=True)
+    },
+    "as Avantes exports them": {
+        f"run/{i:03}.txt": "Avantes\nWave   ;Sample   ;Dark     ;Reference;Scope\n"
+        "[nm]   ;[counts] ;[counts] ;[counts]\n\n"
+        + "".join(f"{a:.9f};{s:.1f};{d:.1f};0.0\n" for a, s, d in zip(AIR, row, DARK, strict=True))
+        for i, row in enumerate(COUNTS)
+    },
     "below words": {"s.csv": "Maya\nIntegration: 500 ms\n\n" + LYING, "dark.csv": LYING_DARK},
     "against clock times": {
         "s.csv": matrix(["time", *AIR], ([stamp(t), *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),
@@ -148,6 +192,14 @@ def test_spectra_are_found_beside_the_signals(tmp_path, habit):
     np.testing.assert_allclose(test.background_counts, DARK, rtol=RTOL)
     assert (test.wavelength.values / (AIR * 1e-9) - 1 > 2e-4).all()  # the index of air
     np.testing.assert_allclose(np.diff(test.spectrum_time, 2), 0, atol=1e-6)
+
+
+def test_wavenumbers_are_not_taken_for_wavelengths(tmp_path):
+    spectra = matrix(
+        ["t [s] / nu [cm-1]", *1e7 / AIR], ([t, *c] for t, c in zip(MOMENTS, COUNTS, strict=True))
+    )
+    test, questions = described(tmp_path / "t", log__csv=PLAIN, s__csv=spectra)
+    assert "wavelength" not in test.coords and any("not used: s.csv" in words for words in questions)
 
 
 def test_no_file_is_left_out_without_a_word(tmp_path):

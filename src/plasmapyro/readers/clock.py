@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro.readers.text import MISSING, fault, quote, refuse
 
 STAMP = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|\d{1,2}:\d{2}", re.ASCII)
-FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$)", re.ASCII)
+FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$|\s*[AaPp][Mm]$)", re.ASCII)
 UNSURE = ("%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on names of time zones
 EPOCH = datetime(2000, 1, 1)
 DAY, HOUR = 86400.0, 3600.0  # [s]
@@ -40,8 +40,8 @@ def seconds(word, form):
     """
     word, form, rest = word.strip(), form.strip(), 0.0
     for decimals in (".%f", ",%f"):
-        form = form.removesuffix(decimals).replace(decimals + "%z", "%z")
-    if form.endswith(("%S", "%S%z")) and (part := FRACTION.search(word)):
+        form = form.removesuffix(decimals).replace(decimals + "%z", "%z").replace(decimals + " %p", " %p")
+    if form.endswith(("%S", "%S%z", "%S %p", "%S%p")) and (part := FRACTION.search(word)):
         word, rest = word[: part.start()] + word[part.end() :], float(f"0.{part.group(1)}")
     try:
         stamp = datetime.strptime(word, form)

@@ -9,6 +9,7 @@ import numpy as np
 from plasmapyro.readers import clock, units
 from plasmapyro.readers.text import (
     FILLS,
+    GROUPED,
     MISSING,
     Refusal,
     fault,
@@ -25,8 +26,10 @@ HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
 WAVES = re.compile(
-    r"lambda|\u03bb|wavel|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
+    r"lambda|\u03bb|wave(l|$)|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
 )
+TIMES = re.compile(r"\W*(t|time|zeit|temps|tiempo|tempo)\b", re.IGNORECASE)
+ANGSTROM = re.compile(r"\u00c5|\u212b|angstr|[\[(/]\s*A\s*($|[\])])", re.ASCII)
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 CLOCK = "time of day"  # key of a column that stands beside the one of the date
@@ -156,7 +159,10 @@ def read_table(path, columns, delimiter=None, decimal=None):
     start, mark, places, stated = _header(path, lines, sought, delimiter)
     below = units_below(split(lines[start + 1], mark)) if start + 1 < len(lines) else None
     if below:
-        lines = [*lines[: start + 1], "", *lines[start + 2 :]]
+        remarks = split(lines[start + 2], mark) if start + 2 < len(lines) else []
+        remarks = any(remarks) and all(number(word) is None or word == "" for word in remarks)
+        gone = 1 + (remarks and not any(map(clock.looks_like_stamp, split(lines[start + 2], mark))))
+        lines = [*lines[: start + 1], *[""] * gone, *lines[start + 1 + gone :]]
         stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
     numbers, rows, faults = _rows(path, lines, start, mark)
     if not ended:
@@ -226,7 +232,8 @@ def _rows(path, lines, start, mark):
     header = without_empty_end(split(lines[start], mark))
     numbers, rows = [], []
     for index in range(start + 1, len(lines)):
-        if lines[index].strip() and not lines[index].lstrip().startswith(COMMENT):
+        again = lines[index].strip() == lines[start].strip()  # of a further block
+        if lines[index].strip() and not again and not lines[index].lstrip().startswith(COMMENT):
             numbers.append(index + 1)
             rows.append(split(lines[index], mark))
     widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
@@ -319,12 +326,18 @@ def _header(path, lines, columns, delimiter):
 
 
 def _label(cell):
-    """Name and unit of a cell of the header: 'S1 [nA]', 'S1 (nA)', 'S1 / nA'; the unit None without one."""
+    """Name and unit of a cell of the header: 'S1 [nA]', 'S1 (nA)', 'S1 / nA', 'S1_nA'; else unit None.
+
+    A single letter behind an underscore may be anything.
+    """
     match = IN_BRACKETS.search(cell.strip())
     if match:
         return cell.strip()[: match.start()].strip(), match.group(1).strip()
     name, _, unit = (part.strip() for part in cell.rpartition("/"))
     last = cell.split()[-1] if cell.strip() else ""
+    first, _, suffix = cell.strip().rpartition("_")
+    if first and len(suffix) > 1 and units.is_unit(suffix):
+        return first, suffix
     if not name or not units.is_unit(unit) or ("/" in last and units.is_unit(last)):  # 'flow g/s'
         return cell, None
     return name, unit
@@ -344,8 +357,9 @@ def decimal_sign(path, mark, cells, numbers):
     for words in cells.values():
         for word in words:
             if word.lower() not in MISSING and not clock.looks_like_stamp(word):
-                commas += "," in word
-                points += "." in word
+                sign = next((one for one in ".," if one in word and GROUPED[one].fullmatch(word)), None)
+                commas += "," in word if sign is None else sign == ","
+                points += "." in word if sign is None else sign == "."
                 doubtful += THOUSANDS.fullmatch(word) is not None
     if commas and points and mark != ",":
         return None, [
@@ -404,7 +418,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
         del rows[0]
     header = without_empty_end(split(rows[0][1], mark))
     cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
-    upright = WAVES.search(header[0]) is not None
+    upright = names_wavelengths(header[0])
     if not upright and len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
         refuse(
             path,
@@ -422,6 +436,8 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
         )
     if upright:
         header, *spectra = map(list, zip(header, *cells.values(), strict=True))
+        for row in spectra:
+            row[0] = moment(row[0])
         cells = dict(zip(range(rows[0][0] + 1, rows[0][0] + 1 + len(spectra)), spectra, strict=True))
         if len(spectra) == 1 and number(spectra[0][0]) is None:
             spectra[0][0] = "0"
@@ -459,6 +475,16 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     table = np.array(list(numbers.values()))
     values = np.where(np.isin(table[:, 1:], FILLS), np.nan, table[:, 1:])
     return table[:, 0] if times is None else times, wavelength, values
+
+
+def names_wavelengths(cell):
+    """Whether the first cell of a table names the wavelengths below it, not times beside a row of them."""
+    return WAVES.search(cell) is not None and not TIMES.match(cell)
+
+
+def moment(word):
+    """A cell of a time without its unit, if that is seconds: '0.5 s'."""
+    return re.sub(r"(?<=\d)\s*s(ec)?$", "", word.strip())
 
 
 def _cut(cells, width):

@@ -38,6 +38,9 @@ OF_UNIT = {
     "Pa": "chamber_pressure",
     "kg s-1": "mass_flow_rate",
 }
+WAVE = re.compile(r"\W*(lambda|\u03bb|wave|wellenl)", re.IGNORECASE)
+WORDS = re.compile(r"[^\W\d]{3}")
+MULTIPLE = re.compile(r"(\d+\.?\d*)\s*(\D+)")  # a unit of so many units: ticks of 0.1 ms
 DATES = (
     "%d.%m.%Y",
     "%Y-%m-%d",
@@ -82,7 +85,8 @@ def look_at_table(path):
     lines = [line for line in read_lines(path, columns.LARGEST)[0] if line.strip()][
         : columns.HEADER_LINES + MOST_ROWS
     ]
-    best = None
+    seen, best = set(), None  # a header may stand above each block of a record
+    lines = [line for line in lines if not (line in seen or seen.add(line)) or not WORDS.search(line)]
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.split(line.lstrip("#%! "), mark) for line in lines]
         good = [sum(map(_is_value, row)) >= 2 for row in rows]
@@ -99,6 +103,9 @@ def look_at_table(path):
             if not line.lstrip().startswith(columns.COMMENT)
         ]
         header, below = rows[first - 1], columns.units_below(rows[first - 1])
+        if not below and first > 2 and columns.units_below(rows[first - 2]):  # remarks below the units
+            first -= 1
+            header, below = rows[first - 1], columns.units_below(rows[first - 1])
         if below and first > 1 and len(rows[first - 2]) == len(header):
             header = [
                 f"{name} [{unit}]" if unit else name
@@ -136,6 +143,8 @@ def assign(table):
     """Which column holds which variable (variable -> place); dates and times of day under 'stamps'."""
     found, stamps = {}, [i for i, words in enumerate(table.cells) if any(map(clock.looks_like_stamp, words))]
     free = [place for place in range(len(table.labels)) if place not in stamps]
+    if any(WAVE.match(label) for label in table.labels):
+        return {}  # a spectrum, whatever its columns rise like
     currents = []
     for place in list(free):
         variable = next(
@@ -305,12 +314,14 @@ def _matrix(lines):
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
-        upright = columns.WAVES.search(rows[start][0]) is not None
+        upright = columns.names_wavelengths(rows[start][0])
         listed = [row[0] for row in rows[start + 1 :]] if upright else rows[start][1:]
         values = [number(word, "," if "," in word else ".") for word in listed]
         if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
             values.sort()
-            for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0)):
+            for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0), ("Angstrom", 1e-10)):
+                if unit == "Angstrom" and not columns.ANGSTROM.search(rows[start][0]):
+                    continue
                 if 1.5e-7 < values[0] * scale and values[-1] * scale < 5e-6:
                     return unit, name
     return None
@@ -370,17 +381,20 @@ def _table_lines(folder, paths, table, places, questions):
         timing = f"    time: {{name: {name}, format: {_quoted(form)}}}"
     else:
         time = _values(table, places["time"])
-        unit, stated = table.units[places["time"]], True
-        if unit is None:
+        unit, stated, scale = table.units[places["time"]], True, 1.0
+        several = MULTIPLE.fullmatch(unit or "")
+        if several and _suits(several[2], "time"):
+            unit, stated, scale = several[2], False, float(several[1])
+        elif unit is None or not _suits(unit, "time"):
             stated, unit = False, "ms" if np.nanmedian(np.diff(time)) >= 5 else "s"
             if DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1:
                 unit = "d"  # of a spreadsheet: days since 1900
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
-        first = float(time[0]) * units.factor(unit, "time")
+        first = float(time[0]) * units.factor(unit, "time") * scale
         if first > 0:
             found.append(f"  zero: {first:.10g}  # ? s, what shall be 0, best the injection; here the first")
         timing = f"    time: {{name: {_quoted(table.labels[places['time']])}" + (
-            "}" if stated else f", unit: {unit}}}  # ?"
+            "}" if stated else f", unit: {unit}" + (f", scale: {scale:g}" if scale != 1 else "") + "}  # ?"
         )
     found += ["  columns:", timing]
     for variable in (*parts.SIGNALS, *parts.TUNNEL):

@@ -14,6 +14,7 @@ LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
 LEAST_PIXELS = 20  # of a spectrum without a header
 DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697", re.IGNORECASE)
+REFERENCE = re.compile(r"^\W*ref", re.IGNORECASE)  # light of a lamp, beside that of the sample
 FENCE = ">>>>>"
 HEADER_LINES = 100
 LEAST_CLIPPED = 5  # neighbours at exactly the highest value: no light does that, a converter does
@@ -100,7 +101,7 @@ def plain_spectrum(lines):
     """The `Spectrum` in lines of nothing but wavelengths and values beside them, or None.
 
     One row of names may stand above: a column named as dark becomes 'D', the one that is left then 'S'.
-    Wavelengths [nm], or [um] if all are below 10, that rise or fall.
+    Wavelengths [nm], [um] if all are below 10, or in Angstrom if their name says so, that rise or fall.
     """
     for mark in columns.DELIMITERS.values():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines if line.strip()]
@@ -113,18 +114,27 @@ def plain_spectrum(lines):
             if len(width) > 1 or any(None in row for row in values[first:]):
                 continue
             table = np.array(values[first:])
-            table = table[::-1] if table[0, 0] > table[-1, 0] else table
-            wavelength = table[:, 0] * (1e-6 if table[-1, 0] < 10 else 1e-9)
             names = rows[first - 1] if first and len(rows[first - 1]) in width else None
+            if names and first > 1 and columns.units_below(names) and len(rows[first - 2]) >= len(names):
+                names = rows[first - 2][: len(names)]
+            if names and not columns.WAVES.search(names[0]) and columns.WAVES.search(names[1]):
+                names, table = names[1:], table[:, 1:]  # behind the number of the pixel
+            if names and len(set(names)) < len(names) or table.shape[1] < 2:
+                continue
+            table = table[::-1] if table[0, 0] > table[-1, 0] else table
             named = names is not None and columns.WAVES.search(names[0])
+            angstrom = named and columns.ANGSTROM.search(names[0])
+            wavelength = table[:, 0] * (1e-10 if angstrom else 1e-6 if table[-1, 0] < 10 else 1e-9)
             if not (np.diff(wavelength) > 0).all() or not 1.5e-7 < wavelength[0] < wavelength[-1] < 5e-6:
                 continue
-            numbered = names is not None and all(number(name, decimal) is not None for name in names[1:])
+            numbered = names is not None and all(
+                number(columns.moment(name), decimal) is not None for name in names[1:]
+            )
             if table.shape[1] > 2 and numbered or not named and (names is not None or table.shape[1] > 2):
                 continue
             names = names or ["W", "S"]
             kinds = ["D" if DARK.search(name) else name for name in names[1:]]
-            light = [at for at, name in enumerate(kinds) if name != "D"]
+            light = [at for at, name in enumerate(kinds) if name != "D" and not REFERENCE.search(name)]
             if len(light) == 1:
                 kinds[light[0]] = "S"
             return Spectrum(wavelength, dict(zip(kinds, table[:, 1:].T, strict=True)), *[None] * 7)

@@ -11,7 +11,17 @@ from plasmapyro.foreign import printable, unfit
 from plasmapyro.foreign import quote as quote
 
 GZIP = b"\x1f\x8b"
-NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eEdD][+-]?\d{1,3})?", re.ASCII)
+# Thousands that nothing else can be: groups of three before another decimal sign, or between blanks or
+# apostrophes that no line of numbers has within a cell.
+GROUPED = {
+    decimal: re.compile(
+        rf"[+-]?\d{{1,3}}(?:(?:\{other}\d{{3}})+\{decimal}\d{{1,40}}"
+        rf"|(?:[\u00a0\u202f']\d{{3}})+(?:\{decimal}\d{{1,40}})?)",
+        re.ASCII,
+    )
+    for decimal, other in (".,", ",.")
+}
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
 MISSING = {
     "",
@@ -46,6 +56,8 @@ MISSING |= {"under", "underrange", "under range", "sat", "saturated"}
 MISSING |= {
     sign + word for sign in ("", "+", "-") for word in ("inf", "1.#inf", "1.#ind", "1.#qnan", "1.#snan")
 }
+MISSING |= {"(null)", "?", "bad", "invalid", "missing", "nil", "nan(ind)", "-nan(ind)", "+nan", "-nan"}
+MISSING |= {sign + "1.#j" for sign in ("", "+", "-")} | {"*" * count for count in range(1, 17)}
 FILLS = (-9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37)  # no sample; SCPI: over, under, none
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
@@ -181,17 +193,19 @@ def require_end(path, lines, ended):
 def number(word, decimal="."):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
-    Strict on purpose: no thousands separators, no underscores, no foreign digits. What meters show
-    instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
+    Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
+    (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
     word = word.strip()
     if word.lower() in MISSING:
         return math.nan
+    if GROUPED[decimal].fullmatch(word):
+        word = "".join(sign for sign in word if sign.isdigit() or sign in ("+-" + decimal))
     if decimal != ".":
         if "." in word:
             return None
         word = word.replace(decimal, ".")
     if not NUMBER.fullmatch(word):
         return None
-    value = float(word)
+    value = float(word.replace("d", "e").replace("D", "e"))
     return value if math.isfinite(value) else None
