@@ -14,6 +14,7 @@ from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
 AT_END = 1e-3  # [1], of the range of an amplitude
+AT_END_PRICE = 10.0  # log evidence by which an effect at the end of its range must beat one that is not
 REFITTED = 3  # effects that are fitted anew, of those that explain about as much as the best
 
 
@@ -101,11 +102,7 @@ class Search:
             fits.append(self._refit(step, index))
             if trials is not None:
                 trials[step.screen.candidates[index].id] = self.evidence(fits[-1])
-        return max(fits, key=lambda fit: (not at_end(fit) and self._pays(step, fit), self.evidence(fit)))
-
-    def _pays(self, step, solution):
-        """Whether a refit gains what chance may reach."""
-        return step.gained(solution) > self.thresholds.effect
+        return max(fits, key=lambda fit: self.evidence(fit) - AT_END_PRICE * at_end(fit))
 
     def _refit(self, step, index):
         """Fit with one more candidate: the one there is, unless the tangent promises more."""
