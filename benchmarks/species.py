@@ -1,6 +1,6 @@
 """Row (c) of the real-data board: which elements do spectra of laser plasmas in air show?
 
-    python benchmarks/species.py FOLDER [--mixtures N] [--decoys]
+    python benchmarks/species.py FOLDER [--mixtures N] [--seed N] [--decoys]
 
 FOLDER holds spectra of public data as CSV (wavelength [nm], signal): TheFermiSea/CF-LIBS-improved,
 `data/aalto_libs`, pure elements and minerals, named after them. The files are not ours to ship.
@@ -8,7 +8,8 @@ Mixtures are 1, 3 and 10 % of one spectrum's light in another's; false names are
 show apart, and with --decoys by decoys: the same species with every line moved by 0.8 %. A fixed hash of the
 names halves the pairs: half 0 was looked at while the program was made, half 1 was not (its first 16 were
 judged before; --skip 16 takes the others). A false name is a trace if its lines speak for it in one of the
-two apart as well, though not enough for a name there.
+two apart as well, though not enough for a name there. With --seed pairs of both halves are drawn, and each
+spectrum is measured again: 0.05 nm of scale, noise of half its own.
 """
 
 import argparse
@@ -32,6 +33,7 @@ MINERALS = {  # what a file's name begins with -> elements of the formula, the o
     "plagioclase": "Na Ca Al Si",
     "quartz": "Si",
 }
+SHIFTED, AGAIN = 0.05e-9, 0.5  # [m], and of the noise that a spectrum has
 SHARES, SURE, CLEAR = (0.01, 0.03, 0.1), 0.9, 8.0
 DECOY, MOVED = "decoy ", 1.008
 
@@ -105,16 +107,32 @@ def trace(one, axis, answer):
     return fit is not None and fit.log_bayes > 0
 
 
-def mixtures(found, number, half=1, skip=0):
-    """Rows (major, minor, share, SNR, named, false names, those that are no traces) of mixtures."""
+def again(axis, light, rng):
+    """A spectrum as it might be measured once more: another scale of wavelength, and more noise."""
+    moved = np.interp(axis - rng.normal(0, SHIFTED), axis, light)
+    noise = AGAIN * noise_of(light) * rng.standard_normal(light.size)
+    return np.where(moved > light.min(), np.maximum(moved + noise, light.min()), moved)
+
+
+def mixtures(found, number, half=1, skip=0, seed=None):
+    """Rows (major, minor, share, SNR, named, false names, those that are no traces) of mixtures.
+
+    With a seed the pairs are drawn from both halves, and each spectrum is measured `again`.
+    """
     shown = {name: set(names(answer)) for name, (answer, *_) in found.items()}
     pairs = [(a, b) for a in found for b in found if found[a][3] not in shown[b] | {found[b][3]}]
     pairs = [(a, b) for a, b in pairs if found[b][3] not in shown[a]]
     code = {pair: zlib.crc32("/".join(pair).encode()) for pair in pairs}
-    pairs = sorted((pair for pair in pairs if code[pair] % 2 == half), key=code.get)
+    if seed is None:
+        pairs = sorted((pair for pair in pairs if code[pair] % 2 == half), key=code.get)
+    else:
+        rng = np.random.default_rng(seed)
+        pairs = [pairs[place] for place in rng.permutation(len(pairs))]
     for a, b in pairs[skip : skip + number]:
         for share in SHARES:
             (_, axis, much, _), (_, _, little, element) = found[a], found[b]
+            if seed is not None:
+                much, little = again(axis, much, rng), again(axis, little, rng)
             mixed = (1 - share) * much + share * much.sum() / little.sum() * little
             answer = module.identify(axis, mixed)
             told = names(answer)
@@ -129,13 +147,13 @@ def mixtures(found, number, half=1, skip=0):
             yield a, b, share, clear, element in told, false, [one for one in false if one not in apart]
 
 
-def board(folder, number, half=1, skip=0, say=lambda *_: None, chance=False):
+def board(folder, number, half=1, skip=0, say=lambda *_: None, chance=False, seed=None):
     """Rows (share, mixtures of SNR `CLEAR` or more, right names in these, with a false name, with one that is
     no trace, all)."""
     both = (*catalogue(), *decoys()) if chance else catalogue()
     module.catalogue = lambda: both
     rows = {share: np.zeros(5, int) for share in SHARES}
-    for a, b, share, clear, named, false, wrong in mixtures(single(folder), number, half, skip):
+    for a, b, share, clear, named, false, wrong in mixtures(single(folder), number, half, skip, seed):
         more = f"{false or ''}" + f", no trace: {wrong}" * bool(wrong)
         say(f"{share:4.0%} {b} in {a}: SNR {clear:.0f}, {'named' if named else 'not named'} {more}")
         rows[share] += [clear >= CLEAR, clear >= CLEAR and named, bool(false), bool(wrong), 1]
@@ -151,10 +169,13 @@ def main():
     parser.add_argument("--mixtures", type=int, default=20, metavar="N", help="pairs, each at three shares")
     parser.add_argument("--half", type=int, default=1, choices=(0, 1), help="of the pairs")
     parser.add_argument("--skip", type=int, default=0, metavar="N", help="of the pairs, before these")
+    parser.add_argument(
+        "--seed", type=int, help="draw pairs of both halves, with scale and noise of their own"
+    )
     parser.add_argument("--decoys", action="store_true", help="as many invented species in the race")
     options = parser.parse_args()
     said = (lambda line: print(line, flush=True)), options.decoys
-    rows = board(options.folder, options.mixtures, options.half, options.skip, *said)
+    rows = board(options.folder, options.mixtures, options.half, options.skip, *said, options.seed)
     _, clear, hit, false, wrong, count = np.sum(rows, axis=0)
     print(f"named where SNR >= {CLEAR:g}: {hit:g} of {clear:g}; with a false name: {false:g} of {count:g},")
     print(f"with one that is no trace: {wrong:g}")

@@ -29,6 +29,7 @@ ODD, ODD_WIDER = 0.15, 3.0  # share of lines, and of chance peaks, with a scatte
 STARK = 0.2  # shift of a line broadened by electrons, of its width; Griem has 0.1 to 0.5
 KERNEL = 1.0  # of ln(strength), over which the strengths of the peaks around are smoothed
 SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
+HOLE = 6e-9  # [m] longer clipped stretches are blind
 AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
 THICK = 0.03  # of the brightest peak: least light of a line that absorbs itself; zones differ in temperature
 FAINT = 1e-3  # lines below this share of the strongest of their species are left out
@@ -97,22 +98,26 @@ class Scene:
     place : float [1]
         Error of a position in widths of a sharp line.
     settings : sequence of (temperature [K], optical depth)
+    by_chance : ndarray (P,), optional
+        Probability that a peak is there by chance, 1 for all by default.
     """
 
-    def __init__(self, peaks, response, shift, place, settings=SETTINGS):
+    def __init__(self, peaks, response, shift, place, settings=SETTINGS, by_chance=None):
         self.peaks, self.response, self.shift, self.settings = peaks, response, shift, settings
         at = peaks.wavelength
         self.log = np.log(peaks.light)
         # Few settings, all of absorbed light, stand for all depths where the scale is sought.
         self.thick = THICK * peaks.light.max() if settings is SETTINGS else 0.0
+        known = np.ones(at.size) if by_chance is None else by_chance
         near = np.abs(at[:, None] - at) < AROUND
-        count = near.sum(axis=1)
+        count = near @ known
         slit = np.interp(at, peaks.axis, peaks.slit)
-        seen = np.diff(peaks.axis) * np.isfinite(peaks.limit[1:])  # a clipped stretch holds no peak by chance
+        seen = np.diff(peaks.axis) * _open(peaks)[1:]
         reach = np.concatenate([[0.0], np.cumsum(seen)])
         reach = np.interp(at + AROUND, peaks.axis, reach) - np.interp(at - AROUND, peaks.axis, reach)
         density = np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
         wide = np.abs(at[:, None] - at) < REGION
+        wide = wide * known
         alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1) / wide.sum(axis=1)
         self.chance = density * alike
         self.error = np.hypot(place * slit, STARK * (peaks.width - slit))
@@ -249,6 +254,17 @@ class Scene:
         limits = np.zeros(group[-1] + 1)
         np.maximum.at(limits, group, np.interp(line, self.peaks.axis, self.peaks.limit))
         return line[np.searchsorted(group, np.arange(limits.size))], limits, sums
+
+
+def _open(peaks):
+    """Where (N,) a record may hold peaks by chance: not in long clipped stretches, which are blind, but in
+    short ones, where only what is broad has sunk below zero between two lines."""
+    clipped = np.concatenate([[0], ~np.isfinite(peaks.limit), [0]]).astype(int)
+    first, last = (np.flatnonzero(np.diff(clipped) == sign) for sign in (1, -1))
+    result = np.ones(peaks.axis.size, bool)
+    for begin, end in zip(first, last, strict=True):
+        result[begin:end] = peaks.axis[end - 1] - peaks.axis[begin] < HOLE
+    return result
 
 
 def together(explained):

@@ -20,6 +20,7 @@ CALIBRATED, UNCALIBRATED = 0.2, 1.2  # scatter of ln(response) between regions o
 QUICK = ((4000.0, 5.0), (9000.0, 50.0))
 SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a line
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
+EXPLAINED = 0.05  # least share of a peak that is there by chance, however well it is explained
 PLACE = 0.12  # and after
 ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
 RAREST = 1.0  # log evidence, the most that this may speak for a species
@@ -105,7 +106,10 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
         scene = Scene(peaks, response, scale, place, QUICK)
         scale = scale.refined(scene, _named(scene, anchors, _evidence, least=SEEN))
     scene = Scene(peaks, response, scale, PLACE)
-    chance = {}
+    known = together(fit.explained for fit in _named(scene, inside).values())
+    # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
+    weight = np.maximum(scene.chance / scene.without(known), EXPLAINED)
+    scene, chance = Scene(peaks, response, scale, PLACE, by_chance=weight), {}
     return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
 
 
