@@ -170,6 +170,29 @@ def test_the_slope_of_a_ratio_pyrometer_is_undone(place):
         assert (found.emissivity_interval[1] / found.emissivity_interval[0] > 1.5).all()  # no level is known
 
 
+def test_a_ratio_of_many_samples_keeps_the_emissivity_that_is_stated(place, capsys):
+    test, calibrated = place
+    lab, time = calibrated("ratio"), np.arange(0.0, 60.0, 0.5)
+    kelvin, slope = 1400 + 150 * np.tanh((time - 20) / 8), np.where(time < 30, 1.0, 1.03)
+    short, long, curve = (925, 975), (1025, 1075), np.arange(1000.0, 2500.0, 0.5)
+    ratio = light(short, curve) / light(long, curve)
+    seen = 0.8 * light(short, kelvin) / (0.78 * light(long, kelvin))
+    table(test / "radiometer.csv", {"t": time, "T": np.interp(seen / slope, ratio, curve), "s": slope})
+    reading = "    reading: {name: T, unit: K}\n    setting: {name: s}\n  bands: [short, long]\n"
+    points = "[[925, 0.8], [975, 0.8], [1025, 0.78], [1075, 0.78]]"
+    facts = FACTS.format(condition="none").replace("emittance: 0.8", f"emittance: {points}")
+    (test / "test.yaml").write_text(facts + COLUMNS + reading)
+    out = test.parent / "t.nc"
+    assert run("correct", test, "--instrument", lab, "--out", out) == 0
+    found = io.read(out, "emissivity_estimate")
+    assert (found.spectral_status == 0).all()  # also where the slope is set anew
+    assert np.abs(found.spectral_temperature.values - kelvin).max() < 1.0  # nothing else moves it
+    assert run("diagnose", test, "--instrument", lab, "--out", test.parent / "d") == 2
+    assert "a displayed ratio has no level" in capsys.readouterr().err
+    table(test / "radiometer.csv", {"t": time, "T": kelvin, "s": 80 * slope})  # in percent
+    assert run("check", test) == 2 and "a wrong unit" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

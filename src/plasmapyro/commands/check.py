@@ -122,6 +122,9 @@ def contents(test):
                 f"  {band}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {unit}".rstrip()
                 + f", {missing} missing"
             )
+    if "radiometer_setting" in test.variables:
+        low, high = (float(end(test.radiometer_setting.values[:, 0])) for end in (np.nanmin, np.nanmax))
+        lines.append(f"  setting at it: {low:g}" + (f" to {high:g}" if high > low else ", at all times"))
     if not has_plasma(test):
         return [*lines, "  no plasma: nothing is subtracted"]
     begin, end = test.attrs["reference_window"]

@@ -298,7 +298,8 @@ def summary(result):
 def _of_emissivity(result, index):
     """The emissivity of a spectrum at the ends and the middle of its wavelengths, and what stays open."""
     one = result.isel(spectrum_time=index)
-    places = [0, one.sizes["emissivity_wavelength"] // 2, -1]
+    last = one.sizes["emissivity_wavelength"] - 1
+    places = sorted({0, last // 2, last})
     words = ", ".join(
         f"{value:.3f} ({low:.3f} to {high:.3f}) at {wavelength * 1e9:.0f} nm"
         for wavelength, value, low, high in zip(

@@ -81,6 +81,8 @@ def estimate_emissivity(
     frames, wavelength, seen, noise = light.frames, light.channels.wavelength, light.seen, light.noise
     if level is None:
         level = record.emittance_uncertainty / record.emittance or UNTOLD
+    if light.middle.size == 1:
+        shape = 0.0  # the emissivity is stated where the one band lies
     mean = mean_emittance(test.attrs, wavelength)
     state = _status(record, light)
     with np.errstate(invalid="ignore"):
@@ -185,12 +187,15 @@ def _degenerate(temperature, found, wavelength):
         return ""
     hottest = np.nanargmax(temperature)
     kelvin, error = temperature[hottest], found.relative_uncertainty[hottest]
-    change = 100 * np.expm1(-SECOND_RADIATION / (wavelength[[0, -1]] * kelvin) * error)
+    ends = wavelength[[0, -1]] if wavelength.size > 1 else wavelength
+    change = 100 * np.expm1(-SECOND_RADIATION / (ends * kelvin) * error)
+    words = " and ".join(
+        f"{one:+.2g} % at {place * 1e9:.0f} nm" for one, place in zip(change, ends, strict=True)
+    )
     return (
         f"of the +- {kelvin * error:.2g} K at {kelvin:.0f} K the noise makes"
         f" {kelvin * found.noise_only[hottest]:.1g} K; a surface hotter by all of it, with an emissivity of"
-        f" {change[0]:+.2g} % at {wavelength[0] * 1e9:.0f} nm and {change[1]:+.2g} % at"
-        f" {wavelength[-1] * 1e9:.0f} nm, gives the same light: what is stated of the emissivity decides"
+        f" {words}, gives the same light: what is stated of the emissivity decides"
     )
 
 

@@ -13,6 +13,7 @@ from plasmapyro.record.emittance import ANY_LEVEL
 LINES = 0.01  # [1] ASSUME: of the gas in a channel, beyond its common change: its lines do not keep in step
 BASELINE = 0.15  # ASSUME: of a pixel's noise: how far the baseline of a frame is off that of the dark
 GAS_MEMORY = 20.0  # [s] over which the common change of the gas persists
+NO_LEVEL = 300.0  # of the logarithm of a level that each sample has anew: many samples must not add up to one
 LEAST_BINS = 3
 LEAST_SERIES = 5  # samples that tell their noise
 
@@ -123,7 +124,7 @@ def of_bands(record, calibration, settings):
         np.zeros_like(noise),
         frames.flag,
         np.hypot(sensitivity, source),
-        np.full((wavelength.size, int(free)), ANY_LEVEL),
+        np.full((wavelength.size, int(free)), NO_LEVEL if ratio else ANY_LEVEL),
         0.0 if ratio else np.inf,  # a displayed ratio says nothing of a level at any time
         np.zeros((wavelength.size, 0)),
         settings["gas_variation"] * behind[:, :, None],

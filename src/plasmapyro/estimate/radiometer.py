@@ -14,6 +14,7 @@ from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record.emittance import ANY_LEVEL, HOT, mean_emittance
 
 GRID = 10e-9  # [m] on which shapes of the emissivity are held
+EXACT = 1e-6  # [1] of the course of an emissivity that is stated where the only band lies
 TAG = "radiometer_"
 
 

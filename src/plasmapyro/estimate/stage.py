@@ -161,6 +161,8 @@ def estimate(
             *([] if response is None else [response.wavelength]),
         ]
         seen += [] if frames is None else [frames.wavelength]
+        if len(seen) == 1 and len(bands.band) == 1:
+            emissivity_shape = radiometer.EXACT
         course = radiometer.course_of(record, seen, emissivity_shape, emissivity_length)
         keys = {"relative": course.relative, "basis": course.basis}
     if record.instrument("pyrometer") is not None:

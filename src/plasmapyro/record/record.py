@@ -175,7 +175,8 @@ def gas_of(test, value):
 def _filters(test, calibration, _):
     names, known = list(test.band.values), list(calibration.band.values)
     if set(names) - set(known):
-        raise ValueError(f"the radiometer of the test has bands {names}, its calibration {known}")
+        held, there = (", ".join(map(str, row)) for row in (names, known))
+        raise ValueError(f"the radiometer of the test has bands {held}; its calibration {there}")
     if "radiometer_signal" in test.variables:
         value = test.radiometer_signal.values.astype(float)
     else:  # what a black body of the reading gives, times the setting
@@ -183,6 +184,8 @@ def _filters(test, calibration, _):
         shown = np.where(shown > 0, shown, np.nan)
         black = [blackbody_signal(*one) for one in _each_band(shown, bands)]
         value = test.radiometer_setting.values * np.stack(black, axis=1) * bands.band_sensitivity.values
+        if len(names) == 2:  # a ratio: its level means nothing, and must not jump where the slope is set anew
+            value = value * np.nanmedian(value[:, 1]) / value[:, 1:]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
     if "radiometer_signal" in test.variables:
         flag[flags.clipped(value)] |= flags.CLIPPED

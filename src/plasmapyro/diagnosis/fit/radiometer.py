@@ -28,8 +28,12 @@ def covered(frames, calibration, wavelength):
     Raises
     ------
     ValueError
-        If there is none.
+        If there is none; a displayed ratio.
     """
+    if calibration.attrs["calibration"] == "readings" and len(frames.band) == 2:
+        raise ValueError(
+            "a displayed ratio has no level to diagnose by: `correct --estimator emissivity` takes it"
+        )
     axis, kept = calibration.wavelength.values, []
     inside = (axis >= wavelength[0]) & (axis <= wavelength[-1])
     for place, band in enumerate(frames.band):
@@ -60,16 +64,20 @@ def seen_part(name, axis, curve):
 
 
 def of_an_emissivity(instruments, record, calibration):
-    """The instruments before a surface whose emissivity bends over wavelength, as a smooth prior lets it."""
+    """The instruments before a surface whose emissivity bends over wavelength, as a smooth prior lets it.
+
+    Where one band is all there is, its emissivity is what is stated.
+    """
     every = np.concatenate([one.wavelength for one in instruments])
     grid = np.arange(every.min(), every.max() + GRID, GRID)
     apart = (grid[:, None] - grid) / LENGTH
     variance, vector = np.linalg.eigh(COURSE**2 * np.exp(-(apart**2) / 2))
-    kept = variance > LEAST * variance[-1]
+    kept = (variance > LEAST * variance[-1]) & (sum(one.channels for one in instruments) > 1)
     shapes = (vector * np.sqrt(np.maximum(variance, 0.0)))[:, kept]
     found = []
     for one in instruments:
-        course = np.stack([np.interp(one.wavelength, grid, row) for row in shapes.T], axis=1)
+        course = np.array([np.interp(one.wavelength, grid, row) for row in shapes.T])
+        course = course.reshape(-1, one.wavelength.size).T
         relative = mean_emittance(record.attributes, one.wavelength) / record.emittance
         own = {"relative": relative, "course": course}
         if one.source == "radiometer":
