@@ -49,8 +49,10 @@ def dark_library(fwhm, kelvin):
         addition={},
         weakest=light,
         systems=(),
+        causes=(),
         strength_modes=none,
         shape_systems=(),
+        shape_causes=(),
         shape_modes=none,
     )
 
