@@ -10,7 +10,8 @@ from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
-from plasmapyro.diagnosis.stage import diagnose
+from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
+from plasmapyro.diagnosis.stage import diagnose, other_gas
 from plasmapyro.record import budget, status
 
 LOSS = 0.08  # of window E at the end, some 20 standard deviations of a gain that wanders by 0.3 %
@@ -306,6 +307,26 @@ def test_only_the_files_that_are_named_are_read(laboratory, tmp_path):
     named = [tmp_path / f"radiation/{name}.nc" for name in ("60kW", "80kW")]
     inputs = command.load_inputs(named, tmp_path / "instrument", [])
     assert list(inputs.radiation) == ["60kW", "80kW"] and inputs.variations == {}
+
+
+@pytest.mark.parametrize(
+    ("recorded", "simulated", "brightness", "said"),
+    [
+        (5100.0, 5000.0, -1.0, None),  # the same: what differs has a cause
+        (7600.0, 5000.0, 0.0, "76 mbar, the simulation at 50 mbar"),
+        (None, 5000.0, 0.4, None),
+        (None, 5000.0, -1.0, "0.37 times as bright as simulated for 50 mbar"),
+        (None, None, 1.0, "2.7 times as bright as simulated, and the test records no pressure"),
+    ],
+)
+def test_the_gas_of_another_pressure_gets_no_cause(recorded, simulated, brightness, said):
+    test = xr.Dataset(attrs={"condition": "80kW"})
+    if recorded is not None:
+        test["chamber_pressure"] = "time", [recorded] * 3
+    own = xr.Dataset(attrs={} if simulated is None else {"chamber_pressure": simulated})
+    fit = Fit(0.0, brightness, (), 0.0, np.eye(2))
+    found = other_gas(test, {"80kW": own}, Comparison(fit, fit, (), (), {}, 10.0, 0.5, np.ones(3)))
+    assert said in found if said else found == ""
 
 
 def test_another_pressure_or_an_equal_power_is_no_rung(laboratory):

@@ -7,6 +7,7 @@ import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
+from plasmapyro.diagnosis.select.alternatives import by_other_window
 from plasmapyro.diagnosis.select.prices import needed
 from plasmapyro.diagnosis.select.rounds import beside_unknown, walk
 from plasmapyro.diagnosis.select.screen import Candidate, Screen
@@ -89,3 +90,16 @@ def test_a_first_term_that_nearly_pays_is_not_fitted(search):
     search.extended = None
     found, _ = walk(search, [step(solution(1000.0), gains=(EFFECT - 1, 0.0, 0.0))], {})
     assert len(found) == 1
+
+
+@pytest.mark.parametrize(("worth", "turned"), [(2.0, True), (4.0, False)])
+def test_a_window_that_grows_clearer_is_tried_as_the_other_that_takes_a_deposit(search, worth, turned):
+    """Beside a change of the emittance the two are each other's opposite; deposits are e^3 times likelier."""
+    first = step(solution(1000.0))
+    clearer = step(solution(600.0, "winD", amplitude=-0.05), gains=(0.0, 0.0, 0.0))
+    other = solution(600.0 + 2 * worth, "winE", amplitude=0.05)
+    search.fit = lambda start, settings: other if settings[0].amplitude == 0.05 else None
+    search.look = lambda fit: step(fit, gains=(0.0, 0.0, 0.0))
+    found, unknown = by_other_window(search, [first, clearer], None)
+    assert [one.id for one in found[-1].solution.settings] == (["winE"] if turned else ["winD"])
+    assert unknown is None and found[0] is first

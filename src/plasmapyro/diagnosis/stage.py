@@ -178,10 +178,10 @@ def other_gas(test, radiation, comparison):
                 " no cause is looked for in what they differ by."
             )
     elif comparison.unlike:
+        at = f" for {simulated / MBAR:.3g} mbar" if np.isfinite(simulated) else ""
         return (
             f"At its best power the gas is {np.exp(comparison.base.brightness):.2g} times as bright as"
-            f" simulated for {simulated / MBAR:.3g} mbar, and the test records no pressure: no cause is"
-            " looked for before that is known."
+            f" simulated{at}, and the test records no pressure: no cause is looked for before that is known."
         )
     return ""
 
