@@ -43,6 +43,8 @@ listener.start()
 warm = json.dumps({"time": -1.0, "signal_wide": wide[0], "signal_narrow": narrow[0]}) + "\n"
 live.stdin.write(warm)
 while not came:  # the program has started
+    if live.poll() is not None:
+        sys.exit(live.returncode)  # it has said why
     time.sleep(0.01)
 begin = time.monotonic()
 for moment, a, b in zip(moments, wide, narrow, strict=True):
