@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from plasmapyro.experiment import correction
 from plasmapyro.experiment.correction import (
     Reading,
     _ranked_temperature,
@@ -172,6 +173,21 @@ def test_gas_of_the_colour_of_the_surface_cancels_when_it_varies():
     surface = pair([1400.0])
     found = spread_of(2 * surface, surface, variation=0.05, u=0.0, covariance=0 * COVARIANCE)
     assert found[0] < 1e-6
+
+
+def test_a_long_record_takes_the_draws_of_samples_like_its_own(monkeypatch):
+    """Samples from mere gas to a bright surface, half of them after the gas has gone."""
+    random, kelvin = np.random.default_rng(1), np.linspace(700.0, 1700.0, 3000)
+    gas = np.array([[0.2], [0.05]]) * (np.arange(3000) % 2)
+    signals = (pair(kelvin) + gas) * (1 + 0.003 * random.standard_normal((2, 3000)))
+    whole = spread_of(signals, gas, variation=0.01, draws=1000)
+    monkeypatch.setattr(correction, "MOST_DRAWN", 1000)
+    some = spread_of(signals, gas, variation=0.01, draws=1000)
+    assert (np.isnan(some) != np.isnan(whole)).mean() < 0.01  # about where too many draws have no temperature
+    both = np.isfinite(some) & np.isfinite(whole)
+    # A thousand draws tell an uncertainty to 2.5 %, twice; where gas is left it doubles between samples.
+    assert np.std(np.log(some[both] / whole[both])) < 0.1 and both.mean() > 0.9
+    assert np.abs(np.median(np.log(some[both] / whole[both]))) < 0.01
 
 
 def test_hopeless_sample_has_no_uncertainty_instead_of_a_small_one():

@@ -6,9 +6,10 @@ import sys
 import numpy as np
 import pytest
 import samples
+import xarray as xr
 
 from plasmapyro import contracts
-from plasmapyro.readers import burst, parts
+from plasmapyro.readers import burst, columns, parts
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.stage import check_test, read_test, sources
 from plasmapyro.readers.text import Refusal
@@ -52,6 +53,26 @@ def test_tables_of_all_habits_give_the_same_signals(tmp_path, case):
     np.testing.assert_allclose(test.time, np.arange(20.0), rtol=RTOL)
     np.testing.assert_allclose(test.signal_wide, (50 + np.arange(20.0)) * 1e-9, rtol=RTOL)
     np.testing.assert_allclose(test.signal_narrow, (30 + np.arange(20.0) / 2) * 1e-9, rtol=RTOL)
+
+
+@pytest.mark.parametrize("case", [*TABLES, "a gap", "a word", "thousands or decimals"])
+def test_a_long_table_is_read_as_a_short_one(tmp_path, monkeypatch, case):
+    change = TABLES.get(case, lambda t: t)
+    changed = {
+        "a gap": ("53.00", ""),
+        "a word": ("53.00", "OVER"),
+        "thousands or decimals": ("53.00", "1,530"),
+    }
+    words = change(samples.table()).replace(*changed.get(case, ("", "")))
+    place, found = samples.folder(tmp_path / "t", samples.CSV, pyrometer__csv=words), []
+    for long in (columns.LONG, 1):
+        monkeypatch.setattr(columns, "LONG", long)
+        faults = check_test(place)
+        found.append(faults if faults else read_test(place))
+    if isinstance(found[0], list):
+        assert found[0] == found[1]
+    else:
+        xr.testing.assert_equal(*found)
 
 
 def test_missing_cells_are_nan(tmp_path):

@@ -23,6 +23,7 @@ from plasmapyro.record.status import (
     WITH_VALUE,
 )
 
+MOST_DRAWN = 20_000  # samples of a record that have draws of their own
 BLOCK = 512  # samples whose draws are held at once
 LEAST_SLOPE = 0.01  # of a draw: emittances are > 0
 STEP = 0.1  # of a standard uncertainty, for slopes
@@ -184,8 +185,11 @@ def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, gener
     Notes
     -----
     Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the
-    variation of the gas is an input; the paper assumes none.
+    variation of the gas is an input; the paper assumes none. Of a long record `MOST_DRAWN` samples are drawn,
+    and each other one takes what the one of the most alike signals got.
     """
+    if signals.shape[1] > MOST_DRAWN:
+        return _of_alike(reading, signals, gas, gas_uncertainty, draws, generator)
     fits = generator.multivariate_normal(reading.coefficient, reading.covariance, size=draws)[:, None, :]
     level = reading.gas_variation * generator.standard_normal((draws, 1))
     offset = generator.standard_normal((2, draws, 1))
@@ -205,6 +209,28 @@ def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, gener
             for band in (0, 1)
         )
         result[part] = spread(_ranked_temperature(wide / slope, narrow, fits, reading.fit_range))
+    return result
+
+
+def _of_alike(reading, signals, gas, gas_uncertainty, draws, generator):
+    """As `temperature_uncertainty`, from samples evenly among those with signals and with or without gas."""
+    from scipy.spatial import KDTree
+
+    result = np.full(signals.shape[1], np.nan)
+    usable, behind = (signals > 0).all(axis=0), (gas > 0).any(axis=0)
+    for part in (np.flatnonzero(usable & behind), np.flatnonzero(usable & ~behind)):
+        if not part.size:
+            continue
+        own = signals[:, part]
+        error = np.hypot(reading.signal_uncertainty * own, reading.gas_variation * gas[:, part])
+        # Where little but gas is left a draw sees the distance to zero, else the level of the signals.
+        like = np.concatenate([np.arcsinh((own - gas[:, part]) / error), np.log(own)]).T
+        drawn = np.unique(np.linspace(0, part.size - 1, MOST_DRAWN // 2).astype(int))
+        chosen = part[drawn]
+        known = temperature_uncertainty(
+            reading, signals[:, chosen], gas[:, chosen], gas_uncertainty[:, chosen], draws, generator
+        )
+        result[part] = known[KDTree(like[drawn]).query(like)[1]]
     return result
 
 

@@ -33,6 +33,9 @@ ANGSTROM = re.compile(r"\u00c5|\u212b|angstr|[\[(/]\s*A\s*($|[\])])", re.ASCII)
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 CLOCK = "time of day"  # key of a column that stands beside the one of the date
+LONG = 20_000  # rows, beyond which a table is first tried all at once
+PLAIN = set("0123456789+-.,eE\n\r\t ")
+FRACTION = re.compile(r",\d{1,2}(\D|$)|,\d{4}", re.ASCII)  # behind a comma that parts no thousands
 COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
 
 
@@ -164,6 +167,13 @@ def read_table(path, columns, delimiter=None, decimal=None):
         gone = 1 + (remarks and not any(map(clock.looks_like_stamp, split(lines[start + 2], mark))))
         lines = [*lines[: start + 1], *[""] * gone, *lines[start + 1 + gone :]]
         stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
+    if ended and not stamped and (plain := _plain(lines, start, mark, decimal)) is not None:
+        result = {name: plain[:, place] for name, place in places.items()}
+        for name, values in result.items():
+            if name != "time":
+                values[np.isin(values, FILLS)] = np.nan
+            result[name] = to_si(path, columns[name], values, stated[name], start + 1)
+        return result
     numbers, rows, faults = _rows(path, lines, start, mark)
     if not ended:
         faults.append(unfinished(path, lines))
@@ -213,6 +223,27 @@ def read_table(path, columns, delimiter=None, decimal=None):
         faults += more
     refuse_all(path, faults)
     return result
+
+
+def _plain(lines, start, mark, decimal):
+    """Cells (N, columns) of a long table of nothing but finite numbers, all at once; None for any other."""
+    body, width = [line for line in lines[start + 1 :] if line], len(split(lines[start], mark))
+    if len(body) < LONG or mark in " .":
+        return None
+    whole = "\n".join(body)
+    signs = set(whole) - {mark}
+    if not signs <= PLAIN or {".", ","} <= signs:
+        return None
+    comma = "," in signs
+    if decimal not in (None, "," if comma else ".") or (comma and not FRACTION.search(whole)):
+        return None  # a sign that the description denies, or what may be thousands
+    try:
+        found = np.loadtxt(
+            body if not comma else whole.replace(",", ".").split("\n"), delimiter=mark, ndmin=2
+        )
+    except ValueError:  # cells that are empty, rows of another length: for the strict reader to say
+        return None
+    return found if found.shape == (len(body), width) and np.isfinite(found).all() else None
 
 
 def unfinished(path, lines):
