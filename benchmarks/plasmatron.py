@@ -80,7 +80,7 @@ FACTORS, DIGITS = (1e-3, 1.0, 1e-6, 1.0, 1e-3), (0, 0, 1, 0, 0)
 
 def draw(rows):
     """Heat flux and temperature against Pitot pressure, by rival, and the measured pairs."""
-    drawing, axes = style.figure(size=(11, 4.8), nrows=2, ncols=len(JETS), sharex=True, sharey="row")
+    drawing, axes = style.figure(size=(11, 5.1), nrows=2, ncols=len(JETS), sharex=True, sharey="row")
     pairs = tables.load("facility/plasmatron_pairs")
     for column, (gas, pressure) in enumerate(JETS):
         for rival, colour in zip((*RIVALS, NO_MIXING), ("0.8", "#d62728", "#4e79a7", "0.1"), strict=True):
@@ -115,7 +115,7 @@ def draw(rows):
         axes[0, 0].annotate(name, (x, y), xytext=(6, -8), textcoords="offset points", fontsize=7)
     axes[0, 0].set(ylabel="Heat flux on a hemisphere\nof 25 mm [kW m$^{-2}$]")
     axes[1, 0].set(ylabel="Temperature ahead\nof the probe [K]")
-    axes[1, 2].legend(*axes[0, 0].get_legend_handles_labels(), loc="lower right", fontsize=6)
+    drawing.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=7)
     style.save(axes[0, 0], [DOCS / "plasmatron_prediction.png"])
 
 
