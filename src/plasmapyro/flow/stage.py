@@ -77,8 +77,8 @@ def cold_start(
 ):
     """Steady flow at a reference condition, from a hot first guess; no swirl, no radiation loss.
 
-    Linear elements on a mesh of their own first (cheap, forgiving), then Taylor-Hood elements on the final
-    mesh.
+    Linear elements on a mesh of their own first (cheap, forgiving), then Taylor-Hood elements, from the
+    coarsest mesh of the error estimate to the final one.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def cold_start(
         Largest change that Newton's method would still make to the state that is returned.
     largest_step_count : int
     error_mesh_ratio : float [1]
-        As in `condition`: its meshes are made here and handed on.
+        As in `condition`: its meshes are made here, and handed on with their solutions.
 
     Returns
     -------
@@ -198,8 +198,8 @@ def condition(
     gas : Dataset, contract 'gas'
         The one `start` was computed with.
     start : Dataset, contract 'flow'
-        Result of `cold_start`; torch, probe, wall temperature and meshes are taken from it. Meshes that it
-        lacks are made again.
+        Result of `cold_start`; torch, probe, wall temperature, meshes and their solutions are taken from it.
+        Meshes that it lacks are made again.
     neighbours : sequence of Dataset, contract 'flow'
         Other known solutions; those of another torch, probe or mesh are interpolated, those of another gas
         left out.
@@ -323,8 +323,8 @@ def _known_state(dataset, setup, problem, gas):
 def _reached(dataset, here, case, origin, target, final):
     """Problem at `target`, its Result, and the solutions on coarser meshes by level that led there.
 
-    With meshes for an error estimate the way is gone on the coarsest of them, and only its end on the mesh
-    of `here`; without, or where the coarse mesh finds no way, on the mesh of `here`.
+    With meshes for an error estimate the way is gone on the coarsest of them, and only its end on the finer
+    ones, that of `here` the last; without, or where the coarse mesh finds no way, on the mesh of `here`.
     """
     if case.mesh_ratio:
         try:
