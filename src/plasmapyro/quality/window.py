@@ -19,7 +19,9 @@ def surface_in_window(case, limit):
         "second": second,
         "one": names[0],
         "other": names[1],
-        "advice": f"try --reference-window {low:g} {high:.3g}" if high else "let it begin or end earlier",
+        "advice": f"try --reference-window {low:g} {high:.3g}"
+        if high and high < end
+        else "let it begin or end earlier",
     }
 
 
