@@ -13,6 +13,7 @@ from plasmapyro.diagnosis.report.kelvin import (
     fitted_shift,
     judged_span,
     paper_temperature,
+    reference_of,
     reference_weight,
 )
 from plasmapyro.experiment.correction import Reading
@@ -158,3 +159,14 @@ def test_the_reference_is_that_of_the_nearest_bin_where_its_window_holds_no_soun
     record = SimpleNamespace(window=window, in_window=lambda t: (t >= window[0]) & (t <= window[1]))
     found = reference_weight(np.array([2.0, 8.0, 14.0]), np.array(number), record)
     assert found.tolist() == weight
+
+
+def test_a_reference_window_of_two_samples_gives_no_reference():
+    """A slow pyrometer: the diagnosis goes on without the paper's method."""
+    bands = SimpleNamespace(time=np.array([-1.0, 0.3, 0.9, 2.0]), sound=np.ones((4, 2)))
+    record = SimpleNamespace(
+        window=(0.0, 1.5), instrument=lambda kind: bands, in_window=lambda time: (time >= 0) & (time <= 1.5)
+    )
+    assert np.isnan(reference_of(record)).all()
+    bands.time = np.array([0.0, 0.5, 1.0, 1.5])
+    assert reference_of(record) == pytest.approx(np.array([[1.0, 1.0], [0.0, 0.0]]))

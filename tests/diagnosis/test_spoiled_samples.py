@@ -105,3 +105,11 @@ def test_law_of_the_noise_survives_hits(random, share):
     fitted = noise.sample_variance(*found, level, factor, pixels)
     # Clipping at 4.5 and 60 000 differences: one per cent.
     assert np.median(fitted / sigma**2) == pytest.approx(1, abs=0.02)
+
+
+def test_a_sample_below_zero_has_the_noise_of_a_faint_one():
+    """Pure shot noise: a prediction below zero, as of a fit on its way, had none."""
+    level = np.array([[100.0, 40.0], [-3.0, 20.0], [200.0, 0.0]])
+    found = noise.sample_variance(0.0, 0.2, 0.0, level, np.ones(2), np.ones(2))
+    assert found[[0, 2], [0, 0]] == pytest.approx([20.0, 40.0]) and found[1, 1] == pytest.approx(4.0)
+    assert found[1, 0] == pytest.approx(0.2 * 1e-3 * 100) and found[2, 1] == pytest.approx(0.2 * 1e-3 * 20)

@@ -4,6 +4,8 @@ import numpy as np
 
 from plasmapyro.checks import increasing
 
+LEAST_SAMPLES = 3  # of a reference window
+
 
 def reference_signal(time, signal, window):
     r"""Mean signal of the reference window and its standard uncertainty.
@@ -41,9 +43,10 @@ def reference_signal(time, signal, window):
     """
     time = increasing("time", time, "s")
     inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signal)
-    if inside.sum() < 3:
+    if inside.sum() < LEAST_SAMPLES:
         raise ValueError(
-            f"the reference window {window[0]:g} to {window[1]:g} s holds {inside.sum()} samples, 3 needed"
+            f"the reference window {window[0]:g} to {window[1]:g} s holds {inside.sum()} samples,"
+            f" {LEAST_SAMPLES} needed"
         )
     samples = np.asarray(signal, dtype=float)[inside]
     rest = samples - samples.mean()

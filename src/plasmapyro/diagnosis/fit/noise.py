@@ -22,6 +22,7 @@ LEAST_MEMORY = 0.04  # smaller ones count as none
 FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
 FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
 LEAST_NOISE = 1e-6  # [1] of a value: no sample is exact
+FAINTEST = 1e-3  # [1] of the mean of a channel: darker light has no shot noise that a fit could know
 LONGEST_LAG = (
     6.0  # [s] over which a gain is told from the temperature: the bins of the steady state are 8 s long
 )
@@ -290,8 +291,9 @@ def _pooled(own, count, expected):
 
 
 def sample_variance(constant, linear, quadratic, level, factor, pixels):
-    """Variance (t, C) of single samples of some level."""
-    level = np.maximum(level, 0.0)
+    """Variance (t, C) of single samples of some level; of one that is not above 0, that of a faint one."""
+    faint = FAINTEST * np.mean(np.maximum(level, 0.0), axis=0)
+    level = np.where(level > 0, level, faint)
     return (constant * factor**2 + linear * factor * level) / pixels + quadratic * level**2
 
 

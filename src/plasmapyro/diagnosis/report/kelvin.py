@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.setting import Setting
-from plasmapyro.experiment.signals import reference_signal
+from plasmapyro.experiment.signals import LEAST_SAMPLES, reference_signal
 from plasmapyro.record.status import EXTRAPOLATED, VALID
 
 COLDEST = 900.0  # [K], below which the two bands say little
@@ -59,8 +59,12 @@ def paper_temperature(signals, moment, record, reading, reference=None):
 
 
 def reference_of(record):
-    """Mean signals of the reference window and their standard uncertainties, (2, 2) [A]."""
+    """Mean signals of the reference window and their standard uncertainties, (2, 2) [A]; NaN, and no
+    temperature by the paper's method, where it holds too few samples."""
     bands = record.instrument("pyrometer")
+    inside = record.in_window(bands.time)
+    if (np.isfinite(bands.sound[inside]).sum(axis=0) < LEAST_SAMPLES).any():
+        return np.full((2, 2), np.nan)
     return np.array([reference_signal(bands.time, row, record.window) for row in bands.sound.T]).T
 
 
