@@ -16,6 +16,7 @@ from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare, raise_errors, settled
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
+from plasmapyro.diagnosis.simulation.systems import _beyond
 from plasmapyro.record.record import record_of
 
 OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if effect.steady_gas}
@@ -144,3 +145,12 @@ def test_bands_of_another_rotational_structure_raise_their_error(fitted, record,
     assert fitter.p_value(fit) < 1e-6 < 0.01 < found.p_value and found.final.settings == ()
     assert simulated.roughness >= 0.06 and simulated.scatter == 1.0
     assert found.base.power == pytest.approx(0.0, abs=CLOSE)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "error", "beyond"),
+    [(0.3, 0.02, True), (0.5, 0.02, False), (2.0, 0.02, False), (3.0, 0.02, True), (3.0, 0.5, False)],
+)
+def test_a_strength_errs_by_factors(ratio, error, beyond):
+    """Stated 31 %: three times that are factors of 2.5 and 0.39; down to zero would else be within them."""
+    assert _beyond(ratio, error, 1.0, 0.31) == beyond

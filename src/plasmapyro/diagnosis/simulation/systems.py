@@ -73,7 +73,6 @@ def systems_of(fitter, fit):
         light = library.group[place]
         first, last = library.wavelength[np.searchsorted(np.cumsum(light) / light.sum(), MIDDLE)]
         stated = _stated(simulated, name, simulated.group[place])
-        off = abs(ratio[place] / by_power[place] - 1)
         yield System(
             name,
             (float(first), float(last)),
@@ -81,11 +80,16 @@ def systems_of(fitter, fit):
             float(error[place]),
             stated,
             float(by_power[place]),
-            bool(
-                off > BEYOND * np.hypot(error[place] / by_power[place], stated)
-                or any(name.startswith(one) for one in fitter.wrong)
-            ),
+            _beyond(ratio[place], error[place], by_power[place], stated)
+            or any(name.startswith(one) for one in fitter.wrong),
         )
+
+
+def _beyond(ratio, error, expected, stated):
+    """Whether a ratio is more than `BEYOND` standard deviations from what is expected: its own error is
+    normal, that of the simulation of its logarithm, for no light is below zero."""
+    edge = expected * abs(np.expm1(np.copysign(BEYOND * stated, ratio - expected)))
+    return bool(abs(ratio - expected) > np.hypot(BEYOND * error, edge))
 
 
 def _measured(fitter, groups):
