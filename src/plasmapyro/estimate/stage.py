@@ -244,20 +244,38 @@ def estimate(
         start=error,
     )
     found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy(), FIRST_ROUNDS)
-    # Second pass with the noise that the residuals show: lines inflate the first guess of their bins.
-    for rounds in (1, *(0,) * BENDS):
-        if rounds:
-            observations = [prepare.rescaled(one, found, fixed) for one in observations]
-        observations = [prepare.bent(one, chain, found.path) for one in observations]
-        found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, rounds)
+    observations, found = _refined(chain, observations, fixed, found)
+    likely = found
     if course is None:  # else no temperature is nearer to others than another one
         found = marginalised(chain, observations, fixed, found)
+    steps, lost = found.steps, not found.converged
+    found = likely if lost and likely.converged else found
     if not found.converged:
-        raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
+        raise ValueError(f"the joint estimate did not converge in {steps} steps")
     spread = spread_of(chain, observations, fixed, found)
     limits = least_surface_share, largest_uncertainty
     fit_range = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
-    return _dataset(record, test, fit_range.values, samples, observations, fixed, found, spread, limits)
+    made = _dataset(record, test, fit_range.values, samples, observations, fixed, found, spread, limits)
+    if lost and not made.attrs["contradictions"]:  # what contradicts itself has no marginal density
+        raise ValueError(f"the joint estimate did not converge in {steps} steps")
+    return made
+
+
+def _refined(chain, observations, fixed, found):
+    """Observations with the noise that the residuals show (lines inflate the first guess of their bins) and
+    exposures along the path between samples, and the fit to them.
+
+    Samples that contradict each other make a path so steep that exposures along it lead nowhere: these then
+    see their middles and rates, as at first.
+    """
+    observations = [prepare.rescaled(one, found, fixed) for one in observations]
+    curved, trial = observations, found
+    for rounds in (1, *(0,) * BENDS):
+        curved = [prepare.bent(one, chain, trial.path) for one in curved]
+        trial = fit(chain, curved, fixed, trial.dynamics, trial.path, trial.values, rounds)
+        if not trial.converged:
+            return observations, fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
+    return curved, trial
 
 
 def _inverse(data):
