@@ -87,6 +87,11 @@ def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     return Fit(path, values, dynamics, steps + used, done)
 
 
+def misfit(chain, observations, prior_constants, found):
+    """What a fit makes least: half the sum of squares of data and priors."""
+    return _objective(chain.prior(found.dynamics), observations, prior_constants, found.path, found.values)
+
+
 def marginalised(chain, observations, prior_constants, found):
     r"""Constants of the largest marginal density, and the most probable path given them.
 

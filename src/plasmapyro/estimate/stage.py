@@ -10,7 +10,7 @@ from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import constants
-from plasmapyro.estimate.smoother import Chain, fit, marginalised, spread_of
+from plasmapyro.estimate.smoother import Chain, fit, marginalised, misfit, spread_of
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
@@ -262,20 +262,22 @@ def estimate(
 
 
 def _refined(chain, observations, fixed, found):
-    """Observations with the noise that the residuals show (lines inflate the first guess of their bins) and
-    exposures along the path between samples, and the fit to them.
+    """Observations with the noise that the residuals show (lines inflate the first guess of their bins) and,
+    if the data then agree better, exposures along the path between samples; and the fit to them.
 
-    Samples that contradict each other make a path so steep that exposures along it lead nowhere: these then
-    see their middles and rates, as at first.
+    Where samples contradict each other, or a rate is no more than noise, such a path leads away.
     """
     observations = [prepare.rescaled(one, found, fixed) for one in observations]
-    curved, trial = observations, found
-    for rounds in (1, *(0,) * BENDS):
-        curved = [prepare.bent(one, chain, trial.path) for one in curved]
-        trial = fit(chain, curved, fixed, trial.dynamics, trial.path, trial.values, rounds)
-        if not trial.converged:
-            return observations, fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
-    return curved, trial
+    found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)
+    for _ in range(BENDS):
+        curved = [prepare.bent(one, chain, found.path) for one in observations]
+        trial = fit(chain, curved, fixed, found.dynamics, found.path, found.values, 0)
+        if not trial.converged or misfit(chain, curved, fixed, trial) > misfit(
+            chain, observations, fixed, found
+        ):
+            break
+        observations, found = curved, trial
+    return observations, found
 
 
 def _inverse(data):
