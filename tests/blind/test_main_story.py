@@ -124,6 +124,21 @@ def test_the_second_test_is_corrected_within_its_uncertainty(made):
     assert np.median(np.abs(error)) < 5.0  # K, a third of what 1 % of the ratio costs at 1600 K
 
 
+def test_the_instruments_of_the_default_test_have_one_temperature(made):
+    """By the joint estimate, which what is hidden moves by 3 K, more than one standard uncertainty."""
+    from plasmapyro.record.status import VALID
+
+    found = xr.load_dataset(made / "experiment/csic_160kW/joint_estimate.nc")
+    truth = xr.load_dataset(made / "twin/csic_160kW/truth.nc")
+    assert found.attrs["contradictions"] == ""
+    true = np.interp(found.time, truth.time, truth.surface_temperature)
+    good = (found.estimate_status.values == VALID) & (found.time.values > WARM)
+    error = np.abs(found.surface_temperature.values - true)[good]
+    assert good.sum() > 2000
+    assert np.mean(error < 2 * found.surface_temperature_uncertainty.values[good]) > 0.8
+    assert np.median(error) < 5.0  # K
+
+
 def test_the_results_of_the_main_job_agree_with_its_sealed_truth():
     hidden = yaml.safe_load((ROOT / "config/tests/csic_160kW.yaml").read_text())["twin"].get("effects")
     made = ROOT / "results/diagnosis/csic_160kW"
