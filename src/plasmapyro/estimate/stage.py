@@ -249,7 +249,8 @@ def estimate(
     if course is None:  # else no temperature is nearer to others than another one
         found = marginalised(chain, observations, fixed, found)
     steps, lost = found.steps, not found.converged
-    found = likely if lost and likely.converged else found
+    if lost:
+        found = likely
     if not found.converged:
         raise ValueError(f"the joint estimate did not converge in {steps} steps")
     spread = spread_of(chain, observations, fixed, found)
@@ -265,7 +266,8 @@ def _refined(chain, observations, fixed, found):
     """Observations with the noise that the residuals show (lines inflate the first guess of their bins) and,
     if the data then agree better, exposures along the path between samples; and the fit to them.
 
-    Where samples contradict each other, or a rate is no more than noise, such a path leads away.
+    An exposure that sees its nearest sample alone may pull that one away from its neighbours, where
+    instruments disagree slowly; along the path it cannot, and constants are pulled instead.
     """
     observations = [prepare.rescaled(one, found, fixed) for one in observations]
     found = fit(chain, observations, fixed, found.dynamics, found.path, found.values, 1)

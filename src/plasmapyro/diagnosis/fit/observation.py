@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.special import ndtr
+from scipy.stats import norm
 
 from plasmapyro.radiation.bandsignal import respond
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
@@ -173,9 +174,12 @@ def as_through(slit, own, wavelength, values, saturated):
     width = np.abs(np.gradient(wavelength))
     if not sigma > 0.5 * np.median(width):
         return values, saturated
-    away = (wavelength[:, None] - wavelength) / sigma
-    kernel = np.where(np.abs(away) < REACH, np.exp(-0.5 * away**2) * width, 0.0)
-    kernel = sparse.csr_array(kernel / (sigma * np.sqrt(2 * np.pi)))
+    first, last = (np.searchsorted(wavelength, wavelength + end * REACH * sigma) for end in (-1, 1))
+    count = last - first
+    row = np.repeat(np.arange(wavelength.size), count)
+    column = np.arange(count.sum()) + np.repeat(first - np.cumsum(count) + count, count)
+    share = norm.pdf(wavelength[column], wavelength[row], sigma) * width[column]
+    kernel = sparse.csr_array((share, (row, column)), shape=(wavelength.size,) * 2)
     finite = np.isfinite(values)
     weight = finite.astype(float) @ kernel.T
     total = np.where(finite, values, 0.0) @ kernel.T

@@ -79,8 +79,8 @@ def numbers_of(settings):
 
 
 def log_prior(free, numbers):
-    r"""Log density of numbers before the data, without factors of :math:`\sqrt{2\pi}`, over that in fits but
-    for its norm.
+    r"""Log density of numbers before the data, without factors of :math:`\sqrt{2\pi}`, the prior that fits
+    count for amplitudes taken out.
 
     .. math:: \sum_j \ln \frac1n \sum_k \frac{1}{k\sigma_j}
         \exp\left(-\frac{a_j^2}{2 k^2 \sigma_j^2}\right) + \frac{a_j^2}{2 (10 \sigma_j)^2}

@@ -57,7 +57,8 @@ class Simulated:
             self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
         )
         self.bands = self._channels(np.broadcast_to(library.bands, (1, library.wavelength.size)))[0]
-        self.bands[: -model.instruments[-1].channels] = 0.0  # a wide band sees the mean of many lines
+        fine = [np.full(one.channels, one.weight is None) for one in instruments]
+        self.bands[~np.concatenate(fine)] = 0.0  # a wide band sees the mean of many lines
 
     def _signals(self, values, settings):
         """Signals (C,) of all instruments, in their units."""
