@@ -22,8 +22,6 @@ LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it 
 KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
-WIDTHS = "widths of "  # and a radiating system
-ANY_WIDTH = 3.0  # times the stated error of widths: published sets differ by up to a factor of 2
 MOST_WRONG = 3  # systems
 MOST_GROUPS = 10  # the brightest, one of which of another strength may stand for an effect
 CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
@@ -247,14 +245,11 @@ def least_likely(simulated, settings, wrong):
 
 def _freed(simulated, settings, wrong, groups=False):
     """Fitters and fits in which one more radiating system, or with `groups` one of the brightest groups of
-    lines, may have any strength, or the lines of one system any widths."""
+    lines, may have any strength."""
     names = list(dict.fromkeys(simulated.systems))
     if groups:
         order = np.argsort(-simulated.group.sum(axis=1))[:MOST_GROUPS]
         names += [simulated.model.library.group_name[place] for place in order]
-        names += [
-            WIDTHS + one for one in dict.fromkeys(simulated.shape_systems) if simulated.widths_of(one).any()
-        ]
     return [settled(simulated, settings, (*wrong, one)) for one in dict.fromkeys(names) if one not in wrong]
 
 
@@ -271,8 +266,7 @@ def without_wrong(simulated, fitter, fit):
 class Fitter:
     """Fits of power, brightness and effects to the measured gas.
 
-    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength,
-    or lines any widths.
+    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength.
     """
 
     def __init__(self, simulated, light, wrong=()):
@@ -280,15 +274,14 @@ class Fitter:
         self.scale, self.sigma = light, np.array([simulated.power[1], GAS_SIGMA])
         self.centre = np.array([simulated.power[0], 0.0])
         wide, groups = np.ones((len(simulated.systems), 1)), []
-        shape = simulated.shape.copy()
         for name in wrong:
             if name in simulated.systems:
                 wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
-            elif name.startswith(WIDTHS):
-                shape[simulated.widths_of(name.removeprefix(WIDTHS))] *= ANY_WIDTH
             else:
                 groups.append(simulated.model.library.group_name.index(name))
-        self.root = self.root_of(simulated.strength * wide, shape, simulated.group[groups], seen=light)
+        self.root = self.root_of(
+            simulated.strength * wide, simulated.shape, simulated.group[groups], seen=light
+        )
 
     def root_of(self, *modes, seen=None):
         """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.

@@ -102,11 +102,6 @@ class Simulated:
     def _scattered(self, modes, causes):
         return modes * np.where(np.isin(causes, OF_A_VALUES), self.scatter, 1.0)[:, None]
 
-    def widths_of(self, system):
-        """Whether each mode of shape (M,) is one of the widths of the lines of a radiating system."""
-        names = zip(self.model.library.shape_causes, self.shape_systems, strict=True)
-        return np.array([one == ("width", system) for one in names])
-
     def stronger(self, factors):
         """The modes of shape (M, C) where systems are {name: factor} as bright as simulated."""
         return self.shape * np.array([factors.get(name, 1.0) for name in self.shape_systems])[:, None]
