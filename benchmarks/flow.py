@@ -111,6 +111,14 @@ def solve(gas, start, neighbours=(), emission=None, error_mesh_ratio=0.0, **chan
     )
 
 
+def begin(words):
+    """Help of a command without options, and a log with times."""
+    argparse.ArgumentParser(
+        description=words, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
+    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+
+
 def write_table(name, rows):
     with (DOCS / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")

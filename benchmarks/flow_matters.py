@@ -7,7 +7,6 @@ its solutions in results/benchmark_flow and takes up where it stopped. Writes do
 docs/flow_matters.png, which docs/flow.md shows.
 """
 
-import argparse
 import logging
 
 import flow as bench  # first: it sets one thread
@@ -239,9 +238,6 @@ def main():
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    bench.begin(__doc__)
     logging.getLogger("plasmapyro").setLevel(logging.INFO)
     main()

@@ -7,7 +7,6 @@ curve. Needs results/gas/air11.nc. Keeps its flows in results/benchmark_flow, ta
 writes docs/flow_momentum.csv. About two CPU minutes.
 """
 
-import argparse
 import logging
 from dataclasses import replace
 
@@ -74,8 +73,5 @@ def main():
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    bench.begin(__doc__)
     main()

@@ -19,7 +19,6 @@ conductivity and a diffusion of mass; momentum, carried by a flow that mass does
 beside. `Coarse` adds these terms to our equations, with the widths of the published cells: no number is free.
 """
 
-import argparse
 import logging
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -228,8 +227,5 @@ def main():
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    bench.begin(__doc__)
     main()

@@ -6,7 +6,6 @@ Needs results/gas/air11.nc. Keeps its solutions in results/benchmark_flow and ta
 Writes docs/flow_validation.csv (one row per experiment) and docs/flow_validation.png for docs/flow.md.
 """
 
-import argparse
 import logging
 from dataclasses import dataclass, replace
 
@@ -256,9 +255,6 @@ def main():
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(message)s")
+    bench.begin(__doc__)
     logging.getLogger("plasmapyro").setLevel(logging.INFO)
     main()
