@@ -51,12 +51,7 @@ def test_two_bands_of_any_instrument_are_the_two_colour_pyrometer(order):
     """The two-colour pyrometer described as one of any bands: signals, visibility, readings, errors."""
     response = band_response(**SILICON)
     bands = xr.Dataset(
-        {
-            "responsivity": (
-                ("band", "wavelength"),
-                [response[f"responsivity_{band}"] for band in order],
-            )
-        },
+        {"responsivity": (("band", "wavelength"), [response[f"responsivity_{band}"] for band in order])},
         {"wavelength": response.wavelength, "band": list(order)},
         {"instrument_range": (973.0, 2073.0)},
     )

@@ -38,10 +38,7 @@ def test_the_ladder_of_powers_is_read_from_the_files_not_from_their_names(tmp_pa
 def workbench():
     table = np.linspace(300.0, 14000.0, 275)
     fractions = np.stack([density(table)[name] * 1.380649e-23 * table / 5000.0 for name in SPECIES], -1)
-    profile = xr.Dataset(
-        {"temperature": ("path_distance", TEMPERATURE)},
-        {"path_distance": DISTANCE},
-    )
+    profile = xr.Dataset({"temperature": ("path_distance", TEMPERATURE)}, {"path_distance": DISTANCE})
     composition = xr.Dataset(
         {"mole_fraction": (("pressure", "temperature", "species"), fractions[None])},
         {"pressure": [5000.0], "temperature": table, "species": list(SPECIES)},

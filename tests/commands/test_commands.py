@@ -256,10 +256,7 @@ def test_check_says_what_is_there(shelf, capsys):
             "time ends at 20.75 s, the plasma at 50 s; is a file cut off",
         ),
         (lambda test: test.isel(time=slice(28, None)), "time begins at 3 s, the injection is at 0 s"),
-        (
-            lambda test: test.isel(time=np.r_[0:120, 180:256]),
-            "time has 1 gaps, the first from 25.75 to 41 s",
-        ),
+        (lambda test: test.isel(time=np.r_[0:120, 180:256]), "time has 1 gaps, the first from 25.75 to 41 s"),
         (lambda test: test.assign(signal_wide=1e6 * test.signal_wide), "A, more than a photodiode gives"),
         (lambda test: test.isel(spectrum_time=slice(0, 9)), "spectrum_time ends at 17 s"),
     ],

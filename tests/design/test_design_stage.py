@@ -1,6 +1,4 @@
-"""The whole design on a small made-up gas: it flees the light, falls back to 1 um without it, repeats
-itself.
-"""
+"""The whole design on a made-up gas: it flees the light, falls back to 1 um without it, repeats itself."""
 
 from dataclasses import replace
 

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.experiment.signals import (
-    corrected_signal,
-    corrected_signal_uncertainty,
-    reference_signal,
-)
+from plasmapyro.experiment.signals import corrected_signal, corrected_signal_uncertainty, reference_signal
 from plasmapyro.record.phases import phases
 
 FLOAT_RTOL = 1e-12

@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 from scipy.constants import sigma
 
-from plasmapyro.instrument.pyrometer import (
-    band_signal,
-    blackbody_signal,
-    invert_ratio,
-    signal_ratio,
-)
+from plasmapyro.instrument.pyrometer import band_signal, blackbody_signal, invert_ratio, signal_ratio
 
 FLOAT_RTOL = 1e-12
 # Fraction of the blackbody emission below lambda T [um K], to its printed digits:

@@ -9,7 +9,7 @@ from try_mistakes import EXAMPLE, outcome, run
 
 SILENT = {  # mistake -> why no rule can say it
     "black body of the spectrometer fifty kelvin too low": "two of the pyrometer's uncertainties of 20 K, and"
-    " by Wien's law the shape of the spectra stays right",
+    " by Wien's law the shape of the spectra stays right"
 }
 HARMLESS = {
     "transmittance of a filter for that of the window",

@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.radiation.diatomic_lines import nuclear_weight, rotational_shares
-from plasmapyro.radiation.diatomic_rotation import (
-    ElectronicState,
-    clebsch_gordan,
-    parity,
-    rotational_levels,
-)
+from plasmapyro.radiation.diatomic_rotation import ElectronicState, clebsch_gordan, parity, rotational_levels
 
 FLOAT_RTOL = 1e-12  # ~ 5000 eps: eigenvalues of 3x3 matrices
 B, D = 160.0, 6e-4  # [m-1], like N2

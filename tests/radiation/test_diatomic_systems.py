@@ -9,12 +9,7 @@ from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.band_systems import SYSTEMS, bands, reduced_mass
 from plasmapyro.radiation.diatomic_curves import kinetic_factor
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, emission_weights, strong_enough
-from plasmapyro.radiation.diatomic_states import (
-    RADIUS,
-    rovibration,
-    state_constants,
-    transition_moments,
-)
+from plasmapyro.radiation.diatomic_states import RADIUS, rovibration, state_constants, transition_moments
 
 PLANCK, LIGHT, BOLTZMANN = 6.62607015e-34, 299792458.0, 1.380649e-23
 SECOND = PLANCK * LIGHT / BOLTZMANN

@@ -20,11 +20,7 @@ def sound():
         {
             "signal_wide": ("time", np.ones(TIME.size), {"units": "A"}),
             "signal_narrow": ("time", np.ones(TIME.size), {"units": "A"}),
-            "spectral_radiance": (
-                ("spectrum_time", "wavelength"),
-                spectra,
-                {"units": "W m-2 sr-1 m-1"},
-            ),
+            "spectral_radiance": (("spectrum_time", "wavelength"), spectra, {"units": "W m-2 sr-1 m-1"}),
         },
         {
             "time": ("time", TIME, {"units": "s"}),

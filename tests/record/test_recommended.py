@@ -107,10 +107,7 @@ def a_joint_estimate(temperature, contradictions=""):
     return xr.Dataset(
         {
             "surface_temperature": ("time", temperature),
-            "estimate_status": (
-                "time",
-                np.where(np.isnan(temperature), status.CONTRADICTED, status.VALID),
-            ),
+            "estimate_status": ("time", np.where(np.isnan(temperature), status.CONTRADICTED, status.VALID)),
             **budget.variables(rows),
         },
         {"time": TIME},

@@ -40,11 +40,7 @@ LIMITS = {  # attribute -> lowest, highest
     "emittance_slope_uncertainty": (0, 1),
 }
 MAY_BE_ZERO = {"injection_time", "plasma_off_time", "emittance_uncertainty", "emittance_slope_uncertainty"}
-PLAUSIBLE = {
-    "signal_wide": (1e-30, 1e6),
-    "signal_narrow": (1e-30, 1e6),
-    "spectral_radiance": (1e-30, 1e25),
-}
+PLAUSIBLE = {"signal_wide": (1e-30, 1e6), "signal_narrow": (1e-30, 1e6), "spectral_radiance": (1e-30, 1e25)}
 
 
 def test_codes_of_a_status_are_those_of_the_files():

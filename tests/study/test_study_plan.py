@@ -36,12 +36,7 @@ def study(**changes):
         "angle_deg": [35, 50],
     }
     rest = {key: changes.pop(key) for key in ("extra", "limit", "longest_chain") if key in changes}
-    return {
-        "axes": {**axes, **changes},
-        "object_temperature_k": [800, 2400, 100],
-        "longest_chain": 3,
-        **rest,
-    }
+    return {"axes": {**axes, **changes}, "object_temperature_k": [800, 2400, 100], "longest_chain": 3, **rest}
 
 
 def made(**changes):

@@ -17,12 +17,7 @@ from plasmapyro import io
 from plasmapyro.radiation.foreign import oxygen_triplet
 from plasmapyro.radiation.stage import line_of_sight_radiance
 
-PAPER = (
-    "5b_line_of_sight",
-    "6_spectral_radiance",
-    "7a_visibility_factors",
-    "8c_error_map",
-)
+PAPER = ("5b_line_of_sight", "6_spectral_radiance", "7a_visibility_factors", "8c_error_map")
 
 
 @pytest.fixture

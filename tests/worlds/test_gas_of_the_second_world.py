@@ -25,8 +25,7 @@ def test_every_table_has_its_certificate(table):
 
 
 @pytest.mark.parametrize(
-    ("species", "sums"),
-    [("N", [4.041, 4.348, 4.724, 5.190]), ("O", [8.855, 9.166, 9.418, 9.685])],
+    ("species", "sums"), [("N", [4.041, 4.348, 4.724, 5.190]), ("O", [8.855, 9.166, 9.418, 9.685])]
 )
 def test_partition_sums_of_atoms_are_those_of_their_levels(species, sums):
     found = gas.partition(species, np.array([5e3, 8e3, 1e4, 1.2e4]))

@@ -39,12 +39,7 @@ def statistic(values, function):
     random = np.random.default_rng(1)
     drawn = [function(values[random.integers(len(values), size=len(values))]) for _ in range(RESAMPLED)]
     low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
-    return {
-        "value": float(function(values)),
-        "low": float(low),
-        "high": float(high),
-        "trials": len(values),
-    }
+    return {"value": float(function(values)), "low": float(low), "high": float(high), "trials": len(values)}
 
 
 def summary(records):

@@ -14,9 +14,5 @@ result = probe_readings(
     **in_si(keys),
 )
 io.write(
-    result,
-    snakemake.output[0],
-    "probe_readings",
-    sources=snakemake.input,
-    config=dict(snakemake.params),
+    result, snakemake.output[0], "probe_readings", sources=snakemake.input, config=dict(snakemake.params)
 )

@@ -9,11 +9,7 @@ from plasmapyro.diagnosis.gas.library import gas_library
 
 io.log_to(snakemake.log[0])
 paths, keys = snakemake.input, snakemake.params
-inputs = command.load_inputs(
-    paths.radiation,
-    Path(paths.response).parent,
-    paths.variations,
-)
+inputs = command.load_inputs(paths.radiation, Path(paths.response).parent, paths.variations)
 ratio = float(io.read(paths.ratio_curve, "ratio_curve").sensitivity_ratio)
 condition = keys.condition[0]
 library = gas_library(

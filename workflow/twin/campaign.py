@@ -287,11 +287,7 @@ def record(scene, response, gas, seed):
             "sensitivity_ratio": scene.pyrometer.sensitivity_ratio,
         },
         {name: coordinates[name] for name in ("time", "spectrum_time")},
-        {
-            "origin": "synthetic",
-            "title": "Truth of a synthetic test, not for the processing",
-            "seed": seed,
-        },
+        {"origin": "synthetic", "title": "Truth of a synthetic test, not for the processing", "seed": seed},
     )
     if scene.hidden:
         # A drift that is hidden comes on top of the one that every test has.

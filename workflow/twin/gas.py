@@ -1,9 +1,8 @@
 """The gas in front of the sample and how its spectrum changes, from spectra and profiles kept in files.
 
 The spectra at several powers, by radiating system, are input files. How they change with excitation,
-vibration, temperature or optical depth is computed here from upper levels and the profile along the
-sight line, in the optically thin limit; what falls on the sample from all of the torch absorbs itself
-(`incident`).
+vibration, temperature or optical depth is computed here from upper levels and the profile along the sight
+line, in the optically thin limit; what falls on the sample from all of the torch absorbs itself (`incident`).
 """
 
 from dataclasses import dataclass

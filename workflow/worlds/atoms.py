@@ -1,6 +1,5 @@
 """Lines of N I and O I: multiplet strengths of the Gaia-ESO list and the Opacity Project, split by LS
-coupling.
-"""
+coupling."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -81,9 +80,7 @@ def _mean(levels):
 
 
 def stark(atom, energy, temperature, electrons):
-    """Half width [cm-1] by electrons [m-3]: Johnston's fit (thesis, Virginia Tech 2006) to Griem and
-    others.
-    """
+    """Half width [cm-1] by electrons [m-3]: Johnston's fit (thesis, Virginia Tech 2006) to Griem and more."""
     depth = np.maximum(IONISATION[atom] - energy, 1500.0)
     return 0.5 * 1.69e10 / depth**2.623 * (temperature / 1e4) ** 0.33 * electrons / 1e22
 

@@ -1,6 +1,5 @@
 """Cases of the second laboratory: world, laboratory, sample and what is hidden, all drawn from seeds that
-come from outside.
-"""
+come from outside."""
 
 import dataclasses
 from dataclasses import asdict, dataclass, field
@@ -130,8 +129,7 @@ class Stage:
 
     def path(self, power):
         """Distance and temperature along the sight line at a power [W], linear in its logarithm between
-        conditions.
-        """
+        conditions."""
         powers = sorted(self.bench.lines)
         distance = self.bench.lines[powers[0]][0]
         rows = [np.interp(distance, *self.bench.lines[one]) for one in powers]
@@ -154,8 +152,7 @@ class Stage:
 
     def variant(self, kind, amplitude):
         """Total light (bins,) with one property of the gas off, from a parabola in ln of the light by
-        component.
-        """
+        component."""
         if kind not in self._variants:
             step, more = {
                 "P_eff": (0.15, lambda a: self.light(power=np.clip(self.base.power * (1 + a), 4.5e4, 1.4e5))),

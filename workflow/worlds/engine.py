@@ -1,6 +1,5 @@
 """Light of the gas along a path: one world draws its strengths once, within the scatter of published
-accuracies.
-"""
+accuracies."""
 
 from dataclasses import dataclass, field
 
@@ -118,8 +117,7 @@ def _floored(rows):
 
 def _gaussian(wavenumber, power, width):
     """Lines on the grid: each shared between two points, then one Gaussian in ln(wavenumber) for all [per
-    cm-1].
-    """
+    cm-1]."""
     step = GRID[1] - GRID[0]
     place = (np.log(wavenumber) - GRID[0]) / step
     left = np.floor(place).astype(int)

@@ -21,9 +21,7 @@ def planck(wavelength, temperature):
 
 @dataclass(frozen=True)
 class Laboratory:
-    """Everything about instruments and calibration that a case does not change; true values, not stated
-    ones.
-    """
+    """All about instruments and calibration that a case does not change; true values, not stated ones."""
 
     seed: int
     pyrometer_rate: float  # [Hz]
@@ -120,8 +118,7 @@ def sensitivity(lab):
 
 def spectral_error(lab):
     """Relative error of the radiance scale over the pixels: certificate, fit and overlap of orders, all
-    smooth.
-    """
+    smooth."""
     random = np.random.default_rng([lab.seed, 22])
     knots = np.arange(600e-9, 1200e-9, 10e-9)
     kernel = np.exp(-0.5 * (np.subtract.outer(knots, knots) / lab.spectral_scale) ** 2)
@@ -139,9 +136,7 @@ def detector_pattern(lab):
 
 
 def expose(lab, rate, exposure, random, scans=1):
-    """Counts of exposures (..., W) of a count rate, noise of photons and reading included, in whole
-    counts.
-    """
+    """Counts of exposures (..., W) of a count rate, with noise of photons and reading, in whole counts."""
     dark, bias = detector_pattern(lab)
     level = (rate + dark) * exposure
     noise = np.sqrt((np.maximum(level, 0) / lab.electrons + lab.read_noise**2 + 1 / 12) / scans)
@@ -151,8 +146,7 @@ def expose(lab, rate, exposure, random, scans=1):
 
 def calibrate(lab, response):
     """Files of the calibration: points of the pyrometer, counts of the spectrometer, as the maker of the
-    files sees them.
-    """
+    files sees them."""
     random = np.random.default_rng([lab.seed, 24])
     bands, step = true_bands(lab, response), SMOOTH[1] - SMOOTH[0]
     true = POINTS_K + lab.source_bias * (POINTS_K / 1773.0) ** 2
@@ -281,9 +275,7 @@ def through_slit(spectrum, wavelength, fwhm, blur=0.0):
 
 
 class Record:
-    """What a laboratory records of scenes: the same instants, clocks and wandering for each scene of a
-    case.
-    """
+    """What is recorded of scenes: the same instants, clocks and wandering for each scene of a case."""
 
     def __init__(self, lab, response, scene, seed, flicker):
         self.lab, self.random_seed, self.flicker_size = lab, seed, flicker

@@ -82,8 +82,7 @@ class Measure:
 
     def flat(self, change, gas):
         """One whitened vector of changes of both instruments, brightness of frames and the free gas
-        projected out.
-        """
+        projected out."""
         vectors = []
         for index, (new, sigma) in enumerate(zip(change, self.sigma, strict=True)):
             if not new.size:
@@ -105,8 +104,7 @@ class Measure:
 
     def nuisance(self, gas):
         """Rows (K, D) of one prior standard deviation each, and the Cholesky factor of their Gram matrix
-        plus one.
-        """
+        plus one."""
         if gas not in self.kept:
             rows = np.array([self.flat(row, gas) for row in self._rows(gas)])
             self.kept[gas] = rows, np.linalg.cholesky(rows @ rows.T + np.eye(len(rows)))

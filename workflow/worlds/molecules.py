@@ -34,8 +34,7 @@ MOMENT = 2.0261e-6  # A [s-1] = MOMENT sigma^3 [cm-3] R^2 [(e a0)^2]; Whiting et
 @dataclass(frozen=True)
 class Bands:
     """Rotational lines: wavenumber and energies [cm-1] above the ground level, `strength` = weight times A
-    [s-1].
-    """
+    [s-1]."""
 
     wavenumber: np.ndarray
     strength: np.ndarray
@@ -119,8 +118,7 @@ def moments(system):
 
 class Levels(NamedTuple):
     """Rotational levels of one v: energies (j, i) [cm-1] without the vibrational part, vectors
-    (j, Omega, i), Omega, and whether there is such a level.
-    """
+    (j, Omega, i), Omega, and whether there is such a level."""
 
     j: np.ndarray
     value: np.ndarray
@@ -217,8 +215,7 @@ def _branch(system, high, v, zero, origin, moment, upper, lower):
 
 def strengths(system, density, q, temperature, factor, vibration=1.0):
     """Power of each line [W m-3 sr-1]; `factor` per upper v, `vibration` the vibrational temperature over
-    that of the gas.
-    """
+    that of the gas."""
     found = lines(system)
     ground = states(SYSTEMS[system][0])[SYSTEMS[system][1]]["te"]
     boltzmann = ground + (found.vibration - ground) / vibration + found.rotation

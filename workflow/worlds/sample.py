@@ -1,6 +1,5 @@
 """Surface temperature of slabs, lumped bodies, two zones and ablators in a jet that heats and a room that
-cools.
-"""
+cools."""
 
 from dataclasses import dataclass
 
@@ -29,8 +28,7 @@ class Sample:
 
     def history(self, time, plasma_off):
         """Surface temperature (t,) [K]: implicit finite volumes, the flux zero before 0 and after
-        `plasma_off` [s].
-        """
+        `plasma_off` [s]."""
         cells = {"slab": 30, "ablating": 50, "two-zone": 2, "lumped": 1}[self.kind]
         # Thin cells in front: a surface that cools as the root of time is steep there.
         width = np.geomspace(1, 100 if cells > 2 else 1, cells)

@@ -35,11 +35,10 @@ def relative_error(apparent_temperature, object_temperature):
 def error_limit(object_temperature, error, level):
     """Lowest surface temperature above which the error does not exceed `level`.
 
-    Walks down from the highest temperature to the last one at which ``error <= level``, then
-    interpolates linearly between the two samples that enclose the crossing. No reading counts as
-    an infinite error: next to it the limit is the first sample with a reading. The sign counts, as
-    in the paper's curve ``e = 1 %``: in front of a surface hotter than the colour of the gas the
-    reading is too low, which is no crossing.
+    Walks down from the highest temperature to the last one at which ``error <= level``, then interpolates
+    linearly between the two samples that enclose the crossing. No reading counts as an infinite error: next
+    to it the limit is the first sample with a reading. The sign counts, as in the paper's curve ``e = 1 %``:
+    in front of a surface hotter than the colour of the gas the reading is too low, which is no crossing.
 
     Parameters
     ----------

@@ -122,11 +122,7 @@ def correct_reading(
             "surface_temperature_low": ("time", np.where(given, low, np.nan)),
             "surface_temperature_high": ("time", np.where(given, high, np.nan)),
             "other_temperature": ("time", np.where(given & two, cold, np.nan)),
-            "corrected_reading_status": (
-                "time",
-                status.astype("int8"),
-                flags(STATUS),
-            ),
+            "corrected_reading_status": ("time", status.astype("int8"), flags(STATUS)),
             "object_temperature": ("object_temperature", surfaces),
             "display": ("object_temperature", np.where(np.isfinite(shown), shown, np.nan)),
         },

@@ -289,8 +289,7 @@ def reflection_map(
     Notes
     -----
     Source: Fagnani et al., eq. 2, secs. 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
-    line of
-    sight, so that the specular part is the gas signal itself; flat spectral reflectance.
+    line of sight, so that the specular part is the gas signal itself; flat spectral reflectance.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
@@ -321,11 +320,7 @@ def reflection_map(
         ]
         for row in range(len(CORRECTIONS)):
             left = [
-                (
-                    extra,
-                    extra - own[:, band, None, None],
-                    gas_variation * extra,
-                )[row]
+                (extra, extra - own[:, band, None, None], gas_variation * extra)[row]
                 for band, extra in enumerate(added)
             ]
             wide, narrow = (grey * black[band] + left[band] for band in range(len(BANDS)))

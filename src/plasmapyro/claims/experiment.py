@@ -72,11 +72,7 @@ def _rising_share(pyrometer):
     return 100 * float(np.mean(np.diff(means) > 0)) if len(means) > 1 else np.nan
 
 
-def _highest_with_error_above(
-    temperature,
-    error,
-    level,
-):
+def _highest_with_error_above(temperature, error, level):
     """Temperature [K] above which the error stays below `level`, from medians over bins of `WIDTH` [K].
 
     The crossing is read between the centres of the last bin above the level and the next one, linear in

@@ -33,11 +33,7 @@ def run(options):
     if options.vacuum:
         axis = air_wavelength(axis)
     answer = identify(
-        axis,
-        frames.mean(axis=0),
-        noise,
-        options.fwhm_nm and options.fwhm_nm * NANOMETRE,
-        options.calibrated,
+        axis, frames.mean(axis=0), noise, options.fwhm_nm and options.fwhm_nm * NANOMETRE, options.calibrated
     )
     rows = [row(one, answer) for one in answer.named if one.probability >= options.least_probability]
     if options.out:
@@ -80,7 +76,7 @@ def words(answer, rows):
     lines = [
         f"{answer.peaks.wavelength.size} peaks from {answer.peaks.axis[0] / NANOMETRE:.0f} to"
         f" {answer.peaks.axis[-1] / NANOMETRE:.0f} nm; the wavelength scale is"
-        f" {float(answer.scale(middle)) / NANOMETRE:+.2f} nm off in the middle",
+        f" {float(answer.scale(middle)) / NANOMETRE:+.2f} nm off in the middle"
     ]
     if rows:
         table = [COLUMNS, *([str(cell) for cell in one] for one in rows)]

@@ -57,8 +57,7 @@ class Bench:
 
     def currents_of(self, wavelength, responsivities):
         """Currents of one pyrometer given by its normalised responses to power (N, R) at wavelengths
-        (R,) [m].
-        """
+        (R,) [m]."""
         middle = self.wavelength
         curves = np.array([np.interp(middle, wavelength, row, left=0.0, right=0.0) for row in responsivities])
         quantum = PEAK_RESPONSIVITY * PLANCK * LIGHT_SPEED / (ELEMENTARY_CHARGE * middle)
@@ -97,9 +96,7 @@ class Bench:
         return budget.read(signal, weights, measured, known) / temperature - 1
 
     def gas_limit(self, signal, weights, temperature, emittance, level, **changes):
-        """Temperature above which the size of that error stays below a level (D, C, E) [K], and its
-        status.
-        """
+        """Temperature above which that error stays below a level (D, C, E) [K], and its status."""
         error = np.abs(self.gas_error(signal, weights, temperature, emittance, **changes))
         return error_limit(temperature, error, level)
 

@@ -107,10 +107,9 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
 def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1500.0):
     r"""Weights :math:`c_i` of the logarithms of band signals: :math:`F = \sum_i c_i \ln I_i, \sum c_i = 0`.
 
-    One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration,
-    slopes and
-    the gas, for a given sensitivity, :math:`c \propto C^{-1}(d - \bar d\,\mathbf 1)` with
-    :math:`d_i = d\ln I_i/d\ln T`.
+    One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration, slopes
+    and the gas, for a given sensitivity, :math:`c \propto C^{-1}(d - \bar d\,\mathbf 1)` with :math:`d_i =
+    d\ln I_i/d\ln T`.
 
     Parameters
     ----------
@@ -157,9 +156,7 @@ def contrast_curve(black, weights):
 
 
 def at_temperature(black, temperature):
-    """Currents (D, N, T) at temperatures (T,) [K]: logarithms cubic in 1/T are not needed, the grid is
-    fine.
-    """
+    """Currents (D, N, T) at temperatures (T,) [K]; linear in ln I over 1/T, the grid is fine."""
     position = np.interp(
         -1 / np.asarray(temperature), -1 / TEMPERATURE_GRID, np.arange(TEMPERATURE_GRID.size)
     )

@@ -13,9 +13,7 @@ def gain(reference_limit, limit):
 
 
 def change(perturbed, nominal):
-    """Perturbed over nominal gain (..., C) [1]; NaN where either is missing or the nominal gain is not
-    > 0.
-    """
+    """Perturbed over nominal gain (..., C) [1]; NaN where one is missing or the nominal gain is not > 0."""
     nominal = np.broadcast_to(nominal, np.shape(perturbed))
     good = np.isfinite(perturbed) & np.isfinite(nominal) & (nominal > 0)
     return np.divide(perturbed, nominal, out=np.full(np.shape(perturbed), np.nan), where=good)

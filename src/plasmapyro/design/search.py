@@ -1,6 +1,4 @@
-"""Search for the bands with the smallest total error: a seeded global search, a coarse grid, a Pareto
-front.
-"""
+"""Search for bands with the smallest total error: a seeded global search, a coarse grid, a Pareto front."""
 
 from itertools import count
 

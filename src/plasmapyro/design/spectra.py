@@ -56,8 +56,7 @@ def binned(wavelength, radiance, edges):
 
 class AirSpectra:
     """Emission of equilibrium air at one pressure, tabulated once, and the binned spectra of paths
-    through it.
-    """
+    through it."""
 
     def __init__(self, pressure, hottest, *, wavelength_range, grid_points, nodes, bin_width):
         """Tabulate.

@@ -63,9 +63,8 @@ def gas_spectra(
 
     Notes
     -----
-    ASSUME: the mirrored ray is the line of sight (axisymmetric jet). Conditions of one chamber pressure
-    share an
-    emission table; the pressure of the table sets line widths only.
+    ASSUME: the mirrored ray is the line of sight (axisymmetric jet). Conditions of one chamber pressure share
+    an emission table; the pressure of the table sets line widths only.
     """
     views = {
         name: surface_view(
@@ -273,8 +272,7 @@ def band_design(spectra, response, tables, *, settings):
     What is minimised: the root mean square of the total error over conditions (each as computed, colder and
     hotter), temperatures and emittances. For a robust optimum, the excess of the change of its gain over the
     tolerance is added, in all gases of the bench and in that of 10 kW less and more. ASSUME: errors of
-    different
-    sources are independent.
+    different sources are independent.
     """
     bench = make_bench(spectra, tables, settings)
     judge = _Judge(bench, spectra.numerical_power.values, response, settings)
@@ -344,8 +342,7 @@ def _searched(bench, judge, settings):
 
 def _best_boxes(bench, detector, judge, settings):
     """Centre and fwhm (2,) [m] of the best pair of boxes on the coarse grid by kind of optimum; None if none
-    fits.
-    """
+    fits."""
     centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
     chosen = search.pairs(centre)
     if not len(chosen):
@@ -358,8 +355,7 @@ def _best_boxes(bench, detector, judge, settings):
 
 def _brute_force(bench, judge, settings, optimum):
     """Best pair of boxes on a coarse grid for the detector of the optimum; all pairs of all detectors
-    as a cloud.
-    """
+    as a cloud."""
     cloud, entry = [], None
     for detector in settings["detectors"]:
         centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
@@ -483,8 +479,7 @@ def _without_gas(bench, settings, tables):
 
 def _tabulate(found, bench, judge, spectra, settings):
     """All designs side by side: bands, errors by source, limits and gains in every condition and
-    perturbation.
-    """
+    perturbation."""
     cases, count = judge.cases, len(found)
     power = spectra.numerical_power.values
     perturbations = _perturbations(spectra)

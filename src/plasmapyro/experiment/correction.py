@@ -14,14 +14,7 @@ from plasmapyro.instrument.calibration import (
 from plasmapyro.instrument.pyrometer import signal_ratio
 from plasmapyro.progress import step
 from plasmapyro.record.budget import Input, combined
-from plasmapyro.record.status import (
-    GAS_DOMINATED,
-    MISSING,
-    NO_SIGNAL,
-    NOT_INJECTED,
-    SATURATED,
-    WITH_VALUE,
-)
+from plasmapyro.record.status import GAS_DOMINATED, MISSING, NO_SIGNAL, NOT_INJECTED, SATURATED, WITH_VALUE
 
 MOST_DRAWN = 20_000  # samples of a record that have draws of their own
 BLOCK = 512  # samples whose draws are held at once
@@ -300,9 +293,7 @@ def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
         Input("mean of the reference, narrow band", "gas", by(means=(0.0, 1.0)), means[1], "A"),
         Input("brightness of the gas since the reference", "gas", by(level=1.0), varied, "1"),
         Input(
-            "calibration curve (its source and its signals)",
-            "calibration",
-            np.sqrt(sum(np.square(of_curve))),
+            "calibration curve (its source and its signals)", "calibration", np.sqrt(sum(np.square(of_curve)))
         ),
         Input(
             "emittance of the wide over the narrow band",

@@ -108,10 +108,7 @@ def correct_pyrometer(
             ),
             "measured_status": ("time", measured_status, status.flags()),
             "corrected_temperature": ("time", corrected_temperature),
-            "corrected_temperature_uncertainty": (
-                "time",
-                corrected_uncertainty,
-            ),
+            "corrected_temperature_uncertainty": ("time", corrected_uncertainty),
             "corrected_status": ("time", corrected_status, status.flags()),
             "relative_error": (
                 "time",

@@ -400,11 +400,7 @@ def gas_monitor(report):
         for index, (name, values) in enumerate(monitor["channels"].items()):
             if values:
                 axes.plot(time, _array(values), color=f"C{index}", lw=0.9, label=name.replace("_", " "))
-        axes.set(
-            xlabel="time [s]",
-            ylabel="relative to the reference",
-            xlim=(time.min(), time.max()),
-        )
+        axes.set(xlabel="time [s]", ylabel="relative to the reference", xlim=(time.min(), time.max()))
         axes.legend(fontsize=8, ncols=2)
 
     return drawn(draw, "gas-monitor")

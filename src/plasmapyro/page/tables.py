@@ -5,14 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plasmapyro.page.words import (
-    DASH,
-    kelvin,
-    number,
-    probability,
-    with_error,
-    with_unit,
-)
+from plasmapyro.page.words import DASH, kelvin, number, probability, with_error, with_unit
 from plasmapyro.plots.colours import MISFIT
 from plasmapyro.record.status import EXTRAPOLATED, VALID
 

@@ -1,6 +1,4 @@
-"""Figures of the design: bands before the spectrum, trade-off, error maps, shelf, reflecting samples,
-trust.
-"""
+"""Figures of the design: bands and spectrum, trade-off, error maps, shelf, reflecting samples, trust."""
 
 import numpy as np
 
@@ -137,10 +135,7 @@ def shelf(designs, paths):
         dark = np.isfinite(value) and value > DARK
         axes.text(case, place, text, ha="center", va="center", fontsize=7, color="w" if dark else "k")
     axes.set_yticks(range(rows.size), [_short(designs.design.values[row]) for row in rows], fontsize=6)
-    axes.set_xticks(
-        range(designs.sizes["condition"]),
-        [curve.label for curve in style.curves_in(designs)],
-    )
+    axes.set_xticks(range(designs.sizes["condition"]), [curve.label for curve in style.curves_in(designs)])
     axes.grid(False)
     level, emittance = 100 * designs.attrs["error_level"], designs.attrs["limit_emittance"]
     axes.set_title(
@@ -186,9 +181,7 @@ def reflecting_samples(reflection, conditions, paths):
 
 
 def trust(result, paths):
-    """Temperature from which each setup reads within the first level, against power, for two kinds of
-    sample.
-    """
+    """Temperature from which each setup reads within the first level, against power, for two samples."""
     drawing, panels = style.figure((7.4, 3.8), ncols=result.sizes["surface"], sharey=True)
     power = result.numerical_power.values / 1e3
     styles = [

@@ -159,12 +159,7 @@ def emittance_of_spectra(case, limit):
     width = max(own, np.log(limit)) - np.log(attrs["window_transmittance_spectrometer"])
     if abs(np.log(found / stated)) <= width:
         return None
-    return {
-        "found": found,
-        "count": values.size,
-        "stated": stated,
-        "error": attrs["emittance_uncertainty"],
-    }
+    return {"found": found, "count": values.size, "stated": stated, "error": attrs["emittance_uncertainty"]}
 
 
 @rule()

@@ -123,12 +123,7 @@ def gap_in_cycle(case, limit):
     if not long.size:
         return None
     place = long[0]
-    return {
-        "cycle": cycle,
-        "count": long.size,
-        "begin": float(time[place]),
-        "end": float(time[place + 1]),
-    }
+    return {"cycle": cycle, "count": long.size, "begin": float(time[place]), "end": float(time[place + 1])}
 
 
 @rule()

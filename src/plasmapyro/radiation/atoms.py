@@ -246,10 +246,9 @@ def atomic_lines(system, infrared=False):
 
     Notes
     -----
-    Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`.
-    ASSUME: every neutral perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2
-    differ by 20 %); decays that NIST does not list are left out of natural widths; charge exchange does
-    not broaden lines of ions.
+    Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`. ASSUME: every neutral
+    perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2 differ by 20 %); decays that
+    NIST does not list are left out of natural widths; charge exchange does not broaden lines of ions.
     """
     if system not in ATOMS:
         raise ValueError(f"atomic system must be one of {', '.join(ATOMS)}; got {system!r}")

@@ -12,14 +12,7 @@ import numpy as np
 from scipy.special import kve
 
 from plasmapyro import tables
-from plasmapyro.constants import (
-    BOLTZMANN,
-    ELECTRON_MASS,
-    LIGHT_SPEED,
-    PLANCK,
-    RYDBERG,
-    SECOND_RADIATION,
-)
+from plasmapyro.constants import BOLTZMANN, ELECTRON_MASS, LIGHT_SPEED, PLANCK, RYDBERG, SECOND_RADIATION
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.broadening import COULOMB_SQUARE
 from plasmapyro.radiation.opacity import boltzmann_population
@@ -242,11 +235,10 @@ def bound_free(species, wavenumber):
 
     Notes
     -----
-    Source: TOPbase (Cunto et al., Astron. Astrophys. 275 (1993) L5).
-    Deviation: each cross-section is moved in photon energy by the difference of the observed (NIST) and the
-    calculated binding of its term, where the term is in the line table; the population uses the observed one.
-    Below a threshold TOPbase gives the mean of the crowded series members (n > 10): kept, as no line list
-    holds them.
+    Source: TOPbase (Cunto et al., Astron. Astrophys. 275 (1993) L5). Deviation: each cross-section is moved
+    in photon energy by the difference of the observed (NIST) and the calculated binding of its term, where
+    the term is in the line table; the population uses the observed one. Below a threshold TOPbase gives the
+    mean of the crowded series members (n > 10): kept, as no line list holds them.
     """
     atom = next(a for a in ATOMS.values() if a.species == species)
     table = tables.load(f"radiation/photoionisation_{TABLES[species]}")

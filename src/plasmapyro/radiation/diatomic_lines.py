@@ -3,13 +3,7 @@
 import numpy as np
 
 from plasmapyro.checks import fraction, increasing, positive
-from plasmapyro.constants import (
-    BOHR_RADIUS,
-    ELEMENTARY_CHARGE,
-    PLANCK,
-    SECOND_RADIATION,
-    VACUUM_PERMITTIVITY,
-)
+from plasmapyro.constants import BOHR_RADIUS, ELEMENTARY_CHARGE, PLANCK, SECOND_RADIATION, VACUUM_PERMITTIVITY
 from plasmapyro.radiation.diatomic_rotation import clebsch_gordan, parity
 
 STEPS = (-1, 0, 1)  # J' - J'': P, Q and R branches
@@ -44,8 +38,7 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     .. math::
 
         S = d\,\frac{2J''+1}{2J'+1}
-            \Bigl|\sum_\Sigma c'_\Sigma c''_\Sigma
-            \langle J''\,\Omega''\;1\,q | J'\,\Omega'\rangle\Bigr|^2,
+            \Bigl|\sum_\Sigma c'_\Sigma c''_\Sigma \langle J''\,\Omega''\;1\,q | J'\,\Omega'\rangle\Bigr|^2,
             \qquad q = \Lambda' - \Lambda''
 
     with d = 2 for a Sigma lower and non-Sigma upper state (an upper level of one parity reaches half

@@ -5,12 +5,7 @@ import numpy as np
 from plasmapyro import tables
 from plasmapyro.constants import BOLTZMANN, STANDARD_ATMOSPHERE
 from plasmapyro.radiation.diatomic_curves import potential_curve, vibrational_states
-from plasmapyro.radiation.diatomic_lines import (
-    EINSTEIN_FACTOR,
-    STEPS,
-    orbital_doubling,
-    transition_lines,
-)
+from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, STEPS, orbital_doubling, transition_lines
 from plasmapyro.radiation.diatomic_rotation import rotational_levels
 from plasmapyro.radiation.lines import VAN_DER_WAALS_EXPONENT, WIDTH_REFERENCE_TEMPERATURE
 

@@ -7,15 +7,7 @@ import numpy as np
 from plasmapyro.checks import fraction, non_negative, within
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.partition import partition_function, two_temperature_partition_function
-from plasmapyro.gas.species import (
-    IONS,
-    NEUTRALS,
-    SPECIES,
-    TRACE_IONS,
-    TRACE_NEUTRALS,
-    TRACES,
-    particle_mass,
-)
+from plasmapyro.gas.species import IONS, NEUTRALS, SPECIES, TRACE_IONS, TRACE_NEUTRALS, TRACES, particle_mass
 from plasmapyro.progress import step
 from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm
 from plasmapyro.radiation.continuum import (
@@ -455,11 +447,7 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
         kept = np.ones_like(kept)
         solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
     return PathRadiance(
-        (
-            *(lines.component for lines in line_lists),
-            *CONTINUA,
-            *(() if boundary is None else (BOUNDARY,)),
-        ),
+        (*(lines.component for lines in line_lists), *CONTINUA, *(() if boundary is None else (BOUNDARY,))),
         *solution,
         thin_lines=[(s.lines, values) for s, values in zip(spreaders, by_line, strict=True)],
         thin_continuum=smooth_emission,

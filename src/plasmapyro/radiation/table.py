@@ -52,9 +52,8 @@ class EmissionTable:
 
     `lines`: the list of each system; `temperature` (K,) [K] ascending; `whole` (C, K): logarithm of the
     emission of all lines of a system per particle [W sr-1]; `emission` (C, K, G), single precision: that of
-    the emission coefficient over the whole [m-1] plus `shift` (C,) [m-1];
-    `continuum` (P, K, W): logarithm of the absorption coefficients of `CONTINUUM_PARTS` per density of
-    their species on the axis of `smooth`.
+    the emission coefficient over the whole [m-1] plus `shift` (C,) [m-1]; `continuum` (P, K, W): logarithm of
+    the absorption coefficients of `CONTINUUM_PARTS` per density of their species on the axis of `smooth`.
     """
 
     grid: Grid

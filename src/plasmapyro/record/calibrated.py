@@ -67,9 +67,6 @@ def calibrated_radiance(test, calibration, saturation_counts):
             for values in (raw, background)
         )
     radiance = measured_radiance(
-        raw,
-        background,
-        calibration.calibration_factor.values,
-        test.attrs["spectrometer_integration_time"],
+        raw, background, calibration.calibration_factor.values, test.attrs["spectrometer_integration_time"]
     )
     return radiance, pixels, saturated

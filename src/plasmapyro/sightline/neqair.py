@@ -80,9 +80,8 @@ def parse(text):
     Notes
     -----
     Source: description and code of NEQAIR_DATA (D. Saunders, NASA Ames, CFD Utilities, 2013-2019), which
-    writes both layouts, and the header of the files of version 14.
-    ASSUME: two temperatures at most; files in which rotation differs from translation or vibration from the
-    electrons are refused.
+    writes both layouts, and the header of the files of version 14. ASSUME: two temperatures at most; files in
+    which rotation differs from translation or vibration from the electrons are refused.
     """
     lines = text.splitlines()
     if not any(line.strip() for line in lines):

@@ -19,14 +19,7 @@ WINDOW_THICKNESS = 1e-6  # [m]
 
 
 def line_of_sight(
-    flow,
-    *,
-    angle,
-    points,
-    window_distance,
-    instrument_distance,
-    laboratory_temperature,
-    laboratory_pressure,
+    flow, *, angle, points, window_distance, instrument_distance, laboratory_temperature, laboratory_pressure
 ):
     """State of the gas from the probe surface to the instrument.
 
