@@ -26,6 +26,7 @@ from dataclasses import dataclass, fields
 import flow as bench  # first: it sets one thread
 import numpy as np
 from flow_validation import CELL_RADIUS, FREE_JET, MESH, experiment, of_dataset
+from published_gas import COLUMNS
 
 from plasmapyro.flow import problem
 from plasmapyro.flow.continuation import NotConverged
@@ -65,8 +66,10 @@ CELLS_BESIDE = (
 )  # fmt: skip
 FIRST_CELL = 28
 PLANE = {"chamber_length": 0.02, "chamber_radius": 0.085, "probe_distance": 0.005, "probe_radius": 0.005}
+HOT_BOTH = {"upwind": 1.0, "leak": 1.0, "back_wall": 7e3, "after": "both, at 7000 K"}
 WARM, HOT = {"viscosity": 1.2, "thermal_conductivity": 1.05}, {"viscosity": 0.8, "thermal_conductivity": 1.3}
-# `after`: the experiment from which it continues; `upwind`, `leak`: shares of the published terms.
+# `after`: the experiment from which it continues; `upwind`, `leak`: shares of the published terms;
+# `published`: properties of the gas that are those of the published code (`published_gas.py`).
 EXPERIMENTS = {
     "back wall at 350 K": {},
     "at 2500 K": {"back_wall": 2500.0},
@@ -88,6 +91,10 @@ EXPERIMENTS = {
     "both, at 5000 K": {"upwind": 1.0, "leak": 1.0, "back_wall": 5e3, "after": "both, back wall at 2500 K"},
     "both, at 6000 K": {"upwind": 1.0, "leak": 1.0, "back_wall": 6e3, "after": "both, at 5000 K"},
     "both, at 7000 K": {"upwind": 1.0, "leak": 1.0, "back_wall": 7e3, "after": "both, at 6000 K"},
+    "both, at 7000 K, conductivity +12 %": {**HOT_BOTH, "gas": {"thermal_conductivity": 1.12}},
+    "both, at 7000 K, published thermal conductivity": {**HOT_BOTH, "published": ["thermal_conductivity"]},
+    "both, at 7000 K, published transport": {**HOT_BOTH, "published": list(COLUMNS)},
+    "published transport": {"published": list(COLUMNS)},
 }
 
 

@@ -13,6 +13,7 @@ import flow as bench  # first: it sets one thread
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from published_gas import COLUMNS, published_over_ours
 from scipy.interpolate import PchipInterpolator
 
 from plasmapyro.flow.balances import balances
@@ -54,7 +55,9 @@ MESH = 1.7
 GENTLE = Schedule(
     20.0, 1e5, 60, growth=1.4, velocity_tolerance=3.0, temperature_tolerance=3e-2, linear_tolerance=1e-2
 )
+HOT_WALL = {"back_wall": 7200.0, "after": "back wall at 7200 K"}
 # `after`: the experiment from which it continues; a hot back wall is reached in steps.
+# `published`: properties of the gas that are those of the published code, see `published_gas.py`.
 EXPERIMENTS = {
     "ours": {},
     "ours on a finer mesh (1.2)": {"mesh": 1.2},
@@ -64,10 +67,11 @@ EXPERIMENTS = {
     "back wall at 6700 K": {"back_wall": 6700.0, "after": "back wall at 6000 K"},
     "back wall at 7200 K": {"back_wall": 7200.0, "after": "back wall at 6700 K"},
     "back wall at 7200 K, viscosity +20 %, thermal conductivity +5 %": {
-        "back_wall": 7200.0,
         "gas": {"viscosity": 1.2, "thermal_conductivity": 1.05},
-        "after": "back wall at 7200 K",
+        **HOT_WALL,
     },
+    "back wall at 7200 K, published transport": {"published": list(COLUMNS), **HOT_WALL},
+    "published transport": {"published": list(COLUMNS)},
     "viscosity x 2": {"gas": {"viscosity": 2.0}},
     "thermal conductivity +20 %": {"gas": {"thermal_conductivity": 1.2}},
     "electrical conductivity -20 %": {"gas": {"electrical_conductivity": 0.8}},
@@ -111,9 +115,7 @@ def of_dataset(found):
 
 def problem_of(setup, case, gas, change):
     """Problem of an experiment on a mesh of ours; `kind`: its class."""
-    properties = gas_properties(
-        bench.varied(gas, change.get("gas", {})), case.chamber_pressure, setup.wall_temperature
-    )
+    properties = gas_properties(gas, case.chamber_pressure, setup.wall_temperature)
     return change.get("kind", Problem)(
         build_mesh(setup.torch, setup.mesh_factor),
         setup.torch,
@@ -131,6 +133,8 @@ def problem_of(setup, case, gas, change):
 def experiment(base, gas, change, label):
     """Flow dataset of an experiment, continued from the flow dataset `base` of another one."""
     old, case = setup_of(base), Condition.of(base)
+    factors = published_over_ours(gas, case.chamber_pressure, change.get("published", []))
+    gas = bench.varied(gas, {**factors, **change.get("gas", {})})
     setup = replace(
         old,
         mesh_factor=change.get("mesh", old.mesh_factor),
