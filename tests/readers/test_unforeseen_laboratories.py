@@ -1,15 +1,19 @@
 """Folders as laboratories write them whom nobody asked: `init` describes them so that they are read right."""
 
 import gzip
+import json
 from datetime import datetime, timedelta
 
+import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 from test_first_description import NARROW, RTOL, WIDE, described
 from test_laboratory_habits import ROWS
 
+from plasmapyro.readers.guess import describe
 from plasmapyro.readers.stage import check_test
-from plasmapyro.readers.text import MISSING, number
+from plasmapyro.readers.text import Refusal, missing, number
 
 SAMPLES = [(float(i), 50.0 + i, 30.0 + i / 2) for i in range(ROWS)]
 NOON = datetime(2026, 5, 7, 11, 59, 50)
@@ -71,6 +75,50 @@ TABLES = {
     ),
     "remarks below the units": table("Time,S1,S2\ns,nA,nA\n,pyro wide,pyro narrow", lambda *row: row),
     "a header above each block": PLAIN.replace("\n9.0,", "\nTime [s],S1 [nA],S2 [nA]\n9.0,"),
+    "Graphtec": '"Model","GL840"\n"Interval","1s"\n"CH","Signal","Input","Range"\n"CH1","wide","DC","20V"\n'
+    + table(
+        '"Number","Date&Time","ms","wide","narrow","Alarm"\n"NO.","Time","ms","nA","nA","A123"',
+        lambda t, w, n: (
+            *(int(t) + 1, f"{NOON + timedelta(seconds=t):%Y/%m/%d %H:%M:%S}", "  0"),
+            *(f"+ {w:8.3f}", f"+ {n:8.3f}", '"LLLL"'),
+        ),
+    ),
+    "Yokogawa": '"Model","GX20"\n\n"CH","","","0001","0002"\n"Tag","","","Pyro wide","Pyro narrow"\n'
+    + table(
+        '"Unit","","","nA","nA"\n"Date","Time","ms","",""',
+        lambda t, *pair: (*f"{NOON + timedelta(seconds=t):%Y/%m/%d %H:%M:%S}".split(), "000", *pair),
+    ),
+    "Igor": "IGOR\rWAVES/D\tt_ms\twide_nA\tnarrow_nA\rBEGIN\r"
+    + "".join(f"\t{1e3 * t}\t{w}\t{n}\r" for t, w, n in SAMPLES)
+    + 'END\rX SetScale/P x 0,1,"", t_ms\r',
+    "Igor by its scale": "IGOR\nWAVES\tWide\tNarrow\nBEGIN\n"
+    + "".join(f"\t{w}\t{n}\n" for _, w, n in SAMPLES)
+    + 'END\nX SetScale/P x 0,1,"s", Wide,Narrow; SetScale d 0,0,"nA", Wide\nX SetScale d 0,0,"nA", Narrow\n',
+    "LabVIEW without times": "LabVIEW Measurement\nX_Columns\tNo\nX0\t0.0\t0.0\nDelta_X\t1.0\t1\n***End***\n"
+    + table("X_Value\tWide (nA)\tNarrow (nA)\tComment", lambda t, *pair: ("", *pair), "\t"),
+    "names with blanks": "log, run 2\n\n  Time (s)   Signal 1 (nA)   Signal 2 (nA)\n"
+    + "".join(f"{t:10.2f}{w:16.3f}{n:16.3f}\n" for t, w, n in SAMPLES),
+    "remarks below the names": table(
+        "Zeit [s]\tPyro breit [nA]\tPyro schmal [nA]\n1 Hz\t1 Hz\t1 Hz", lambda *row: row, "\t", ","
+    ),
+    "units behind the readings": table(
+        "Reading1,Reading2,Time", lambda t, w, n: (f"{w:+.6E}nA", f"{n:+.6E}nA", f"{t:+.3E}s")
+    ),
+    "months by name": table(
+        "Zeit,S1 [nA],S2 [nA]",
+        lambda t, *pair: (f"{NOON + timedelta(seconds=t):%d-Mai-%Y %H:%M:%S}:000", *pair),
+    ),
+    "stamps without signs": table(
+        "timestamp,S1 [nA],S2 [nA]",
+        lambda t, *pair: (f"{NOON + timedelta(seconds=t):%Y%m%dT%H%M%S}.0", *pair),
+    ),
+    "nanoseconds since 1970": table(
+        "name,time,S1 [nA],S2 [nA]", lambda t, *pair: ("p", f"{1778155190 + int(t)}000000000", *pair)
+    ),
+    "words of spreadsheets": "sep=;\n"
+    + table("Zeit;Signal 1;Signal 2;Bemerkung\ns;nA;nA;", lambda *row: (*row, ""), ";", ",").replace(
+        "5,0;55,0;32,5;", "5,0;55,0;32,5;\n5,5;#WERT!;#DIV/0!;"
+    ),
     "letters that are none": PLAIN.replace("S1", "S\x8e1").replace("S2", "S2").encode("latin-1"),
 }
 
@@ -79,9 +127,105 @@ TABLES = {
 def test_a_table_gives_its_signals(tmp_path, habit):
     test, _ = described(tmp_path / "Été 3", log__csv=TABLES[habit])
     atol = 2e-5 if "days" in habit else 1e-9  # s: ten digits of a day
-    np.testing.assert_allclose(test.time, np.arange(ROWS), atol=atol)
+    given = np.isfinite(test.signal_wide.values)  # '#WERT!' is no sample
+    np.testing.assert_allclose(test.time[given], np.arange(ROWS), atol=atol)
+    np.testing.assert_allclose(test.signal_wide[given], WIDE, rtol=RTOL)
+    np.testing.assert_allclose(test.signal_narrow[given], NARROW, rtol=RTOL)
+
+
+def arrays(place, kind):
+    """SAMPLES as a file of arrays."""
+    names = dict(zip(("t_s", "wide_nA", "narrow_nA"), np.array(SAMPLES).T, strict=True))
+    if kind == "mat":
+        savemat(place / "shot.mat", {"run": {**names, "title": "x"}})
+    elif kind == "h5":
+        with h5py.File(place / "shot.h5", "w") as file:
+            for name, values in names.items():
+                file["run/" + name.partition("_")[0]] = values[:, None]
+                file["run/" + name.partition("_")[0]].attrs["units"] = name.partition("_")[2]
+            file["spectra"] = np.ones((7, 60))
+    else:
+        (place / "shot.json").write_text(json.dumps([dict(zip(names, row, strict=True)) for row in SAMPLES]))
+
+
+@pytest.mark.parametrize("kind", ["mat", "h5", "json"])
+def test_arrays_of_a_file_are_columns(tmp_path, kind):
+    (tmp_path / "t").mkdir()
+    arrays(tmp_path / "t", kind)
+    test, questions = described(tmp_path / "t")
+    np.testing.assert_allclose(test.time, np.arange(ROWS))
     np.testing.assert_allclose(test.signal_wide, WIDE, rtol=RTOL)
     np.testing.assert_allclose(test.signal_narrow, NARROW, rtol=RTOL)
+    assert not any("unit" in words for words in questions if "time" not in words)
+
+
+def test_a_band_may_stand_in_a_file_of_its_own(tmp_path):
+    def one(place):
+        return table("Interval,1,,\nTime,Ampl [nA]", lambda *row: (row[0], row[place]))
+
+    test, questions = described(tmp_path / "t", pyro_C1__txt=one(2), pyro_C2__txt=one(1))
+    np.testing.assert_allclose(test.signal_wide, WIDE, rtol=RTOL)
+    np.testing.assert_allclose(test.signal_narrow, NARROW, rtol=RTOL)
+    assert any("which file is the wide band?" in words for words in questions)
+    (tmp_path / "t" / "pyro_C1.txt").write_text(one(2).replace("\n19.0,", "\n20.0,"))
+    (message,) = check_test(tmp_path / "t")
+    assert "has 20 times from 0 to 20 s" in message and "at the same moments" in message
+
+
+def test_volts_are_asked_for_their_amperes(tmp_path):
+    test, questions = described(
+        tmp_path / "t", log__csv=table("Time [s],CH1 <wide> (VDC),CH2 <narrow> (VDC)", lambda *row: row)
+    )
+    np.testing.assert_allclose(test.signal_wide, WIDE * 1e3, rtol=RTOL)  # 1 uA per V
+    assert sum("how many amperes is one?" in words for words in questions) == 2
+
+
+REFUSED = {
+    "temperatures alone": (
+        "a.txt",
+        table(
+            "Date;Time;T [degC];Emissivity [%]",
+            lambda t, *_: ("1.2.2026", f"10:00:{int(t):02d}", 900, 100),
+            ";",
+        ),
+        "'T', 'Emissivity'; temperatures alone cannot be corrected",
+    ),
+    "one band": ("a.csv", table("t_s,value_nA", lambda *row: row[:2]), "one signal ('value') against time"),
+    "a workbook": (
+        "a.xlsx",
+        b"PK\x03\x04rest",
+        "is a packed file or a workbook, not text; save the sheet as CSV",
+    ),
+    "a damaged Matlab file": ("a.mat", b"MATLAB 5.0 MAT-file" + b"\0" * 200, "cannot be read"),
+    "arrays of other files": (
+        "a.json",
+        b'{"a": [1, 2]}',
+        "holds no two columns of numbers of one length (a)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_read_is_told_with_what_to_do(tmp_path, case):
+    name, content, words = REFUSED[case]
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(Refusal) as refusal:
+        describe(tmp_path)
+    assert words in str(refusal.value), str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [
+        (lambda i: i % 10, "goes back to the begin (was the logger restarted?)"),
+        (lambda i: i // 4, "is given in steps of 1 s only"),
+    ],
+)
+def test_a_clock_that_cannot_be_right_is_named(tmp_path, times, words):
+    rows = "".join(f"{times(i)},{50 + i},{30 + i / 2}\n" for i in range(ROWS))
+    (tmp_path / "log.csv").write_text("t [s],S1 [nA],S2 [nA]\n" + rows)
+    (tmp_path / "test.yaml").write_text(describe(tmp_path).text)
+    assert any(words in one for one in check_test(tmp_path))
 
 
 def test_a_packed_table_is_read_and_a_bomb_is_not(tmp_path):
@@ -106,7 +250,7 @@ def test_what_meters_show_instead_of_a_number_is_no_sample(tmp_path, word):
     test, _ = described(tmp_path / "t", log__csv=PLAIN.replace("3.0,53.0,31.5", f"3.0,{word},31.5"))
     assert np.flatnonzero(np.isnan(test.signal_wide)).tolist() == [3]
     assert np.isfinite(test.signal_narrow).all() and np.isfinite(test.time).all()
-    assert number(word) is not None or word.lower() in MISSING
+    assert number(word) is not None or missing(word)
 
 
 AIR = np.linspace(700.0, 1000.0, 40)
@@ -207,8 +351,6 @@ def test_no_file_is_left_out_without_a_word(tmp_path):
         tmp_path / "t", log__csv=PLAIN, notes__bin=b"ab\x00\x01", other__txt="a letter\n"
     )
     assert any("not used: " in words and "notes.bin" in words for words in questions)
-    assert any(
-        "not used: other.txt: neither signals against time nor spectra" in words for words in questions
-    )
+    assert any("not used: other.txt: no columns of numbers with a time" in words for words in questions)
     _, questions = described(tmp_path / "u", log__csv=PLAIN, dark__csv=LYING_DARK)
     assert any("dark.csv looks like a dark, and no table like its spectra" in words for words in questions)

@@ -10,7 +10,7 @@ from plasmapyro.readers import columns, units
 RTOL = 1e-15  # powers of ten and one product each
 SIZES = {  # variable -> unit as written -> value of 1 in SI, written out
     "time": {"s": 1, "sec": 1, "ms": 0.001, "us": 0.000001, "\u00b5s": 0.000001, "\u03bcs": 0.000001}
-    | {"min": 60, "h": 3600, "d": 86400},
+    | {"ns": 0.000000001, "min": 60, "h": 3600, "d": 86400},
     "signal_wide": {"A": 1, "mA": 0.001, "uA": 0.000001, "nA": 0.000000001, "pA": 0.000000000001},
     "electric_power": {"W": 1, "kW": 1000, "MW": 1000000},
     # 760 Torr are one standard atmosphere, 101325 Pa.

@@ -5,10 +5,35 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from plasmapyro.readers.text import MISSING, fault, quote, refuse
+from plasmapyro.readers.text import fault, missing, quote, refuse
 
-STAMP = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|\d{1,2}:\d{2}", re.ASCII)
+STAMP = re.compile(
+    r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}|\d{1,2}:\d{2}|\b\d{8}[T_ ]\d{4}|\b\d{1,2}h\d{2}"
+    r"|\b\d{1,2}[-. ]{1,2}[^\W\d]{3,9}\.?[- ,]{1,2}\d{2}|\b[A-Za-z]{3,9}\.? \d{1,2}, ?\d{4}",
+    re.ASCII,
+)
 FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$|\s*[AaPp][Mm]$)", re.ASCII)
+COLON = re.compile(
+    r"(?<![:\d])(\d{1,2}:\d{2}:\d{2}):(\d{1,9})(?!\d)", re.ASCII
+)  # decimals of seconds behind a colon
+ENGLISH = {  # abbreviated months of other languages, by their beginning
+    name: english
+    for english, names in {
+        "jan": "jän ene gen",
+        "feb": "fév",
+        "mar": "mär mrz",
+        "apr": "avr abr",
+        "may": "mai mag",
+        "jun": "juin giu",
+        "jul": "juil lug",
+        "aug": "aoû ago",
+        "sep": "set",
+        "oct": "okt ott",
+        "dec": "dez déc dic",
+    }.items()
+    for name in names.split()
+}
+MONTH = re.compile(r"[^\W\d_]{3,9}\.?")
 UNSURE = ("%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on names of time zones
 EPOCH = datetime(2000, 1, 1)
 DAY, HOUR = 86400.0, 3600.0  # [s]
@@ -38,7 +63,9 @@ def seconds(word, form):
     Seconds may have decimals after a point or a comma, whether the format says so or not. With a zone (%z:
     `Z`, `+02:00`) they are those of UTC, which knows no summer time.
     """
-    word, form, rest = word.strip(), form.strip(), 0.0
+    word, form, rest = COLON.sub(r"\1.\2", word.strip()), form.strip(), 0.0
+    if "%b" in form:
+        word = MONTH.sub(_english, word, count=1)
     for decimals in (".%f", ",%f"):
         form = form.removesuffix(decimals).replace(decimals + "%z", "%z").replace(decimals + " %p", " %p")
     if form.endswith(("%S", "%S%z", "%S %p", "%S%p")) and (part := FRACTION.search(word)):
@@ -49,6 +76,12 @@ def seconds(word, form):
         return None
     start = EPOCH if has_day(form) else datetime(1900, 1, 1)
     return (stamp - start.replace(tzinfo=stamp.tzinfo and UTC)).total_seconds() + rest
+
+
+def _english(month):
+    """An abbreviated month in English: 'Dez.' is 'dec'."""
+    word = month[0].lower().rstrip(".")
+    return next((english for begin, english in ENGLISH.items() if word.startswith(begin)), word[:3])
 
 
 def has_day(form):
@@ -78,7 +111,7 @@ def times(path, words, lines, form, zero, set_back):
         (N,) array [s], NaN where a cell is missing or not of the format; sentences.
     """
     values = np.array([_value(word, form) for word in words])
-    bad = [i for i, word in enumerate(words) if np.isnan(values[i]) and word.lower() not in MISSING]
+    bad = [i for i, word in enumerate(words) if np.isnan(values[i]) and not missing(word)]
     faults = [
         fault(
             path,

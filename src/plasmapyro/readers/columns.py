@@ -7,12 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 
 from plasmapyro.readers import clock, units
+from plasmapyro.readers.dialects import table_lines
 from plasmapyro.readers.text import (
     FILLS,
     GROUPED,
-    MISSING,
     Refusal,
     fault,
+    missing,
     number,
     quote,
     read_lines,
@@ -24,7 +25,9 @@ from plasmapyro.readers.text import (
 LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
-DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " "}
+DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " ", "blanks": "  "}
+STACKED = 5  # lines above the data that may hold names and units
+NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 WAVES = re.compile(
     r"lambda|\u03bb|wave(l|$)|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
 )
@@ -32,7 +35,7 @@ TIMES = re.compile(r"\W*(t|time|zeit|temps|tiempo|tempo)\b", re.IGNORECASE)
 ANGSTROM = re.compile(r"\u00c5|\u212b|angstr|[\[(/]\s*A\s*($|[\])])", re.ASCII)
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
-CLOCK = "time of day"  # key of a column that stands beside the one of the date
+CLOCK, MILLISECONDS = "time of day", "milliseconds"  # keys of columns that stand beside the one of the date
 LONG = 20_000  # rows, beyond which a table is first tried all at once
 PLAIN = set("0123456789+-.,eE\n\r\t ")
 FRACTION = re.compile(r",\d{1,2}(\D|$)|,\d{4}", re.ASCII)  # behind a comma that parts no thousands
@@ -40,11 +43,12 @@ COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it
 
 
 class Column:
-    """What the description says about one column: its name in the file, its unit, a scale."""
+    """What the description says about one column: its name in the file, its unit, a scale, its own file."""
 
-    def __init__(self, name, section):
+    def __init__(self, name, section, files=False):
         self.name = name
-        self.format, self.zero, self.set_back, self.clock = None, None, False, None
+        self.format, self.zero, self.set_back, self.clock, self.milliseconds = None, None, False, None, None
+        self.file = section.file("file") if files and name != "time" else None
         both = section.raw("name")
         if name == "time" and "format" in section and isinstance(both, list) and len(both) == 2:
             self.header, self.clock = both[0], SimpleNamespace(header=both[1])  # date and time of day
@@ -63,8 +67,22 @@ class Column:
             self.unit = None
         section.close()
 
+    def beside(self):
+        """The columns that a stamp is made of besides the first, by their keys."""
+        pair = {CLOCK: self.clock, MILLISECONDS: self.milliseconds}
+        return {key: column for key, column in pair.items() if column}
+
+    def stamp(self, cells):
+        """One stamp of the cells of its columns (key -> word)."""
+        words = f"{cells['time']} {cells[CLOCK]}" if self.clock else cells["time"]
+        if self.milliseconds and (part := cells[MILLISECONDS].partition(".")[0]).isdigit():
+            words += f".{part:0>3}"
+        return words
+
     def _stamps(self, section):
         self.format = section.text("format")
+        if (name := section.text("milliseconds")) is not None:
+            self.milliseconds = SimpleNamespace(header=name)
         self.set_back = section.text("set_back", "no", choices=("yes", "no")) == "yes"
         if self.format and not clock.reads_format(self.format):
             section.blame(
@@ -83,15 +101,15 @@ def marks(section):
     )
 
 
-def wanted(section, names, kinds=(), needed=()):
+def wanted(section, names, kinds=(), needed=(), files=False):
     """Columns (name -> `Column`) described by the sub-section 'columns'; faults are noted.
 
     `kinds` maps names to the variables of the register that they are; others are their own. The absence of
-    `needed` ones is a fault.
+    `needed` ones is a fault. With `files` a column may stand in a file of its own.
     """
     listing, kinds = section.section("columns"), dict(kinds)
     found = {
-        name: Column(kinds.get(name, name), listing.section(name))
+        name: Column(kinds.get(name, name), listing.section(name), files)
         for name in names
         if listing.raw(name) is not None
     }
@@ -156,17 +174,17 @@ def read_table(path, columns, delimiter=None, decimal=None):
     Refusal
         One sentence per fault, with the line.
     """
-    lines, ended = read_lines(path, LARGEST)
+    lines, ended = table_lines(path, LARGEST)
     stamped = columns["time"] if "time" in columns and columns["time"].format else None
-    sought = {**columns, CLOCK: stamped.clock} if stamped and stamped.clock else columns
+    sought = {**columns, **stamped.beside()} if stamped else columns
     start, mark, places, stated = _header(path, lines, sought, delimiter)
-    below = units_below(split(lines[start + 1], mark)) if start + 1 < len(lines) else None
-    if below:
-        remarks = split(lines[start + 2], mark) if start + 2 < len(lines) else []
-        remarks = any(remarks) and all(number(word) is None or word == "" for word in remarks)
-        gone = 1 + (remarks and not any(map(clock.looks_like_stamp, split(lines[start + 2], mark))))
-        lines = [*lines[: start + 1], *[""] * gone, *lines[start + 1 + gone :]]
-        stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
+    for index in range(start + 1, min(start + 1 + STACKED, len(lines))):
+        cells = split(lines[index], mark)
+        if any(map(is_value, cells)):
+            break
+        if below := units_in(cells):  # units and remarks between the names and the data
+            stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
+        lines[index] = ""
     if ended and not stamped and (plain := _plain(lines, start, mark, decimal)) is not None:
         result = {name: plain[:, place] for name, place in places.items()}
         for name, values in result.items():
@@ -188,8 +206,11 @@ def read_table(path, columns, delimiter=None, decimal=None):
     kept = [(row, line) for row, line in zip(rows, numbers, strict=True) if len(row) > needed]
     numbers = [line for _, line in kept]
     cells = {name: [row[place] for row, _ in kept] for name, place in places.items()}
-    if CLOCK in cells:
-        cells["time"] = [" ".join(pair) for pair in zip(cells["time"], cells.pop(CLOCK), strict=True)]
+    if stamped and stamped.beside():
+        keys = ("time", *stamped.beside())
+        rows = zip(*(cells[key] for key in keys), strict=True)
+        cells["time"] = [stamped.stamp(dict(zip(keys, row, strict=True))) for row in rows]
+        cells = {name: words for name, words in cells.items() if name in columns}
     plain = {name: words for name, words in cells.items() if not (stamped and name == "time")}
     if not stamped and "time" in cells:
         faults += _unstated_stamps(path, cells["time"], numbers)
@@ -260,17 +281,20 @@ def _rows(path, lines, start, mark):
     A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
     most rows have. Empty cells beyond the header are those of a final delimiter.
     """
-    header = without_empty_end(split(lines[start], mark))
+    names = lines[start] if start >= 0 else ""
+    if not names.strip() or len(split(names, mark)) < 2:  # a table without names
+        names = next((line for line in lines[start + 1 :] if line.strip()), "")
+    header = without_empty_end(split(names, mark))
     numbers, rows = [], []
     for index in range(start + 1, len(lines)):
-        again = lines[index].strip() == lines[start].strip()  # of a further block
+        again = start >= 0 and lines[index].strip() == lines[start].strip()  # of a further block
         if lines[index].strip() and not again and not lines[index].lstrip().startswith(COMMENT):
             numbers.append(index + 1)
             rows.append(split(lines[index], mark))
     widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
     # A named last column that no row or few rows fill is one for remarks.
     usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
-    least, most = min(usual, len(header)), max(len(header), len(split(lines[start], mark)))
+    least, most = min(usual, len(header)), max(len(header), len(split(names, mark)))
     faults = [
         fault(path, f"{width} cells, the header has {len(header)}", "restore or remove the line", line)
         for width, line in zip(widths, numbers, strict=True)
@@ -311,6 +335,8 @@ def _unstated_stamps(path, words, numbers):
 def split(line, mark):
     """Cells of one line; quotes are removed."""
     try:
+        if mark == "  ":
+            return re.split(r"\s{2,}", line.strip())
         cells = line.split() if mark == " " else next(csv.reader([line], delimiter=mark))
     except csv.Error:
         cells = line.split(mark)
@@ -347,12 +373,60 @@ def _header(path, lines, columns, delimiter):
                 return index, mark, places, stated
             if len(places) > len(best):
                 best, best_line = set(places), index + 1
+    for find in (_numbered, _stacked):
+        if found := find(lines, columns, marks):
+            return found
     absent = [quote(column.header) for name, column in columns.items() if name not in best]
     refuse(
         path,
         f"no column {', '.join(absent)} in the header",
         "write the names in test.yaml as they stand in the file, or name the `delimiter`",
         best_line,
+    )
+
+
+def _numbered(lines, columns, marks):
+    """What `_header` returns for a table without names, whose columns are called by numbers; or None."""
+    if not all(NUMBERED.fullmatch(column.header) for column in columns.values()):
+        return None
+    places = {name: int(column.header.split()[1]) - 1 for name, column in columns.items()}
+    for index, line in enumerate(lines[:HEADER_LINES]):
+        for mark in marks:
+            cells = split(line, mark)
+            if len(cells) > max(places.values()) and all(is_value(cells[place]) for place in places.values()):
+                return index - 1, mark, places, dict.fromkeys(columns)
+    return None
+
+
+def _stacked(lines, columns, marks):
+    """What `_header` returns, for names that stand in several lines above the data, or None."""
+    for mark in marks:
+        rows = [split(line, mark) for line in lines[:HEADER_LINES]]
+        for last in range(len(rows)):
+            block = [
+                row for row in rows[max(last - STACKED + 1, 0) : last + 1] if len(row) == len(rows[last])
+            ]
+            names = [
+                {part for cell in cells for part in (cell, _label(cell)[0])}
+                for cells in zip(*block, strict=True)
+            ]
+            places = {
+                name: [place for place, found in enumerate(names) if column.header in found]
+                for name, column in columns.items()
+            }
+            if len(rows[last]) > 1 and all(len(found) == 1 for found in places.values()):
+                below = [units_in(row) or [None] * len(row) for row in block]
+                labels = [[_label(cell)[1] for cell in row] for row in block]
+                stated = [next(filter(None, words), None) for words in zip(*labels, *below, strict=True)]
+                places = {name: found[0] for name, found in places.items()}
+                return last, mark, places, {name: stated[place] for name, place in places.items()}
+    return None
+
+
+def is_value(word):
+    """Whether a cell holds a number, a date or a time of day."""
+    return clock.looks_like_stamp(word) or any(
+        number(word, sign) is not None and not missing(word) for sign in ".,"
     )
 
 
@@ -374,6 +448,13 @@ def _label(cell):
     return name, unit
 
 
+def units_in(cells):
+    """As `units_below`, for a row in which other words stand beside two units or more."""
+    found = [cell.strip().strip("[]()").strip() for cell in cells]
+    telling = [word if len(word) > 1 and units.is_unit(word) else None for word in found]
+    return units_below(cells) or (telling if sum(map(bool, telling)) > 1 else None)
+
+
 def units_below(cells):
     """The units (or None) that a row below the names holds: 's', '[nA]', nothing else; None if it is none."""
     found = [cell.strip().strip("[]()").strip() for cell in cells]
@@ -387,7 +468,7 @@ def decimal_sign(path, mark, cells, numbers):
     commas = points = doubtful = 0
     for words in cells.values():
         for word in words:
-            if word.lower() not in MISSING and not clock.looks_like_stamp(word):
+            if not missing(word) and not clock.looks_like_stamp(word):
                 sign = next((one for one in ".," if one in word and GROUPED[one].fullmatch(word)), None)
                 commas += "," in word if sign is None else sign == ","
                 points += "." in word if sign is None else sign == "."

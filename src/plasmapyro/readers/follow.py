@@ -70,7 +70,7 @@ def samples_of_table(path, section, lines):
     if absent or section.faults:
         raise Refusal(section.faults or [f"{path}: test.yaml names no column {', '.join(sorted(absent))}"])
     wanted = {name: wanted[name] for name in ("time", *parts.SIGNALS)}
-    sought = {**wanted, columns.CLOCK: wanted["time"].clock} if wanted["time"].clock else wanted
+    sought = {**wanted, **wanted["time"].beside()}
     start = clock.seconds(zero, form) if form else zero
     if start is None:
         refuse(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it")
@@ -98,7 +98,7 @@ def samples_of_table(path, section, lines):
                 found[name] = float(columns.to_si(path, wanted[name], value, stated[name]))
             word = cells[places["time"]]
             if form:
-                word = f"{word} {cells[places[columns.CLOCK]]}" if wanted["time"].clock else word
+                word = wanted["time"].stamp({key: cells[place] for key, place in places.items()})
                 moment = clock.seconds(word, form)
             else:
                 moment = number(word, decimal or ("," if "," in word else "."))

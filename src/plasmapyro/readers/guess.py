@@ -1,6 +1,7 @@
 """A first description of a folder of raw files: what they seem to hold, and what only a person knows."""
 
 import json
+import os
 import re
 from datetime import timedelta
 from pathlib import Path
@@ -13,7 +14,8 @@ from plasmapyro.contracts import VARIABLES
 from plasmapyro.foreign import printable
 from plasmapyro.readers import burst, clock, columns, ocean, parts, tdms, units
 from plasmapyro.readers.description import Section
-from plasmapyro.readers.text import MISSING, Refusal, number, read_lines
+from plasmapyro.readers.dialects import ARRAYS, table_lines
+from plasmapyro.readers.text import Refusal, missing, number, quote, read_lines, refuse
 from plasmapyro.record import onset
 
 MOST_FILES, MOST_ROWS = 20_000, 400  # looked at: of a folder, of a table
@@ -22,7 +24,7 @@ PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the sig
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
     "time": r"t|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*|sec.*"
-    r"|elapsed.*",
+    r"|elapsed.*|xvalue",
     "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*"
     r"|.*(ch(annel)?|kanal|voie|canale?)1|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
     "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*"
@@ -38,6 +40,7 @@ OF_UNIT = {
     "Pa": "chamber_pressure",
     "kg s-1": "mass_flow_rate",
 }
+GUIDE = "docs/your-own-data.md"
 WAVE = re.compile(r"\W*(lambda|\u03bb|wave|wellenl)", re.IGNORECASE)
 WORDS = re.compile(r"[^\W\d]{3}")
 MULTIPLE = re.compile(r"(\d+\.?\d*)\s*(\D+)")  # a unit of so many units: ticks of 0.1 ms
@@ -51,10 +54,36 @@ DATES = (
     "%Y.%m.%d",
     "%d.%m.%y",
     "%m/%d/%y",
+    "%y/%m/%d",
+    "%d-%b-%Y",
+    "%d %b %Y",
+    "%d. %b %Y",
+    "%d-%b-%y",
+    "%b %d, %Y",
+    "%Y%m%d",
 )
-TIMES = ("%H:%M:%S", "%H:%M", "%I:%M:%S %p", "%H:%M:%S%z")
-FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in " T" for hour in TIMES] + list(TIMES)
-OTHERS = set(".yaml .yml .nc .md .pdf .png .jpg .html .py .xlsx .zip".split())
+TIMES = (
+    "%H:%M:%S",
+    "%H:%M",
+    "%I:%M:%S %p",
+    "%H:%M:%S%z",
+    "%H:%M:%S %z",
+    "%H%M%S",
+    "%H%M%S%z",
+    "%H-%M-%S",
+    "%H.%M.%S",
+    "%Hh%Mm%Ss",
+)
+FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in (" ", "T", "_") for hour in TIMES] + list(TIMES)
+OTHERS = set(
+    ".yaml .yml .md .pdf .png .jpg .jpeg .tif .gif .mp4 .avi .html .py .m .docx .pptx .ini .db .lnk".split()
+)
+NO_SIGNAL = re.compile(  # columns that are none, whatever their size
+    r"([-+]?[\d,]+|no|nr|num(ber)?|index|sample|scan|channel|status|flag|alarm.*|.*temp.*|.*emiss.*|.*slope.*"
+    r"|.*humid.*)\d*"
+)
+INDIRECT = {"V": 1e-6, "mV": 1e-9, "uV": 1e-12, "count": 1e-9, "counts": 1e-9}  # to ask the amperes of one
+EPOCH = (1e9, 3e9)  # [s] since 1970: 2001 to 2065
 DAYS = (30_000, 800_000)  # dates as spreadsheets (1982 on) and Matlab count them
 # ASSUME: currents without a unit are amperes if as small as photodiodes give them, else nanoamperes.
 LARGEST_CURRENT = 0.1  # [A]
@@ -78,48 +107,38 @@ class Guess(NamedTuple):
 
 
 def look_at_table(path):
-    """The `Table` in a text file, or None if it does not look like one with a header.
+    """The `Table` in a file, or None if it does not look like one.
 
-    The delimiter is the one that makes most columns of numbers or dates.
+    The delimiter is the one that makes most columns of numbers or dates. Names and units may stand in several
+    lines above them; without names the columns are 'column 1' and so on.
     """
-    lines = [line for line in read_lines(path, columns.LARGEST)[0] if line.strip()][
+    lines = [line for line in table_lines(path, columns.LARGEST)[0] if line.strip()][
         : columns.HEADER_LINES + MOST_ROWS
     ]
     seen, best = set(), None  # a header may stand above each block of a record
     lines = [line for line in lines if not (line in seen or seen.add(line)) or not WORDS.search(line)]
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.split(line.lstrip("#%! "), mark) for line in lines]
-        good = [sum(map(_is_value, row)) >= 2 for row in rows]
-        begins = [i for i in range(1, len(rows)) if good[i] and not good[i - 1]]
+        good = [_is_row(row) for row in rows]
+        begins = [i for i in range(len(rows)) if good[i] and not (i and good[i - 1])]
         if not begins:
             continue
         # Above the table there may be blocks of a few numbers: the longest run is it, with comments inside.
         remarks = [line.lstrip().startswith(columns.COMMENT) for line in lines]
         passed = [*map(any, zip(good, remarks, strict=True)), False]
         first = max(begins, key=lambda i, passed=passed: passed.index(False, i) - i)
-        body = [
-            row
-            for row, line in zip(rows[first:], lines[first:], strict=True)
-            if not line.lstrip().startswith(columns.COMMENT)
-        ]
-        header, below = rows[first - 1], columns.units_below(rows[first - 1])
-        if not below and first > 2 and columns.units_below(rows[first - 2]):  # remarks below the units
-            first -= 1
-            header, below = rows[first - 1], columns.units_below(rows[first - 1])
-        if below and first > 1 and len(rows[first - 2]) == len(header):
-            header = [
-                f"{name} [{unit}]" if unit else name
-                for name, unit in zip(rows[first - 2], below, strict=True)
-            ]
+        body = [row for row, remark in zip(rows[first:], remarks[first:], strict=True) if not remark]
+        width = max(map(len, body[:MOST_ROWS]))
+        header = _names(rows[max(first - columns.STACKED, 0) : first], width, len(body))
         cells = [[row[place] for row in body if place < len(row)] for place in range(len(header))]
-        held = [place for place, words in enumerate(cells) if _is_column(words) and header[place]]
-        if len(held) >= 2 and (best is None or len(held) > best[0]):
-            best = (
-                len(held),
-                name,
-                [columns._label(header[place]) for place in held],
-                [cells[place] for place in held],
-            )
+        held = [
+            place
+            for place, words in enumerate(cells)
+            if 2 * len(words) > len(body) and _is_column(words) and header[place][0]
+        ]
+        rank = (len(held), -abs(len(header) - width))
+        if len(held) >= 2 and (best is None or rank > best[0]):
+            best = (rank, name, [header[place] for place in held], [cells[place] for place in held])
     if best is None:
         return None
     _, name, labels, cells = best
@@ -128,15 +147,52 @@ def look_at_table(path):
     return Table(name, decimal, [label for label, _ in labels], [unit for _, unit in labels], cells)
 
 
-def _is_value(word):
-    return clock.looks_like_stamp(word) or any(
-        number(word, sign) is not None and word.lower() not in MISSING for sign in ".,"
-    )
+def _is_row(cells):
+    """Whether cells are values of a table: two or more, or one beside cells that say there is none."""
+    values = sum(map(columns.is_value, cells))
+    return values >= 2 or (values == 1 and sum(map(missing, filter(None, cells))) > 0)
+
+
+def _names(above, width, count):
+    """(label, unit or None) of each column, from the lines above the data.
+
+    The line whose names tell most has the word, other lines fill what it leaves empty.
+    """
+    above = [row for row in above if len(row) > 1 and len(columns.without_empty_end(row)) >= min(2, width)]
+    while above and len(above[0]) != len(above[-1]):
+        del above[0]
+    below = [columns.units_in(row) for row in above]
+    labels = [[columns._label(cell) for cell in row] for row in above]
+    telling = [
+        -1
+        if units_only
+        else sum(bool(unit) or any(_matches(label, one) for one in NAMES) for label, unit in row)
+        for row, units_only in zip(labels, map(columns.units_below, above), strict=True)
+    ]
+    if (
+        not above
+        or max(telling) < 0
+        or not any(map(WORDS.search, above[telling.index(max(telling))]))
+        and not max(telling)
+    ):
+        return [(f"column {place}", None) for place in range(1, width + 1)] if count > 3 else []
+    chosen = labels[telling.index(max(telling))]
+    named = [row for row, units_only in zip(labels, telling, strict=True) if units_only >= 0]
+    found = []
+    for place, (label, unit) in enumerate(chosen):
+        label = label or next((row[place][0] for row in reversed(named) if row[place][0]), "")
+        stated = [row[place] for row in below if row] + [row[place][1] for row in labels]
+        found.append((label, unit or next(filter(None, stated), None)))
+    return found
+
+
+def _matches(label, variable):
+    return re.fullmatch(NAMES[variable], re.sub(r"[\s_.\-]", "", label.lower())) is not None
 
 
 def _is_column(words):
-    known = [word for word in words if word.lower() not in MISSING]
-    return len(known) > 0 and np.mean([_is_value(word) for word in known]) >= USUAL
+    known = [word for word in words if not missing(word)]
+    return len(known) > 0 and np.mean([columns.is_value(word) for word in known]) >= USUAL
 
 
 def assign(table):
@@ -145,6 +201,15 @@ def assign(table):
     free = [place for place in range(len(table.labels)) if place not in stamps]
     if any(WAVE.match(label) for label in table.labels):
         return {}  # a spectrum, whatever its columns rise like
+    if stamps:
+        fractions = [
+            p for p in free if table.labels[p].lower() in ("ms", "msec", "millisecond", "milliseconds")
+        ]
+        if fractions and all(
+            word.strip().isdigit() and int(word) < 1000 for word in table.cells[fractions[0]]
+        ):
+            found["milliseconds"] = fractions[0]
+            free.remove(fractions[0])
     currents = []
     for place in list(free):
         variable = next(
@@ -160,7 +225,7 @@ def assign(table):
         elif variable and variable not in found and not (variable == "time" and stamps):
             found[variable] = place
             free.remove(place)
-    for variable, pattern in NAMES.items():
+    for variable in NAMES:
         if variable in found or (variable == "time" and stamps):
             continue
         among = [p for p in free if p in currents] if variable.startswith("signal") and currents else free
@@ -168,8 +233,8 @@ def assign(table):
             (
                 p
                 for p in among
-                if table.units[p] is None or _suits(table.units[p], variable)
-                if re.fullmatch(pattern, re.sub(r"[\s_.\-]", "", table.labels[p].lower()))
+                if _suits(table.units[p], variable) or not _is_known(table.units[p], variable)
+                if _matches(table.labels[p], variable)
             ),
             None,
         )
@@ -181,18 +246,38 @@ def assign(table):
     elif "time" not in found and free and (np.diff(_values(table, free[0])) > 0).all():
         found["time"] = free.pop(0)
     open_ones = [name for name in parts.SIGNALS if name not in found]
-    rest = [place for place in free if place in currents] or free
-    if len(open_ones) == len(rest) and "time" in (*found, *(["time"] if stamps else [])):
+    rest = [p for p in free if p in currents] or [
+        p
+        for p in free
+        if not _is_known(table.units[p], "signal_wide")
+        and not NO_SIGNAL.fullmatch(re.sub(r"[\s_.\-]", "", table.labels[p].lower()))
+        and len(set(table.cells[p])) > 1
+    ]
+    timed = "time" in found or stamps
+    if open_ones and timed and len(rest) >= len(open_ones):
         # The wide band sees more: without names the larger signal is taken as the wide one.
-        order = sorted(rest, key=lambda place: -np.nanmedian(_values(table, place)))
-        found |= dict(zip(open_ones, order if len(order) == 2 else rest, strict=True)) | {
-            "by size": len(order) == 2
-        }
+        if len(rest) > len(open_ones):
+            found["unsure"] = [table.labels[p] for p in rest]
+        order = sorted(rest[:2], key=lambda place: -np.nanmedian(_values(table, place)))
+        chosen = order if len(open_ones) == 2 else rest
+        found |= dict(zip(open_ones, chosen, strict=False)) | {"by size": len(open_ones) == 2}
+    elif len(open_ones) == 2 and timed and len(rest) == 1:
+        found["band"] = rest[0]
     return found
 
 
+def _is_known(unit, variable):
+    """Whether a unit is one of something else than the variable, and no reading of it (a voltage, counts)."""
+    return (
+        unit is not None
+        and units.is_unit(unit)
+        and units.normalised(unit) not in INDIRECT
+        and not _suits(unit, variable)
+    )
+
+
 def _suits(unit, variable):
-    return units.factor(unit, variable) is not None
+    return unit is not None and units.factor(unit, variable) is not None
 
 
 def _values(table, place):
@@ -223,7 +308,9 @@ def describe(folder):
     folder = Path(folder)
     files = [
         path
-        for path in sorted(folder.rglob("*"), key=lambda path: parts.natural(str(path)))
+        for path in sorted(
+            folder.rglob("*"), key=lambda path: (path.suffix.lower() in ARRAYS, parts.natural(str(path)))
+        )
         if path.is_file()
         and not path.is_symlink()
         and not any(part.startswith(".") for part in path.relative_to(folder).parts)
@@ -235,7 +322,7 @@ def describe(folder):
         try:
             kind, what = _kind(path)
         except Refusal as reason:
-            remarks += [f"not used: {words}" for words in reason.messages]
+            remarks += ["not used: " + words.replace(f"{folder}{os.sep}", "", 1) for words in reason.messages]
             continue
         if kind:
             kinds.setdefault(kind, []).append((path, what))
@@ -244,12 +331,18 @@ def describe(folder):
     if unknown:
         more = f" and {len(unknown) - 1} more" if len(unknown) > 1 else ""
         remarks.append(
-            f"not used: {unknown[0]}{more}: neither signals against time nor spectra are seen in it"
+            f"not used: {unknown[0]}{more}: no columns of numbers with a time or wavelengths are seen"
         )
     questions, blocks = [], []
     pyrometer = _pyrometer(folder, kinds, questions)
     read = _read(folder, "pyrometer", pyrometer, questions)
     spectrometer = _spectrometer(folder, kinds, read, questions)
+    if "band" in kinds and not pyrometer:
+        path, (table, places) = kinds["band"][0]
+        remarks.append(
+            f"not used: {path.name}: one signal ({table.labels[places['band']]!r}) against time is seen; the"
+            " other band must stand in a column beside it, or alone in a second file of the same form"
+        )
     if pyrometer:
         blocks += ["pyrometer:", *pyrometer]
     if spectrometer:
@@ -261,8 +354,9 @@ def describe(folder):
         seen = ", ".join(sorted({path.suffix or path.name for path in files})) or "no files"
         raise Refusal(
             [
-                f"{folder}: nothing looks like signals of a pyrometer or spectra ({seen}); a table needs a"
-                " header with names above its columns, see docs/your-own-data.md",
+                f"{folder}: nothing looks like signals of a pyrometer or spectra ({seen}); a table needs"
+                " names above its columns and one row per sample, such as 'Time [s];wide [nA];narrow [nA]',"
+                f" see {GUIDE}",
                 *remarks,
             ]
         )
@@ -284,7 +378,8 @@ def _kind(path):
         return None, None
     if path.suffix.lower() == ".tdms":
         return "tdms", None
-    lines = [line for line in read_lines(path, columns.LARGEST)[0][: ocean.HEADER_LINES] if line.strip()]
+    lines = table_lines(path, columns.LARGEST)[0]
+    lines = [line for line in lines[: ocean.HEADER_LINES] if line.strip()]
     if any(line.startswith(ocean.FENCE) for line in lines) or ocean.plain_spectrum(lines):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
@@ -303,7 +398,14 @@ def _kind(path):
         return "pyrometer", (table, places)
     if set(parts.TUNNEL) & places.keys() and {"time", "stamps"} & places.keys():
         return "tunnel", (table, places)
-    return None, None
+    if "band" in places:
+        return "band", (table, places)
+    listed = ", ".join(quote(label) for label in table.labels[:10])
+    if any(unit and units.factor(unit, "source_temperature") for unit in table.units):
+        why = "temperatures alone cannot be corrected; name two columns of signals, or see `radiometer`"
+    else:
+        why = "name the signals, e.g. 'wide [nA]' and 'narrow [nA]', and the time; one row per sample"
+    refuse(path, f"no two signals against time are seen in its columns {listed}", f"{why}, in {GUIDE}")
 
 
 def _matrix(lines):
@@ -343,6 +445,8 @@ def _pyrometer(folder, kinds, questions):
             if o.labels != table.labels
         ]
         return _table_lines(folder, same, table, places, questions)
+    if bands := _bands(folder, kinds.get("band", []), questions):
+        return bands
     if "burst" in kinds:
         paths = [path for path, _ in kinds["burst"]]
         stamp, items = kinds["burst"][0][1]
@@ -365,6 +469,33 @@ def _pyrometer(folder, kinds, questions):
     return []
 
 
+def _bands(folder, listed, questions):
+    """Lines of the section 'pyrometer' for two files with a band each, or none."""
+    if len(listed) != 2 or listed[0][1][0].labels != listed[1][1][0].labels:
+        return []
+    sizes = [-np.nanmedian(_values(table, places["band"])) for _, (table, places) in listed]
+    stems = [path.stem.lower().replace("_", " ") for path, _ in listed]
+    order = sorted((0, 1), key=sizes.__getitem__)
+    for wide, narrow in ((0, 1), (1, 0)):
+        if re.search(r"wide|breit|large|ch1|s1", stems[wide]) and re.search(
+            r"narrow|schmal|troit|ch2|s2", stems[narrow]
+        ):
+            order = [wide, narrow]
+            break
+    else:
+        questions.append(
+            f"pyrometer.columns: which file is the wide band? {listed[order[0]][0].name} is taken, the larger"
+        )
+    table, places = listed[0][1]
+    lines = _table_lines(folder, [listed[0][0]], table, places, questions)[1:]
+    for variable, one in zip(parts.SIGNALS, order, strict=True):
+        path, (table, places) = listed[one]
+        line = _column(variable, table, places["band"], questions)
+        name = _quoted(path.relative_to(folder).as_posix())
+        lines.append(line.replace("{name:", f"{{file: {name}, name:", 1))
+    return lines
+
+
 def _table_lines(folder, paths, table, places, questions):
     """Lines of a section for a text table."""
     found = [_named(folder, paths), f"  delimiter: {_quoted(table.delimiter)}"]
@@ -378,7 +509,12 @@ def _table_lines(folder, paths, table, places, questions):
             f"  zero: {_quoted(zero)}  # ? what shall be 0, best the injection; here the first sample"
         )
         name = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
-        timing = f"    time: {{name: {name}, format: {_quoted(form)}}}"
+        more = (
+            f", milliseconds: {_quoted(table.labels[places['milliseconds']])}"
+            if "milliseconds" in places
+            else ""
+        )
+        timing = f"    time: {{name: {name}, format: {_quoted(form)}{more}}}"
     else:
         time = _values(table, places["time"])
         unit, stated, scale = table.units[places["time"]], True, 1.0
@@ -387,6 +523,8 @@ def _table_lines(folder, paths, table, places, questions):
             unit, stated, scale = several[2], False, float(several[1])
         elif unit is None or not _suits(unit, "time"):
             stated, unit = False, "ms" if np.nanmedian(np.diff(time)) >= 5 else "s"
+            since_1970 = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+            unit = next((u for u, one in since_1970.items() if EPOCH[0] < time[0] / one < EPOCH[1]), unit)
             if DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1:
                 unit = "d"  # of a spreadsheet: days since 1900
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
@@ -400,7 +538,12 @@ def _table_lines(folder, paths, table, places, questions):
     for variable in (*parts.SIGNALS, *parts.TUNNEL):
         if variable in places:
             found.append(_column(variable, table, places[variable], questions))
-    if places.get("by size"):
+    if "unsure" in places:
+        listed = ", ".join(places["unsure"])
+        questions.append(
+            f"pyrometer.columns: which of the columns {listed} are the two signals? the first two are taken"
+        )
+    elif places.get("by size"):
         questions.append(
             "pyrometer.columns: which signal is the wide band? the larger one is taken, no name says it"
         )
@@ -411,6 +554,11 @@ def _column(variable, table, place, questions):
     label, unit = table.labels[place], table.units[place]
     if unit is not None and _suits(unit, variable):
         return f"    {variable}: {{name: {_quoted(label)}}}"
+    if unit is not None and (each := INDIRECT.get(units.normalised(unit))) and variable in parts.SIGNALS:
+        questions.append(
+            f"columns.{variable}.scale: {label!r} is in {unit}: how many amperes is one? {each:g} is taken"
+        )
+        return f"    {variable}: {{name: {_quoted(label)}, unit: A, scale: {each:g}}}  # ?"
     usual = {"W": "kW", "Pa": "mbar", "kg s-1": "g/s"}.get(VARIABLES[variable].units)
     if usual is None:
         usual = "A" if np.nanmax(np.abs(_values(table, place))) < LARGEST_CURRENT else "nA"
@@ -421,9 +569,11 @@ def _column(variable, table, place, questions):
 def _format(table, places):
     """Format of dates that reads all cells with the shortest record, its first stamp, and questions."""
     stamps = [" ".join(words) for words in zip(*(table.cells[place] for place in places), strict=True)]
-    known = [word for word in stamps if word.strip() and word.lower() not in MISSING]
+    known = [word for word in stamps if word.strip() and not missing(word)]
     spans = {}
     for form in FORMATS:
+        if not known or clock.seconds(known[0], form) is None:
+            continue
         values = [clock.seconds(word, form) for word in known]
         if None not in values:
             spans[form] = (sum(np.diff(values) < 0), max(values) - min(values))
@@ -454,14 +604,10 @@ def _tdms(folder, paths, questions):
         [[] for _ in names],
     )
     found = {}
-    for variable, pattern in NAMES.items():
+    for variable in NAMES:
         for place, (label, unit) in enumerate(zip(table.labels, table.units, strict=True)):
-            plain = re.sub(r"[\s_.\-]", "", label.lower())
-            if (
-                variable not in found
-                and (unit is None or _suits(unit, variable))
-                and re.fullmatch(pattern, plain)
-            ):
+            fits = unit is None or _suits(unit, variable)
+            if variable not in found and fits and _matches(label, variable):
                 found[variable] = place
     if not set(parts.SIGNALS) <= found.keys():
         questions.append(

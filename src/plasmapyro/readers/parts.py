@@ -51,7 +51,7 @@ def table(folder, section, names, default, kinds=()):
     files = section.files("file", default)
     kind = section.text("format", choices=("csv", "tdms"))
     marks = columns.marks(section)
-    wanted = columns.wanted(section, ("time", *names), kinds)
+    wanted = columns.wanted(section, ("time", *names), kinds, files=True)
     stamped = "time" in wanted and wanted["time"].format
     if stamped:
         wanted["time"].zero = section.text("zero", "", needed=True)
@@ -61,6 +61,9 @@ def table(folder, section, names, default, kinds=()):
     section.close()
     if any(column.header is None for column in wanted.values()) or not wanted:
         return None
+    apart = {name: column for name, column in wanted.items() if column.file}
+    if apart and "time" in wanted:
+        return _of_files(folder, wanted, apart, files if len(apart) < len(wanted) - 1 else [], marks, shift)
     parts = []
     for name in files:
         path = Path(folder) / name
@@ -75,6 +78,33 @@ def table(folder, section, names, default, kinds=()):
     for part in parts:
         part["time"] = part["time"] + part.pop("start", first) - first
     return joined([Path(folder) / name for name in files], parts, shift) if parts else None
+
+
+def _of_files(folder, wanted, apart, files, marks, shift):
+    """Columns that stand in files of their own, each beside its times; those must be the same in all."""
+    groups = [(name, {key: one for key, one in wanted.items() if key not in apart}) for name in files]
+    for file in dict.fromkeys(column.file for column in apart.values()):
+        groups.append(
+            (file, {"time": wanted["time"]} | {k: one for k, one in apart.items() if one.file == file})
+        )
+    result, first = {}, None
+    for name, columns_of_file in groups:
+        path = Path(folder) / name
+        found = columns.read_table(path, columns_of_file, *marks)
+        time = rising(path, found["time"])
+        if first is not None and (
+            time.size != result["time"].size
+            or np.abs(time - result["time"]).max() > 0.1 * np.median(np.diff(result["time"]))
+        ):
+            refuse(
+                path,
+                f"has {time.size} times from {time[0]:g} to {time[-1]:g} s, {first} has {result['time'].size}"
+                f" from {result['time'][0]:g} to {result['time'][-1]:g} s",
+                "export both at the same moments, or join them on one clock before",
+            )
+        first = first or name
+        result = {**found, **result}
+    return result | {"time": result["time"] - shift}
 
 
 def joined(paths, parts, shift):
@@ -197,13 +227,21 @@ def rising(path, time):
     if (steps <= 0).any():
         first = int(np.argmax(steps <= 0))
         what = "stands twice" if steps[first] == 0 else "goes back"
-        hour = (
-            " (by an hour: the end of summer time?)" if abs(steps[first] + clock.HOUR) < clock.CHANGE else ""
-        )
+        remedy = "remove repeated lines, or log the time with more digits"
+        if abs(steps[first] + clock.HOUR) < clock.CHANGE:
+            what += " by an hour (the end of summer time?)"
+        elif steps[first] < 0 and time[first + 1] <= time[0] + np.median(steps):
+            what += " to the begin (was the logger restarted?)"
+            remedy = "keep the part that holds the test, or log with one clock"
+        elif (steps == 0).mean() > 0.3:
+            what = f"is given in steps of {steps[steps > 0].min() if (steps > 0).any() else 0:g} s only"
+            remedy = (
+                "log it with decimals, or name the column that has them as `milliseconds` beside `format`"
+            )
         refuse(
             path,
-            f"the time {what}: sample {first + 2} is at {time[first + 1]:g} s after {time[first]:g} s{hour}",
-            "remove repeated lines, or log the time with more digits",
+            f"the time {what}: sample {first + 2} is at {time[first + 1]:g} s after {time[first]:g} s",
+            remedy,
         )
     return time
 

@@ -11,6 +11,18 @@ from plasmapyro.foreign import printable, unfit
 from plasmapyro.foreign import quote as quote
 
 GZIP = b"\x1f\x8b"
+ZIP = b"PK\x03\x04"
+BINARY = {  # how other files begin, what they are, what to do with them
+    b"\x89HDF": ("an HDF5, netCDF-4 or Matlab 7.3 file", "it must end in .h5, .nc or .mat"),
+    b"CDF\x01": ("a netCDF file", "it must end in .nc"),
+    b"CDF\x02": ("a netCDF file", "it must end in .nc"),
+    b"MATLAB 5": ("a Matlab file", "it must end in .mat"),
+    b"\xd0\xcf\x11\xe0": ("a workbook or document of old Office", "save the sheet as CSV"),
+    ZIP: ("a packed file or a workbook", "save the sheet as CSV (UTF-8), or unpack it"),
+    b"TDSm": ("a TDMS file", "it must end in .tdms"),
+    b"%PDF": ("a PDF", "export the data as text"),
+    b"Andor Te": ("a SIF file of Andor Solis", "export it as ASCII (.asc)"),
+}
 NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eEdD][+-]?\d{1,3})?", re.ASCII)
 # Thousands that nothing else can be: groups of three before another decimal sign, or between blanks or
 # apostrophes that no line of numbers has within a cell.
@@ -23,41 +35,11 @@ GROUPED = {
     for decimal, other in (".,", ",.")
 }
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
-MISSING = {
-    "",
-    "nan",
-    "na",
-    "n/a",
-    "#n/a",
-    "-",
-    "--",
-    "---",
-    "null",
-    "none",
-    "err",
-    "error",
-    "#num!",
-    "#value!",
-}
-MISSING |= {
-    "over",
-    "overload",
-    "overflow",
-    "overrange",
-    "over range",
-    "ovl",
-    "ovld",
-    "ovf",
-    "ovrng",
-    "ol",
-    "o.l",
-}
-MISSING |= {"under", "underrange", "under range", "sat", "saturated"}
-MISSING |= {
-    sign + word for sign in ("", "+", "-") for word in ("inf", "1.#inf", "1.#ind", "1.#qnan", "1.#snan")
-}
-MISSING |= {"(null)", "?", "bad", "invalid", "missing", "nil", "nan(ind)", "-nan(ind)", "+nan", "-nan"}
-MISSING |= {sign + "1.#j" for sign in ("", "+", "-")} | {"*" * count for count in range(1, 17)}
+MISSING = re.compile(  # what meters and spreadsheets write in the place of a number, in lower case
+    r"|n/?a|[-+]?(nan|inf)(\(ind\))?|[-+]?\u221e|-{1,3}|\*{1,16}|\?|\(?null\)?|none|nil|err(or)?|bad|invalid|missing"
+    r"|over([- ]?(range|load|flow))?|ovl?d?|ovf|ovrng|o\.?l|under([- ]?range)?|sat(urated)?"
+    r"|#[\w/]+[!?]?|[-+]?1\.#(inf|ind|qnan|snan|j)"
+)
 FILLS = (-9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37)  # no sample; SCPI: over, under, none
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
@@ -132,6 +114,9 @@ def read_lines(path, limit):
             content = _unpacked(path, content, limit)
     except OSError as reason:
         refuse(path, f"cannot be read ({reason})", "check the access rights")
+    for begin, (kind, remedy) in BINARY.items():
+        if content.startswith(begin):
+            refuse(path, f"is {kind}, not text", remedy)
     encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
     if encoding is None and content[:1] and content[1:2000:2].count(0) > 0.8 * len(content[1:2000:2]):
         encoding = "utf-16-le"  # without its mark
@@ -139,7 +124,10 @@ def read_lines(path, limit):
         words = content.decode(encoding or "utf-8")
     except UnicodeDecodeError:
         if encoding:
-            refuse(path, f"is broken {encoding} text", "export it again as UTF-8")
+            what = (
+                "holds binary data, not text" if "\0" in content[:999].decode("latin-1") else "is broken text"
+            )
+            refuse(path, f"{what} (tried {encoding})", "export the data as text, UTF-8")
         words = _of_a_country(content)
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
@@ -190,6 +178,11 @@ def require_end(path, lines, ended):
         )
 
 
+def missing(word):
+    """Whether a cell holds no sample: empty, or a word that says so (see `MISSING`)."""
+    return MISSING.fullmatch(word.strip().lower()) is not None
+
+
 def number(word, decimal="."):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
@@ -197,8 +190,10 @@ def number(word, decimal="."):
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
     word = word.strip()
-    if word.lower() in MISSING:
+    if missing(word):
         return math.nan
+    if word[0] in "+-":  # '+   10.6'
+        word = word[0] + word[1:].lstrip()
     if GROUPED[decimal].fullmatch(word):
         word = "".join(sign for sign in word if sign.isdigit() or sign in ("+-" + decimal))
     if decimal != ".":

@@ -1,5 +1,7 @@
 """Units a laboratory writes, and what they are in SI."""
 
+import re
+
 from plasmapyro.contracts import VARIABLES
 from plasmapyro.tables import rows
 
@@ -9,12 +11,14 @@ TO_SI = {  # SI unit -> {unit as written, normalised: factor}
     si: {row["unit"]: float(row["factor"]) for row in REGISTER if row["in SI"] == si}
     for si in dict.fromkeys(row["in SI"] for row in REGISTER)
 }
+DIRECT = re.compile(r"(?<=[AV])[ _]?DC$")  # volts and amperes of direct current, as multimeters write them
 OFFSET = {row["unit"]: float(row["added"]) for row in REGISTER if row["added"]}  # added after the factor
 
 
 def normalised(unit):
     """A unit with micro signs, powers and dots written in one way."""
     unit = unit.strip().replace("\u00b5", "u").replace("\u03bc", "u").replace("\u00b2", "2")
+    unit = DIRECT.sub("", unit)
     return unit.replace("^", "").replace("\u00b7", " ").replace("*", " ")
 
 
