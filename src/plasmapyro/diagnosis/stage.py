@@ -7,7 +7,7 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
-from plasmapyro.diagnosis.fit.no_plasma import askable, with_stray_light
+from plasmapyro.diagnosis.fit.no_plasma import askable
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
@@ -107,7 +107,7 @@ def diagnose(
     """
     plasma = has_plasma(test)
     if not plasma:
-        effects, given = askable(effects), with_stray_light(given, test)
+        effects = askable(effects)
     taken = {term.setting.id for term in given} & set(effects)
     looked_for = without(effects, {*exclude, *taken})
     if "pyrometer" not in instruments(test):

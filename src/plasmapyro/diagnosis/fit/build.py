@@ -26,6 +26,7 @@ MOST_SAMPLES, MOST_SPECTRA = 12000, 3000  # of a fit; a longer record is average
 EXACT = 1e-6  # [1] stands for an uncertainty of zero
 UNIFORM = np.sqrt(3)  # half width of a uniform law over its standard deviation
 DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 counts of noise, some ten scans
+WIDEST_CHANNEL = 5e-9  # [m] over which the mean of a hot surface's light is that of the middle
 PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
 BEFORE = (np.log(1.6), 0.35)  # brightness before injection over after it, logarithm: the jet flows free
@@ -33,6 +34,7 @@ FREE_GAS = 2.0  # [1] of the gas in one channel over its simulated light: the da
 BEFORE_POWER_SIGMA = 0.1  # [1] of ln P: the sample changes the jet that it is held into
 EDGE = 1.0  # [nm] ASSUME: of the stated edges of a band; filters are cut to 1 or 2 nm and drift by 0.02 nm/K
 TAIL_ERROR = 0.02  # [1] ASSUME: of silicon at its long-wave end, 1 % per kelvin
+ROUGH = 0.005  # [1] ASSUME: of a scale without a plasma, as `bin_uncertainty` with `--estimator emissivity`
 OF_GAS = ("gas", "before_injection", "before_power")
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
@@ -106,7 +108,7 @@ def base_model(
     else:
         parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
-    errors = [persistent(one, edges[0], edges[-1]) for one in instruments]
+    errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH) for one in instruments]
     return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)
 
 
@@ -271,7 +273,7 @@ def _spectrometer(frames, off, library, edges, fwhm):
         relative[chosen],
     )
     seen = np.interp(wavelength, library.wavelength, library.base)
-    pixels = binning.pixel_edges(wavelength, seen, slit)
+    pixels = binning.pixel_edges(wavelength, seen, min(slit, WIDEST_CHANNEL))
     raw, number_of_pixels = observation.in_pixel_bins(radiance, pixels)
     in_bin = number_of_pixels.max(axis=0)
     # The mean of some pixels of a bin is that of another wavelength.

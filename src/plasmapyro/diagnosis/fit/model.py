@@ -257,6 +257,7 @@ class Model:
                 instrument.factor,
                 self._gas_level(instrument, scene, weight, gain),
                 np.nanmax(instrument.value, axis=0),
+                instrument.wavelength,
             )
             for setting in detecting:
                 output = output.but(setting.effect.output(output, setting.amplitude, **setting.shape))

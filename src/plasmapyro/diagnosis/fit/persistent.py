@@ -18,6 +18,11 @@ GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and coolin
 # of a per cent, and lines follow the power by its third to sixth power
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
+ROUGH_LENGTH = 10e-9  # [m]
+COURSE, LEAST_WANDER = (
+    1e-3,
+    1e-2,
+)  # [1] ASSUME: how far the course of the scale wanders: fringes, fibres
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
 # as sure, because what is left out is what a wrong temperature looks like.
 LEAST = 1e-4
@@ -42,8 +47,11 @@ class Persistent:
         return np.array(rows).reshape(len(rows), -1).T, self.channel
 
 
-def persistent(instrument, start, end):
+def persistent(instrument, start, end, rough=0.0):
     """Persistent errors of an instrument of a record from `start` to `end` [s].
+
+    `rough` [1]: of the scale of a spectrometer, from one `ROUGH_LENGTH` to the next; its course then wanders
+    in time as well.
 
     Gains are Ornstein-Uhlenbeck processes, linear between knots; the scale over wavelength is a Gaussian
     process, by the modes of its covariance.
@@ -74,12 +82,20 @@ def persistent(instrument, start, end):
         parameters += [*own, Parameter(f"gain_{band}", f"sensitivity of {band}", instrument.known[place])]
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
-        value, vector = np.linalg.eigh(sum(np.exp(-0.5 * (apart / one) ** 2) for one in SMOOTH_LENGTHS))
+        parts = [(one, 1.0) for one in SMOOTH_LENGTHS] + [(ROUGH_LENGTH, (rough / SMOOTH) ** 2)]
+        value, vector = np.linalg.eigh(sum(part * np.exp(-0.5 * (apart / one) ** 2) for one, part in parts))
+        name = "scale of the spectrometer over wavelength"
         kept = value > LEAST * value.max()
         time.append(np.ones((knots.size, kept.sum())))
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
-        name = "scale of the spectrometer over wavelength"
         parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
+        if rough:
+            value, vector = np.linalg.eigh(np.exp(-0.5 * (apart / max(SMOOTH_LENGTHS)) ** 2))
+            for size, row in zip(value, vector.T, strict=True):
+                if size > LEAST_WANDER * value.max():
+                    time.append(root)
+                    channel.append(np.outer(row * np.sqrt(size), np.ones(knots.size)))
+                    parameters += [Parameter("wander_smooth", f"wandering {name}", COURSE)] * knots.size
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
 
 

@@ -37,12 +37,15 @@ def fit_test(
             " radiometer"
         )
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
+    plasma = has_plasma(test)
+    if not plasma:
+        record = no_plasma.timed(record)
+        given = no_plasma.of_instrument(given, record, spectrometer_calibration)
     rest = calibration, response, spectrometer_calibration, given, radiometer_calibration
-    if has_plasma(test):
+    if plasma:
         library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
         model = base_model(record, library, *rest)
     else:
-        record = no_plasma.timed(record)
         first = base_model(record, no_plasma.dark_library(fwhm, LUKEWARM), *rest)
         library = no_plasma.dark_library(fwhm, float(guess_temperature(first).max()))
         model = base_model(record, library, *rest)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term, text_of
 from plasmapyro.diagnosis.report import show
@@ -92,7 +93,7 @@ def proposed(findings):
     fit = findings.final if findings.applied else findings.base.solution
     model, errors = findings.model, np.sqrt(np.maximum(np.diag(fit.covariance), 0))
     of_test = []
-    for term in model.given:
+    for term in (one for one in model.given if one.setting.id in REGISTER):
         places = {name: model.index[f"{term.setting.id}.{name}"] for name in term.uncertainty}
         setting = term.at({name: fit.state.values[place] for name, place in places.items()})
         sigma = {name: errors[model.size + place] for name, place in places.items()}
