@@ -149,7 +149,7 @@ def test_files_of_tests_and_conditions_hold_the_effects_that_act_there():
     check_effects({"a": {}, "b": {"effects": [WINDOW]}}, "test", "config/tests")
     with pytest.raises(ConfigurationError, match=r"config/tests/b.yaml:\n  effects.0.id: unknown"):
         check_effects({"b": {"effects": [{"id": "power", "amplitude": 0.1}]}}, "test", "config/tests")
-    with pytest.raises(ConfigurationError, match="valid: power, T_exc, T_vib"):
+    with pytest.raises(ConfigurationError, match="valid: power, mixing, T_exc, T_vib"):
         check_effects({"c": {"effects": [WINDOW]}}, "condition", "config/conditions")
 
 
@@ -170,3 +170,15 @@ def test_effects_of_a_condition_act_on_its_power_and_its_levels():
     assert levels == {"80kW": {"vibration": -0.08}}
     nothing = {"90kW": {"numerical_power_kw": 90, "effects": [{"id": "power", "amplitude": 0}]}}
     assert with_effects(nothing) == (nothing, {})
+
+
+def test_mixing_of_a_condition_solves_its_flow_again():
+    effects = [{"id": "power", "amplitude": -0.1}, {"id": "mixing", "amplitude": 0.06}]
+    found, levels = with_effects({"80kW": {"numerical_power_kw": 80, "effects": effects}})
+    assert found["80kW"]["mixing"] == 0.06 and found["80kW"]["numerical_power_kw"] == 72.0 and levels == {}
+    with pytest.raises(ConfigurationError, match="effects of mine: 'mixing' solves the flow again"):
+        with_effects({"mine": {"numerical_power_kw": 80, "cfd": {}, "effects": effects[1:]}})
+    for amplitude in (-0.01, 0.2):  # beyond the wakes, whose mixing length is the greatest
+        wrong = {"80kW": {"effects": [{"id": "mixing", "amplitude": amplitude}]}}
+        with pytest.raises(ConfigurationError, match=r"effects.0.amplitude: .* 0 .* 0.16"):
+            check_effects(wrong, "condition", "config/conditions")

@@ -4,13 +4,15 @@ simulation is told where it differs."""
 import numpy as np
 import pytest
 from scipy.linalg import cho_solve
-from small_laboratory import OFF, temperature_of
+from small_laboratory import OFF, gas_components, temperature_of
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report.simulation import power_sentences
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare, raise_errors, settled
@@ -21,6 +23,7 @@ from plasmapyro.record.record import record_of
 
 OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if effect.steady_gas}
 NOT_OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if not effect.steady_gas}
+BESIDE = {"mixing": OF_FLOW["mixing"]}
 CLOSE = 0.08  # [1] of ln of the power: its prior, the errors that the simulation states allow no better
 STRAY = 2.0  # [K] rms: what noise of 1 % in a thousand samples leaves
 
@@ -29,8 +32,8 @@ STRAY = 2.0  # [K] rms: what noise of 1 % in a thousand samples leaves
 def fitted(radiation, variations, response, calibration):
     """Base fit of a test, by what `radiation` simulates or by another gas."""
 
-    def make(test, simulated=None):
-        library = gas_library("80kW", simulated or radiation, variations, fwhm=0.75e-9)
+    def make(test, simulated=None, varied=variations):
+        library = gas_library("80kW", simulated or radiation, varied, fwhm=0.75e-9)
         record = record_of(test, {"pyrometer": calibration, "spectrometer": None})
         with np.errstate(all="ignore"):
             return fit_base(base_model(record, library, calibration, response))
@@ -51,7 +54,8 @@ def foreign(radiation, factor):
 
 def compared(base, final=None):
     with np.errstate(all="ignore"):
-        return compare(base.model, measured_gas(base.model, final or base.solution), OF_GAS, draws=300)
+        gas = measured_gas(base.model, final or base.solution)
+        return compare(base.model, gas, OF_GAS, beside=BESIDE, draws=300)
 
 
 def temperature_error(base, solution):
@@ -69,6 +73,18 @@ def test_a_gas_several_times_as_strong_is_measured_and_tells_its_power(fitted, r
     assert found.base.power == pytest.approx(np.log(power / 80e3), abs=CLOSE)
     (said,) = power_sentences(found)
     assert f"{'less' if power < 80e3 else 'more'} power than simulated" in said
+
+
+@pytest.mark.parametrize(("power", "said"), [(72e3, True), (88e3, False)])
+def test_mixing_stands_for_less_power_and_not_for_more(fitted, record, variations, axis, power, said):
+    """Jets computed with mixing shine as colder ones; here gas of less power is that which is colder."""
+    powers = 80e3 * (1 + variations["core_change"].values) ** (1 / WARMTH_OF_POWER)
+    hotter = np.array([gas_components(axis, one).sum(axis=0) for one in powers])
+    cores = variations.assign(core_radiance=(("core_change", "wavelength_slit"), hotter))
+    found = compared(fitted(record(power=power), varied=cores))
+    assert found.power_is_wrong and "P_eff" in found.rivals_of_power
+    assert ("mixing" in found.rivals_of_power) is said
+    assert ("mixing of the jet" in power_sentences(found)[0]) is said
 
 
 @pytest.mark.parametrize("window", [0.0, 0.05])

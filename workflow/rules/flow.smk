@@ -1,3 +1,6 @@
+from math import hypot
+
+
 # One cold start per gas at a reference condition; each power condition continues from that of its gas by itself, or
 # from a nearer solution of an earlier run. The radiation loss is computed only where it is asked for.
 def start_of(gas):
@@ -41,9 +44,15 @@ rule flow_start:
         "../scripts/flow_start.py"
 
 
+def mixing_of(wildcards):
+    """Mixing length of a condition; eddy viscosities, and so squares of mixing lengths, add."""
+    own = CONDITIONS[wildcards.condition].get("mixing")
+    return hypot(PHYSICS["mixing"], own) if own else PHYSICS["mixing"]
+
+
 FLOW = dict(  # settings of the flow of a condition
     **config["flow"]["convergence"],
-    **PHYSICS,
+    **PHYSICS | {"mixing": mixing_of},
     coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
     numerical_power_kw=lambda wildcards: CONDITIONS[wildcards.condition]["numerical_power_kw"],
     chamber_pressure_mbar=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"],

@@ -4,7 +4,7 @@ from types import MappingProxyType
 
 from plasmapyro import configuration
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.effects.condition import OF_CONDITION, species_of
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION, OF_FLOW, species_of
 from plasmapyro.diagnosis.fit.terms import terms_of
 
 OF_TEST = MappingProxyType(
@@ -96,7 +96,7 @@ def with_instrument(entries, tests):
 
 
 def with_effects(conditions):
-    """Conditions at the powers that their effects give them, and what else changes in their light.
+    """Conditions at the power and mixing that their effects give them, and what else changes in their light.
 
     Parameters
     ----------
@@ -104,27 +104,29 @@ def with_effects(conditions):
 
     Returns
     -------
-    conditions : dict of the same form, powers with at most six digits
+    conditions : dict of the same form, powers with at most six digits, with `mixing` where it is not 0
     changes : dict name -> mapping as `changes_of` returns it, of conditions that have one
 
     Raises
     ------
     ConfigurationError
-        Another power for the flow of another program.
+        Another power or mixing for the flow of another program.
     """
     found, changes = {}, {}
     for name, case in conditions.items():
         terms = terms_of(case.get("effects", []), OF_CONDITION)
-        change = amplitude_of(terms, "power")
+        change, mixing = (amplitude_of(terms, one) for one in OF_FLOW)
         found[name] = case
-        if change and "cfd" in case:
+        for one in [one for one in OF_FLOW if amplitude_of(terms, one) and "cfd" in case]:
             raise configuration.ConfigurationError(
-                f"effects of {name}: 'power' solves the flow again, and the flow of this condition is another"
-                " program's: compute it there at the other power"
+                f"effects of {name}: '{one}' solves the flow again, and the flow of this condition is another"
+                " program's: compute it there at the other power or mixing"
             )
         if change:
             power = f"{case['numerical_power_kw'] * (1 + change):.6g}"
-            found[name] = case | {"numerical_power_kw": float(power)}
+            found[name] = found[name] | {"numerical_power_kw": float(power)}
+        if mixing:
+            found[name] = found[name] | {"mixing": mixing}
         if changed := changes_of(terms):
             changes[name] = changed
     return found, changes

@@ -7,6 +7,7 @@ import xarray as xr
 
 from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
+from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit.no_plasma import askable
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
@@ -141,7 +142,8 @@ def diagnose(
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)
-        comparison = compare(base.model, measured, questions[1], seed=seed)
+        beside = {"mixing": OF_FLOW["mixing"]} if base.model.library.core else {}
+        comparison = compare(base.model, measured, questions[1], beside=beside, seed=seed)
         elsewhere = other_gas(test, radiation, comparison)
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
 
@@ -68,7 +68,7 @@ def power_sentences(found):
     if not found.power_is_wrong:
         return []
     change, error = found.power
-    size, rivals = np.expm1(change), [CATALOGUE[identity].name for identity in found.rivals_of_power]
+    size, rivals = np.expm1(change), [REGISTER[identity]["name"] for identity in found.rivals_of_power]
     also = f" Alike at the simulated power: {'; '.join(rivals)}." if rivals else ""
     return [
         f"The gas shines as one of {abs(size):.1%} {'more' if size > 0 else 'less'} power than simulated"

@@ -1,6 +1,7 @@
 """Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
 
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -90,7 +91,7 @@ class Comparison:
         return replace(self, final=self.base, rivals={}, silence=why)
 
 
-def compare(model, measured, effects, *, draws=1000, seed=1):
+def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000, seed=1):
     """Hold the measured gas against the simulated one.
 
     .. math:: y \\sim N\\left(L(P, b, a),\\; S + E\\right)
@@ -104,6 +105,8 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     measured : MeasuredGas
     effects : mapping id -> Effect
         That change the light of the gas, alike at all times.
+    beside : mapping id -> Effect
+        More that are asked only whether they look like a wrong power.
     draws, seed : int
         Simulated spectra behind the threshold.
 
@@ -151,7 +154,8 @@ def compare(model, measured, effects, *, draws=1000, seed=1):
     if not found.power_is_wrong:
         return found
     fitter.centre, fitter.sigma = np.zeros(2), np.array([HELD, GAS_SIGMA])
-    held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in effects.items()}
+    asked = {**effects, **beside}
+    held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in asked.items()}
     alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
     return replace(found, rivals_of_power=alike)
 
