@@ -6,6 +6,7 @@ import clone
 import numpy as np
 import xarray as xr
 import yaml
+from snakemake.utils import update_config
 
 from plasmapyro import io
 from plasmapyro.study import stage
@@ -52,7 +53,10 @@ def prepare(folder, **changes):
     )
     for power, dataset in (("80", flow), ("90", lost)):
         io.write(dataset, folder / f"results/study/flow/{power}kW_50mbar_16gs.nc", "study_flow")
-    config = yaml.safe_load((folder / "config/minimal.yaml").read_text())
+    config, minimal = (
+        yaml.safe_load((folder / f"config/{name}.yaml").read_text()) for name in ("config", "minimal")
+    )
+    update_config(config, minimal)
     config["sightline"]["points"] = 20
     (folder / "config/config.yaml").write_text(yaml.safe_dump(config))
     return config, flow
