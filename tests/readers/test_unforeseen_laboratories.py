@@ -267,6 +267,12 @@ def upright(header, *series):
     return matrix(header, zip(AIR, *series, strict=True), "\t")
 
 
+def long(header, spectra, moments):
+    """A table of a row per pixel."""
+    rows = ([t, a, c] for t, row in zip(moments, spectra, strict=True) for a, c in zip(AIR, row, strict=True))
+    return matrix(header, rows)
+
+
 def stamp(time):
     return (NOON + timedelta(seconds=time)).strftime("%H:%M:%S.%f")
 
@@ -307,6 +313,45 @@ SPECTRA = {
         + "".join(f"{a:.9f};{s:.1f};{d:.1f};0.0\n" for a, s, d in zip(AIR, row, DARK, strict=True))
         for i, row in enumerate(COUNTS)
     },
+    "a row per pixel": {
+        "s.csv": long(["Frame", "Wavelength", "Intensity"], COUNTS, range(1, 4)),
+        "dark.csv": long(["Frame", "Wavelength", "Intensity"], [DARK], [1]),
+    },
+    "a row per pixel with its time": {
+        "s.csv": long(["time_s", "wavelength_nm", "counts"], COUNTS, MOMENTS),
+        "dark.csv": matrix(["wavelength_nm", "counts"], zip(AIR, DARK, strict=True)),
+    },
+    "times in a row above": {
+        "s.txt": "No\t1\t2\t3\nTime [s]\t0.5\t1.5\t2.5\n" + upright(["Wavelength [nm]", "", "", ""], *COUNTS),
+        "dark.txt": "#Acq. time (s)=\t0.25\n" + upright(["#Title=", "dark"], DARK),
+    },
+    "as Andor Solis exports them": {
+        name: "Model: DU420\nExposure Time (secs): 0.5\nKinetic Cycle Time (secs): 1.0\n\n"
+        + matrix([], zip(AIR, *rows, strict=True)).removeprefix("\n")
+        for name, rows in (("s.asc", COUNTS), ("dark.asc", [DARK]))
+    },
+    "as B&W Tek and Thorlabs export them": {
+        f"run/{name}.txt": "title;\nintigration times(ms);500\nIntegrationTime,500\n[Data]\n"
+        + matrix(
+            ["Pixel", "Wavelength", "Wavenumber", "Dark", "Reference", "Raw data #1", "Dark Subtracted #1"],
+            (
+                (i, a, 1e7 / a, d, 65535, s, s - d, "")
+                for i, (a, d, s) in enumerate(zip(AIR, DARK, row, strict=True))
+            ),
+            ";",
+        )
+        + "[EndOfFile]\n"
+        for name, row in zip(("spec_1", "spec_2", "spec_3"), COUNTS, strict=True)
+    },
+    "among others": {
+        f"run/{name}.SSM": f'"File: {name}"\n"Int:500ms Aver:1"\n'
+        + matrix([], zip(AIR, row, strict=True), "  ").strip("\n")
+        + "\n"
+        for name, row in zip(
+            ("f1", "f2", "f3", "lamp HL", "dark"), [*COUNTS, COUNTS[0] * 2, DARK], strict=True
+        )
+    }
+    | {"run/readme.txt": "taken in May\n"},
     "below words": {"s.csv": "Maya\nIntegration: 500 ms\n\n" + LYING, "dark.csv": LYING_DARK},
     "against clock times": {
         "s.csv": matrix(["time", *AIR], ([stamp(t), *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),

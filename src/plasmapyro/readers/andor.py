@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.readers.ocean import Spectrum
+from plasmapyro.readers.spectrum import read_frames
 from plasmapyro.readers.text import number, quote, read_lines, refuse, require_end
 
 LARGEST = 96_000_000  # [byte]
@@ -45,29 +46,13 @@ def read_series(path):
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if ROW.match(line)), len(lines))
     header = dict(line.partition(":")[::2] for line in lines[:begin])
     exposure, cycle = (_seconds(path, header, key) for key in ("Exposure Time", "Kinetic Cycle Time"))
-    rows = [(i, line) for i, line in enumerate(lines[begin:], begin + 1) if line.strip()]
-    if exposure is None or len(rows) < 2:
-        refuse(
-            path,
-            "states no exposure time" if exposure is None else f"holds {len(rows)} pixels",
-            "export it from Andor Solis as ASCII with its header",
-        )
-    mark = next((one for one in (",", "\t", ";") if one in rows[0][1]), " ")
-    cells = [[cell.strip() for cell in line.rstrip(f" {mark}").split(mark)] for _, line in rows]
-    width = len(cells[0])
-    if width < 2 or width * len(cells) > MOST_SAMPLES:
-        refuse(path, f"{width - 1} frames of {len(cells)} pixels", "export one to as many as fit", rows[0][0])
-    for (line, _), row in zip(rows, cells, strict=True):
-        bad = [cell for cell in row if number(cell) is None or number(cell) != number(cell)]
-        if len(row) != width or bad:
-            what = f"{len(row)} cells, the first row has {width}"
-            what = f"{quote(bad[0])} is not a number" if bad else what
-            refuse(path, what, "export it again, with decimal points", line)
-    table = np.array([[float(cell) for cell in row] for row in cells])
-    if not (np.diff(table[:, 0]) > 0).all():
-        refuse(path, "the wavelengths do not rise", "export it again, calibrated in nm", rows[0][0])
-    time = exposure / 2 + (cycle or exposure) * np.arange(width - 1)
-    return Series(time, table[:, 0] * 1e-9, table[:, 1:].T, exposure)
+    if exposure is None:
+        refuse(path, "states no exposure time", "export it from Andor Solis as ASCII with its header")
+    wavelength, counts = read_frames(path)
+    if counts.size > MOST_SAMPLES:
+        refuse(path, f"{len(counts)} frames of {wavelength.size} pixels", "export as many as fit")
+    time = exposure / 2 + (cycle or exposure) * np.arange(len(counts))
+    return Series(time, wavelength, counts, exposure)
 
 
 def mean_spectrum(path):

@@ -31,7 +31,10 @@ NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 WAVES = re.compile(
     r"lambda|\u03bb|wave(l|$)|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
 )
-TIMES = re.compile(r"\W*(t|time|zeit|temps|tiempo|tempo)\b", re.IGNORECASE)
+TIMES = re.compile(r"\W*(t|time|zeit|temps|tiempo|tempo)(\b|_)", re.IGNORECASE)
+FRAME = re.compile(r"\W*(frame|spectrum|scan|spektrum|spectre)", re.IGNORECASE)
+VALUE = re.compile(r"intens|count|signal|radiance|value|wert", re.IGNORECASE)
+MOST_OF_LONG = 12  # columns of a table of a row per pixel
 ANGSTROM = re.compile(r"\u00c5|\u212b|angstr|[\[(/]\s*A\s*($|[\])])", re.ASCII)
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
@@ -498,8 +501,9 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     """A table of spectra: first header cell anything, then wavelengths; each row a time and its values.
 
     Where the first cell names wavelengths ('lambda', 'nm'), they stand in the first column instead, and
-    each other column is a spectrum below its time (a single one, such as a dark, below any word). Lines of
-    words above the table are passed over.
+    each other column is a spectrum below its time (a single one, such as a dark, below any word; the times
+    may stand in a row above). Where a later cell does, the table is long: a row per pixel, with its time or
+    the number of its frame. Lines of words above the table are passed over.
 
     Parameters
     ----------
@@ -528,7 +532,18 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     width = rows[-1][1].count(mark)
     while len(rows) > 2 and width and rows[0][1].count(mark) < width / 2 and rows[0][0] <= HEADER_LINES:
         del rows[0]
-    header = without_empty_end(split(rows[0][1], mark))
+    if (place := upright_row([split(line, mark) for _, line in rows[: STACKED + 1]])) is not None:
+        header = split(rows[place][1], mark)
+        if not any(header[1:]):  # the times stand above
+            timed = [i for i in range(place) if TIMES.match(split(rows[i][1], mark)[0])]
+            above = timed[-1] if timed else max(place - 1, 0)
+            header = [header[0], *split(rows[above][1], mark)[1:]]
+        rows = [(rows[place][0], None), *rows[place + 1 :]]
+    else:
+        header = split(rows[0][1], mark)
+    header = without_empty_end(header)
+    if long := long_places(header):
+        return _long(path, header, [(line, split(words, mark)) for line, words in rows[1:]], long, decimal)
     cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
     upright = names_wavelengths(header[0])
     if not upright and len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
@@ -587,6 +602,52 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     table = np.array(list(numbers.values()))
     values = np.where(np.isin(table[:, 1:], FILLS), np.nan, table[:, 1:])
     return table[:, 0] if times is None else times, wavelength, values
+
+
+def upright_row(rows):
+    """Which of some first rows names the wavelengths that stand below it, in the first column; or None."""
+    return next((i for i, row in enumerate(rows) if row and names_wavelengths(row[0])), None)
+
+
+def long_places(header):
+    """Places of wavelength, value and time or frame (or None) in a table of a row per pixel; or None."""
+    waves = [i for i, cell in enumerate(header) if WAVES.search(cell) and number(cell) is None]
+    times = [i for i, cell in enumerate(header) if TIMES.match(cell) or FRAME.match(cell)]
+    values = [i for i, cell in enumerate(header) if VALUE.search(cell)]
+    if len(waves) != 1 or not values or not (times or waves[0] > 0) or len(header) > MOST_OF_LONG:
+        return None
+    stamps = [i for i in times if TIMES.match(header[i])]
+    return waves[0], values[-1], (stamps or times or [None])[0]
+
+
+def _long(path, header, cells, places, decimal):
+    """(time, wavelength, values) of a table of a row per pixel; times may be numbers of frames."""
+    needed = max(place for place in places if place is not None)
+    decimal = decimal or (
+        "," if any("," in row[places[0]] for _, row in cells[:9] if len(row) > needed) else "."
+    )
+    columns = []
+    for place in places:
+        words = (
+            [(line, row[place] if place < len(row) else "") for line, row in cells]
+            if place is not None
+            else []
+        )
+        values = [number(word, decimal) for _, word in words]
+        if None in values:
+            line, word = words[values.index(None)]
+            refuse(
+                path, f"{quote(word)} in column {quote(header[place])} is not a number", "correct it", line
+            )
+        columns.append(np.array(values, dtype=float))
+    pixels, values, time = columns
+    again = np.flatnonzero(pixels[1:] == pixels[0])
+    count = again[0] + 1 if again.size else pixels.size
+    if pixels.size % count or not (pixels.reshape(-1, count) == pixels[:count]).all():
+        refuse(path, f"its {pixels.size} rows are no whole spectra of {count} pixels", "export it again")
+    time = time[::count] if time.size else np.arange(pixels.size // count, dtype=float)
+    values = np.where(np.isin(values, FILLS), np.nan, values)
+    return time, pixels[:count], values.reshape(-1, count)
 
 
 def names_wavelengths(cell):

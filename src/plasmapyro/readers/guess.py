@@ -360,7 +360,7 @@ def describe(folder):
                 *remarks,
             ]
         )
-    attributes = _attributes(folder, read, bool(pyrometer), kinds if spectrometer else None, questions)
+    attributes = _attributes(folder, read, bool(pyrometer), spectrometer, kinds, questions)
     head = [
         "# Guessed from the files; every '?' is a question that no file answers: correct what is wrong, then",
         "#   plasmapyro check FOLDER",
@@ -378,9 +378,11 @@ def _kind(path):
         return None, None
     if path.suffix.lower() == ".tdms":
         return "tdms", None
-    lines = table_lines(path, columns.LARGEST)[0]
-    lines = [line for line in lines[: ocean.HEADER_LINES] if line.strip()]
-    if any(line.startswith(ocean.FENCE) for line in lines) or ocean.plain_spectrum(lines):
+    every = table_lines(path, columns.LARGEST)[0]
+    lines = [line for line in every[: ocean.HEADER_LINES] if line.strip()]
+    if any(line.startswith("Exposure Time (secs)") for line in lines):
+        return "andor", None
+    if any(line.startswith(ocean.FENCE) for line in lines) or ocean.plain_spectrum(every):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
     try:
@@ -416,8 +418,14 @@ def _matrix(lines):
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
-        upright = columns.names_wavelengths(rows[start][0])
-        listed = [row[0] for row in rows[start + 1 :]] if upright else rows[start][1:]
+        upright = columns.upright_row(rows[: columns.HEADER_LINES])
+        if upright is not None and len(rows[upright]) > len(rows[-1]):
+            continue
+        start = start if upright is None else upright
+        listed = rows[start][1:] if upright is None else [row[0] for row in rows[start + 1 :]]
+        if long := columns.long_places(rows[start]):
+            listed = [row[long[0]] for row in rows[start + 1 :] if len(row) > long[0]]
+            listed = listed[: listed.index(listed[0], 1)] if listed[0] in listed[1:] else listed
         values = [number(word, "," if "," in word else ".") for word in listed]
         if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
             values.sort()
@@ -659,6 +667,10 @@ def _spectrometer(folder, kinds, read, questions):
                 f"spectrometer.folder: spectra lie in {len(places)} folders; {place.name} is taken"
             )
         found = [f"  folder: {_quoted(place.relative_to(folder).as_posix())}"]
+        series, light, others = _series(place, light, dark)
+        if others:
+            found.append(f"  files: {_quoted(series)}")
+            questions.append(f"spectrometer.files: only {series} are taken, not {', '.join(others[:5])}")
         spectrum = ocean.read_spectrum(light[0])
         found += _quantity(
             next(iter(spectrum.columns.values())) if len(spectrum.columns) == 1 else None, questions
@@ -684,7 +696,27 @@ def _spectrometer(folder, kinds, read, questions):
             found.append(f"  time: {{from: order, first: {period / 2:.4g}, period: {period:.4g}}}  # ? s")
             questions.append("spectrometer.time: when was the first spectrum, and how far apart are they?")
         return found
+    if "andor" in kinds:
+        dark = [path for path, _ in kinds["andor"] if ocean.DARK.search(path.stem)]
+        light = [path for path, _ in kinds["andor"] if path not in dark] or dark
+        found = [_named(folder, light), "  format: andor", "  quantity: counts"]
+        questions.append("spectrometer.zero: when, after the begin of the series, is 0? 0 s is taken")
+        return found + [f"  background: {_quoted(path.relative_to(folder).as_posix())}" for path in dark[:1]]
     return _matrix_lines(folder, kinds["matrix"], [], questions) if "matrix" in kinds else []
+
+
+def _series(place, light, dark):
+    """Pattern of the names of the largest series in a folder, its files, and the names of the others."""
+    groups = {}
+    for path in light:
+        groups.setdefault(re.sub(r"\d+", "*", path.name), []).append(path)
+    pattern, series = max(groups.items(), key=lambda item: len(item[1]))
+    held = [path for path in place.iterdir() if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
+    others = [path.name for path in held if path not in series and path not in dark[:1]]
+    odd = series[0].suffix.lower() not in parts.SPECTRUM_SUFFIXES
+    if len(series) < 2 or not (others or odd):
+        return pattern, light, []
+    return pattern, series, sorted(others) or ["files of other kinds"]
 
 
 def _matrix_lines(folder, listed, dark, questions):
@@ -708,7 +740,12 @@ def _matrix_lines(folder, listed, dark, questions):
             f"  time_format: {_quoted(form)}",
             f"  zero: {_quoted(zero)}  # ? the moment that shall be 0",
         ]
-    values = columns.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)[2]
+    times, _, values = columns.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)
+    if not stamps and times.size > 1 and (np.diff(times) == 1).all() and times[0] in (0, 1):
+        questions.append(
+            "spectrometer.time: the spectra are numbered: when was the first, how far apart are they?"
+        )
+        timing = ["  time: {from: order, first: 0.5, period: 1.0}  # ? s"]
     found = [
         _named(folder, tables),
         f"  delimiter: {_quoted(mark)}",
@@ -730,7 +767,7 @@ def _quantity(values, questions, table=False):
     return ["  quantity: spectral_radiance", "  unit: W/m2/sr/nm  # ?"]
 
 
-def _attributes(folder, read, pyrometer, kinds, questions):
+def _attributes(folder, read, pyrometer, spectrometer, kinds, questions):
     """Lines of the attributes: events from the signals where there are any, the rest asked for."""
     begin, end, window = _events(read)
     rows = [
@@ -748,17 +785,21 @@ def _attributes(folder, read, pyrometer, kinds, questions):
             ("window_transmittance_pyrometer", "0.9", "?"),
             ("pyrometer_integration_time", "0.01", "? s"),
         ]
-    if kinds:
-        width, exposure = 1.5e-9, None
-        if "spectrum" in kinds:
+    if spectrometer:
+        width, exposure, stated = 1.5e-9, None, None
+        if "folder:" in spectrometer[0]:
             spectrum = ocean.read_spectrum(kinds["spectrum"][0][0])
             # A slit is as wide as two pixels or more, or the maker has wasted some.
             width, exposure = 2 * np.median(np.diff(spectrum.wavelength)), spectrum.integration_time
+        elif "  format: andor" in spectrometer:
+            exposure = np.nan  # its header brings it
+        else:
+            stated = ocean.stated_exposure([path for path, _ in kinds["matrix"]])
         rows += [
             ("window_transmittance_spectrometer", "0.9", "?"),
             ("spectrometer_fwhm", f"{width:.2g}", "? m"),
         ]
-        rows += [("spectrometer_integration_time", "0.1", "? s")] * (exposure is None)
+        rows += [("spectrometer_integration_time", f"{stated or 0.1:g}", "? s")] * (exposure is None)
     questions += [
         f"attributes.{name}: {words.lstrip('? ') or 'not in the files'}" for name, _, words in rows if words
     ]

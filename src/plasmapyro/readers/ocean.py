@@ -14,17 +14,28 @@ LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
 LEAST_PIXELS = 20  # of a spectrum without a header
 DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697", re.IGNORECASE)
-REFERENCE = re.compile(r"^\W*ref", re.IGNORECASE)  # light of a lamp, beside that of the sample
+DERIVED = re.compile(r"subtract|correct|korrig|minus|transm|absorb|raman|wavenumber|scope", re.IGNORECASE)
+NO_LIGHT = re.compile(f"{DERIVED.pattern}|^\\W*ref", re.IGNORECASE)  # a reference is light of a lamp
+RAW = re.compile(r"raw|sample|probe|signal|counts|intens|muestra", re.IGNORECASE)
+NO_NAMES = re.compile(r"^\s*[#%!/\"\[]|[:=]")  # a line that is no row of names
 FENCE = ">>>>>"
 HEADER_LINES = 100
 LEAST_CLIPPED = 5  # neighbours at exactly the highest value: no light does that, a converter does
 LEAST_CLIPPED_COUNTS = 4096.0  # below this a plateau can be rounding of a dark spectrum
-PER_SECOND = {"usec": 1e6, "\u03bcsec": 1e6, "us": 1e6, "msec": 1e3, "ms": 1e3, "sec": 1.0, "s": 1.0}
+PER_SECOND = {"usec": 1e6, "\u03bcsec": 1e6, "us": 1e6, "msec": 1e3, "ms": 1e3}
+PER_SECOND |= dict.fromkeys(("s", "sec", "secs"), 1.0)
 MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 DATE = re.compile(
     r"\b([A-Za-z]{3}) (\d{1,2}) (\d{1,2}):(\d{2}):(\d{2})(?: ([A-Za-z0-9+:-]{1,9}))? (\d{4})\b", re.ASCII
 )
-UNIT = re.compile(r"\(([^()\d]{1,6})\)")
+EXPOSURE = re.compile(  # 'Integration Time (usec): 600000', 'Acq. time (s)=\t0.5'
+    r"(?:int[ei]gra|exposure|belicht|acq)[^:;=,\t]*\((?P<unit>[^()\d]{1,6})\)\s*[:;=,\t]+\s*(?P<value>[^\s;]*)",
+    re.IGNORECASE,
+)
+EXPOSED = re.compile(  # 'Int:500ms', 'Exposure time = 0.5 s'
+    r"\b(?:int|exposure|belicht|acq)[^:;=,\t\d]*[:;=,\t]\s*(?P<value>[\d.,]+)\s*(?P<unit>[um\u03bc]?s(ec)?)\b",
+    re.IGNORECASE,
+)
 BODY = set("0123456789+-.,eE\t ")
 
 
@@ -97,47 +108,104 @@ def read_spectrum(path):
     )
 
 
-def plain_spectrum(lines):
-    """The `Spectrum` in lines of nothing but wavelengths and values beside them, or None.
+class Block(NamedTuple):
+    """Rows of numbers in a text: values, their lines (from 0), delimiter, and where they break off."""
 
-    One row of names may stand above: a column named as dark becomes 'D', the one that is left then 'S'.
-    Wavelengths [nm], [um] if all are below 10, or in Angstrom if their name says so, that rise or fall.
+    table: np.ndarray
+    lines: list
+    mark: str
+    stop: int | None  # line that holds numbers and is no further row
+
+
+def block_of(lines, least=LEAST_PIXELS):
+    """The first `Block` of so many rows of two or more numbers, each of as many as the first; or None."""
+    for first in range(min(len(lines), HEADER_LINES)):
+        for mark in columns.DELIMITERS.values():
+            for decimal in ".,":
+                row = None if decimal == mark else _numbers(lines[first], mark, decimal)
+                if row is None or len(row) < 2:
+                    continue
+                rows, at, stop = [row], [first], None
+                for place, line in enumerate(lines[first + 1 :], first + 1):
+                    if not line.strip():
+                        continue
+                    row = _numbers(line, mark, decimal)
+                    if row is None or len(row) != len(rows[0]):
+                        stop = place
+                        break
+                    rows.append(row)
+                    at.append(place)
+                if len(rows) < least:
+                    continue
+                after = [] if stop is None else enumerate(lines[stop:], stop)
+                cells = ((place, cell) for place, line in after for cell in columns.split(line, mark))
+                stop = next((place for place, cell in cells if columns.is_value(cell)), None)
+                return Block(np.array(rows), at, mark, stop)
+    return None
+
+
+def _numbers(line, mark, decimal):
+    cells = line.split() if mark == " " else columns.without_empty_end(columns.split(line, mark))
+    values = [number(cell, decimal) for cell in cells]
+    return None if None in values else values
+
+
+def plain_spectrum(lines):
+    """The `Spectrum` in lines of wavelengths and values beside them, below words or nothing; or None.
+
+    A row of names may stand above: a column named as dark becomes 'D', the one that is left, or the one of
+    raw counts, 'S'. Wavelengths [nm], [um] if all are below 10, or in Angstrom if their name says so, that
+    rise or fall.
     """
-    for mark in columns.DELIMITERS.values():
-        rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines if line.strip()]
-        for decimal in ".,":
-            values = [[number(cell, decimal) for cell in row] for row in rows]
-            first = next((i for i, row in enumerate(values) if len(row) > 1 and None not in row), None)
-            if first is None or first > HEADER_LINES or len(values) - first < LEAST_PIXELS:
-                continue
-            width = {len(row) for row in values[first:]}
-            if len(width) > 1 or any(None in row for row in values[first:]):
-                continue
-            table = np.array(values[first:])
-            names = rows[first - 1] if first and len(rows[first - 1]) in width else None
-            if names and first > 1 and columns.units_below(names) and len(rows[first - 2]) >= len(names):
-                names = rows[first - 2][: len(names)]
-            if names and not columns.WAVES.search(names[0]) and columns.WAVES.search(names[1]):
-                names, table = names[1:], table[:, 1:]  # behind the number of the pixel
-            if names and len(set(names)) < len(names) or table.shape[1] < 2:
-                continue
-            table = table[::-1] if table[0, 0] > table[-1, 0] else table
-            named = names is not None and columns.WAVES.search(names[0])
-            angstrom = named and columns.ANGSTROM.search(names[0])
-            wavelength = table[:, 0] * (1e-10 if angstrom else 1e-6 if table[-1, 0] < 10 else 1e-9)
-            if not (np.diff(wavelength) > 0).all() or not 1.5e-7 < wavelength[0] < wavelength[-1] < 5e-6:
-                continue
-            numbered = names is not None and all(
-                number(columns.moment(name), decimal) is not None for name in names[1:]
-            )
-            if table.shape[1] > 2 and numbered or not named and (names is not None or table.shape[1] > 2):
-                continue
-            names = names or ["W", "S"]
-            kinds = ["D" if DARK.search(name) else name for name in names[1:]]
-            light = [at for at, name in enumerate(kinds) if name != "D" and not REFERENCE.search(name)]
-            if len(light) == 1:
-                kinds[light[0]] = "S"
-            return Spectrum(wavelength, dict(zip(kinds, table[:, 1:].T, strict=True)), *[None] * 7)
+    block = block_of(lines)
+    if block is None or block.stop is not None:
+        return None
+    table, first = block.table, block.lines[0]
+    above = [line for line in lines[:first] if line.strip()][-3:]
+    above = [columns.split(line.lstrip("#%! "), block.mark) for line in above]
+    named = [row for row in above if len(row) >= table.shape[1] and any(map(columns.WAVES.search, row))]
+    if named:
+        names = next((row for row in reversed(named) if not columns.units_below(row)), named[-1])
+        names = names[: table.shape[1]]
+        place = next((i for i, name in enumerate(names) if columns.WAVES.search(name)), table.shape[1])
+        if any(columns.TIMES.match(name) for name in names[: place + 1]):
+            return None
+        names, table = names[place:], table[:, place:]
+    else:
+        if above and len(above[-1]) == table.shape[1] and not NO_NAMES.search(lines[first - 1]):
+            return None  # columns of something else
+        if table.shape[1] == 3 and (np.diff(table[:, 0]) == 1).all():
+            table = table[:, 1:]  # behind the number of the pixel
+        names = ["W", "S"]
+    if len(set(names)) < len(names) or len(names) != table.shape[1] or len(names) < 2:
+        return None
+    if table.shape[1] > 2 and all(columns.is_value(columns.moment(name)) for name in names[1:]):
+        return None  # spectra below their times
+    table = table[::-1] if table[0, 0] > table[-1, 0] else table
+    wavelength = table[:, 0] * (
+        1e-10 if columns.ANGSTROM.search(names[0]) else 1e-6 if table[-1, 0] < 10 else 1e-9
+    )
+    if not (np.diff(wavelength) > 0).all() or not 1.5e-7 < wavelength[0] < wavelength[-1] < 5e-6:
+        return None
+    kinds = ["D" if DARK.search(name) and not DERIVED.search(name) else name for name in names[1:]]
+    light = [i for i, name in enumerate(kinds) if name != "D" and not NO_LIGHT.search(name)]
+    raw = [i for i in light if RAW.search(kinds[i])]
+    for listed in (light, raw):
+        if len(listed) == 1:
+            kinds[listed[0]] = "S"
+            break
+    header = [_plain(line) for line in lines[:first]]
+    found = dict(zip(kinds, table[:, 1:].T, strict=True))
+    exposure = _integration_time(None, header)
+    return Spectrum(wavelength, found, *_date(header), exposure, None, None, None, None)
+
+
+def stated_exposure(paths):
+    """The exposure [s] that words above the first of some tables state, or None."""
+    for path in paths:
+        header = [_plain(line) for line in read_lines(path, columns.LARGEST)[0][:HEADER_LINES]]
+        if (found := _integration_time(path, [line[:200] for line in header])) is not None:
+            return found
     return None
 
 
@@ -267,15 +335,14 @@ def _yes(header, word, but=None):
 
 def _integration_time(path, header):
     for index, line in enumerate(header, 1):
-        key, colon, rest = line.partition(":")
-        unit = UNIT.search(key.lower())
-        if not colon or "integra" not in key.lower() or unit is None or unit.group(1) not in PER_SECOND:
+        match = EXPOSURE.search(line) or EXPOSED.search(line)
+        if match is None or match["unit"].lower() not in PER_SECOND:
             continue
-        word = rest.split()[0] if rest.split() else ""
+        word = match["value"]
         value = number(word, "," if "," in word else ".")
         if value is None or not value > 0:
-            refuse(path, f"integration time {quote(rest)} is not a number > 0", "correct the header", index)
-        return value / PER_SECOND[unit.group(1)]
+            refuse(path, f"integration time {quote(word)} is not a number > 0", "correct the header", index)
+        return value / PER_SECOND[match["unit"].lower()]
     return None
 
 

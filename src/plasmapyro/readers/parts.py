@@ -1,5 +1,6 @@
 """The parts of a test folder, each from its section of test.yaml."""
 
+import fnmatch
 import re
 from datetime import datetime
 from itertools import pairwise
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro.readers import andor, burst, clock, columns, ocean, tdms, units
-from plasmapyro.readers.text import Refusal, fault, number, quote, refuse, refuse_all
+from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines, refuse, refuse_all
 from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
 
@@ -183,6 +184,7 @@ def spectrometer(folder, section):
             "marks": columns.marks(section),
             "zero": 0.0 if "time_format" in section else section.number("zero", 0.0),
             "background": section.file("background"),
+            "time": _time_settings(section, ("order",)) if "time" in section else None,
         }
         if settings["stamps"]:
             settings["stamps"] = (settings["stamps"], section.text("zero", "", needed=True))
@@ -194,6 +196,7 @@ def spectrometer(folder, section):
             ),
             "wavelength_unit": "nm",
             "column": section.text("column"),
+            "pattern": section.text("files"),
             "background": section.file("background"),
             "time": _time_settings(section),
         }
@@ -282,8 +285,8 @@ def _check_units(section, settings):
             )
 
 
-def _time_settings(section):
-    """How the files of a folder get their times."""
+def _time_settings(section, sources=("order", "date")):
+    """How the files of a folder, or the spectra of a table, get their times."""
     time = section.section("time") if "time" in section else None
     if time is None:
         section.used.add("time")
@@ -291,7 +294,7 @@ def _time_settings(section):
             "time", "is missing", "state `from: order` with `first` and `period`, or `from: date` with `zero`"
         )
         return None
-    source = time.text("from", choices=("order", "date"), needed=True)
+    source = time.text("from", choices=sources, needed=True)
     found = {"from": source}
     if source == "order":
         found |= {
@@ -317,6 +320,8 @@ def _many_files(place, folder, settings):
     background = settings["background"]
     dark_path = Path(folder) / background if background else None
     listed = [path for path in place.iterdir() if path.suffix.lower() in SPECTRUM_SUFFIXES]
+    if settings["pattern"]:
+        listed = [path for path in place.iterdir() if fnmatch.fnmatchcase(path.name, settings["pattern"])]
     try:
         paths = sorted(
             (path for path in listed if not (dark_path and path.resolve() == dark_path.resolve())),
@@ -327,8 +332,8 @@ def _many_files(place, folder, settings):
     if not paths or len(paths) > MOST_SPECTRA:
         refuse(
             place,
-            f"holds {len(paths)} spectrum files ({', '.join(sorted(SPECTRUM_SUFFIXES))})",
-            f"1 to {MOST_SPECTRA} can be read",
+            f"holds {len(paths)} spectra ({settings['pattern'] or ', '.join(sorted(SPECTRUM_SUFFIXES))})",
+            f"1 to {MOST_SPECTRA} can be read; `files: 'run_*.txt'` names those that are meant",
         )
     spectra, faults = _read_all(paths, settings)
     dark = None
@@ -373,8 +378,8 @@ def _read_all(paths, settings):
 SETTINGS = ("integration_time", "averages", "dark_corrected", "linearised")
 
 
-def require_alike(path, spectrum, first_path, first, settings=SETTINGS):
-    """Refuse a spectrum of other wavelengths than the first, or of other settings."""
+def require_alike(path, spectrum, first_path, first, settings=SETTINGS, of="a spectrum"):
+    """Refuse a spectrum, or a dark, of other wavelengths than the first, or of other settings."""
     if spectrum.wavelength.size != first.wavelength.size or not np.allclose(
         spectrum.wavelength, first.wavelength, rtol=0, atol=SHIFT
     ):
@@ -383,13 +388,14 @@ def require_alike(path, spectrum, first_path, first, settings=SETTINGS):
         )
     for name in settings:
         mine, its = getattr(spectrum, name), getattr(first, name)
-        if mine != its:
+        if mine != its and not (of == "a dark" and mine is None):
             words = name.replace("_", " ")
-            refuse(
-                path,
-                f"{words} {mine}, but {its} in {first_path.name}",
-                "spectra of one test need common settings: split the folder",
+            remedy = (
+                "take a dark of the same settings, and name it as `background`"
+                if of == "a dark"
+                else "spectra of one test need common settings: split the folder, or name some as `files`"
             )
+            refuse(path, f"{words} {mine}, but {its} in {first_path.name}", remedy)
 
 
 def _of_folder(paths, spectra, dark_path, dark, settings):
@@ -414,7 +420,7 @@ def _of_folder(paths, spectra, dark_path, dark, settings):
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)
         if dark is not None:
-            require_alike(dark_path, dark, paths[0], first)
+            require_alike(dark_path, dark, paths[0], first, of="a dark")
             result["background_counts"] = ocean.column_of(dark_path, dark, settings)
         elif "D" in first.columns and settings["column"] in (None, "S"):
             result["background_counts"] = first.columns["D"]
@@ -487,6 +493,13 @@ def _tables(paths, folder, settings):
         factor = 1.0 if settings["stamps"] else units.factor(settings["time_unit"], "spectrum_time")
         parts.append({"time": time * factor, "pixels": pixels, "values": values})
     pixels = parts[0]["pixels"]
+    if settings["time"]:
+        count = sum(part["time"].size for part in parts)
+        moments = np.split(
+            settings["time"]["first"] + settings["time"]["period"] * np.arange(count),
+            np.cumsum([part["time"].size for part in parts])[:-1],
+        )
+        parts = [part | {"time": moment} for part, moment in zip(parts, moments, strict=True)]
     whole = joined(paths, parts, settings["zero"])
     order = np.argsort(pixels, kind="stable")
     wavelength = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
@@ -501,14 +514,25 @@ def _tables(paths, folder, settings):
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)
         if background:
-            _, dark_pixels, dark = read(background)
-            if dark_pixels.shape != pixels.shape or not np.array_equal(dark_pixels, pixels):
+            own = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
+            plain = ocean.plain_spectrum(read_lines(background, columns.LARGEST)[0])
+            if plain is not None:
+                dark_pixels, dark = (
+                    plain.wavelength,
+                    ocean.column_of(background, plain, settings | {"column": None}),
+                )
+            else:
+                _, dark_pixels, dark = read(background)
+                dark_pixels = dark_pixels[order] if dark_pixels.shape == order.shape else dark_pixels
+                dark_pixels = dark_pixels * units.factor(settings["wavelength_unit"], "wavelength")
+                dark = np.mean(dark, axis=0)[order] if dark_pixels.shape == own.shape else dark
+            if dark_pixels.shape != own.shape or not np.allclose(dark_pixels, own, rtol=0, atol=SHIFT):
                 refuse(
                     background,
                     f"other wavelengths than {paths[0].name}",
                     "use a dark of the same instrument",
                     1,
                 )
-            result["background_counts"] = np.mean(dark, axis=0)[order]
+            result["background_counts"] = dark
     result[settings["quantity"]] = values
     return result, attrs, files

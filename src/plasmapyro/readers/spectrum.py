@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from plasmapyro.readers.columns import DELIMITERS
-from plasmapyro.readers.ocean import FENCE, read_spectrum
-from plasmapyro.readers.text import number, read_lines, refuse
+from plasmapyro.readers.ocean import FENCE, block_of, read_spectrum
+from plasmapyro.readers.text import read_lines, refuse
 
 LARGEST = 32_000_000  # [byte]
 HEADER_LINES = 100
@@ -27,22 +26,19 @@ def read_frames(path):
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):
         spectrum = read_spectrum(path)
         return spectrum.wavelength, np.array([list(spectrum.columns.values())[-1]])
-    first, split = _begin(path, lines)
-    rows = []
-    for at, line in enumerate(lines[first:], first + 1):
-        row = split(line)
-        if not line.strip():
-            continue
-        if row is None or (rows and len(row) != len(rows[0])) or np.isnan(row).any():
-            refuse(path, "is no row of as many numbers as those above", "correct or remove the line", at)
-        rows.append(row)
-    table = np.array(rows)
+    block = block_of(lines, least=1)
+    if block is None:
+        refuse(path, "holds no row of two or more numbers", "it needs wavelength [nm] and signal in columns")
+    table = block.table
+    if block.stop is not None or np.isnan(table).any():
+        at = block.lines[int(np.isnan(table).any(axis=1).argmax())] if np.isnan(table).any() else block.stop
+        refuse(path, "is no row of as many numbers as those above", "correct or remove the line", at + 1)
     wavelength = table[:, 0]
-    if len(rows) < LEAST or not (np.diff(wavelength) > 0).all() or not _in_range(wavelength):
+    if len(table) < LEAST or not (np.diff(wavelength) > 0).all() or not _in_range(wavelength):
         refuse(
             path,
             "the first column is no scale of wavelengths:"
-            f" {len(rows)} rows from {wavelength[0]:g} to {wavelength[-1]:g}",
+            f" {len(table)} rows from {wavelength[0]:g} to {wavelength[-1]:g}",
             f"it must hold {LEAST} or more, rising, in nm",
         )
     return wavelength * 1e-9, table[:, 1:].T
@@ -50,19 +46,3 @@ def read_frames(path):
 
 def _in_range(wavelength):
     return wavelength[0] >= SHORTEST and wavelength[-1] <= LONGEST
-
-
-def _begin(path, lines):
-    """Index of the first row of numbers, and what splits a line into numbers (None if it holds others)."""
-    for at, line in enumerate(lines[:HEADER_LINES]):
-        for mark in DELIMITERS.values():
-            for decimal in ".,":
-                if decimal != mark and len(_row(line, mark, decimal) or ()) >= 2:
-                    return at, lambda line, mark=mark, decimal=decimal: _row(line, mark, decimal)
-    refuse(path, "holds no row of two or more numbers", "it needs wavelength [nm] and signal in columns")
-
-
-def _row(line, mark, decimal):
-    cells = line.split() if mark.isspace() else line.rstrip().rstrip(mark).split(mark)
-    values = [number(cell, decimal) for cell in cells]
-    return None if None in values else values

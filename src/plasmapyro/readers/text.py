@@ -190,6 +190,9 @@ def number(word, decimal="."):
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
     word = word.strip()
+    if decimal == "." and NUMBER.fullmatch(word):
+        value = float(word.replace("d", "e").replace("D", "e"))
+        return value if math.isfinite(value) else None
     if missing(word):
         return math.nan
     if word[0] in "+-":  # '+   10.6'

@@ -51,6 +51,12 @@ def has_plasma(test):
     return attributes.get("condition") != "none" or "reference_window" in attributes
 
 
+REMEDIES = {
+    "background_counts": "; counts need a dark spectrum of the same exposure: name its file as"
+    " `spectrometer.background`, or record one"
+}
+
+
 def faults(test):
     """Every breach of the rules for a test.
 
@@ -93,7 +99,7 @@ def _faults_of_variables(test, present):
         needed += ["radiometer_setting"] if "radiometer_reading" in test.variables else []
     for name in needed:
         if name not in test.variables:
-            yield f"{name}: missing"
+            yield f"{name}: missing{REMEDIES.get(name, '')}"
     for name, unit in UNITS.items():
         if name not in test.variables:
             continue
