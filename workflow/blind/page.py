@@ -1,140 +1,21 @@
-"""The scoreboard as a page of text and a picture."""
+"""The scoreboard as a page of text (`scoreboard.md`) and a picture."""
 
+from pathlib import Path
+
+import jinja2
 import numpy as np
-
-
-def _by_world(worlds):
-    """Rates of each world beside the bars."""
-    if not worlds:
-        return []
-    lines = ["", "## By world", "", f"| | bar | {' | '.join(worlds)} |", "|---|---|" + "---|" * len(worlds)]
-    for rows in zip(*(board["bars"] for board in worlds.values()), strict=True):
-        if any(row["value"] is not None for row in rows):
-            cells = [f"{_measured(row)} of {row['cases']}" for row in rows]
-            lines.append(f"| {rows[0]['bar']} | {rows[0]['rule']} | {' | '.join(cells)} |")
-    return lines
 
 
 def text(board, heading, notes=()):
     """The scoreboard as a page of text."""
-    lines = [
-        "# Scoreboard of the blind tests",
-        "",
-        heading,
-        "",
-        *(part for note in notes for part in (note, "")),
-        f"Cases: {_counts(board['cases'])}. Not reachable within the physical range:"
-        f" {_counts(board['skipped'])}. Failed: {_counts(board['failed'])}.",
-        "",
-        "## Against the bars",
-        "",
-        "In brackets 95 % intervals: exact binomial ones of rates, by resampling the cases of all else.",
-        "",
-        "| | measured | cases | bar | |",
-        "|---|---|---|---|---|",
-    ]
-    for row in board["bars"]:
-        verdict = {None: "not measured", True: "held", False: "**missed**"}[row["held"]]
-        lines.append(f"| {row['bar']} | {_measured(row)} | {row['cases']} | {row['rule']} | {verdict} |")
-    lines += _by_world(board.get("worlds", {}))
-    told = [row for row in board["bars"] if row["why"]]
-    if told:
-        lines += ["", "Behind the bars that are missed:", ""]
-        lines += [f"- {row['bar']}: {row['why']}" for row in told]
-    lines += ["", "## One hidden effect", ""]
-    lines += [
-        "| SNR | cases | detected | class | exact | in the ambiguity set | median set | extra term |",
-        "|---|" + "---|" * 7,
-    ]
-    for snr, row in board["ladder"].items():
-        cells = [_share(row[name]) for name in ("detected", "class", "exact", "in_set")]
-        lines.append(
-            f"| {snr} | {row['class']['trials']} | {' | '.join(cells)} | {_number(row['set_size'])}"
-            f" | {_share(row['extra'])} |"
-        )
-    lines += [
-        "",
-        "## Nothing hidden",
-        "",
-        "| noise | cases | false alarms (95 % interval) |",
-        "|---|---|---|",
-    ]
-    for name, row in [("as assumed", board["false_alarms"]), *sorted(board["false_alarms_by_noise"].items())]:
-        lines.append(f"| {name} | {row['trials']} | {_interval(row)} |")
-    lines += [
-        "",
-        "## Effects outside the catalogue: called unknown",
-        "",
-        "| effect | cases | unknown |",
-        "|---|---|---|",
-    ]
-    for name, row in sorted(board["outside"]["by_effect"].items()):
-        lines.append(f"| {name} | {row['trials']} | {_interval(row)} |")
-    lines += ["", "## Six explanations", "", "| explanation | cases | found |", "|---|---|---|"]
-    for name, row in sorted(board["puzzle"]["by_explanation"].items()):
-        lines.append(f"| {name} | {row['trials']} | {_interval(row)} |")
-    lines += [
-        "",
-        "## By effect, SNR >= 8",
-        "",
-        "| effect | cases | class | exact | answers |",
-        "|---|---|---|---|---|",
-    ]
-    for name, row in board["by_effect"].items():
-        answers = sorted(board["confusion"].get(name, {}).items(), key=lambda pair: (-pair[1], pair[0]))
-        said = ", ".join(f"{answer} {count}" for answer, count in answers)
-        lines.append(
-            f"| {name} | {row['class']['trials']} | {_share(row['class'])} | {_share(row['exact'])}"
-            f" | {said} |"
-        )
-    temperature = board["temperature"]
-    lines += [
-        "",
-        "## Temperature, t = 18 to 330 s",
-        "",
-        "| median rms error [K] | paper | base | extended |",
-        "|---|---|---|---|",
-    ]
-    for label, key in (("all", "rms"), ("class named", "rms_named")):
-        row = temperature[key]
-        lines.append(
-            f"| {label} | {_number(row['paper'])} | {_number(row['base'])} | {_number(row['extended'])} |"
-        )
-    lines += ["", _reductions(temperature), ""]
-    lines += ["## Stated probabilities", "", "| stated | right | cases |", "|---|---|---|"]
-    lines += [f"| {said:.2f} | {right:.2f} | {number} |" for said, right, number in board["reliability"]]
-    cost = board["cost"]
-    if cost:
-        lines += [
-            "",
-            f"Cost per data set, screening, refits and gain together: {cost['processor_median']:.1f} s of one"
-            f" processor (median), {cost['processor_worst']:.0f} s at worst, {cost['wall_worst']:.0f} s at"
-            " worst by the clock; the bars are 60 s for the screening and 600 s with refits on two cores.",
-        ]
-    return "\n".join(lines) + "\n"
-
-
-def _reductions(temperature):
-    """Sentence about what the extension does to wrong temperatures."""
-    parts = []
-    for key, name in (
-        ("reduction_of_paper_where_biased", "the paper's correction"),
-        (
-            "reduction_where_biased",
-            "the base fit, which frees temperature, emittance, gains and power already",
-        ),
-    ):
-        row = temperature[key]
-        if row["value"] is not None:
-            parts.append(f"{name}: {_measured(row)} times in {row['trials']} cases")
-    if not parts:
-        return "No single effect of SNR 8 or more biased a temperature by 10 K."
-    return (
-        "Root mean square error over that of the extended fit (median), single effects of SNR 8 and more"
-        " where the former has a bias of 10 K or more over nine successive values. Of "
-        + "; of ".join(parts)
-        + "."
+    page = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        trim_blocks=True,
+        undefined=jinja2.StrictUndefined,
     )
+    shown = (_measured, _number, _share, _interval, _counts, _answers)
+    page.filters |= {form.__name__[1:]: form for form in shown}
+    return page.get_template("scoreboard.md").render(board=board, heading=heading, notes=notes)
 
 
 def _measured(row):
@@ -159,6 +40,12 @@ def _interval(entry):
 
 def _counts(counter):
     return ", ".join(f"{count} {kind}" for kind, count in sorted(counter.items())) or "none"
+
+
+def _answers(counter):
+    """Answers to one effect, the most frequent first."""
+    said = sorted(counter.items(), key=lambda pair: (-pair[1], pair[0]))
+    return ", ".join(f"{answer} {count}" for answer, count in said)
 
 
 def figure(board, path):
