@@ -1,6 +1,7 @@
 """The scoreboard: rates with their confidence intervals, against the bars."""
 
 from collections import Counter, defaultdict
+from operator import itemgetter
 
 import numpy as np
 from scipy.stats import beta
@@ -13,11 +14,11 @@ BIASED = 10.0  # [K] from which a temperature counts as wrong
 RESAMPLED = 1000  # draws behind the intervals of medians and means
 
 
-def clopper_pearson(hits, trials, level=LEVEL):
+def clopper_pearson(hits, trials):
     """Exact confidence interval of a proportion; (0, 1) without trials."""
     if trials == 0:
         return 0.0, 1.0
-    tail = (1 - level) / 2
+    tail = (1 - LEVEL) / 2
     low = beta.ppf(tail, hits, trials - hits + 1) if hits else 0.0
     high = beta.ppf(1 - tail, hits + 1, trials - hits) if hits < trials else 1.0
     return float(low), float(high)
@@ -44,7 +45,7 @@ def statistic(values, function):
 
 def summary(records):
     """All scores of a set of finished cases (dicts of case, kind, effects, score, cost)."""
-    done = [one for one in records if one["outcome"] == "scored"]
+    done = [one | one["score"] for one in records if one["outcome"] == "scored"]
     kinds = defaultdict(list)
     for one in done:
         kinds[one["kind"]].append(one)
@@ -53,55 +54,40 @@ def summary(records):
         "cases": dict(Counter(one["kind"] for one in done)),
         "skipped": dict(Counter(one["kind"] for one in records if one["outcome"] == "beyond range")),
         "failed": dict(Counter(one["kind"] for one in records if one["outcome"] == "failed")),
-        "false_alarms": rate(one["score"]["alarm"] for one in kinds["null"]),
-        "not_adequate_nulls": rate(one["score"]["status"] == "not-adequate" for one in kinds["null"]),
-        "false_alarms_wrong_noise": rate(one["score"]["alarm"] for one in kinds["liar"]),
-        "false_alarms_by_noise": {
-            noise: rate(one["score"]["alarm"] for one in group)
-            for noise, group in _grouped(kinds["liar"], lambda one: one["noise"]).items()
-        },
-        "ladder": {
-            f"{snr:g}": _naming(group)
-            for snr, group in sorted(_grouped(single, lambda one: one["effects"][0]["snr"]).items())
-        },
-        "at_least_8": _naming([one for one in single if one["effects"][0]["snr"] >= 8]),
-        "at_least_20": _naming([one for one in single if one["effects"][0]["snr"] >= 20]),
+        "false_alarms": rate(one["alarm"] for one in kinds["null"]),
+        "not_adequate_nulls": rate(one["status"] == "not-adequate" for one in kinds["null"]),
+        "false_alarms_wrong_noise": rate(one["alarm"] for one in kinds["liar"]),
+        "false_alarms_by_noise": _rates(kinds["liar"], itemgetter("noise"), itemgetter("alarm")),
+        "ladder": {f"{snr:g}": _naming(group) for snr, group in sorted(_grouped(single, _snr).items())},
+        "at_least_8": _naming(_from(8, single)),
+        "at_least_20": _naming(_from(20, single)),
         "double": {
-            "both_classes": rate(all(one["score"]["class"]) for one in kinds["double"]),
-            "both_exact": rate(all(one["score"]["exact"]) for one in kinds["double"]),
-            "spurious": rate(one["score"]["extra"] for one in kinds["double"]),
+            "both_classes": rate(map(_of_class, kinds["double"])),
+            "both_exact": rate(all(one["exact"]) for one in kinds["double"]),
+            "spurious": rate(one["extra"] for one in kinds["double"]),
         },
         "outside": {
-            "unknown": rate(one["score"]["unknown"] for one in kinds["outside"]),
-            "confident_wrong": rate(one["score"]["confident_wrong"] for one in kinds["outside"]),
-            "by_effect": {
-                effect: rate(one["score"]["unknown"] for one in group)
-                for effect, group in _grouped(kinds["outside"], _first).items()
-            },
+            "unknown": rate(one["unknown"] for one in kinds["outside"]),
+            "confident_wrong": rate(one["confident_wrong"] for one in kinds["outside"]),
+            "by_effect": _rates(kinds["outside"], _first, itemgetter("unknown")),
         },
         "without": {
-            "unknown_or_sibling": rate(
-                one["score"]["unknown"] or any(one["score"]["class"]) for one in kinds["without"]
-            ),
-            "confident_wrong": rate(one["score"]["confident_wrong"] for one in kinds["without"]),
+            "unknown_or_sibling": rate(map(_sibling, kinds["without"])),
+            "confident_wrong": rate(one["confident_wrong"] for one in kinds["without"]),
         },
-        "sabotage": {"still_exact": rate(any(one["score"]["exact"]) for one in kinds["sabotage"])},
+        "sabotage": {"still_exact": rate(any(one["exact"]) for one in kinds["sabotage"])},
         "puzzle": {
-            "right": rate(_solved(one) for one in kinds["puzzle"]),
-            "by_explanation": {
-                name: rate(_solved(one) for one in group)
-                for name, group in _grouped(kinds["puzzle"], _first).items()
-            },
+            "right": rate(map(_solved, kinds["puzzle"])),
+            "by_explanation": _rates(kinds["puzzle"], _first, _solved),
         },
         "temperature": _temperature(done),
         "calibration_error": statistic(stated(done), calibration_error),
         "reliability": reliability(done),
-        "mean_log_score": _mean(one["score"]["log_score"] for one in done),
-        "mean_brier": _mean(one["score"]["brier"] for one in done),
+        "mean_log_score": _mean(one["log_score"] for one in done),
+        "mean_brier": _mean(one["brier"] for one in done),
         "cost": _cost(done),
         "by_effect": {
-            effect: _naming([one for one in group if one["effects"][0]["snr"] >= 8])
-            for effect, group in sorted(_grouped(single, _first).items())
+            effect: _naming(_from(8, group)) for effect, group in sorted(_grouped(single, _first).items())
         },
         "confusion": _confusion(single),
     }
@@ -114,15 +100,15 @@ def summary(records):
 
 def _beyond_gas(one):
     """Whether a name of surface, path, instrument or clock was given."""
-    return bool(set(one["score"]["named"]) - GAS)
+    return bool(set(one["named"]) - GAS)
 
 
 def _placed(one):
     """Whether a fault that no name fits is called unknown, with the right instrument and axis."""
     instrument, axis = one["effects"][0]["truth"]
-    seen = one["score"]["seen"] or {"instrument": "", "axis": ""}
+    seen = one["seen"] or {"instrument": "", "axis": ""}
     right = instrument == "ps" or seen["instrument"] == {"p": "pyrometer", "s": "spectrometer"}[instrument]
-    return one["score"]["unknown"] and right and axis in seen["axis"]
+    return one["unknown"] and right and axis in seen["axis"]
 
 
 def _grouped(records, key):
@@ -132,75 +118,91 @@ def _grouped(records, key):
     return groups
 
 
+def _rates(records, key, good):
+    """Rate of good ones by a key of the records."""
+    return {name: rate(map(good, group)) for name, group in _grouped(records, key).items()}
+
+
 def _first(one):
     return one["effects"][0]["effect"]
 
 
-def _mean(values):
-    values = [value for value in values if value is not None]
-    return float(np.mean(values)) if values else None
+def _snr(one):
+    return one["effects"][0]["snr"]
+
+
+def _from(least, records):
+    return [one for one in records if _snr(one) >= least]
+
+
+def _of_class(one):
+    return all(one["class"])
+
+
+def _exact(one):
+    return one["top"] == _first(one)
+
+
+def _sibling(one):
+    return one["unknown"] or any(one["class"])
+
+
+def _of_known(function):
+    """A function of the values that are not None; None without any."""
+
+    def found(values):
+        values = [value for value in values if value is not None]
+        return float(function(values)) if values else None
+
+    return found
+
+
+_mean, _median = _of_known(np.mean), _of_known(np.median)
 
 
 def _naming(group):
     return {
-        "detected": rate(one["score"]["alarm"] for one in group),
-        "class": rate(one["score"]["class"][0] for one in group),
-        "exact": rate(one["score"]["top"] == _first(one) for one in group),
-        "in_set": rate(one["score"]["in_set"][0] for one in group),
-        "extra": rate(one["score"]["extra"] for one in group),
-        "set_size": _median(max((len(part) for part in one["score"]["set"]), default=0) for one in group),
+        "detected": rate(one["alarm"] for one in group),
+        "class": rate(one["class"][0] for one in group),
+        "exact": rate(map(_exact, group)),
+        "in_set": rate(one["in_set"][0] for one in group),
+        "extra": rate(one["extra"] for one in group),
+        "set_size": _median(max((len(part) for part in one["set"]), default=0) for one in group),
     }
-
-
-def _median(values):
-    values = [value for value in values if value is not None]
-    return float(np.median(values)) if values else None
 
 
 SAME = ({"ripple", "P_eff"},)  # explanations that count as one
 
 
 def _solved(one):
-    truth, score = _first(one), one["score"]
-    answers = {score["closest"], *score["named"]} if score["named"] else {score["closest"]}
+    truth, answers = _first(one), {one["closest"], *one["named"]}
     return any(truth == answer or {truth, answer} in SAME for answer in answers)
 
 
 def _temperature(done):
-    rows = [one["score"]["temperature"] for one in done if one["kind"] in ("null", "single", "double")]
-    named = [one for one in done if one["kind"] in ("single", "double") and one["score"]["named"]]
-    known = [one for one in named if all(one["score"]["class"])]
-    strong = [
-        one["score"]["temperature"]
-        for one in done
-        if one["kind"] == "single" and one["effects"][0]["snr"] >= 8
-    ]
-    worse = [
-        _worse(one)
-        for one in done
-        if one["kind"] in ("null", "single", "double")
-        and one["score"]["temperature"]["extended"]["rms"] is not None
-    ]
+    rows = [one["temperature"] for one in done if one["kind"] in ("null", "single", "double")]
+    named = [one for one in done if one["kind"] in ("single", "double") and one["named"]]
+    known = [one for one in named if _of_class(one)]
+    strong = [one["temperature"] for one in _from(8, [one for one in done if one["kind"] == "single"])]
     return {
         "coverage_extended_named": statistic(
-            (one["score"]["temperature"]["extended"]["coverage"] for one in known), np.mean
+            (one["temperature"]["extended"]["coverage"] for one in known), np.mean
         ),
         "coverage_base_all": _mean(row["base"]["coverage"] for row in rows),
         "coverage_extended_all": _mean(row["extended"]["coverage"] for row in rows),
         "rms": {name: _median(row[name]["rms"] for row in rows) for name in ("paper", "base", "extended")},
         "rms_named": {
-            name: _median(one["score"]["temperature"][name]["rms"] for one in known)
+            name: _median(one["temperature"][name]["rms"] for one in known)
             for name in ("paper", "base", "extended")
         },
         "reduction_where_biased": statistic(_ratios(strong, "base"), np.median),
         "reduction_of_paper_where_biased": statistic(_ratios(strong, "paper"), np.median),
-        "worse_than_base": rate(worse),
+        "worse_than_base": rate(_worse(row) for row in rows if row["extended"]["rms"] is not None),
     }
 
 
-def _worse(one):
+def _worse(row):
     """Whether the extended temperature errs more than the base one by a standard deviation."""
-    row = one["score"]["temperature"]
     if row["base"]["rms"] is None:  # no time of the test is judged
         return False
     return row["extended"]["rms"] > row["base"]["rms"] + row["base"]["sigma"]
@@ -225,9 +227,9 @@ def calibration_error(pairs, bins=10):
 def stated(done):
     """Probabilities of the most probable answers, and whether these are right."""
     return [
-        (one["score"]["stated"], one["score"]["stated_right"])
+        (one["stated"], one["stated_right"])
         for one in done
-        if one["score"]["stated"] is not None and one["kind"] in ("null", "single", "outside")
+        if one["stated"] is not None and one["kind"] in ("null", "single", "outside")
     ]
 
 
@@ -254,11 +256,9 @@ def _cost(done):
 
 def _confusion(single):
     table = defaultdict(Counter)
-    for one in single:
-        if one["effects"][0]["snr"] >= 8:
-            score = one["score"]
-            answer = score["top"] or {"null": "none"}.get(score["status"], score["status"])
-            table[_first(one)][answer] += 1
+    for one in _from(8, single):
+        answer = one["top"] or {"null": "none"}.get(one["status"], one["status"])
+        table[_first(one)][answer] += 1
     return {truth: dict(row) for truth, row in sorted(table.items())}
 
 
@@ -266,73 +266,59 @@ def _bars(board, kinds, done):
     """Each bar with its value, interval, whether it holds, and why not as far as the cases tell."""
     temperature, naming = board["temperature"], board["at_least_8"]
     doubles, outside = board["double"], board["outside"]
-    at8 = [one for one in kinds["single"] if one["effects"][0]["snr"] >= 8]
-    at20 = [one for one in at8 if one["effects"][0]["snr"] >= 20]
-    known = [
-        one
-        for one in kinds["single"] + kinds["double"]
-        if one["score"]["named"] and all(one["score"]["class"])
-    ]
-
-    def of_class(one):
-        return all(one["score"]["class"])
-
-    def exact(one):
-        return one["score"]["top"] == _first(one)
+    at8, at20 = (_from(least, kinds["single"]) for least in (8, 20))
+    known = [one for one in kinds["single"] + kinds["double"] if one["named"] and all(one["class"])]
 
     def quiet(one):
-        return not one["score"]["alarm"]
+        return not one["alarm"]
 
-    def unknown(one):
-        return one["score"]["unknown"]
-
-    def sibling(one):
-        return unknown(one) or any(one["score"]["class"])
+    def better(one):
+        return not _worse(one["temperature"])
 
     cost = board["cost"] or {}
     nulls, placed = kinds["null"], [one for one in kinds["outside"] if one["effects"][0].get("truth")]
-    at12 = _naming([one for one in kinds["single"] if one["effects"][0]["snr"] >= 12])
-    strong = [one for one in kinds["double"] if one["effects"][0]["snr"] >= 15]
-    held = statistic((one["score"]["temperature"]["extended"]["coverage"] for one in done), np.mean)
-    median = {"value": cost.get("processor_median"), "low": None, "high": None, "trials": len(done)}
-    worst = median | {"value": cost.get("processor_worst")}
-    slowest = {"value": cost.get("wall_worst"), "low": None, "high": None, "trials": len(done)}
+    at12, strong = _naming(_from(12, kinds["single"])), _from(15, kinds["double"])
+    held = statistic((one["temperature"]["extended"]["coverage"] for one in done), np.mean)
+    alone = {"low": None, "high": None, "trials": len(done)}
+    median, worst, slowest = (
+        alone | {"value": cost.get(name)} for name in ("processor_median", "processor_worst", "wall_worst")
+    )
     rows = [
         ("nothing hidden: a name of surface, path, instrument or clock", rate(map(_beyond_gas, nulls)),
          "<=", 0.03, reasons.extras(nulls)),
         ("nothing hidden: a confident name of the gas",
-         rate(one["score"]["confident_wrong"] for one in nulls), "<=", 0.05, reasons.extras(nulls)),
+         rate(one["confident_wrong"] for one in nulls), "<=", 0.05, reasons.extras(nulls)),
         ("one effect, SNR >= 12: exact", at12["exact"], ">=", 0.85, None),
         ("one effect, SNR >= 12: class", at12["class"], ">=", 0.93, None),
-        ("two effects, SNR >= 15: both classes", rate(all(one["score"]["class"]) for one in strong),
+        ("two effects, SNR >= 15: both classes", rate(map(_of_class, strong)),
          ">=", 0.85, None),
         ("outside the catalogue: unknown, with instrument and axis", rate(map(_placed, placed)),
          ">=", 0.85, None),
         ("95 % interval of the temperature, all cases", held, ">=", 0.92, None),
         ("95 % interval, all cases, from above", held, "<=", 0.98, None),
         ("diagnoses that contradict themselves",
-         rate(one["score"].get("contradictions") for one in done), "<=", 0.0, None),
+         rate(one.get("contradictions") for one in done), "<=", 0.0, None),
         ("processor time, median [s]", median, "<=", 60.0, None),
         ("processor time, worst [s]", worst, "<=", 300.0, None),
         ("false alarms, right noise", board["false_alarms"], "<=", 0.05,
          reasons.misses(kinds["null"], quiet)),
         ("false alarms, wrong noise", board["false_alarms_wrong_noise"], "<=", 0.08,
          reasons.misses(kinds["liar"], quiet)),
-        ("class named, SNR >= 8", naming["class"], ">=", 0.90, reasons.misses(at8, of_class)),
-        ("exact name, SNR >= 8", naming["exact"], ">=", 0.80, reasons.misses(at8, exact)),
+        ("class named, SNR >= 8", naming["class"], ">=", 0.90, reasons.misses(at8, _of_class)),
+        ("exact name, SNR >= 8", naming["exact"], ">=", 0.80, reasons.misses(at8, _exact)),
         ("class named, SNR >= 20", board["at_least_20"]["class"], ">=", 0.97,
-         reasons.misses(at20, of_class)),
-        ("exact name, SNR >= 20", board["at_least_20"]["exact"], ">=", 0.92, reasons.misses(at20, exact)),
+         reasons.misses(at20, _of_class)),
+        ("exact name, SNR >= 20", board["at_least_20"]["exact"], ">=", 0.92, reasons.misses(at20, _exact)),
         ("two effects, SNR >= 12: both classes", doubles["both_classes"], ">=", 0.90,
-         reasons.misses(kinds["double"], of_class)),
+         reasons.misses(kinds["double"], _of_class)),
         ("two effects, SNR >= 12: spurious third", doubles["spurious"], "<=", 0.08,
          reasons.extras(kinds["double"])),
         ("outside the catalogue, SNR >= 12: unknown", outside["unknown"], ">=", 0.90,
-         reasons.misses(kinds["outside"], unknown)),
+         reasons.misses(kinds["outside"], itemgetter("unknown"))),
         ("outside the catalogue: confident wrong name", outside["confident_wrong"], "<=", 0.03,
          reasons.extras(kinds["outside"])),
         ("left out of the catalogue, SNR 20: unknown or sibling", board["without"]["unknown_or_sibling"],
-         ">=", 0.85, reasons.misses(kinds["without"], sibling)),
+         ">=", 0.85, reasons.misses(kinds["without"], _sibling)),
         ("sabotaged formula: still named exactly", board["sabotage"]["still_exact"], "<=", 0.50, None),
         ("95 % temperature interval, named and extended", temperature["coverage_extended_named"], ">=", 0.92,
          reasons.uncovered(known)),
@@ -342,7 +328,7 @@ def _bars(board, kinds, done):
         ("error of the paper's correction over that of the extended fit, its bias >= 10 K, SNR >= 8",
          temperature["reduction_of_paper_where_biased"], ">=", 3.0, reasons.hot(at8, BIASED)),
         ("extended worse than base by a sigma", temperature["worse_than_base"], "<=", 0.05,
-         reasons.misses(kinds["single"] + kinds["double"] + kinds["null"], lambda one: not _worse(one))),
+         reasons.misses(kinds["single"] + kinds["double"] + kinds["null"], better)),
         ("six explanations of 60 against 85 kW", board["puzzle"]["right"], ">=", 0.90,
          reasons.misses(kinds["puzzle"], _solved)),
         ("calibration error of stated probabilities", board["calibration_error"], "<=", 0.05,

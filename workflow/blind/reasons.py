@@ -7,9 +7,7 @@ LISTED = 3  # culprits that a sentence names
 
 def answer(one):
     """What a diagnosis said, in a word or two."""
-    score = one["score"]
-    said = "+".join(score["named"])
-    return said or {"null": "none"}.get(score["status"], score["status"])
+    return "+".join(one["named"]) or {"null": "none"}.get(one["status"], one["status"])
 
 
 def hidden(one):
@@ -39,12 +37,12 @@ def misses(cases, good):
 
 def extras(cases):
     """Sentence about names that nothing was hidden for."""
-    return most((name, f"with {hidden(one)}") for one in cases for name in one["score"]["extra"])
+    return most((name, f"with {hidden(one)}") for one in cases for name in one["extra"])
 
 
 def hot(cases, limit):
     """Sentence about cases whose extended temperature keeps a bias beyond a limit [K]."""
-    left = [one for one in cases if (one["score"]["temperature"]["extended"]["bias"] or 0) >= limit]
+    left = [one for one in cases if (one["temperature"]["extended"]["bias"] or 0) >= limit]
     if not left:
         return f"No case keeps a bias of {limit:g} K or more."
     return f"{len(left)} of {len(cases)} keep a bias of {limit:g} K or more. " + (
@@ -54,7 +52,7 @@ def hot(cases, limit):
 
 def uncovered(cases):
     """Sentence about cases whose interval holds the truth less than half of the time."""
-    held = [one["score"]["temperature"]["extended"]["coverage"] for one in cases]
+    held = [one["temperature"]["extended"]["coverage"] for one in cases]
     return most(
         (hidden(one), answer(one))
         for one, share in zip(cases, held, strict=True)
