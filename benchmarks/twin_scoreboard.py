@@ -19,6 +19,7 @@ import xarray as xr
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "workflow"))
 
+from blind.page import data
 from twin import campaign, sample
 from twin.plasma import Plasma
 from twin.sensors import Pyrometer
@@ -392,7 +393,7 @@ def main():
         "twins": rows,
     }
     print(json.dumps(table["summary"], indent=1))
-    (options.out / "twin_scoreboard.json").write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+    (options.out / "twin_scoreboard.json").write_text(data(table), encoding="utf-8")
     figure(rows, options.out / "twin_scoreboard.png")
 
 

@@ -1,9 +1,20 @@
-"""The scoreboard as a page of text (`scoreboard.md`) and a picture."""
+"""The scoreboard as data, as a page of text (`scoreboard.md`) and as a picture."""
 
+import json
+import re
 from pathlib import Path
 
 import jinja2
 import numpy as np
+
+
+def data(board):
+    """The scoreboard as JSON, a line for each innermost mapping or list."""
+    return re.sub(
+        r"[\[{][^\[\]{}]*[\]}]",
+        lambda found: re.sub(r"\s*\n\s*", " ", found[0]),
+        json.dumps(board, indent=1) + "\n",
+    )
 
 
 def text(board, heading, notes=()):

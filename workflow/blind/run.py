@@ -167,7 +167,7 @@ def publish(out, heading, notes, targets):
     summary = board.summary(finished(out))
     for target in (Path(out) / "scoreboard", *map(Path, targets)):
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.with_suffix(".json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+        target.with_suffix(".json").write_text(page.data(summary), encoding="utf-8")
         target.with_suffix(".md").write_text(page.text(summary, heading, notes), encoding="utf-8")
         page.figure(summary, target.with_suffix(".png"))
     return summary
