@@ -40,7 +40,7 @@ spectrometer:
 TEST = """attributes:
   condition: none
   origin: measured
-  spectrometer_fwhm: 5e-9
+  spectrometer_fwhm: 30e-9
   emittance: {emittance}
   emittance_uncertainty: {uncertainty}
 spectrometer:

@@ -12,6 +12,8 @@ from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
 from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
 from plasmapyro.diagnosis.stage import diagnose, other_gas
+from plasmapyro.quality.catalogue import of_test
+from plasmapyro.readers.stage import Reading
 from plasmapyro.record import budget, status
 
 LOSS = 0.08  # of window E at the end, some 20 standard deviations of a gain that wanders by 0.3 %
@@ -214,9 +216,17 @@ def test_a_furnace_is_diagnosed_without_a_gas(record):
     assert inside.mean() > 0.95 and (high - low).max() < 120  # emissivity 6 %, course 10 %: 25 K at 1500 K
 
 
-def test_a_line_before_a_furnace_is_no_light_of_its_surface(record):
+def test_a_line_before_a_furnace_is_said_and_left_out(record):
+    plain, kelvin = furnace(record)
     lamp, _ = furnace(record, line=0.05)
-    assert diagnosed_furnace(lamp).report["verdict"]["status"] in ("unknown", "named+unknown")
+    found = {one.rule.name: one.saw for one in of_test("lamp", Reading(lamp, {}))}
+    assert "811." in found["narrow_light"]
+    assert "narrow_light" not in {one.rule.name for one in of_test("lamp", Reading(plain, {}))}
+    result = diagnosed_furnace(lamp)
+    assert result.report["verdict"]["status"] == "null"
+    low, high = result.temperature.recommended_temperature_interval.values
+    truth = np.interp(result.temperature.time_bin, lamp.spectrum_time, kelvin)
+    assert ((low < truth) & (high > truth)).mean() > 0.95
 
 
 def test_without_variations_of_the_gas_what_needs_them_is_not_looked_for(record, laboratory):

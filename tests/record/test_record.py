@@ -10,6 +10,7 @@ from plasmapyro.diagnosis.fit import observation
 from plasmapyro.experiment.stage import correct_pyrometer
 from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.record import binning, flags, status
+from plasmapyro.record.calibrated import of_pixels
 from plasmapyro.record.phases import afterwards, during
 from plasmapyro.record.record import record_of
 
@@ -261,3 +262,12 @@ def test_the_instants_of_an_exposure_give_the_mean_of_light_that_grows_fast(expo
     instants, _ = observation.instants(-half, half, index, 1, nodes)
     exact = np.sinh(rate * half[0]) / (rate * half[0])
     assert np.exp(rate * instants).mean() == pytest.approx(exact, rel=error)
+
+
+def test_a_calibration_serves_a_test_that_holds_some_of_its_pixels():
+    axis = np.linspace(500e-9, 900e-9, 9)
+    whole = xr.Dataset({"calibration_factor": ("wavelength", np.arange(9.0))}, {"wavelength": axis})
+    part = of_pixels(whole, xr.Dataset(coords={"wavelength": axis[2:6] + 4e-12}))
+    assert part.calibration_factor.values.tolist() == [2, 3, 4, 5]
+    other = xr.Dataset(coords={"wavelength": axis[2:6] + 1e-9})
+    assert of_pixels(whole, other) is whole  # which is refused later

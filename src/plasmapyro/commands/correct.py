@@ -17,7 +17,7 @@ from plasmapyro.quality.catalogue import merged, of_test
 from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import budget, status
-from plasmapyro.record.calibrated import on_same_wavelengths
+from plasmapyro.record.calibrated import of_pixels, on_same_wavelengths
 from plasmapyro.record.inputs import faults, has_plasma, instruments
 from plasmapyro.record.recommended import of_correction
 
@@ -330,7 +330,7 @@ def _calibrations(test, folder):
     if "spectrometer" in instruments(test):
         path, counted = folder / f"{SPECTROMETER}.nc", "spectral_radiance" not in test.variables
         if counted or path.exists():
-            calibration = io.read(path, SPECTROMETER)
+            calibration = of_pixels(io.read(path, SPECTROMETER), test)
             # Radiances bring their own calibration; one of other pixels says nothing about them.
             if counted or on_same_wavelengths(calibration, test):
                 found[SPECTROMETER] = calibration

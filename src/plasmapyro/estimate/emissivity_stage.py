@@ -3,18 +3,20 @@
 import numpy as np
 import xarray as xr
 
-from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.estimate.emissivity import follow, infer, log_emissivity, smooth_prior
 from plasmapyro.estimate.light import of_bands, of_spectra
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import UNTOLD, mean_emittance
+from plasmapyro.record.foreign import without_narrow_light
 from plasmapyro.record.inputs import instruments
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 MISFIT = 3.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course: what the clearest samples say for
+LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 
 
@@ -75,6 +77,7 @@ def estimate_emissivity(
     """
     name = "spectrometer" if "spectrometer" in instruments(test) else "radiometer"
     record = record_of(test, {name: calibration}, saturation_counts=saturation_counts, needed=[name])
+    record = without_narrow_light(record)
     settings = {"bin_width": bin_width, "bin_uncertainty": bin_uncertainty, "gas_variation": gas_variation}
     settings |= {"stray_light": stray_light, "noise_block": noise_block}
     light = {"spectrometer": of_spectra, "radiometer": of_bands}[name](record, calibration, settings)
@@ -167,7 +170,7 @@ def _dataset(test, record, light, prior, smooth, found, residual, state):
         carried(test)
         | {
             "degenerate": _degenerate(temperature, found, middle),
-            "contradictions": _contradictions(record.clock(frames.time), middle, residual, state),
+            "contradictions": _contradictions(record.clock(frames.time), light, residual, state),
         },
     )
 
@@ -199,16 +202,29 @@ def _degenerate(temperature, found, wavelength):
     )
 
 
-def _contradictions(time, wavelength, residual, state):
+def _contradictions(time, light, residual, state):
     """A sentence if spectra are no light of a hot surface of smooth emissivity."""
     bad = np.flatnonzero(state == status.CONTRADICTED)
     if not bad.size:
         return ""
-    worst = np.nan_to_num(residual[bad])
+    worst, wavelength = np.nan_to_num(residual[bad]), light.middle
     row, column = np.unravel_index(np.argmax(np.abs(worst)), worst.shape)
     side = "more" if worst[row, column] > 0 else "less"
     return (
         f"{bad.size} of {state.size} spectra (first at {time[bad[0]]:g} s) are not the light of a hot surface"
         f" of smooth emissivity: most at {wavelength[column] * 1e9:.0f} nm, {abs(worst[row, column]):.0f}"
-        f" uncertainties {side} light: other light in the view, or a calibration of another instrument"
+        f" uncertainties {side} light{_as_bright(light, bad[row])}: other light in the view, or a calibration"
+        " of another instrument"
     )
+
+
+def _as_bright(light, row):
+    """Where a spectrum is as bright as the hottest and the coldest black body, in words; "" for bands."""
+    clear = light.seen[row] > LEAST_CLEAR * light.noise[row]
+    if light.channels.weight is None or light.frames.band or clear.sum() < 2:
+        return ""
+    where, seen = light.middle[clear], light.seen[row][clear]
+    kelvin = SECOND_RADIATION / where / np.log1p(FIRST_RADIATION / where**5 / seen)
+    ends = (int(np.argmax(kelvin)), int(np.argmin(kelvin)))
+    words = " and ".join(f"{kelvin[one]:.0f} K at {where[one] * 1e9:.0f} nm" for one in ends)
+    return f" (as bright as a black body of {words})"

@@ -8,7 +8,9 @@ import numpy as np
 from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import SIGMA
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record import foreign
 
+LISTED = 5  # wavelengths
 NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
 
 
@@ -220,3 +222,19 @@ def width_of_spectrometer(case, limit):
 def nonlinear_end(case, limit):
     top = float(np.nanmax(case.test.counts.values))
     return {"top": top} if top > limit else None
+
+
+@rule()
+def narrow_light(case, limit):
+    if "plasma" in case.holds or not {"spectral_radiance", "spectrometer_calibration"} & case.holds:
+        return None
+    light, wavelength = case.net, case.test.wavelength.values
+    if "spectral_radiance" not in case.holds:
+        factor = case.spectrometer_calibration.calibration_factor.values
+        if factor.size != wavelength.size:
+            return None
+        light = light * factor
+    found = foreign.narrow_light(wavelength, light, float(case.test.attrs["spectrometer_fwhm"]), limit)
+    if not found.size:
+        return None
+    return {"places": ", ".join(f"{place * 1e9:.4g}" for place in found[:LISTED])}

@@ -5,7 +5,9 @@ from plasmapyro.diagnosis.fit.base import fit_base, guess_temperature
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.prior import relative, with_prior
 from plasmapyro.diagnosis.gas.library import gas_library
-from plasmapyro.record.inputs import has_plasma
+from plasmapyro.record.calibrated import of_pixels
+from plasmapyro.record.foreign import without_narrow_light
+from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.record import record_of
 
 LUKEWARM = 1000.0  # [K], to begin with
@@ -25,6 +27,8 @@ def fit_test(
     radiometer_calibration=None,
 ):
     """Base fit of a test; parameters as of `stage.diagnose`."""
+    if spectrometer_calibration is not None and "spectrometer" in instruments(test):
+        spectrometer_calibration = of_pixels(spectrometer_calibration, test)
     calibrations = {"spectrometer": spectrometer_calibration}
     if calibration is not None:
         calibrations["pyrometer"] = calibration
@@ -39,7 +43,7 @@ def fit_test(
     fwhm = float(test.attrs.get("spectrometer_fwhm", 0.75e-9))
     plasma = has_plasma(test)
     if not plasma:
-        record = no_plasma.timed(record)
+        record = no_plasma.timed(without_narrow_light(record))
         given = no_plasma.of_instrument(given, record, spectrometer_calibration)
     rest = calibration, response, spectrometer_calibration, given, radiometer_calibration
     if plasma:

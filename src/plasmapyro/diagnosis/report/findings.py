@@ -148,8 +148,14 @@ class Findings:
         if not last.converged:
             return "The fit did not converge."
         chance = 1 + BY_CHANCE * np.sqrt(2 / last.count)
-        if self.selection.status == "null" and misfit > max(LARGEST_MISFIT, chance):
+        wrong = misfit > max(LARGEST_MISFIT, chance)
+        if self.selection.status == "null" and wrong:
             return f"Chi-squared per number stays at {misfit:.2f} although nothing explains it."
+        if not self.model.plasma and self.selection.status != "unknown" and wrong:
+            return (
+                f"Chi-squared per number stays at {misfit:.2f} with what explains it best: this is not the"
+                " light of a hot surface alone, or the calibration is of another instrument."
+            )
         return ""
 
     @property
