@@ -126,6 +126,21 @@ def test_the_conditions_of_the_claims_differ_in_their_power_only():
     assert "'own' lacks numerical_power_kw" in message
 
 
+def test_measurements_that_nothing_would_be_held_against_are_refused():
+    config, conditions, tests = shipped()
+    own = {"measured": {"pitot_pressure_pa": {}}}
+    conditions["mine"] = conditions["90kW"] | own
+    configuration.check_together(config, conditions, tests)
+    conditions["theirs"] = conditions["90kW"] | own | {"cfd": {}}
+    with pytest.raises(configuration.ConfigurationError, match="measured of theirs: held against computed"):
+        configuration.check_together(config, conditions, tests)
+    del conditions["theirs"], config["facility"]
+    with pytest.raises(
+        configuration.ConfigurationError, match="measured of mine: needs the section 'facility'"
+    ):
+        configuration.check_together(config, conditions, tests)
+
+
 @pytest.mark.parametrize("key", ["figures.field_condition", "analysis.transient.conditions"])
 def test_what_the_paper_shows_must_be_in_its_set(key):
     config, conditions, tests = shipped()

@@ -185,6 +185,10 @@ def _endless(values, where=""):
         yield where, values
 
 
+OF_ANOTHER_FLOW = "held against computed flows only; the flow of this condition is another program's (cfd)"
+NO_FACILITY = "needs the section 'facility' of the configuration; copy it from config/config.yaml"
+
+
 def check_together(config, conditions, tests):
     """Refuse values that are right one by one but not together: unknown names, and ranges that do not fit.
 
@@ -237,6 +241,12 @@ def check_together(config, conditions, tests):
         f" gas.pressure_mbar ({lowest} to {highest} mbar)"
         for name, case in cases.items()
         if "cfd" not in case and not lowest <= case["chamber_pressure_mbar"] <= highest
+    ]
+    faults += [
+        f"measured of {name}: {reason}"
+        for name, case in conditions.items()
+        for reason in ["cfd" in case and OF_ANOTHER_FLOW, "facility" not in config and NO_FACILITY]
+        if "measured" in case and reason
     ]
     if config["sightline"]["window_distance_mm"] >= config["sightline"]["instrument_distance_mm"]:
         faults.append("sightline: window_distance_mm must be less than instrument_distance_mm")

@@ -68,7 +68,7 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
         "pitot_pressure_pa": {"value": 90, "uncertainty": 5, "radius_mm": 25, "wall_temperature_k": 350},
         "coil_current_a": {"value": 500, "uncertainty": 20},
         "water_heat_kw": {"value": 12, "uncertainty": 1},
-        "electric_power_kw": {"value": 120, "uncertainty": 2},
+        "electric_power_kw": {"value": 50, "uncertainty": 2},
     }
     condition = {"numerical_power_kw": 60, "chamber_pressure_mbar": 50, "mass_flow_rate_g_s": 16}
     configuration.check(condition | {"emittance": 0.8, "measured": written}, SCHEMA, "test")
@@ -90,6 +90,7 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
     assert any(
         line.endswith("1e+04 to 1e+04: 2.0 standard uncertainties too low") for line in caplog.messages
     )
+    assert any("efficiency 1.20, which no torch has: less power" in line for line in caplog.messages)
     assert float(rows["pitot_pressure"].simulated_low) == pytest.approx(float(found.pitot_pressure[0]))
     # At 950 K there is nothing to recombine: catalysis cannot matter, and the flat probe takes less.
     low, high = (float(rows["heat_flux"][f"simulated_{end}"]) for end in ("low", "high"))

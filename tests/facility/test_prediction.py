@@ -103,6 +103,18 @@ def test_each_measured_pair_lies_in_the_interval_that_the_other_gives(pair, othe
     assert found["heat_flux"][0, 0] < table["heat_flux"][row] < found["heat_flux"][2, 0]
 
 
+def test_further_tests_of_the_facility_lie_in_the_intervals_but_for_one():
+    """Nothing was fitted to them. Exp-2 (300 kW/m2 at 17 Pa) holds only as read on the flat probe."""
+    table, held = tables.load("facility/plasmatron_trials"), []
+    columns = ("test", "gas", "shape", "chamber_pressure", "dynamic_pressure", "heat_flux")
+    for name, gas, shape, pressure, pitot, flux in zip(*(table[one] for one in columns), strict=True):
+        jet = {"gas": gas, "shape": shape}
+        low, _, high = predict([pitot], pressure, **jet, **PAIR, **ADMISSIBLE, **USUAL)["heat_flux"][:, 0]
+        held += [name] if low < flux < high else []
+        assert high / low < 4 and (name != "Exp-2" or flux < low < 500e3 < high)
+    assert held == [name for name in table["test"] if name != "Exp-2"]
+
+
 def test_jets_at_another_pressure_follow_from_one_computed_there():
     """Nine jets at 100 mbar were computed: one of them, and the ratios at 50 mbar, give the others."""
     known = jets()

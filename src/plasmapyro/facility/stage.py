@@ -115,7 +115,8 @@ def _beside(name, measured, flow, edge, jet, rates):
 def _verdict(name, unit, value, uncertainty, low, high):
     """One measured quantity beside what the flow gives, in one sentence."""
     if name == "electric_power":
-        return f"{low:g} of {value:g} +- {uncertainty:g} {unit} reach the gas: efficiency {low / value:.2f}"
+        said = f"{low:g} of {value:g} +- {uncertainty:g} {unit} reach the gas: efficiency {low / value:.2f}"
+        return said + (", which no torch has: less power is in this gas" if low > value else "")
     known = f"measured {value:g} +- {uncertainty:g} {unit}, simulated {low:.4g} to {high:.4g}"
     off = max(low - value, value - high, 0.0) / uncertainty
     way = "high" if low > value else "low"
