@@ -59,6 +59,21 @@ def _some(bands):
     return [bands[place] for place in np.unique(np.linspace(0, len(bands) - 1, MOST_BANDS).astype(int))]
 
 
+def _points(axes, across, values, errors, good, **options):
+    """Points with their errors, where they are good."""
+    axes.errorbar(across[good], values[good], errors[good], fmt=".", **options)
+
+
+def _name_rows(axes, names):
+    """Words beside the rows of bars, and lines across none of them."""
+    axes.set_yticks(range(len(names)), names, fontsize=8)
+    axes.grid(visible=False, axis="y")
+
+
+def _legend_above(axes, columns):
+    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=columns, fontsize=8)
+
+
 def signals(report):
     """Signals of the bands with the model's."""
     shown, phases = report["show"]["signals"], report["dataset"]["phases"]
@@ -162,29 +177,14 @@ def step(report):
     def draw(axes):
         axes.axhline(1, color="k", lw=0.8)
         certain = np.isfinite(value) & (error < WORST_STEP)
-        axes.errorbar(
-            wavelength[certain],
-            value[certain],
-            error[certain],
-            fmt=".",
-            ms=4,
-            lw=0.7,
-            color=SPECTRUM,
-            label="spectrometer" if "spectrometer" in report["dataset"]["instruments"] else "bands",
-        )
+        label = "spectrometer" if "spectrometer" in report["dataset"]["instruments"] else "bands"
+        _points(axes, wavelength, value, error, certain, ms=4, lw=0.7, color=SPECTRUM, label=label)
         for band, place, colour in (("wide", 0.93, WIDE), ("narrow", 1.0, NARROW)):
-            if finite(kappa[band]) and (kappa[f"{band}_error"] or 0) < WORST_STEP and wavelength.size:
+            off = kappa[f"{band}_error"] or 0
+            if finite(kappa[band]) and off < WORST_STEP and wavelength.size:
                 at = wavelength.min() + place * np.ptp(wavelength)
-                axes.errorbar(
-                    [at],
-                    [kappa[band]],
-                    [kappa[f"{band}_error"] or 0],
-                    fmt="o",
-                    ms=4,
-                    capsize=3,
-                    color=colour,
-                    label=f"{band} band",
-                )
+                style = {"fmt": "o", "ms": 4, "capsize": 3, "color": colour}
+                axes.errorbar([at], [kappa[band]], [off], label=f"{band} band", **style)
         if certain.any():
             limit = max(0.3, 1.3 * np.abs(value[certain] - 1).max())
             axes.set_ylim(1 - limit, 1 + limit)
@@ -215,17 +215,7 @@ def emittance_loop(report):
     def draw(axes):
         axes.axhline(loop["stated"], color="k", lw=0.8, label=f"stated: {loop['stated']:g}")
         for mask, colour, label in ((heating, NARROW, "plasma on"), (~heating, WIDE, "cooling")):
-            axes.errorbar(
-                kelvin[mask],
-                value[mask],
-                error[mask],
-                fmt=".",
-                ms=3,
-                lw=0.5,
-                color=colour,
-                alpha=0.7,
-                label=label,
-            )
+            _points(axes, kelvin, value, error, mask, ms=3, lw=0.5, color=colour, alpha=0.7, label=label)
         middle = np.nanmedian(value) if value.size else loop["stated"]
         spread = max(0.05, 1.3 * np.nanquantile(np.abs(value - middle), 0.97)) if value.size else 0.1
         axes.set_ylim(middle - spread, middle + spread)
@@ -276,22 +266,16 @@ def impact(report, most=14):
     def draw(axes):
         place = np.arange(len(rows))
         named = report["verdict"]["named"]
-        for which, shift, colour in (("paper", 0.18, PAPER), ("base", -0.18, BASE)):
+        sides = ("paper", "paper's correction", 0.18, PAPER), ("base", "base model", -0.18, BASE)
+        for which, label, shift, colour in sides:
             values = [row["temperature_shift"][which] for row in rows]
-            axes.barh(
-                place + shift,
-                values,
-                0.36,
-                color=colour,
-                label=f"{which}{chr(39) + 's correction' if which == 'paper' else ' model'}",
-            )
+            axes.barh(place + shift, values, 0.36, color=colour, label=label)
         axes.axvline(0, color="k", lw=0.8)
-        axes.set_yticks(place, [textwrap.fill(row["name"], 28) for row in rows], fontsize=8)
+        _name_rows(axes, [textwrap.fill(row["name"], 28) for row in rows])
         for label, row in zip(axes.get_yticklabels(), rows, strict=True):
             label.set_fontweight("bold" if row["id"] in named else "normal")
         axes.set_xlabel("change of temperature [K]")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2, fontsize=8)
-        axes.grid(visible=False, axis="y")
+        _legend_above(axes, 2)
 
     return drawn(draw, "impact", (SIZE[0], 1.3 + 0.32 * max(len(rows), 3)))
 
@@ -305,20 +289,13 @@ def evidence(report, most=8):
     def draw(axes):
         place = np.arange(len(rows))
         axes.barh(place, [max(value, 1e-6) for _, value in rows], color="#6b8fb8")
-        axes.set_yticks(place, [textwrap.fill(known.get(key, key), 28) for key, _ in rows], fontsize=8)
+        _name_rows(axes, [textwrap.fill(known.get(key, key), 28) for key, _ in rows])
         axes.set_xscale("log")
         axes.set_xlim(1e-6, 1.5)
         axes.set_xlabel("probability, given these data")
         for at, (_, value) in zip(place, rows, strict=True):
-            axes.text(
-                max(value, 1e-6) * 0.8 if value > 1e-3 else 2e-6,
-                at,
-                f"{value:.2g}",
-                va="center",
-                ha="right" if value > 1e-3 else "left",
-                fontsize=8,
-            )
-        axes.grid(visible=False, axis="y")
+            start, side = (value * 0.8, "right") if value > 1e-3 else (2e-6, "left")
+            axes.text(start, at, f"{value:.2g}", va="center", ha=side, fontsize=8)
 
     return drawn(draw, "evidence", (SIZE[0], 1.1 + 0.3 * max(len(rows), 3)))
 
@@ -387,16 +364,7 @@ def gas_monitor(report):
     def draw(axes):
         _shade(axes, report["dataset"]["phases"])
         certain = np.isfinite(gas) & (error < 0.5)
-        axes.errorbar(
-            time[certain],
-            gas[certain],
-            error[certain],
-            fmt=".",
-            ms=3,
-            lw=0.5,
-            color=SPECTRUM,
-            label="O I 777 nm",
-        )
+        _points(axes, time, gas, error, certain, ms=3, lw=0.5, color=SPECTRUM, label="O I 777 nm")
         for index, (name, values) in enumerate(monitor["channels"].items()):
             if values:
                 axes.plot(time, _array(values), color=f"C{index}", lw=0.9, label=name.replace("_", " "))
@@ -451,12 +419,11 @@ def systems(report):
                 label="measured, off by more than 3 sd" if beyond else "measured, 95 %",
             )
         axes.axvline(1, color="k", lw=0.8)
-        axes.set_yticks(place, [row["name"] for row in rows], fontsize=8)
+        _name_rows(axes, [row["name"] for row in rows])
         largest = max(row["ratio"] + 2 * row["error"] for row in rows)
         axes.set_xlim(0, min(max(2.0, 1.1 * largest), 10.0))
         axes.set_xlabel("light over that of the simulation")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=1, fontsize=8)
-        axes.grid(visible=False, axis="y")
+        _legend_above(axes, 1)
 
     return drawn(draw, "systems", (SIZE[0], 1.6 + 0.24 * max(len(rows), 3)))
 
