@@ -310,13 +310,8 @@ def reflection_map(
     error, grey = np.empty(shape), emittance[None, :, None]
     for surface, mix in enumerate(SURFACES.values()):
         added = [
-            own[:, band, None, None]
-            + (
-                0.0
-                if mix is None
-                else reflected(grey, own[:, band, None, None], diffuse[:, band, None, None], mix)
-            )
-            for band in range(len(BANDS))
+            light + (0.0 if mix is None else reflected(grey, light, scattered, mix))
+            for light, scattered in zip(own.T[:, :, None, None], diffuse.T[:, :, None, None], strict=True)
         ]
         for row in range(len(CORRECTIONS)):
             left = [

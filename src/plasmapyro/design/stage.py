@@ -25,6 +25,19 @@ LIMIT_STEP = 25.0  # [K] of the search's temperatures; 5 K of the table that is 
 FINE_STEP = 5.0
 POWER_STEP = 10e3  # [W] of the perturbed power
 FILTERS_KEPT = 8
+TABLE = {  # numbers of each design: their further dimensions
+    "band_centre": ["design_band"],
+    "band_width": ["design_band"],
+    "band_weight": ["design_band"],
+    "total_error": [],
+    "error_by_source": ["error_source"],
+    "ratio_sensitivity": [],
+    "design_score": [],
+    "design_limit": ["condition"],
+    "design_gain": ["condition"],
+    "gain_change": ["perturbation", "condition"],
+    "map_limit": ["condition", "emittance"],
+}
 WHOLE_RANGE, WHOLE_STEP = (600e-9, 2500e-9), 2e-9  # [m], where the search without gas looks
 
 
@@ -480,29 +493,26 @@ def _without_gas(bench, settings, tables):
 def _tabulate(found, bench, judge, spectra, settings):
     """All designs side by side: bands, errors by source, limits and gains in every condition and
     perturbation."""
-    cases, count = judge.cases, len(found)
-    power = spectra.numerical_power.values
-    perturbations = _perturbations(spectra)
+    cases, perturbations = judge.cases, _perturbations(spectra)
     emittance = np.asarray(settings["map_emittance"], dtype=float)
     binned = (
         spectra.binned_radiance.sel(state="nominal").transpose("condition", "component", "wavelength").values
     )
     split = replace(bench, gas=binned.reshape(-1, binned.shape[-1]))
     reference = _perturbed_limits(judge, judge.build_reference, split, spectra, perturbations)
-    widest = max(LARGEST_BANDS, judge.reference_weights.shape[1])
-    table = {
-        "band_centre": np.full((count, widest), np.nan),
-        "band_width": np.full((count, widest), np.nan),
-        "band_weight": np.full((count, widest), np.nan),
-        "total_error": np.full(count, np.nan),
-        "error_by_source": np.full((count, len(budget.SOURCES)), np.nan),
-        "ratio_sensitivity": np.full(count, np.nan),
-        "design_score": np.array([entry.score for entry in found]),
-        "design_limit": np.full((count, cases), np.nan),
-        "design_gain": np.full((count, cases), np.nan),
-        "gain_change": np.full((count, len(perturbations), cases), np.nan),
-        "map_limit": np.full((count, cases, emittance.size), np.nan),
+    axes = {
+        "design": np.array([entry.name for entry in found], dtype=object),
+        "error_source": list(budget.SOURCES),
+        "perturbation": list(perturbations),
+        "condition": spectra.condition.values,
+        "emittance": emittance,
     }
+    sizes = {name: len(values) for name, values in axes.items()}
+    sizes["design_band"] = max(LARGEST_BANDS, judge.reference_weights.shape[1])
+    table = {
+        name: np.full([len(found), *(sizes[one] for one in dims)], np.nan) for name, dims in TABLE.items()
+    }
+    table["design_score"] = np.array([entry.score for entry in found])
     for row, entry in enumerate(found):
         bands = entry.centre.size
         table["band_centre"][row, :bands], table["band_width"][row, :bands] = entry.centre, entry.fwhm
@@ -523,32 +533,13 @@ def _tabulate(found, bench, judge, spectra, settings):
         error = np.abs(bench.gas_error(signal, weights, judge.fine, emittance, gas=signal.gas[..., :cases]))
         level, status = error_limit(judge.fine, error, judge.level)
         table["map_limit"][row] = np.where(status == -1, judge.fine[0], level)[0]
-    dims = {
-        "band_centre": ("design", "design_band"),
-        "band_width": ("design", "design_band"),
-        "band_weight": ("design", "design_band"),
-        "error_by_source": ("design", "error_source"),
-        "design_limit": ("design", "condition"),
-        "design_gain": ("design", "condition"),
-        "gain_change": ("design", "perturbation", "condition"),
-        "map_limit": ("design", "condition", "emittance"),
+    words = {
+        f"design_{name}": ("design", np.array([getattr(entry, name) for entry in found], dtype=object))
+        for name in ("kind", "detector", "shape")
     }
-    return xr.Dataset(
-        {
-            **{name: (dims.get(name, ("design",)), values) for name, values in table.items()},
-            "design_kind": ("design", np.array([entry.kind for entry in found], dtype=object)),
-            "design_detector": ("design", np.array([entry.detector for entry in found], dtype=object)),
-            "design_shape": ("design", np.array([entry.shape for entry in found], dtype=object)),
-            "numerical_power": ("condition", power),
-        },
-        {
-            "design": np.array([entry.name for entry in found], dtype=object),
-            "error_source": list(budget.SOURCES),
-            "perturbation": list(perturbations),
-            "condition": spectra.condition.values,
-            "emittance": emittance,
-        },
-    )
+    numbers = {name: (("design", *dims), table[name]) for name, dims in TABLE.items()}
+    power = {"numerical_power": ("condition", spectra.numerical_power.values)}
+    return xr.Dataset(numbers | words | power, axes)
 
 
 def _perturbations(spectra):
