@@ -88,6 +88,17 @@ TABLES = {
         '"Unit","","","nA","nA"\n"Date","Time","ms","",""',
         lambda t, *pair: (*f"{NOON + timedelta(seconds=t):%Y/%m/%d %H:%M:%S}".split(), "000", *pair),
     ),
+    "an oscilloscope": table("x-axis,1,2\nsecond,Ampere,Ampere", lambda t, w, n: (t, w * 1e-9, n * 1e-9)),
+    "minutes and seconds": table(
+        "Elapsed;Wide (nA);Narrow (nA)",
+        lambda t, *p: (f"{int(t + 50) // 60:02d}:{(t + 50) % 60:05.2f}", *p),
+        ";",
+    ),
+    "smallest and largest values above": table(
+        "Variable;Zeitstempel;breit;schmal\nEinheit;s;nA;nA\nMinimum;0;50;30\nMaximum;19;69;39.5",
+        lambda *row: ("", *row),
+        ";",
+    ),
     "Igor": "IGOR\rWAVES/D\tt_ms\twide_nA\tnarrow_nA\rBEGIN\r"
     + "".join(f"\t{1e3 * t}\t{w}\t{n}\r" for t, w, n in SAMPLES)
     + 'END\rX SetScale/P x 0,1,"", t_ms\r',
@@ -243,7 +254,20 @@ def test_a_packed_table_is_read_and_a_bomb_is_not(tmp_path):
 
 @pytest.mark.parametrize(
     "word",
-    ["OVER", "1.#INF", "-1.#IND", "1.#QNAN", "#N/A", "Inf", "---", "O.L", "9.9E37", "-9999", "(null)"]
+    [
+        "OVER",
+        "1.#INF",
+        "-1.#IND",
+        "1.#QNAN",
+        "#N/A",
+        "Inf",
+        "---",
+        "O.L",
+        "9.9E37",
+        "-9999",
+        "-999.25",
+        "(null)",
+    ]
     + ["-nan(ind)", "?", "****", "-1.#J", "BAD"],
 )
 def test_what_meters_show_instead_of_a_number_is_no_sample(tmp_path, word):
@@ -297,6 +321,10 @@ SPECTRA = {
             ("s.csv", ([t, *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),
             ("dark.csv", [[0, *DARK]]),
         )
+    },
+    "in columns below clock times": {
+        "s.csv": matrix(["Timestamp", *map(stamp, MOMENTS)], zip(AIR, *COUNTS, strict=True)),
+        "dark.txt": upright(["nm", "D"], DARK),
     },
     "in columns with units": {
         "s.csv": upright(["Wavelength [nm]", *(f"{t} s" for t in MOMENTS)], *COUNTS),

@@ -43,6 +43,10 @@ LONG = 20_000  # rows, beyond which a table is first tried all at once
 PLAIN = set("0123456789+-.,eE\n\r\t ")
 FRACTION = re.compile(r",\d{1,2}(\D|$)|,\d{4}", re.ASCII)  # behind a comma that parts no thousands
 COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
+SUMMARY = re.compile(
+    r"\W*(min(imum)?|max(imum)?|mean|average|mittel(wert)?|moyenne|std|einheit)\b", re.IGNORECASE
+)
+IN_WORDS = re.compile(r"(.*?)\s*\bin (\S+)")  # 'C1 in V'
 
 
 class Column:
@@ -291,7 +295,7 @@ def _rows(path, lines, start, mark):
     numbers, rows = [], []
     for index in range(start + 1, len(lines)):
         again = start >= 0 and lines[index].strip() == lines[start].strip()  # of a further block
-        if lines[index].strip() and not again and not lines[index].lstrip().startswith(COMMENT):
+        if lines[index].strip() and not again and not is_remark(lines[index]):
             numbers.append(index + 1)
             rows.append(split(lines[index], mark))
     widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
@@ -426,6 +430,11 @@ def _stacked(lines, columns, marks):
     return None
 
 
+def is_remark(line):
+    """Whether a line is no data, wherever it stands: a comment, or a smallest, largest or mean value."""
+    return line.lstrip().startswith(COMMENT) or SUMMARY.match(line) is not None
+
+
 def is_value(word):
     """Whether a cell holds a number, a date or a time of day."""
     return clock.looks_like_stamp(word) or any(
@@ -441,6 +450,9 @@ def _label(cell):
     match = IN_BRACKETS.search(cell.strip())
     if match:
         return cell.strip()[: match.start()].strip(), match.group(1).strip()
+    match = IN_WORDS.fullmatch(cell.strip())
+    if match and units.is_unit(match[2]):
+        return match[1] or cell.strip(), match[2]
     name, _, unit = (part.strip() for part in cell.rpartition("/"))
     last = cell.split()[-1] if cell.strip() else ""
     first, _, suffix = cell.strip().rpartition("_")
@@ -532,7 +544,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     width = rows[-1][1].count(mark)
     while len(rows) > 2 and width and rows[0][1].count(mark) < width / 2 and rows[0][0] <= HEADER_LINES:
         del rows[0]
-    if (place := upright_row([split(line, mark) for _, line in rows[: STACKED + 1]])) is not None:
+    if (place := upright_row([split(line, mark) for _, line in rows])) is not None:
         header = split(rows[place][1], mark)
         if not any(header[1:]):  # the times stand above
             timed = [i for i in range(place) if TIMES.match(split(rows[i][1], mark)[0])]
@@ -545,7 +557,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     if long := long_places(header):
         return _long(path, header, [(line, split(words, mark)) for line, words in rows[1:]], long, decimal)
     cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
-    upright = names_wavelengths(header[0])
+    upright = place is not None
     if not upright and len(header) < 3 or len(header) * len(cells) > MOST_CELLS:
         refuse(
             path,
@@ -605,8 +617,13 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
 
 
 def upright_row(rows):
-    """Which of some first rows names the wavelengths that stand below it, in the first column; or None."""
-    return next((i for i, row in enumerate(rows) if row and names_wavelengths(row[0])), None)
+    """The row that names the wavelengths below it in the first column, or stands above them; or None."""
+    named = next((i for i, row in enumerate(rows[: STACKED + 1]) if row and names_wavelengths(row[0])), None)
+    if named is not None or len(rows) < 4 or len(rows[0]) < 3:
+        return named
+    below = [number(row[0], "," if "," in row[0] else ".") for row in rows[1:]]
+    rising = None not in below and below[0] > 150 and (np.diff(below) > 0).all()
+    return 0 if rising and all(map(clock.looks_like_stamp, rows[0][1:])) else None
 
 
 def long_places(header):

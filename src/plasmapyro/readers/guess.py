@@ -65,6 +65,7 @@ DATES = (
 TIMES = (
     "%H:%M:%S",
     "%H:%M",
+    "%M:%S",
     "%I:%M:%S %p",
     "%H:%M:%S%z",
     "%H:%M:%S %z",
@@ -124,7 +125,7 @@ def look_at_table(path):
         if not begins:
             continue
         # Above the table there may be blocks of a few numbers: the longest run is it, with comments inside.
-        remarks = [line.lstrip().startswith(columns.COMMENT) for line in lines]
+        remarks = [columns.is_remark(line) for line in lines]
         passed = [*map(any, zip(good, remarks, strict=True)), False]
         first = max(begins, key=lambda i, passed=passed: passed.index(False, i) - i)
         body = [row for row, remark in zip(rows[first:], remarks[first:], strict=True) if not remark]
@@ -337,8 +338,9 @@ def describe(folder):
     pyrometer = _pyrometer(folder, kinds, questions)
     read = _read(folder, "pyrometer", pyrometer, questions)
     spectrometer = _spectrometer(folder, kinds, read, questions)
-    if "band" in kinds and not pyrometer:
-        path, (table, places) = kinds["band"][0]
+    for path, (table, places) in (
+        kinds.get("band", []) if not any("{file:" in line for line in pyrometer) else ()
+    ):
         remarks.append(
             f"not used: {path.name}: one signal ({table.labels[places['band']]!r}) against time is seen; the"
             " other band must stand in a column beside it, or alone in a second file of the same form"
@@ -418,7 +420,7 @@ def _matrix(lines):
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
-        upright = columns.upright_row(rows[: columns.HEADER_LINES])
+        upright = columns.upright_row(rows)
         if upright is not None and len(rows[upright]) > len(rows[-1]):
             continue
         start = start if upright is None else upright
@@ -646,7 +648,7 @@ def _read(folder, name, lines, questions):
         found = getattr(parts, name)(folder, section) or {}
     except Refusal as reason:
         found, faults = {}, [*faults, *reason.messages]
-    questions += faults
+    questions += faults[:1]
     return found
 
 
@@ -728,7 +730,9 @@ def _matrix_lines(folder, listed, dark, questions):
         return []
     unit, mark = dict(listed)[tables[0]]
     lines = [line for line in read_lines(tables[0], columns.LARGEST)[0] if line.strip()]
-    begins = [columns.split(line, columns.DELIMITERS[mark])[0] for line in lines[-MOST_ROWS:]]
+    rows = [columns.split(line, columns.DELIMITERS[mark]) for line in lines]
+    upright = columns.upright_row(rows)
+    begins = [row[0] for row in rows[-MOST_ROWS:]] if upright is None else rows[upright][1:]
     stamps = [word for word in begins if clock.looks_like_stamp(word)]
     timing = []
     if stamps:

@@ -29,7 +29,7 @@ DATE = re.compile(
     r"\b([A-Za-z]{3}) (\d{1,2}) (\d{1,2}):(\d{2}):(\d{2})(?: ([A-Za-z0-9+:-]{1,9}))? (\d{4})\b", re.ASCII
 )
 EXPOSURE = re.compile(  # 'Integration Time (usec): 600000', 'Acq. time (s)=\t0.5'
-    r"(?:int[ei]gra|exposure|belicht|acq)[^:;=,\t]*\((?P<unit>[^()\d]{1,6})\)\s*[:;=,\t]+\s*(?P<value>[^\s;]*)",
+    r"(?:int[ei]gra|exposure|belicht|acq)[^:;=,\t]*[(\[](?P<unit>[^()\d]{1,6})[)\]]\s*[:;=,\t]+\s*(?P<value>[^\s;]*)",
     re.IGNORECASE,
 )
 EXPOSED = re.compile(  # 'Int:500ms', 'Exposure time = 0.5 s'

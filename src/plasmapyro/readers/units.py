@@ -12,13 +12,23 @@ TO_SI = {  # SI unit -> {unit as written, normalised: factor}
     for si in dict.fromkeys(row["in SI"] for row in REGISTER)
 }
 DIRECT = re.compile(r"(?<=[AV])[ _]?DC$")  # volts and amperes of direct current, as multimeters write them
+WORDS = {  # units written out
+    word: symbol
+    for symbol, words in {
+        "s": "second seconds secs sekunde sekunden secondes",
+        "ms": "millisecond milliseconds",
+        "A": "amp amps ampere amperes",
+        "V": "volt volts",
+    }.items()
+    for word in words.split()
+}
 OFFSET = {row["unit"]: float(row["added"]) for row in REGISTER if row["added"]}  # added after the factor
 
 
 def normalised(unit):
     """A unit with micro signs, powers and dots written in one way."""
     unit = unit.strip().replace("\u00b5", "u").replace("\u03bc", "u").replace("\u00b2", "2")
-    unit = DIRECT.sub("", unit)
+    unit = WORDS.get(unit.lower(), DIRECT.sub("", unit))
     return unit.replace("^", "").replace("\u00b7", " ").replace("*", " ")
 
 
