@@ -1,5 +1,6 @@
 """Each rule says what it saw of the contradiction it is for, and nothing of sound data."""
 
+import tracemalloc
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -426,3 +427,45 @@ def test_a_spectrum_taken_earlier_than_its_place_says_is_found_too(sound):
     assert (
         "by its header spectrum_021.txt was taken 39 s after spectrum_000.txt, by `from: order` 42 s" in words
     )
+
+
+def test_a_long_log_is_judged_in_the_memory_of_a_short_one():
+    """`level_against_ratio` over 200 000 good samples, whose black bodies would take 0.6 GB."""
+    count, wavelength = 200_000, np.linspace(700e-9, 1200e-9, 400)
+    boxes = [(wavelength > low) & (wavelength < 1100e-9) for low in (750e-9, 950e-9)]
+    response = xr.Dataset(
+        {
+            f"responsivity_{band}": ("wavelength", box.astype(float))
+            for band, box in zip(("wide", "narrow"), boxes, strict=True)
+        },
+        {"wavelength": wavelength},
+    )
+    kelvin = np.linspace(1300.0, 1700.0, count)
+    some = np.linspace(1300.0, 1700.0, 50)
+    curves = agreement.blackbody_signals(some, response)
+    level = np.stack([np.exp(np.interp(kelvin, some, np.log(curve))) for curve in curves])
+    result = xr.Dataset(
+        {
+            "corrected_status": ("time", np.zeros(count, dtype="int8")),
+            "surface_share": (("band", "time"), np.ones((2, count))),
+            "corrected_temperature": ("time", kelvin),
+            "corrected_temperature_uncertainty": ("time", np.full(count, 15.0)),
+            "corrected_signal": (("band", "time"), 0.8 * level),
+        }
+    )
+    stated = {"emittance": 0.8, "emittance_uncertainty": 0.05, "window_transmittance_pyrometer": 0.9}
+    calibration = xr.Dataset({"absolute_sensitivity": ("band", np.ones(2))})
+    sound = Case(PLACE, xr.Dataset(attrs=stated), {}, calibration, response, result=result)
+
+    def said_of(case):
+        return {finding.rule.name: finding.words for finding in look(case, [ALL["level_against_ratio"]])}
+
+    tracemalloc.start()
+    assert "level_against_ratio" not in said_of(sound)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # 10 000 black bodies at 400 wavelengths take 32 MB, an expression of them four times that at most, and
+    # columns of the log 10 MB.
+    assert peak < 150e6
+    far = Case(PLACE, xr.Dataset(attrs=stated | {"emittance": 0.3}), {}, calibration, response, result=result)
+    assert "0.8" in said_of(far)["level_against_ratio"]
