@@ -19,6 +19,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import io
+from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.stage import band_response, pyrometer_calibration, spectrometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
@@ -38,15 +39,7 @@ def surface(moment, off):
 
 def instruments(folder):
     """Write calibration.nc and spectrometer_calibration.nc; return the response and the wavelengths."""
-    response = band_response(
-        silicon_table="silicon_green_2008",
-        top_thickness=200e-6,
-        bottom_thickness=400e-6,
-        short_wavelength_edge=750e-9,
-        edge_sigma=5e-9,
-        long_wavelength_limit=1150e-9,
-        wavelength_step=0.5e-9,
-    )
+    response = band_response(**RESPONSE)
     source = np.arange(973.0, 1774.0, 100.0)
     wide, narrow = signals(response, source)
     points = xr.Dataset(

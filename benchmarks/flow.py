@@ -12,21 +12,21 @@ import os
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
-import argparse  # noqa: E402
-import csv  # noqa: E402
-import itertools  # noqa: E402
-import logging  # noqa: E402
-from pathlib import Path  # noqa: E402
-from time import process_time  # noqa: E402
+import argparse
+import csv
+import itertools
+import logging
+from pathlib import Path
+from time import process_time
 
-import numpy as np  # noqa: E402
+import numpy as np
 
-from plasmapyro import io  # noqa: E402
-from plasmapyro.flow import stage  # noqa: E402
-from plasmapyro.flow.condition import Condition  # noqa: E402
-from plasmapyro.flow.continuation import NotConverged  # noqa: E402
-from plasmapyro.radiation.net_emission import net_emission  # noqa: E402
-from plasmapyro.sightline.stage import on_line  # noqa: E402
+from plasmapyro import io
+from plasmapyro.flow import stage
+from plasmapyro.flow.condition import Condition
+from plasmapyro.flow.continuation import NotConverged
+from plasmapyro.radiation.net_emission import net_emission
+from plasmapyro.sightline.stage import on_line
 
 ROOT = Path(__file__).parents[1]
 DOCS, STORE = ROOT / "docs", ROOT / "results" / "benchmark_flow"

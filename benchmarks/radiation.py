@@ -15,38 +15,38 @@ import os
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[name] = "1"
 
-import argparse  # noqa: E402
-import concurrent.futures  # noqa: E402
-import multiprocessing  # noqa: E402
-import resource  # noqa: E402
-import subprocess  # noqa: E402
-import tempfile  # noqa: E402
-from pathlib import Path  # noqa: E402
-from time import perf_counter, process_time  # noqa: E402
+import argparse
+import concurrent.futures
+import multiprocessing
+import resource
+import subprocess
+import tempfile
+from pathlib import Path
+from time import perf_counter, process_time
 
-import matplotlib  # noqa: E402
-import numpy as np  # noqa: E402
-from scipy.special import wofz  # noqa: E402
+import matplotlib
+import numpy as np
+from scipy.special import wofz
 
 matplotlib.use("agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
-from plasmapyro.constants import AVOGADRO, BOLTZMANN, FIRST_RADIATION, SECOND_RADIATION  # noqa: E402
-from plasmapyro.gas.equilibrium import number_density  # noqa: E402
-from plasmapyro.gas.partition import partition_function  # noqa: E402
-from plasmapyro.gas.species import MASS, SPECIES  # noqa: E402
-from plasmapyro.radiation.atoms import atomic_lines  # noqa: E402
-from plasmapyro.radiation.band_systems import SYSTEMS  # noqa: E402
-from plasmapyro.radiation.broadening import doppler_sigma  # noqa: E402
-from plasmapyro.radiation.diatomic_states import COLLISION_HWHM  # noqa: E402
-from plasmapyro.radiation.grid import log_grid  # noqa: E402
-from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList  # noqa: E402
-from plasmapyro.radiation.opacity import prepare, spread  # noqa: E402
-from plasmapyro.radiation.path import gas_path, path_radiance  # noqa: E402
-from plasmapyro.radiation.planck import blackbody_radiance  # noqa: E402
-from plasmapyro.radiation.systems import line_lists  # noqa: E402
-from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance  # noqa: E402
-from plasmapyro.radiation.transfer import cross_layer  # noqa: E402
+from plasmapyro.constants import AVOGADRO, BOLTZMANN, FIRST_RADIATION, SECOND_RADIATION
+from plasmapyro.gas.equilibrium import number_density
+from plasmapyro.gas.partition import partition_function
+from plasmapyro.gas.species import MASS, SPECIES
+from plasmapyro.radiation.atoms import atomic_lines
+from plasmapyro.radiation.band_systems import SYSTEMS
+from plasmapyro.radiation.broadening import doppler_sigma
+from plasmapyro.radiation.diatomic_states import COLLISION_HWHM
+from plasmapyro.radiation.grid import log_grid
+from plasmapyro.radiation.lines import WIDTH_REFERENCE_TEMPERATURE, LineList
+from plasmapyro.radiation.opacity import prepare, spread
+from plasmapyro.radiation.path import gas_path, path_radiance
+from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.radiation.systems import line_lists
+from plasmapyro.radiation.table import emission_table, table_nodes, table_radiance
+from plasmapyro.radiation.transfer import cross_layer
 
 RANGE = (700e-9, 1200e-9)
 POINTS = 160_000

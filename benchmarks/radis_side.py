@@ -13,8 +13,8 @@ import pandas as pd
 
 warnings.simplefilter("ignore")
 
-from radis import SerialSlabs, SpectrumFactory, __version__  # noqa: E402
-from radis.tools.track_ref import RefTracker  # noqa: E402
+from radis import SerialSlabs, SpectrumFactory, __version__
+from radis.tools.track_ref import RefTracker
 
 
 class Factory(SpectrumFactory):
