@@ -17,6 +17,7 @@ from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
+from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
@@ -139,6 +140,9 @@ def diagnose(
         selection = selection.doubted("unconfirmed")
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
+    left = None if selection.unknown_class else left_over(base.model, selection.final)
+    if left:
+        selection = selection.beside(left)
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)

@@ -118,16 +118,20 @@ def coloured(one, other, error, chosen, phase, period, longest):
         whole = chosen[four].all(axis=0) & (phase[four[0]] == phase[four[3]])
         four = four[:, whole & (np.abs(level[3] - level[0]) < TREND)]
         product = (THIRD @ one[four]) * (THIRD @ other[four])
-        kept = np.abs(product) <= CLIP * np.median(np.abs(product)) if product.size else product > 0
-        if kept.sum() >= LEAST_PAIRS:
+        middle = np.median(np.abs(product)) if product.size else 0.0
+        kept = np.abs(product) <= CLIP * middle
+        if kept.sum() >= LEAST_PAIRS and middle > 0:
             out = THIRD**2 @ (error[four] if besides is None else part[four] * besides.parted(lag * period))
-            own = (product - out)[kept] / np.sum(THIRD**2)
+            own, out = (product - out)[kept] / np.sum(THIRD**2), out[kept]
+            # Faint samples tell little: their errors are larger than what is sought.
+            weight = (middle / (out + middle)) ** 2
+            weight /= weight.sum()
             # Differences that overlap are no independent samples.
-            spread = np.sqrt(np.mean(own**2) * 3 / kept.sum())
+            spread = np.sqrt(3 * np.sum((weight * own) ** 2))
             if besides is not None:
-                spread = np.hypot(spread, KNOWN * out[kept].mean() / np.sum(THIRD**2))
+                spread = np.hypot(spread, KNOWN * (weight @ out) / np.sum(THIRD**2))
             lags.append(lag * period)
-            rows.append((own.mean(), max(spread, 1e-300)))
+            rows.append((weight @ own, max(spread, 1e-300)))
         lag *= 2
     if not rows:
         plain = error if besides is None else part * besides.total

@@ -167,14 +167,16 @@ def _of_bands(residual, prediction, gas, used, phase, period):
     gain = Coloured()
     if not alone:
         gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
-    one, two, place = differences(relative, clear)
+    # What bands share is a gain, or a temperature that falls faster than the knots can follow.
+    apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
+    one, two, place = differences(apart, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
         for band in range(bands):
             inverse = np.zeros(bands)
             inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
             rows.append((*inverse, 1.0))
-            own_part = clipped_variance(one[group, band]) / 2 - gain.between(period)
+            own_part = clipped_variance(one[group, band]) / 2 / (1.0 if alone else 1 - 1 / bands)
             variances.append(max(own_part, OWN * gain.between(period)))
     if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))

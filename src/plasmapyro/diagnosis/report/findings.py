@@ -11,6 +11,7 @@ from plasmapyro.diagnosis.fit.base import Base
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
 from plasmapyro.diagnosis.select.held_out import Gain
+from plasmapyro.diagnosis.select.leftover import whitened
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, PRIOR_UNKNOWN, honest, prior_share
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, best_by_id, linear_evidence
 from plasmapyro.diagnosis.select.search import PULL
@@ -123,7 +124,7 @@ class Findings:
     @cached_property
     def residuals(self):
         """Whitened residuals (n, C) per instrument of the base and of the extended fit."""
-        return tuple(show.residuals(self.model, fit) for fit in (self.base.solution, self.final))
+        return tuple(whitened(self.model, fit) for fit in (self.base.solution, self.final))
 
     @cached_property
     def paper_shift(self):

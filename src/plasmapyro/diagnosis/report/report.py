@@ -17,6 +17,7 @@ from plasmapyro.diagnosis.report.posterior import posterior
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
+from plasmapyro.diagnosis.select import leftover
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.select.screen import columns_of_candidates
@@ -255,7 +256,7 @@ def _joint(findings):
 
 
 def _name_of_unknown(findings):
-    names = {structure.id: structure.name for structure in findings.first.screen.structures}
+    names = {structure.id: structure.name for structure in findings.first.screen.structures} | leftover.NAMES
     return names.get(findings.selection.unknown_class)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy import stats
 
+from plasmapyro.diagnosis.select.leftover import leading
 from plasmapyro.diagnosis.select.screen import best_by_id
 from plasmapyro.radiation.bandsignal import BANDS
 
@@ -61,17 +62,6 @@ def _settled(model, solution):
     left = np.abs(temperature[: last + 1] - temperature[last])
     away = left > UNSETTLED * left[0]
     return float(knots[np.flatnonzero(away)[-1] + 1]) if away.any() else 0.0
-
-
-def residuals(model, solution):
-    """Whitened residuals (n, C) per instrument, NaN where nothing was measured."""
-    result = []
-    for instrument, residual, weigher in zip(
-        model.instruments, solution.residual, solution.weighers, strict=True
-    ):
-        z = weigher.root(residual[..., None]).reshape(residual.shape)
-        result.append(np.where(np.isfinite(instrument.value), z, np.nan))
-    return result
 
 
 def phase_table(model, solution, z):
@@ -229,43 +219,40 @@ def leading_pattern(model, z):
     """Leading pattern of the residuals of the instrument whose are largest."""
     which = int(np.argmax([np.nanmean(part**2) for part in z]))
     instrument = model.instruments[which]
-    u, s, v = np.linalg.svd(np.nan_to_num(z[which]), full_matrices=False)
+    time, channel, size, _ = leading(z[which])
     return {
         "time": numbers(instrument.time),
-        "time_weight": numbers(u[:, 0]),
+        "time_weight": numbers(time),
         "wavelength": _axis(instrument),
-        "wavelength_weight": numbers(v[0]),
+        "wavelength_weight": numbers(channel),
         "channel": instrument.kind,
-        "share": float(s[0] ** 2 / np.sum(s**2)),
+        "share": size**2 / float(np.nansum(z[which] ** 2)),
     }
 
 
 def components(model, z, screen, columns):
     """Leading pattern of the residuals of each instrument, against what noise alone would show."""
     rows = []
-    generator = np.random.default_rng(7)
     for which, (instrument, own) in enumerate(zip(model.instruments, z, strict=True)):
-        filled = np.nan_to_num(own)
-        if min(filled.shape) < 2:
+        if min(own.shape) < 2:
             continue
-        u, s, v = np.linalg.svd(filled, full_matrices=False)
-        null = [np.linalg.svd(generator.standard_normal(filled.shape), compute_uv=False)[0] for _ in range(5)]
+        time, channel, size, expected = leading(own)
         cosine = {}
         for index in best_by_id(screen.candidates, screen.gains()):
             column = columns[which][..., index]
             length = np.linalg.norm(column)
             if length > 0:
-                cosine[screen.candidates[index].id] = abs(float(u[:, 0] @ column @ v[0]) / length)
+                cosine[screen.candidates[index].id] = abs(float(time @ column @ channel) / length)
         best = sorted(cosine, key=lambda identity: -cosine[identity])[:3]
         rows.append(
             {
                 "instrument": instrument.kind,
-                "singular_value": float(s[0]),
-                "expected": float(np.max(null)),
+                "singular_value": size,
+                "expected": expected,
                 "time": numbers(instrument.time),
-                "time_weight": numbers(u[:, 0]),
+                "time_weight": numbers(time),
                 "axis": _axis(instrument),
-                "axis_weight": numbers(v[0]),
+                "axis_weight": numbers(channel),
                 "resembles": [{"id": identity, "cosine": cosine[identity]} for identity in best],
             }
         )

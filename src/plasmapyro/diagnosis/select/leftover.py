@@ -1,0 +1,58 @@
+"""What a final fit leaves in many channels at once, whatever it looks like."""
+
+import numpy as np
+
+DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
+LARGER = 1.1  # [1] over that: residuals of simulated nulls stay below 1.03
+LEAST = 10  # channels of an instrument that has patterns
+SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
+MOMENT, PATTERN = "left_moment", "left_pattern"
+NAMES = {
+    MOMENT: "what the spectrometer saw for a moment",
+    PATTERN: "a pattern over wavelength that comes and goes",
+}
+
+
+def whitened(model, solution):
+    """Whitened residuals (n, C) per instrument, NaN where nothing was measured."""
+    result = []
+    for instrument, residual, weigher in zip(
+        model.instruments, solution.residual, solution.weighers, strict=True
+    ):
+        z = weigher.root(residual[..., None]).reshape(residual.shape)
+        result.append(np.where(np.isfinite(instrument.value), z, np.nan))
+    return result
+
+
+def leading(z):
+    """Leading pattern of residuals (n, C).
+
+    Returns
+    -------
+    time_weight : (n,)
+    channel_weight : (C,)
+    size, expected : float
+        Its singular value, and the largest of noise.
+    """
+    generator = np.random.default_rng(SEED)
+    u, s, v = np.linalg.svd(np.nan_to_num(z), full_matrices=False)
+    draws = [np.linalg.svd(generator.standard_normal(z.shape), compute_uv=False)[0] for _ in range(DRAWS)]
+    return u[:, 0], v[0], float(s[0]), float(np.max(draws))
+
+
+def left_over(model, solution):
+    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, else None.
+
+    Notes
+    -----
+    The largest singular value of noise lies within a per cent of :math:`\\sqrt n + \\sqrt C` (I. M. Johnstone,
+    Ann. Stat. 29 (2001) 295): a test for any pattern, where `structures` look for some.
+    """
+    for instrument, z in zip(model.instruments, whitened(model, solution), strict=True):
+        if instrument.channels < LEAST:
+            continue
+        time, _, size, expected = leading(z)
+        if size > LARGER * expected:
+            lasting = 1 / np.sum(time**4)  # samples that share the pattern, about
+            return MOMENT if lasting < SHORT * time.size else PATTERN
+    return None

@@ -1,0 +1,49 @@
+"""Noise that is found where a fit lags behind the temperature, or where most frames are faint."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.fit import noise
+from plasmapyro.diagnosis.fit.coloured import coloured
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(5)
+
+
+def test_a_temperature_that_lags_behind_is_no_noise_of_a_band(random):
+    """A slow pyrometer on a surface that cools: what both bands share has a memory, their noise has none."""
+    count, sigma = 400, 0.002
+    lag = 0.02 * np.sin(np.linspace(0, 40, count)) + 0.06 * np.linspace(0, 1, count) ** 8
+    relative = np.stack([lag, 1.1 * lag], axis=1) + sigma * random.standard_normal((count, 2))
+    level = np.exp(-np.linspace(0, 4, count))[:, None] * [1.0, 0.5]
+    law, memory, *_ = noise._of_bands(
+        relative * level, level, 0 * level, np.ones(count, dtype=bool), np.zeros(count, dtype=int), 1.0
+    )
+    assert memory == 0.0
+    # 400 differences that share samples: 9 % of a variance; the lag is not the same in both bands.
+    assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.2)
+
+
+def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
+    """Errors stated 15 % too large, as they are while the law of the noise holds the gain: faint frames
+    would take all of it away."""
+    count, sigma, time, period = 500, 0.003, 0.7, 0.4
+    keep = np.exp(-period / time)
+    gain, steps = np.zeros(count), random.standard_normal(count)
+    for place in range(1, count):
+        gain[place] = keep * gain[place - 1] + sigma * np.sqrt(1 - keep**2) * steps[place]
+    error = np.where(np.arange(count) < 350, 2e-4, 0.009)
+    level = gain + error * random.standard_normal(count)
+    found = coloured(
+        level,
+        level,
+        (1.15 * error) ** 2,
+        np.ones(count, dtype=bool),
+        np.zeros(count, dtype=int),
+        period,
+        6.0,
+    )
+    # 350 frames that share samples: some 8 % of a standard deviation; a mean of all frames finds none.
+    assert np.sqrt(found.between(period)) == pytest.approx(sigma * np.sqrt(1 - keep), rel=0.2)
