@@ -29,7 +29,11 @@ SHORTEST = 0.2  # [s] from when on
 
 
 class History:
-    """Temperature of the surface as a spline through knots, with a break in slope when the plasma ends."""
+    """Temperature of the surface as a spline through knots, with a break in slope when the plasma ends.
+
+    Over the root of the time since the injection, and since the end: a thick sample follows a flux that sets
+    in as this root, a thin one as its square, and a cubic holds both.
+    """
 
     def __init__(self, knots, off, cold=True):
         """`cold`: it starts cold at time 0 and heats as what is put into a plasma; else it may be any."""
@@ -46,19 +50,24 @@ class History:
             if spline is not None and inside.any():
                 own = self.knots[chosen]
                 block = np.zeros((inside.sum(), self.knots.size))
-                block[:, chosen] = spline(np.clip(time[inside], own[0], own[-1]))
+                since = np.clip(time[inside], own[0], own[-1]) - own[0]
+                block[:, chosen] = spline(np.sqrt(since))
                 weights[inside] = block
         return weights
 
     @cached_property
     def _splines(self):
         """Cardinal splines of the knots before and after the end of the plasma."""
-        return [
-            (chosen, None)
-            if chosen.sum() < 2
-            else (chosen, CubicSpline(self.knots[chosen], np.eye(chosen.sum()), bc_type="natural"))
-            for chosen in (self.before, self.after)
-        ]
+        splines = []
+        for chosen in (self.before, self.after):
+            own, count = self.knots[chosen], int(chosen.sum())
+            first = "not-a-knot" if count > 3 else "natural"
+            splines.append(
+                None
+                if count < 2
+                else CubicSpline(np.sqrt(own - own[0]), np.eye(count), bc_type=(first, "natural"))
+            )
+        return list(zip((self.before, self.after), splines, strict=True))
 
     def roughness(self):
         """Rows (R, K) of second differences over their prior [1]: heating and cooling are smooth."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
-LARGER = 1.1  # [1] over that: residuals of simulated nulls stay below 1.03
+LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 1.05
 LEAST = 10  # channels of an instrument that has patterns
 SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
 MOMENT, PATTERN = "left_moment", "left_pattern"
@@ -45,8 +45,8 @@ def left_over(model, solution):
 
     Notes
     -----
-    The largest singular value of noise lies within a per cent of :math:`\\sqrt n + \\sqrt C` (I. M. Johnstone,
-    Ann. Stat. 29 (2001) 295): a test for any pattern, where `structures` look for some.
+    The largest singular value of noise lies within a per cent of :math:`\\sqrt n + \\sqrt C`
+    (I. M. Johnstone, Ann. Stat. 29 (2001) 295): a test for any pattern, where `structures` look for some.
     """
     for instrument, z in zip(model.instruments, whitened(model, solution), strict=True):
         if instrument.channels < LEAST:

@@ -1,0 +1,65 @@
+"""What a fit leaves behind: patterns of any shape, and paths that no spline over time follows."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.fit.model import History
+from plasmapyro.diagnosis.select import leftover
+
+SAMPLES, CHANNELS = 100, 150
+
+
+@pytest.fixture
+def left():
+    """`left_over` of residuals (n, C) that are white already."""
+
+    def of(z, channels=CHANNELS):
+        instrument = SimpleNamespace(channels=channels, value=z)
+        weigher = SimpleNamespace(root=lambda rows: rows)
+        model, solution = (
+            SimpleNamespace(instruments=[instrument]),
+            SimpleNamespace(residual=[z], weighers=[weigher]),
+        )
+        return leftover.left_over(model, solution)
+
+    return of
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_leaves_nothing(left, seed):
+    assert left(np.random.default_rng(seed).standard_normal((SAMPLES, CHANNELS))) is None
+
+
+def test_lines_that_shine_for_some_seconds_are_a_moment(left):
+    z = np.random.default_rng(3).standard_normal((SAMPLES, CHANNELS))
+    z[60:64, [40, 41, 90]] += 9.0  # four samples, three channels
+    assert left(z) == leftover.MOMENT
+
+
+def test_a_pattern_that_comes_and_goes_is_one(left):
+    random = np.random.default_rng(4)
+    z = random.standard_normal((SAMPLES, CHANNELS))
+    z += 8 * np.outer(np.sin(np.arange(SAMPLES) / 9), random.standard_normal(CHANNELS)) / np.sqrt(SAMPLES)
+    assert left(z) == leftover.PATTERN
+
+
+def test_two_bands_have_no_patterns(left):
+    assert left(np.random.default_rng(3).standard_normal((SAMPLES, 2)) * 5, channels=2) is None
+
+
+@pytest.mark.parametrize("power", [0.5, 1.0])
+def test_a_path_follows_what_a_flux_does_to_thick_and_thin_samples(power):
+    """Sixty kelvin in the first quarter of a second, as an ablator; and as steadily as a bare sheet."""
+    off = 100.0
+    knots = np.concatenate(
+        [np.arange(0.0, 100.0, 8), [off], off + np.array([0.25, 0.75, 1.25, 1.75, 2.25, 3.5, 5, 8, 12])]
+    )
+    history, time = History(knots, off), off + np.linspace(0, 3, 400)
+
+    def path(time):
+        return 1700 - 120 * np.maximum(time - off, 0) ** power
+
+    # A spline over the time itself errs by 6 K where the root begins; a kelvin is 0.6 % of the light.
+    assert np.abs(history.basis(time) @ path(knots) - path(time)).max() < 1.0
