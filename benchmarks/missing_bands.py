@@ -7,8 +7,8 @@ by d_k grows with temperature as that of harmonic modes does:
 
     S(T) = S_0 [1 - exp(-sum d_k x_k)] prod 1/[1 - exp(-x_k)]^d_k,   x_k = c2 w_k / T
 
-(D. K. Edwards, Adv. Heat Transfer 12 (1976) 115; Q. Zou and P. Varanasi, J. Quant. Spectrosc. Radiat. Transfer
-75 (2002) 63). Of OH all upper levels with their probabilities.
+(D. K. Edwards, Adv. Heat Transfer 12 (1976) 115; Q. Zou and P. Varanasi, J. Quant. Spectrosc. Radiat.
+Transfer 75 (2002) 63). Of OH all upper levels with their probabilities.
 """
 
 import numpy as np

@@ -95,18 +95,49 @@ def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
     assert "gives the same light: what is stated of the emissivity decides" in said
 
 
-def test_light_of_a_lamp_in_the_room_is_no_temperature(place, tmp_path, capsys):
-    lamp = furnace(973.15) + 3e3 * np.exp(-(((AIR - 611) / 3) ** 2))
+@pytest.fixture
+def under_a_lamp(place, tmp_path):
+    """Corrects the test with a lamp's light of some width [nm] on it."""
     kept = (place / "test/light.asc").read_text()
-    try:
-        series(place / "test/light.asc", lamp, 1.0, seed=3)
+
+    def corrected(width):
+        light = furnace(973.15) + 3e3 * np.exp(-(((AIR - 611) / width) ** 2))
+        series(place / "test/light.asc", light, 1.0, seed=3)
         assert correct(place, tmp_path / "t.nc") == 0
-    finally:
-        (place / "test/light.asc").write_text(kept)
-    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+        return io.read(tmp_path / "t.nc", "emissivity_estimate")
+
+    yield corrected
+    (place / "test/light.asc").write_text(kept)
+
+
+def test_light_of_a_lamp_in_the_room_is_no_temperature(under_a_lamp, capsys):
+    found = under_a_lamp(30)
     assert (found.spectral_status == 9).all() and np.isnan(found.spectral_temperature).all()
     words = capsys.readouterr().err
-    assert "are not the light of a hot surface" in words and "more light" in words
+    assert (
+        "are not the light of a hot surface" in words and "more light (as bright as a black body of" in words
+    )
+
+
+def test_a_line_of_a_lamp_is_said_and_left_out(under_a_lamp, capsys):
+    found = under_a_lamp(3)  # as narrow as the slit
+    assert "narrow light at 61" in capsys.readouterr().err
+    assert (found.spectral_status == 0).all()
+    assert np.abs(found.spectral_temperature - 973.15).max() < 2.0
+
+
+def test_several_series_lie_on_the_clock_of_their_headers(place, tmp_path):
+    folder = tmp_path / "day"
+    (folder / "spectrometer").mkdir(parents=True)
+    facts = (place / "test/test.yaml").read_text()
+    (folder / "test.yaml").write_text(facts.replace("file: light.asc", "folder: spectrometer"))
+    (folder / "dark.asc").write_text((place / "test/dark.asc").read_text())
+    for name, clock in (("a", "20:43:16"), ("b", "20:41:16")):  # in time, not by name
+        path = folder / "spectrometer" / f"{name}.asc"
+        series(path, furnace(973.15), 1.0, seed=3)
+        path.write_text(path.read_text().replace("20:41:16", clock))
+    test = read_test(folder)
+    np.testing.assert_allclose(test.spectrum_time, np.r_[0.5 + np.arange(6.0), 120.5 + np.arange(6.0)])
 
 
 def test_frames_have_their_times_and_the_table_its_wavelengths(place):

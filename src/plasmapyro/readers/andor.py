@@ -1,6 +1,8 @@
 """Series of spectra as Andor Solis exports them: a header of 'key: value' lines, then one row per pixel."""
 
 import re
+from contextlib import suppress
+from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +15,7 @@ LARGEST = 96_000_000  # [byte]
 HEADER_LINES = 200
 ROW = re.compile(r"\s*[+-]?[\d.]")
 MOST_SAMPLES = 50_000_000
+DATES = "%a %b %d %H:%M:%S.%f %Y", "%a %b %d %H:%M:%S %Y"
 
 
 class Series(NamedTuple):
@@ -22,6 +25,7 @@ class Series(NamedTuple):
     wavelength: np.ndarray  # (W,) [m]
     counts: np.ndarray  # (n, W)
     exposure: float  # [s]
+    date: datetime | None  # of the begin, if the header states one
 
 
 def read_series(path):
@@ -52,7 +56,8 @@ def read_series(path):
     if counts.size > MOST_SAMPLES:
         refuse(path, f"{len(counts)} frames of {wavelength.size} pixels", "export as many as fit")
     time = exposure / 2 + (cycle or exposure) * np.arange(len(counts))
-    return Series(time, wavelength, counts, exposure)
+    stated = next((line.partition(":")[2] for line in lines[:begin] if line.startswith("Date and Time")), "")
+    return Series(time, wavelength, counts, exposure, _date(stated.strip()))
 
 
 def mean_spectrum(path):
@@ -60,6 +65,13 @@ def mean_spectrum(path):
     series = read_series(path)
     columns = {"counts": series.counts.mean(axis=0)}
     return Spectrum(series.wavelength, columns, None, None, series.exposure, None, None, None, None)
+
+
+def _date(text):
+    for form in DATES:
+        with suppress(ValueError):
+            return datetime.strptime(text, form)
+    return None
 
 
 def _seconds(path, header, key):

@@ -175,6 +175,9 @@ def spectrometer(folder, section):
     limit = section.number("saturation_counts", above=0)
     settings = {"quantity": quantity, "medium": medium, "saturation": limit}
     settings["format"] = section.text("format", "csv", choices=("csv", "andor"))
+    if settings["format"] == "andor" and not tables and place:
+        found = sorted(path.relative_to(folder) for path in (Path(folder) / place).glob("[!.]*.*"))
+        tables = [str(path) for path in found if str(path) != section.values.get("background")]
     if tables:
         settings |= {
             "unit": section.text("unit", needed=True) if settings["format"] == "csv" else "count",
@@ -474,7 +477,7 @@ def vacuum(path, wavelength, medium):
 
 def _tables(paths, folder, settings):
     """Tables with a row per spectrum: time in the first column, wavelengths in the header of the others."""
-    parts, attrs = [], {}
+    parts, attrs, dates = [], {}, {}
     background = Path(folder) / settings["background"] if settings["background"] else None
 
     def read(path):
@@ -484,10 +487,18 @@ def _tables(paths, folder, settings):
         if attrs.setdefault("spectrometer_integration_time", series.exposure) != series.exposure:
             if path != background:  # a dark of another exposure holds the baseline, if little dark current
                 refuse(path, f"other exposure than {paths[0].name}", "put each exposure in a test of its own")
+        dates[path] = series.date
         return series.time, series.wavelength * 1e9, series.counts
 
+    tables = {path: read(path) for path in paths}
+    if (
+        len(paths) > 1 and dates and all(dates.values()) and not settings["time"]
+    ):  # each counts from its begin
+        paths = sorted(paths, key=dates.get)
+        since = {path: (dates[path] - dates[paths[0]]).total_seconds() for path in paths}
+        tables = {path: (tables[path][0] + since[path], *tables[path][1:]) for path in paths}
     for path in paths:
-        time, pixels, values = read(path)
+        time, pixels, values = tables[path]
         if parts and not np.array_equal(pixels, parts[0]["pixels"]):
             refuse(path, f"other wavelengths than {paths[0].name}", "join only files of one instrument", 1)
         factor = 1.0 if settings["stamps"] else units.factor(settings["time_unit"], "spectrum_time")
