@@ -1,6 +1,7 @@
 """Which variables a netCDF file holds, on which dimensions. The register itself is `datasets.csv`.
 
 A row names variables of one contract that stand on the same dimensions; a name that ends in '?' is optional.
+A contract may hold all of others, see `AS_IN`.
 """
 
 from plasmapyro.tables import rows
@@ -12,26 +13,19 @@ CONDITION = ("numerical_power", "chamber_pressure", "mass_flow_rate", "gas", "fl
 WITH_GAPS = {"study_signal", "study"}
 
 
+AS_IN = "as in"  # of a row, in place of dimensions: its names are contracts further up, all of them optional
+
+
 def _register():
     found = {}
     for row in rows("contracts/datasets.csv"):
-        dims = tuple(row["dimensions"].split())
-        found.setdefault(row["contract"], {}).update(dict.fromkeys(row["variables"].split(), dims))
+        names, of_contract = row["variables"].split(), found.setdefault(row["contract"], {})
+        if row["dimensions"] == AS_IN:
+            others = [pair for name in names for pair in found[name].items()]
+            of_contract.update((f"{name.rstrip('?')}?", dims) for name, dims in others)
+        else:
+            of_contract.update(dict.fromkeys(names, tuple(row["dimensions"].split())))
     return found
 
 
 DATASETS = _register()
-
-
-def _optional(*contracts):
-    return {f"{name.rstrip('?')}?": dims for one in contracts for name, dims in DATASETS[one].items()}
-
-
-# A study holds a flow or only the word that there is none.
-DATASETS["study_flow"] = _optional("flow") | DATASETS["study_flow"]
-for _name in ("joint_estimate", "emissivity_estimate"):
-    DATASETS[_name] = _optional("temperature") | DATASETS[_name]
-# What `plasmapyro correct` writes: of each instrument that the test holds, and what to take away.
-DATASETS["correction"] = _optional(
-    "pyrometer_correction", "spectrometer_correction", "joint_estimate", "emissivity_estimate", "temperature"
-)
