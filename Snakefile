@@ -167,9 +167,22 @@ rule all:
         CRATE,
 
 
+def name_of_jobs(rule):
+    """Name of a rule and its wildcards, for what its jobs leave beside their results."""
+    return rule.name + "".join(
+        f"{{{one}}}" if one == "own" else f"_{{{one}}}" for one in sorted(rule.wildcard_names)
+    )
+
+
 # A script counts by its bytes, not by its date (`rerun-triggers` of the profiles): a finished folder may be
-# moved, renamed, copied or cloned again, and an edited script still runs.
+# moved, renamed, copied or cloned again, and an edited script still runs. Each job keeps a log, and its time and
+# memory; those of a study, which may be thousands, stand in folders of their own.
 for each in workflow.rules:
     if each.script:
-        each.input_modifier = each.input_modifier or each.output_modifier  # absent where a rule has no input
+        # Absent where a rule states none.
+        for kind in ("input", "log", "benchmark"):
+            setattr(each, f"{kind}_modifier", getattr(each, f"{kind}_modifier") or each.output_modifier)
         each.set_input(script=local(f"workflow/scripts/{os.path.basename(each.script)}"))
+        if not each.log:
+            each.set_log(f"results/logs/{name_of_jobs(each)}.log")
+            each.benchmark = f"results/benchmarks/{name_of_jobs(each)}.tsv"

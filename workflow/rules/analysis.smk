@@ -11,10 +11,6 @@ rule gas_signal:
         radiation=of_set("results/radiation/{condition}.nc"),
     output:
         "results/analysis/gas_signal{own}.nc",
-    log:
-        "results/logs/gas_signal{own}.log",
-    benchmark:
-        "results/benchmarks/gas_signal{own}.tsv"
     params:
         conditions=lambda wildcards: SETS[wildcards.own],
         emittance=lambda wildcards: [CONDITIONS[name]["emittance"] for name in SETS[wildcards.own]],
@@ -28,10 +24,6 @@ rule visibility:
         response="results/instrument/response.nc",
     output:
         "results/analysis/visibility{own}.nc",
-    log:
-        "results/logs/visibility{own}.log",
-    benchmark:
-        "results/benchmarks/visibility{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["visibility_temperature_k"],
         visibility_level=config["analysis"]["visibility_level"],
@@ -46,10 +38,6 @@ rule apparent_temperature:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/apparent_temperature{own}.nc",
-    log:
-        "results/logs/apparent_temperature{own}.log",
-    benchmark:
-        "results/benchmarks/apparent_temperature{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["apparent_temperature_k"],
     script:
@@ -63,10 +51,6 @@ rule error_map:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/error_map{own}.nc",
-    log:
-        "results/logs/error_map{own}.log",
-    benchmark:
-        "results/benchmarks/error_map{own}.tsv"
     params:
         object_temperature_k=config["analysis"]["error_temperature_k"],
         emittance=config["analysis"]["error_emittance"],
@@ -85,10 +69,6 @@ rule transient:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/analysis/transient{own}.nc",
-    log:
-        "results/logs/transient{own}.log",
-    benchmark:
-        "results/benchmarks/transient{own}.tsv"
     params:
         **{key: value for key, value in HEATING.items() if key != "conditions"},
         conditions=lambda wildcards: OWN if wildcards.own else HEATING["conditions"],
@@ -99,10 +79,6 @@ rule transient:
 rule surface_radiance:
     output:
         "results/analysis/surface_radiance.nc",
-    log:
-        "results/logs/surface_radiance.log",
-    benchmark:
-        "results/benchmarks/surface_radiance.tsv"
     params:
         object_temperature_k=config["figures"]["surface_temperature_k"],
         emittance=config["figures"]["surface_emittance"],
@@ -129,10 +105,6 @@ rule corrected_reading:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/reading/{reading}.nc",
-    log:
-        "results/logs/corrected_reading_{reading}.log",
-    benchmark:
-        "results/benchmarks/corrected_reading_{reading}.tsv"
     wildcard_constraints:
         reading=one_of(READINGS),
     params:

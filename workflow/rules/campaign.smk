@@ -16,10 +16,6 @@ rule campaign:
         priors="results/campaign/priors.yaml",
         page="results/campaign/campaign.md",
         figure="results/campaign/campaign.png",
-    log:
-        "results/logs/campaign.log",
-    benchmark:
-        "results/benchmarks/campaign.tsv"
     localrule: True
     script:
         "../scripts/campaign.py"

@@ -16,10 +16,6 @@ rule cfd_sightline:
         mesh=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"].get("mesh", []),
     output:
         "results/sightline/{condition}.nc",
-    log:
-        "results/logs/cfd_sightline_{condition}.log",
-    benchmark:
-        "results/benchmarks/cfd_sightline_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(CFD_CONDITIONS),
     params:
@@ -39,10 +35,6 @@ rule cfd_surface_view:
         mesh=lambda wildcards: CONDITIONS[wildcards.condition]["cfd"].get("mesh", []),
     output:
         "results/surface_view/{condition}.nc",
-    log:
-        "results/logs/cfd_surface_view_{condition}.log",
-    benchmark:
-        "results/benchmarks/cfd_surface_view_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(CFD_CONDITIONS),
     params:
@@ -59,9 +51,5 @@ rule flow_vtu:
         flows=expand("results/flow/{condition}.nc", condition=COMPUTED),
     output:
         expand("results/flow/{condition}.vtu", condition=COMPUTED),
-    log:
-        "results/logs/flow_vtu.log",
-    benchmark:
-        "results/benchmarks/flow_vtu.tsv"
     script:
         "../scripts/flow_vtu.py"

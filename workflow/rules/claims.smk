@@ -25,9 +25,5 @@ rule claims:
     output:
         table="results/claims.nc",
         text="results/claims.md",
-    log:
-        "results/logs/claims.log",
-    benchmark:
-        "results/benchmarks/claims.tsv"
     script:
         "../scripts/claims.py"

@@ -47,10 +47,6 @@ rule workflow_copy:
         used=USED,
     output:
         COPIES,
-    log:
-        "results/logs/workflow_copy.log",
-    benchmark:
-        "results/benchmarks/workflow_copy.tsv"
     params:
         begun_with=BEGUN_WITH,
     script:
@@ -64,10 +60,6 @@ rule crate:
         copies=COPIES,
     output:
         CRATE,
-    log:
-        "results/logs/crate.log",
-    benchmark:
-        "results/benchmarks/crate.tsv"
     params:
         publication=config["publication"],
         begun_with=BEGUN_WITH,

@@ -19,10 +19,6 @@ rule gas_spectra:
         flows=of_set("results/flow/{condition}.nc", COMPUTED),
     output:
         "results/design/gas_spectra{own}.nc",
-    log:
-        "results/logs/gas_spectra{own}.log",
-    benchmark:
-        "results/benchmarks/gas_spectra{own}.tsv"
     params:
         conditions=lambda wildcards: JUDGED[wildcards.own],
         angle_deg=config["sightline"]["angle_deg"],
@@ -45,10 +41,6 @@ rule band_design:
         response="results/instrument/response.nc",
     output:
         "results/design/band_design.nc",
-    log:
-        "results/logs/band_design.log",
-    benchmark:
-        "results/benchmarks/band_design.tsv"
     params:
         design=DESIGN,
         air_path_mm=AIR_PATH_MM,
@@ -65,10 +57,6 @@ rule reflection_map:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/design/reflection{own}.nc",
-    log:
-        "results/logs/reflection_map{own}.log",
-    benchmark:
-        "results/benchmarks/reflection_map{own}.tsv"
     params:
         **config["design"]["reflection"],
         object_temperature_k=config["analysis"]["error_temperature_k"],
@@ -84,10 +72,6 @@ rule trust:
         response="results/instrument/response.nc",
     output:
         "results/design/trust{own}.nc",
-    log:
-        "results/logs/trust{own}.log",
-    benchmark:
-        "results/benchmarks/trust{own}.tsv"
     params:
         design=config["design"],
         air_path_mm=AIR_PATH_MM,
@@ -102,10 +86,6 @@ rule trust_pages:
         tables=expand("results/design/trust{own}.nc", own=JUDGED),
     output:
         expand("results/design/trust_{condition}.md", condition=COMPUTED),
-    log:
-        "results/logs/trust_pages.log",
-    benchmark:
-        "results/benchmarks/trust_pages.tsv"
     params:
         conditions=COMPUTED,
         table=[list(JUDGED).index(own) for name in COMPUTED for own, names in JUDGED.items() if name in names],

@@ -23,10 +23,6 @@ rule gas_variations:
         emission_table=table_of,
     output:
         "results/radiation_variations/{condition}.nc",
-    log:
-        "results/logs/gas_variations_{condition}.log",
-    benchmark:
-        "results/benchmarks/gas_variations_{condition}.tsv"
     params:
         pressure_pa=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"] * 100,
         boundary_layer_depth_mm=config["diagnosis"]["boundary_layer_depth_mm"],
@@ -71,10 +67,6 @@ rule diagnosis:
         temperature="results/diagnosis/{test}/temperature.nc",
         page="results/diagnosis/{test}/index.html",
         terms="results/diagnosis/{test}/terms.yaml",
-    log:
-        "results/logs/diagnosis_{test}.log",
-    benchmark:
-        "results/benchmarks/diagnosis_{test}.tsv"
     params:
         effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
         draws=config["diagnosis"]["draws"],
@@ -93,10 +85,6 @@ rule restored_test:
         test=test_file,
     output:
         "results/experiment/{test}/restored_test.nc",
-    log:
-        "results/logs/restored_test_{test}.log",
-    benchmark:
-        "results/benchmarks/restored_test_{test}.tsv"
     params:
         effects=lambda wildcards: TESTS[wildcards.test].get("effects", []),
         saturation_counts=config["experiment"]["spectrometer"]["saturation_counts"],
@@ -121,10 +109,6 @@ rule published_experiment:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/diagnosis/published_experiment.md",
-    log:
-        "results/logs/published_experiment.log",
-    benchmark:
-        "results/benchmarks/published_experiment.tsv"
     localrule: True
     params:
         condition=WEAK[:1],

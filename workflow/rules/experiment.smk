@@ -22,10 +22,6 @@ rule read_test:
         lambda wildcards: sources(TESTS[wildcards.test]["data_folder"]),
     output:
         "results/experiment/{test}/test.nc",
-    log:
-        "results/logs/read_test_{test}.log",
-    benchmark:
-        "results/benchmarks/read_test_{test}.tsv"
     params:
         folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
     script:
@@ -49,10 +45,6 @@ rule pyrometer_correction:
         calibration="results/instrument/calibration.nc",
     output:
         "results/experiment/{test}/pyrometer_correction.nc",
-    log:
-        "results/logs/pyrometer_correction_{test}.log",
-    benchmark:
-        "results/benchmarks/pyrometer_correction_{test}.tsv"
     params:
         **config["experiment"]["pyrometer"],
     script:
@@ -65,10 +57,6 @@ rule spectrometer_correction:
         spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/experiment/{test}/spectrometer_correction.nc",
-    log:
-        "results/logs/spectrometer_correction_{test}.log",
-    benchmark:
-        "results/benchmarks/spectrometer_correction_{test}.tsv"
     params:
         **config["experiment"]["spectrometer"],
     script:
@@ -87,10 +75,6 @@ rule joint_estimate:
         ),
     output:
         "results/experiment/{test}/joint_estimate.nc",
-    log:
-        "results/logs/joint_estimate_{test}.log",
-    benchmark:
-        "results/benchmarks/joint_estimate_{test}.tsv"
     params:
         **config["experiment"]["joint_estimate"],
         instruments=lambda wildcards: TESTS[wildcards.test]["instruments"],
@@ -123,10 +107,6 @@ rule findings:
         spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/experiment/{test}/findings.json",
-    log:
-        "results/logs/findings_{test}.log",
-    benchmark:
-        "results/benchmarks/findings_{test}.tsv"
     params:
         folder=lambda wildcards: TESTS[wildcards.test]["data_folder"],
     script:
@@ -143,9 +123,5 @@ rule recommended_temperature:
         findings="results/experiment/{test}/findings.json",
     output:
         "results/experiment/{test}/temperature.nc",
-    log:
-        "results/logs/recommended_temperature_{test}.log",
-    benchmark:
-        "results/benchmarks/recommended_temperature_{test}.tsv"
     script:
         "../scripts/recommended_temperature.py"

@@ -24,10 +24,6 @@ use rule restored_test as extended_test with:
         test=test_file,
     output:
         "results/extended/{test}/test.nc",
-    log:
-        "results/logs/extended_test_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_test_{test}.tsv"
 
 
 use rule pyrometer_correction as extended_pyrometer_correction with:
@@ -36,10 +32,6 @@ use rule pyrometer_correction as extended_pyrometer_correction with:
         calibration="results/instrument/calibration.nc",
     output:
         "results/extended/{test}/pyrometer_correction.nc",
-    log:
-        "results/logs/extended_pyrometer_correction_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_pyrometer_correction_{test}.tsv"
 
 
 use rule spectrometer_correction as extended_spectrometer_correction with:
@@ -48,10 +40,6 @@ use rule spectrometer_correction as extended_spectrometer_correction with:
         spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/extended/{test}/spectrometer_correction.nc",
-    log:
-        "results/logs/extended_spectrometer_correction_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_spectrometer_correction_{test}.tsv"
 
 
 use rule joint_estimate as extended_joint_estimate with:
@@ -62,10 +50,6 @@ use rule joint_estimate as extended_joint_estimate with:
         spectrometer_calibration=spectrometer_calibration_of,
     output:
         "results/extended/{test}/joint_estimate.nc",
-    log:
-        "results/logs/extended_joint_estimate_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_joint_estimate_{test}.tsv"
 
 
 rule extended_flow:
@@ -77,10 +61,6 @@ rule extended_flow:
         flow="results/flow/{condition}.nc",
     output:
         "results/extended/flow/{condition}.nc",
-    log:
-        "results/logs/extended_flow_{condition}.log",
-    benchmark:
-        "results/benchmarks/extended_flow_{condition}.tsv"
     params:
         # The error of a mesh is known from the flow that it starts from.
         **FLOW | {"error_mesh_ratio": 0},
@@ -93,10 +73,6 @@ use rule sightline as extended_sightline with:
         flow="results/extended/flow/{condition}.nc",
     output:
         "results/extended/sightline/{condition}.nc",
-    log:
-        "results/logs/extended_sightline_{condition}.log",
-    benchmark:
-        "results/benchmarks/extended_sightline_{condition}.tsv"
 
 
 rule extended_radiance:
@@ -107,10 +83,6 @@ rule extended_radiance:
         response="results/instrument/response.nc",
     output:
         "results/extended/radiation/{condition}.nc",
-    log:
-        "results/logs/extended_radiance_{condition}.log",
-    benchmark:
-        "results/benchmarks/extended_radiance_{condition}.tsv"
     params:
         **config["radiation"],
     script:
@@ -130,10 +102,6 @@ use rule diagnosis as extended_diagnosis with:
         temperature="results/extended/diagnosis/{test}/temperature.nc",
         page="results/extended/diagnosis/{test}/index.html",
         terms="results/extended/diagnosis/{test}/terms.yaml",
-    log:
-        "results/logs/extended_diagnosis_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_diagnosis_{test}.tsv"
 
 
 rule extended_gain:
@@ -157,10 +125,6 @@ rule extended_gain:
         ratio_curve="results/instrument/ratio_curve.nc",
     output:
         "results/extended/{test}/gain.md",
-    log:
-        "results/logs/extended_gain_{test}.log",
-    benchmark:
-        "results/benchmarks/extended_gain_{test}.tsv"
     params:
         names=FORETOLD,
         analysis=config["analysis"],

@@ -20,10 +20,6 @@ rule probe_readings:
         gas=of_gas("results/gas/{gas}.nc"),
     output:
         "results/facility/{condition}.nc",
-    log:
-        "results/logs/probe_readings_{condition}.log",
-    benchmark:
-        "results/benchmarks/probe_readings_{condition}.tsv"
     params:
         **{
             key: config.get("facility", {}).get(key)
@@ -40,10 +36,6 @@ rule facility:
     output:
         table="results/facility.nc",
         text="results/facility.md",
-    log:
-        "results/logs/facility.log",
-    benchmark:
-        "results/benchmarks/facility.tsv"
     params:
         conditions=PAIRED,
         settings={
@@ -59,9 +51,5 @@ rule figures_facility:
         "results/facility.nc",
     output:
         drawn("facility_pairs"),
-    log:
-        "results/logs/figures_facility.log",
-    benchmark:
-        "results/benchmarks/figures_facility.tsv"
     script:
         "../scripts/figures_facility.py"

@@ -83,10 +83,6 @@ rule figures_instrument:
         responses=drawn("fig3a_responses"),
         calibration=drawn("fig3b_calibration"),
         spectrometer_factor=drawn("fig4b_spectrometer_factor"),
-    log:
-        "results/logs/figures_instrument.log",
-    benchmark:
-        "results/benchmarks/figures_instrument.tsv"
     script:
         "../scripts/figures_instrument.py"
 
@@ -100,10 +96,6 @@ rule figures_fields:
         temperature_field=drawn("fig5a_temperature_field"),
         budgets=drawn("flow_budgets"),
         fields=drawn([f"flow_{condition}" for condition in COMPUTED]),
-    log:
-        "results/logs/figures_fields.log",
-    benchmark:
-        "results/benchmarks/figures_fields.tsv"
     params:
         conditions=COMPUTED,
         field_condition=config["figures"]["field_condition"],
@@ -118,10 +110,6 @@ rule figures_flow:
     output:
         convergence=drawn_of_set("flow_convergence"),
         balances=drawn_of_set("flow_balances"),
-    log:
-        "results/logs/figures_flow{own}.log",
-    benchmark:
-        "results/benchmarks/figures_flow{own}.tsv"
     script:
         "../scripts/figures_flow.py"
 
@@ -145,10 +133,6 @@ rule figures_analysis:
         relative_error=drawn_of_set("fig8b_relative_error"),
         error_map=drawn_of_set("fig8c_error_map"),
         transient=drawn_of_set("fig8d_transient"),
-    log:
-        "results/logs/figures_analysis{own}.log",
-    benchmark:
-        "results/benchmarks/figures_analysis{own}.tsv"
     script:
         "../scripts/figures_analysis.py"
 
@@ -167,10 +151,6 @@ rule figures_design:
         shelf=drawn("design_shelf"),
         reflecting_samples=drawn("reflecting_samples"),
         trust=drawn("trust"),
-    log:
-        "results/logs/figures_design.log",
-    benchmark:
-        "results/benchmarks/figures_design.tsv"
     params:
         field_condition=config["figures"]["field_condition"],
         shown=DESIGNED[:: max(1, len(DESIGNED) // 3)],
@@ -200,10 +180,6 @@ for instruments in sorted({tuple(sorted(TESTS[test]["instruments"])) for test in
             ),
         output:
             **{name: drawn_of_test(name) for name in OF_TEST},
-        log:
-            "results/logs/figures_{test}.log",
-        benchmark:
-            f"results/benchmarks/figures_{'_'.join(instruments)}_{{test}}.tsv"
         wildcard_constraints:
             test=one_of([test for test in WORKED if tuple(sorted(TESTS[test]["instruments"])) == instruments]),
         localrule: True

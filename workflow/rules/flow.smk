@@ -29,10 +29,6 @@ rule flow_start:
         lambda wildcards: f"results/gas/{'air11' if wildcards.start == 'reference' else wildcards.start}.nc",
     output:
         "results/flow/start/{start}.nc",
-    log:
-        "results/logs/flow_start_{start}.log",
-    benchmark:
-        "results/benchmarks/flow_start_{start}.tsv"
     wildcard_constraints:
         start=one_of(["reference", *GASES]),
     params:
@@ -69,10 +65,6 @@ rule flow:
         emission=of_gas(emission_of),
     output:
         "results/flow/{condition}.nc",
-    log:
-        "results/logs/flow_{condition}.log",
-    benchmark:
-        "results/benchmarks/flow_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(COMPUTED),
     params:

@@ -18,10 +18,6 @@ RESULTS += expand("results/gas/{gas}.nc", gas=GASES)
 rule gas_table:
     output:
         "results/gas/{gas}.nc",
-    log:
-        "results/logs/gas_table_{gas}.log",
-    benchmark:
-        "results/benchmarks/gas_table_{gas}.tsv"
     wildcard_constraints:
         gas=one_of(GASES),
     params:
@@ -38,10 +34,6 @@ rule net_emission:
         gas="results/gas/{gas}.nc",
     output:
         "results/gas/emission/{gas}.nc",
-    log:
-        "results/logs/net_emission_{gas}.log",
-    benchmark:
-        "results/benchmarks/net_emission_{gas}.tsv"
     params:
         absorption_radius_mm=config["flow"]["absorption_radius_mm"],
     script:

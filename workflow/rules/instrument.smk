@@ -14,10 +14,6 @@ rule response:
         bands=[config["instrument"]["bands"]] if "bands" in config["instrument"] else [],
     output:
         "results/instrument/response.nc",
-    log:
-        "results/logs/response.log",
-    benchmark:
-        "results/benchmarks/response.tsv"
     params:
         **config["instrument"]["response"],
     script:
@@ -29,10 +25,6 @@ rule ratio_curve:
         response="results/instrument/response.nc",
     output:
         "results/instrument/ratio_curve.nc",
-    log:
-        "results/logs/ratio_curve.log",
-    benchmark:
-        "results/benchmarks/ratio_curve.tsv"
     params:
         **config["instrument"]["ratio_curve"],
     script:
@@ -45,10 +37,6 @@ rule read_points:
         lambda wildcards: raw_files(POINTS),
     output:
         "results/instrument/calibration_points.nc",
-    log:
-        "results/logs/read_points.log",
-    benchmark:
-        "results/benchmarks/read_points.tsv"
     localrule: True
     params:
         folder=POINTS,
@@ -62,10 +50,6 @@ rule calibration:
         calibration_points=POINTS if POINTS.endswith(".nc") else "results/instrument/calibration_points.nc",
     output:
         "results/instrument/calibration.nc",
-    log:
-        "results/logs/calibration.log",
-    benchmark:
-        "results/benchmarks/calibration.tsv"
     params:
         **config["instrument"]["calibration"],
     script:
@@ -79,8 +63,6 @@ if EXPOSURES.endswith(".nc"):
             spectrometer_counts=EXPOSURES,
         output:
             "results/instrument/spectrometer_calibration.nc",
-        log:
-            "results/logs/spectrometer_calibration.log",
         params:
             **config["instrument"]["spectrometer"],
         script:
@@ -94,8 +76,6 @@ else:
             raw_files(EXPOSURES),
         output:
             "results/instrument/spectrometer_exposures.nc",
-        log:
-            "results/logs/read_exposures.log",
         localrule: True
         params:
             folder=EXPOSURES,
@@ -107,8 +87,6 @@ else:
             spectrometer_exposures="results/instrument/spectrometer_exposures.nc",
         output:
             "results/instrument/spectrometer_calibration.nc",
-        log:
-            "results/logs/spectrometer_calibration.log",
         params:  # the folder states the uncertainty of its own source
             **{
                 name: value

@@ -22,10 +22,6 @@ def of_table(read):
 rule emission_table:
     output:
         "results/emission_table/{mixture}.nc",
-    log:
-        "results/logs/emission_table_{mixture}.log",
-    benchmark:
-        "results/benchmarks/emission_table_{mixture}.tsv"
     wildcard_constraints:
         mixture=one_of(TABLE_OF.values()),
     params:
@@ -44,10 +40,6 @@ rule radiance:
         emission_table=table_of,
     output:
         "results/radiation/{condition}.nc",
-    log:
-        "results/logs/radiance_{condition}.log",
-    benchmark:
-        "results/benchmarks/radiance_{condition}.tsv"
     params:
         **config["radiation"],
         changes=lambda wildcards: CHANGES.get(wildcards.condition, {}),
@@ -62,10 +54,6 @@ rule reflected_radiance:
         response="results/instrument/response.nc",
     output:
         "results/reflection/{condition}.nc",
-    log:
-        "results/logs/reflected_radiance_{condition}.log",
-    benchmark:
-        "results/benchmarks/reflected_radiance_{condition}.tsv"
     params:
         **config["radiation"],
     script:

@@ -9,10 +9,6 @@ rule report:
         everything=RESULTS,
     output:
         "results/report.html",
-    log:
-        "results/logs/report.log",
-    benchmark:
-        "results/benchmarks/report.tsv"
     params:
         tests=[test for test, _ in CORRECTIONS],
         diagnosed=DIAGNOSED,

@@ -6,10 +6,6 @@ rule sightline:
         flow="results/flow/{condition}.nc",
     output:
         "results/sightline/{condition}.nc",
-    log:
-        "results/logs/sightline_{condition}.log",
-    benchmark:
-        "results/benchmarks/sightline_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(COMPUTED),
     params:
@@ -23,10 +19,6 @@ rule surface_view:
         flow="results/flow/{condition}.nc",
     output:
         "results/surface_view/{condition}.nc",
-    log:
-        "results/logs/surface_view_{condition}.log",
-    benchmark:
-        "results/benchmarks/surface_view_{condition}.tsv"
     wildcard_constraints:
         condition=one_of(COMPUTED),
     params:

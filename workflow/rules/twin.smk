@@ -14,10 +14,6 @@ rule twin_calibration:
     output:
         points="results/twin/calibration_points.nc",
         counts="results/twin/spectrometer_counts.nc",
-    log:
-        "results/logs/twin_calibration.log",
-    benchmark:
-        "results/benchmarks/twin_calibration.tsv"
     params:
         seed=config["twin"]["seed"],
     script:
@@ -63,10 +59,6 @@ rule twin_test:
     output:
         test="results/twin/{test}/test.nc",
         truth="results/twin/{test}/truth.nc",
-    log:
-        "results/logs/twin_test_{test}.log",
-    benchmark:
-        "results/benchmarks/twin_test_{test}.tsv"
     params:
         condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
         effects=lambda wildcards: TESTS[wildcards.test]["twin"].get("effects", []),
