@@ -1,6 +1,6 @@
-"""Time `plasmapyro correct` on a long log: 2 hours at 10 Hz with 3600 spectra of 2068 pixels.
+"""Time `plasmapyro correct` or `check` on a long log: 2 hours at 10 Hz with 3600 spectra of 2068 pixels.
 
-    python benchmarks/correct_log.py FOLDER [--hours 2] [--spectra 3600] [--raw]
+    python benchmarks/correct_log.py FOLDER [--hours 2] [--spectra 3600] [--raw] [--only check]
 
 Makes a synthetic test and both calibrations in FOLDER, corrects it with the command, writes the wall time,
 the CPU time and the peak memory of that command to FOLDER/correct_log.json and to standard output. With
@@ -179,6 +179,7 @@ def main():
     words.add_argument("--hours", type=float, default=2.0)
     words.add_argument("--spectra", type=int, default=3600)
     words.add_argument("--raw", action="store_true")
+    words.add_argument("--only", choices=("check", "correct"), default="correct")
     options = words.parse_args()
     (options.folder / "instrument").mkdir(parents=True, exist_ok=True)
     test = made(*instruments(options.folder / "instrument"), options.hours, options.spectra)
@@ -193,10 +194,12 @@ def main():
         sys.executable,
         "-c",
         "import sys; from plasmapyro.cli import main; sys.exit(main())",
-        "correct",
+        options.only,
+        str(place),
     ]
-    command += [str(place), "--instrument", str(options.folder / "instrument")]
-    command += ["--out", str(options.folder / "corrected.nc"), "--saturation-counts", "1e9"]
+    if options.only == "correct":
+        command += ["--instrument", str(options.folder / "instrument")]
+        command += ["--out", str(options.folder / "corrected.nc"), "--saturation-counts", "1e9"]
     begin = time.perf_counter()
     subprocess.run(command, check=True)
     wall, used = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -40,12 +40,13 @@ def replay(options, moments, pair):
     answers, times = [], []
     for moment, (wide, narrow) in zip([moments[0] - 1, *moments], [pair[:, 0], *pair.T], strict=True):
         sample = {"time": float(moment), "signal_wide": float(wide), "signal_narrow": float(narrow)}
-        before, begin = scheduled(live.pid), time.perf_counter()
+        before, own, begin = scheduled(live.pid), scheduled("self"), time.perf_counter()
         live.stdin.write(json.dumps(sample) + "\n")
         line = live.stdout.readline()
         if not line:
             sys.exit(live.wait() or 1)  # it has said why
         ran, waited = scheduled(live.pid) - before
+        waited += (scheduled("self") - own)[1]
         times.append((ran, max(time.perf_counter() - begin - waited, ran)))
         answers.append(json.loads(line))
     live.stdin.close()

@@ -151,7 +151,7 @@ def _of_json(found):
         if isinstance(values, dict):
             columns |= {f"{name}.{key}": pair for key, pair in _of_json(values).items()}
         elif isinstance(values, list) and all(one is None or type(one) in (int, float) for one in values):
-            columns[name] = [np.nan if one is None else one for one in values], None
+            columns[name] = np.array([np.nan if one is None else one for one in values], dtype=float), None
     return columns
 
 
