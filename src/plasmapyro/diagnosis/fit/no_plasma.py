@@ -7,6 +7,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.diagnosis.effects.instrument import dark_counts, stray, wider_slit
+from plasmapyro.diagnosis.fit.persistent import STRAY_LIGHT
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term
 from plasmapyro.diagnosis.gas.templates import GasLibrary
@@ -16,7 +17,6 @@ from plasmapyro.radiation.planck import blackbody_radiance
 RANGE = (200e-9, 4000e-9)  # [m] in which light is looked at
 STEP = 0.5e-9  # [m]
 UNIT = 0.1  # [1], of the hottest surface: the light that offsets are counted in, in the place of the gas
-STRAY_LIGHT = 0.003  # [1] ASSUME: of the mean count rate, as in the estimate with an emissivity
 WIDTH = 0.3  # [1] ASSUME: of the width of the slit, how well it is known
 LEAST_SLOPE = 5  # pixels over which the slope of the response is taken at least
 BASELINE = 0.3  # ASSUME: of a pixel's noise, baseline of a frame: clamps of real converters jump by so much

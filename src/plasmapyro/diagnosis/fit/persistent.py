@@ -19,10 +19,10 @@ GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and coolin
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 ROUGH_LENGTH = 10e-9  # [m]
-COURSE, LEAST_WANDER = (
-    1e-3,
-    1e-2,
-)  # [1] ASSUME: how far the course of the scale wanders: fringes, fibres
+COURSE = 3e-3  # [1] ASSUME: how far the course of the scale wanders: as far as its level
+STRAY_LIGHT = 0.003  # [1] ASSUME: of the mean count rate, as in the estimate with an emissivity
+STRAY_COURSE = 0.3  # [1] ASSUME: of it, from one end of a spectrum to the other
+LEAST_WANDER = 1e-2  # variance of shapes over wavelength that are left out, of the largest
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
 # as sure, because what is left out is what a wrong temperature looks like.
 LEAST = 1e-4
@@ -90,13 +90,28 @@ def persistent(instrument, start, end, rough=0.0):
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
         parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
         if rough:
-            value, vector = np.linalg.eigh(np.exp(-0.5 * (apart / max(SMOOTH_LENGTHS)) ** 2))
+            like = np.exp(-0.5 * (apart / max(SMOOTH_LENGTHS)) ** 2)
+            value, vector = np.linalg.eigh(like)
             for size, row in zip(value, vector.T, strict=True):
                 if size > LEAST_WANDER * value.max():
                     time.append(root)
                     channel.append(np.outer(row * np.sqrt(size), np.ones(knots.size)))
                     parameters += [Parameter("wander_smooth", f"wandering {name}", COURSE)] * knots.size
+            share = _stray_share(instrument)
+            value, vector = np.linalg.eigh(like * np.outer(share, share))
+            kept = value > LEAST * value.max()
+            time.append(np.ones((knots.size, kept.sum())))
+            channel.append(vector[:, kept] * np.sqrt(value[kept]))
+            name = "stray light over wavelength"
+            parameters += [Parameter("smooth_stray", name, STRAY_COURSE)] * int(kept.sum())
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
+
+
+def _stray_share(instrument):
+    """Share (C,) of even stray light in the counts of each channel, at most 1."""
+    counts = np.nanmean(instrument.value, axis=0)
+    counts = counts if instrument.factor is None else counts / instrument.factor
+    return np.minimum(STRAY_LIGHT * np.nanmean(counts) / np.maximum(counts, 1e-300), 1.0)
 
 
 def _wandering(start, end, *times):
