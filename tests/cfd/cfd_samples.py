@@ -6,10 +6,7 @@ import numpy as np
 import xarray as xr
 
 FILES = Path(__file__).with_name("samples")
-STATE = {
-    "temperature": {"name": "T", "unit": "K"},
-    "pressure": {"name": "p", "unit": "Pa"},
-}
+STATE = {"temperature": {"name": "T", "unit": "K"}, "pressure": {"name": "p", "unit": "Pa"}}
 
 
 def temperature(x, y, z=0.0):

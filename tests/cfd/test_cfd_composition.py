@@ -168,11 +168,7 @@ def two_temperatures(tmp_path, **changes):
     (tmp_path / "a.csv").write_text(
         "s,T,Tr,Tv,Te,p,N2,N,Np\n0,3000,3100,5000,5200,5000,0.5,0.4,0.05\n0.1,4000,4100,6000,6200,5000,0.5,0.4,0.05\n"
     )
-    names = {
-        "rotational_temperature": "Tr",
-        "vibrational_temperature": "Tv",
-        "electron_temperature": "Te",
-    }
+    names = {"rotational_temperature": "Tr", "vibrational_temperature": "Tv", "electron_temperature": "Te"}
     variables = {**samples.STATE, **{key: {"name": name, "unit": "K"} for key, name in names.items()}}
     species = {"quantity": "mole_fraction", "unit": "1", "names": {"N2": "N2", "N": "N", "N+": "Np"}}
     mapping = samples.settings(

@@ -286,10 +286,7 @@ def test_tables_that_are_cut_off_or_hold_words(tmp_path):
 
 def test_a_wrong_unit_shows_in_the_range():
     """A field in kK read as K is colder than any gas."""
-    variables = {
-        "temperature": {"name": "N2", "unit": "K"},
-        "pressure": {"name": "p", "unit": "Pa"},
-    }
+    variables = {"temperature": {"name": "N2", "unit": "K"}, "pressure": {"name": "p", "unit": "Pa"}}
     message = refusal(samples.FILES / "mixed_ascii.vtu", samples.settings(variables=variables))
     assert "temperature must lie in [100, 30000] K; got 0.6 K" in message
 

@@ -44,11 +44,7 @@ FIELDS = {  # name -> (changes of the map, bytes, bytes of the mesh)
         None,
     ),
     "ordered.dat": ({}, samples.tecplot_ordered().encode(), None),
-    "restart.csv": (
-        SU2,
-        samples.su2_restart_text(POINTS).encode(),
-        samples.su2_mesh(POINTS, CELLS).encode(),
-    ),
+    "restart.csv": (SU2, samples.su2_restart_text(POINTS).encode(), samples.su2_mesh(POINTS, CELLS).encode()),
     "restart.dat": (SU2, samples.su2_restart_binary(POINTS), samples.su2_mesh(POINTS, CELLS).encode()),
     "points.csv": (SCATTERED, samples.scattered(POINTS).encode(), None),
 }

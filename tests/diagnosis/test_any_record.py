@@ -112,24 +112,12 @@ def test_without_a_calibration_of_the_pyrometer_the_spectra_are_diagnosed(run, r
 @pytest.mark.parametrize(
     ("settings", "change", "words"),
     [
-        (
-            {},
-            lambda test: test.isel(spectrum_time=[60]).drop_dims("time"),
-            "10 sound samples .* holds 1 of",
-        ),
+        ({}, lambda test: test.isel(spectrum_time=[60]).drop_dims("time"), "10 sound samples .* holds 1 of"),
         ({}, lambda test: test.isel(spectrum_time=[]), "spectrum_time: holds no sample"),
-        (
-            {"start": 125.0, "end": 200.0},
-            without_pyrometer,
-            "none lit by it",
-        ),
+        ({"start": 125.0, "end": 200.0}, without_pyrometer, "none lit by it"),
         ({"start": 125.0, "end": 200.0}, lambda test: test, "0 samples in the reference window"),
         ({}, lambda test: test.isel(wavelength=slice(5)), "5 usable pixels of the spectrometer lie within"),
-        (
-            {},
-            lambda test: test.assign(signal_wide=-test.signal_wide),
-            "are sign and dark level right",
-        ),
+        ({}, lambda test: test.assign(signal_wide=-test.signal_wide), "are sign and dark level right"),
     ],
     ids=["one spectrum", "no spectrum", "plasma off", "plasma off, bands", "five pixels", "sign"],
 )

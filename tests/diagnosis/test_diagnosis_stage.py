@@ -251,13 +251,7 @@ def test_without_variations_of_the_gas_what_needs_them_is_not_looked_for(record,
 
 def test_an_unknown_condition_or_effect_is_refused(record, laboratory):
     inputs = command.Inputs(
-        laboratory.radiation,
-        {},
-        laboratory.response,
-        laboratory.calibration,
-        None,
-        "synthetic",
-        {},
+        laboratory.radiation, {}, laboratory.response, laboratory.calibration, None, "synthetic", {}
     )
     with pytest.raises(ValueError, match="known are 60kW.*--radiance"):
         command.diagnose_test(record().assign_attrs(condition="1MW"), inputs)

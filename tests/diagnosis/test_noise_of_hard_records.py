@@ -37,13 +37,7 @@ def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
     error = np.where(np.arange(count) < 350, 2e-4, 0.009)
     level = gain + error * random.standard_normal(count)
     found = coloured(
-        level,
-        level,
-        (1.15 * error) ** 2,
-        np.ones(count, dtype=bool),
-        np.zeros(count, dtype=int),
-        period,
-        6.0,
+        level, level, (1.15 * error) ** 2, np.ones(count, dtype=bool), np.zeros(count, dtype=int), period, 6.0
     )
     # 350 frames that share samples: some 8 % of a standard deviation; a mean of all frames finds none.
     assert np.sqrt(found.between(period)) == pytest.approx(sigma * np.sqrt(1 - keep), rel=0.2)

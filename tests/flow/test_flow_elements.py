@@ -8,12 +8,7 @@ from plasmapyro.flow.elements import Space
 from plasmapyro.flow.geometry import Torch
 from plasmapyro.flow.gradient import derivatives, gradient
 from plasmapyro.flow.linear import Factorised
-from plasmapyro.flow.physics import (
-    ROW_SCALE,
-    Points,
-    densities,
-    property_lines,
-)
+from plasmapyro.flow.physics import ROW_SCALE, Points, densities, property_lines
 from plasmapyro.flow.properties import gas_properties
 
 LENGTH, RADIUS = 0.3, 0.1

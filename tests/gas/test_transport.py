@@ -3,12 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from plasmapyro.constants import (
-    BOLTZMANN,
-    ELECTRON_MASS,
-    ELEMENTARY_CHARGE,
-    VACUUM_PERMITTIVITY,
-)
+from plasmapyro.constants import BOLTZMANN, ELECTRON_MASS, ELEMENTARY_CHARGE, VACUUM_PERMITTIVITY
 from plasmapyro.gas import equilibrium, transport
 from plasmapyro.gas.collisions import (
     HeavyIntegrals,

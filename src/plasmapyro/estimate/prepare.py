@@ -269,9 +269,7 @@ def _of_pixels(instrument, pixels, usable, good):
     belongs = pixel_bins(pixels, instrument.edges) == np.arange(instrument.edges.size - 1)[:, None]
     weight = (belongs & usable).astype(float)
     return dataclasses.replace(
-        instrument,
-        edges=edges,
-        weight=(weight / np.maximum(weight.sum(axis=1, keepdims=True), 1))[good],
+        instrument, edges=edges, weight=(weight / np.maximum(weight.sum(axis=1, keepdims=True), 1))[good]
     )
 
 

@@ -46,9 +46,8 @@ class Explanations:
 class Jets:
     """Jets by chamber pressure, mixing and rising power; logarithms of SI.
 
-    `pitot` (p, m, w, nose); `state` (p, m, w, 4): temperature, enthalpy, speed, power; `flux`
-    (rates, p, m, w, recombination); `computed` (p, m, w), False where carried over from another pressure or
-    mixing.
+    `pitot` (p, m, w, nose); `state` (p, m, w, 4): temperature, enthalpy, speed, power; `flux` (rates, p, m,
+    w, recombination); `computed` (p, m, w), False where carried over from another pressure or mixing.
     """
 
     pressure: np.ndarray

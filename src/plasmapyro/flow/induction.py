@@ -115,11 +115,7 @@ class Tangent:
             )
 
         heating = 0.5 * change * np.abs(self.electric) ** 2 + sigma * np.real(np.conj(self.electric) * value)
-        return (
-            heating,
-            -0.5 * force(self.magnetic_r, magnetic_r),
-            0.5 * force(self.magnetic_z, magnetic_z),
-        )
+        return (heating, -0.5 * force(self.magnetic_r, magnetic_r), 0.5 * force(self.magnetic_z, magnetic_z))
 
 
 class Induction:

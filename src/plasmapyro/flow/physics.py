@@ -42,9 +42,8 @@ torch exit only (with 0.01 in the torch, too, the one run tried diverged):
 (B. E. Launder, D. B. Spalding, Mathematical Models of Turbulence (1972): l of a round jet is 0.075 of its
 width, turbulent Prandtl number 0.7). Neither its memory nor what density does to it is modelled.
 
-Source: Fagnani et al., sec. 4.1 (LTE CF-ICP model, same equations); SUPG/PSPG
-after Tezduyar, Adv. Appl. Mech. 28 (1991) 1. Deviation: finite elements for VKI's finite
-volumes.
+Source: Fagnani et al., sec. 4.1 (LTE CF-ICP model, same equations); SUPG/PSPG after Tezduyar, Adv. Appl.
+Mech. 28 (1991) 1. Deviation: finite elements for VKI's finite volumes.
 """
 
 from dataclasses import dataclass

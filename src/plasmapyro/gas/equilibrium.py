@@ -6,15 +6,7 @@ import numpy as np
 
 from plasmapyro.checks import positive, within
 from plasmapyro.constants import BOLTZMANN
-from plasmapyro.gas.species import (
-    AIR,
-    CHARGE,
-    MASS,
-    NITROGEN_ATOMS,
-    OXYGEN_ATOMS,
-    SPECIES,
-    oxygen_beside,
-)
+from plasmapyro.gas.species import AIR, CHARGE, MASS, NITROGEN_ATOMS, OXYGEN_ATOMS, SPECIES, oxygen_beside
 
 REFERENCE_PRESSURE = 1e5
 """Pressure the NASA-9 polynomials refer to [Pa]: 1 bar (McBride, Zehe, Gordon, NASA/TP-2002-211556)."""
@@ -72,12 +64,11 @@ def composition(temperature, pressure, nitrogen=AIR["N2"]):
 
     Notes
     -----
-    Source: McBride, Zehe & Gordon, NASA/TP-2002-211556 (NASA-9 polynomials); element potentials as
-    Reynolds, STANJAN (Stanford, 1986). ASSUME: no lowering of the ionisation energy (about 0.05 % of
-    it at 0.05 bar). Deviation: Cantera's own `equilibrate` loses the charged species below about
-    2000 K: at 50 mbar it gives 1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 atm
-    0.8 of them at 1900 K. From 2250 K all species agree to 2e-7, from 2500 K to 1e-10; the neutral
-    ones do everywhere from 1250 K.
+    Source: McBride, Zehe & Gordon, NASA/TP-2002-211556 (NASA-9 polynomials); element potentials as Reynolds,
+    STANJAN (Stanford, 1986). ASSUME: no lowering of the ionisation energy (about 0.05 % of it at 0.05 bar).
+    Deviation: Cantera's own `equilibrate` loses the charged species below about 2000 K: at 50 mbar it gives
+    1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 atm 0.8 of them at 1900 K. From 2250 K
+    all species agree to 2e-7, from 2500 K to 1e-10; the neutral ones do everywhere from 1250 K.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     pressure = positive("pressure", pressure, "Pa")
@@ -91,11 +82,7 @@ def composition(temperature, pressure, nitrogen=AIR["N2"]):
         standard[:, (NITROGEN_ATOMS if nitrogen == 0 else OXYGEN_ATOMS) > 0] = -np.inf
     # Start: no element may exceed the amount it has as a molecule, as an atom or as an ion.
     potential = np.stack(
-        [
-            _smallest(standard, "N2", "N", 2 * nitrogen),
-            _smallest(standard, "O2", "O", 2 * oxygen),
-        ],
-        axis=-1,
+        [_smallest(standard, "N2", "N", 2 * nitrogen), _smallest(standard, "O2", "O", 2 * oxygen)], axis=-1
     )
     for _ in range(MAXIMUM_ITERATIONS):
         logarithm = _log_fractions(standard, potential)

@@ -57,11 +57,10 @@ def partition_function(species, temperature):
 
     Notes
     -----
-    Source: levels as `atomic_levels` and `diatomic_levels`. Against the level sums behind NASA-9 (those
-    of `equilibrium.composition`): within 0.5 % to 6000 K. Above, the states left out or estimated tell:
-    at 8000 and 10000 K N2+ is 1.3 and 2.3 % low, O2+ 0.4 and 1.6 %, all others below 1.2 %; at 15000 K
-    NO and O2+ are 7.5 % low, N2+ is 4.6 % high. CN and C2 agree with the sums behind NASA-7 within
-    0.3 and 1.3 % to 6000 K.
+    Source: levels as `atomic_levels` and `diatomic_levels`. Against the level sums behind NASA-9 (those of
+    `equilibrium.composition`): within 0.5 % to 6000 K. Above, the states left out or estimated tell: at 8000
+    and 10000 K N2+ is 1.3 and 2.3 % low, O2+ 0.4 and 1.6 %, all others below 1.2 %; at 15000 K NO and O2+ are
+    7.5 % low, N2+ is 4.6 % high. CN and C2 agree with the sums behind NASA-7 within 0.3 and 1.3 % to 6000 K.
     """
     if species not in SPECIES + TRACES:
         raise ValueError(f"species must be one of {', '.join(SPECIES + TRACES)}; got {species!r}")
@@ -140,10 +139,9 @@ def atomic_levels(species):
 
     Notes
     -----
-    Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the
-    levels observed (n about 12 for N, 19 for O), those above the ionisation limit included; the
-    Rydberg levels beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to
-    Q of N at 10000 K.
+    Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the levels
+    observed (n about 12 for N, 19 for O), those above the ionisation limit included; the Rydberg levels
+    beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to Q of N at 10000 K.
     """
     table = tables.load("gas/levels_" + species.replace("+", "_plus"))
     return _sealed(table["energy"], table["degeneracy"])
@@ -154,8 +152,7 @@ def diatomic_levels(species):
 
     .. math:: E = T + A\Lambda\Sigma + G(v) + B_v F - D F^2, \qquad D = 4 B_e^3/\omega_e^2
 
-    with :math:`F = J(J+1) - \Omega^2` where :math:`\Lambda > 0` (Hund's case a), else
-    :math:`F = N(N+1)`.
+    with :math:`F = J(J+1) - \Omega^2` where :math:`\Lambda > 0` (Hund's case a), else :math:`F = N(N+1)`.
 
     Parameters
     ----------
@@ -169,13 +166,12 @@ def diatomic_levels(species):
 
     Notes
     -----
-    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants
-    of Laher & Gilmore (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`. T counts from
-    the lower component of a ground state split by spin and orbit (X2Pi1/2 of NO and O2+).
-    ASSUME: quasi-bound levels count up to the centrifugal barrier of a Morse potential of the same
-    depth (they live long enough to take part). ASSUME: multiplets split by spin-orbit interaction
-    only, Sigma states not at all; nuclear-spin alternation averages out above 100 K, except that the
-    ground state of O2 has odd rotation only.
+    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants of Laher & Gilmore
+    (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`. T counts from the lower component of a
+    ground state split by spin and orbit (X2Pi1/2 of NO and O2+). ASSUME: quasi-bound levels count up to the
+    centrifugal barrier of a Morse potential of the same depth (they live long enough to take part). ASSUME:
+    multiplets split by spin-orbit interaction only, Sigma states not at all; nuclear-spin alternation
+    averages out above 100 K, except that the ground state of O2 has odd rotation only.
     """
     energy, weight, _ = _diatomic_levels(species)
     return energy, weight

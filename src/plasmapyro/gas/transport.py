@@ -349,9 +349,8 @@ def electron_matrix(mole_fraction, integrals):
 
     Notes
     -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez,
-    J. Comput. Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their
-    mass.
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez, J. Comput.
+    Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their mass.
     """
     x, electrons = mole_fraction[:, HEAVY], mole_fraction[:, ELECTRON]
 

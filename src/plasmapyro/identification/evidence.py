@@ -38,8 +38,7 @@ FAINT = 1e-3  # lines below this share of the strongest of their species are lef
 def _absent(short):
     """Log probability that a line is not seen whose light is below the limit by `short`, in logarithms."""
     seen = np.logaddexp(
-        np.log1p(-ODD) + log_ndtr(short / TOLERANCE),
-        np.log(ODD) + log_ndtr(short / (ODD_WIDER * TOLERANCE)),
+        np.log1p(-ODD) + log_ndtr(short / TOLERANCE), np.log(ODD) + log_ndtr(short / (ODD_WIDER * TOLERANCE))
     )
     return np.minimum(np.logaddexp(np.log(LOST), np.log1p(-LOST) + seen), 0.0)
 

@@ -102,10 +102,7 @@ class Column:
 
 def marks(section):
     """Delimiter and decimal sign that a section states, None for what is left to be found."""
-    return (
-        section.text("delimiter", choices=tuple(DELIMITERS)),
-        section.text("decimal", choices=(".", ",")),
-    )
+    return (section.text("delimiter", choices=tuple(DELIMITERS)), section.text("decimal", choices=(".", ",")))
 
 
 def wanted(section, names, kinds=(), needed=(), files=False):

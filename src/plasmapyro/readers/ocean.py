@@ -240,9 +240,7 @@ def column_of(path, spectrum, settings):
         name = {"counts": "S", "spectral_radiance": "P"}[settings["quantity"]]  # as a Jaz names them
     if name not in spectrum.columns:
         refuse(
-            path,
-            f"no column {quote(name)}",
-            f"state `column` in test.yaml: {', '.join(spectrum.columns)}",
+            path, f"no column {quote(name)}", f"state `column` in test.yaml: {', '.join(spectrum.columns)}"
         )
     return spectrum.columns[name]
 

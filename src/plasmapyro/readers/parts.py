@@ -275,11 +275,7 @@ def _marathon(folder, section):
 
 
 def _check_units(section, settings):
-    names = {
-        "unit": settings["quantity"],
-        "wavelength_unit": "wavelength",
-        "time_unit": "spectrum_time",
-    }
+    names = {"unit": settings["quantity"], "wavelength_unit": "wavelength", "time_unit": "spectrum_time"}
     for key, variable in names.items():
         unit = settings.get(key)
         if unit is not None and variable is not None and units.factor(unit, variable) is None:
@@ -517,10 +513,7 @@ def _tables(paths, folder, settings):
     if not (np.diff(wavelength) > 0).all():
         refuse(paths[0], "a wavelength stands twice in the header", "remove one of the columns", 1)
     values = whole["values"][:, order] * units.factor(settings["unit"], settings["quantity"])
-    result = {
-        "spectrum_time": whole["time"],
-        "wavelength": vacuum(paths[0], wavelength, settings["medium"]),
-    }
+    result = {"spectrum_time": whole["time"], "wavelength": vacuum(paths[0], wavelength, settings["medium"])}
     files = {"place": paths[0], "background": background}
     if settings["quantity"] == "counts":
         values = _without_clipped(values, settings["saturation"], result, attrs)

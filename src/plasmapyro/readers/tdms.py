@@ -159,9 +159,7 @@ def _joined(path, found):
         tracks = [track for _, track in found.values()]
         if tracks[0] is None or any(t is None or not np.array_equal(t, tracks[0]) for t in tracks):
             refuse(
-                path,
-                "the channels carry no common time (wf_increment)",
-                "name a time channel in test.yaml",
+                path, "the channels carry no common time (wf_increment)", "name a time channel in test.yaml"
             )
         result["time"] = tracks[0]
     return result

@@ -3,13 +3,7 @@
 import numpy as np
 
 from plasmapyro import conditions
-from plasmapyro.diagnosis.gas.templates import (
-    WARMTH_OF_POWER,
-    GasLibrary,
-    extra_sigma,
-    line_groups,
-    widened,
-)
+from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER, GasLibrary, extra_sigma, line_groups, widened
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH, STRENGTHS
 
