@@ -39,20 +39,19 @@ def temperature_field(flow, sightline, paths):
     for half in (triangles, lower):
         image = axes.tripcolor(half, temperature, **scale)
     drawing.colorbar(image, ax=axes, label="Temperature [K]", pad=0.01)
-    inside = sightline.path_distance.values <= sightline.attrs["exit_distance"]
-    axes.plot(
-        sightline.axial_position.values[inside] * 1e3,
-        sightline.radial_position.values[inside] * 1e3,
-        color="cyan",
-        lw=1,
-        ls="--",
-        label=r"line of sight $\zeta$",
-    )
+    _sight_line(axes, sightline)
     axes.legend(loc="upper left", labelcolor="0.3")
     axes.set(xlabel="Axial position $z$ [mm]", ylabel="Radial position $r$ [mm]", aspect="equal")
     axes.grid(False)
     axes.set_title(_named(flow), loc="left", fontsize=8)
     style.save(axes, paths, flow)
+
+
+def _sight_line(axes, sightline):
+    """The line of sight as far as the domain holds it."""
+    inside = sightline.path_distance.values <= sightline.attrs["exit_distance"]
+    place = (1e3 * sightline[name].values[inside] for name in ("axial_position", "radial_position"))
+    axes.plot(*place, color="cyan", lw=1, ls="--", label=r"line of sight $\zeta$")
 
 
 def _quarters(corner, middle):
@@ -158,15 +157,7 @@ def _field(flow, sightline, raster, paths):
     both = np.concatenate([temperature[::-1], temperature])
     image = upper.imshow(both, extent=whole, origin="lower", cmap="inferno", vmin=300, **EXACT)
     drawing.colorbar(image, ax=upper, label="Temperature [K]", pad=0.01, shrink=SHORT_BAR)
-    inside = sightline.path_distance.values <= sightline.attrs["exit_distance"]
-    upper.plot(
-        sightline.axial_position.values[inside] * 1e3,
-        sightline.radial_position.values[inside] * 1e3,
-        color="cyan",
-        lw=1,
-        ls="--",
-        label=r"line of sight $\zeta$",
-    )
+    _sight_line(upper, sightline)
     _streamlines(upper, flow, raster)
     upper.legend(loc="upper left", labelcolor="0.3")
     title = f"{_named(flow)}; coil {float(flow.coil_current):.0f} A"
