@@ -88,6 +88,12 @@ TABLES = {
         '"Unit","","","nA","nA"\n"Date","Time","ms","",""',
         lambda t, *pair: (*f"{NOON + timedelta(seconds=t):%Y/%m/%d %H:%M:%S}".split(), "000", *pair),
     ),
+    "an oscilloscope that states more": table(
+        "Length,Analog:20\nUnits,CH1:A,CH2:A\nModel,X2\nSource,CH1,CH2\nSecond,Ampere,Ampere",
+        lambda t, w, n: (t, w * 1e-9, n * 1e-9),
+    ),
+    "spans of time": table(",t,wide_nA,narrow_nA", lambda t, *p: (int(t), f"0 days 00:00:{t:09.6f}", *p)),
+    "seconds with their unit": table("Time,wide_nA,narrow_nA", lambda t, *p: (f"{t} sec", *p)),
     "an oscilloscope": table("x-axis,1,2\nsecond,Ampere,Ampere", lambda t, w, n: (t, w * 1e-9, n * 1e-9)),
     "minutes and seconds": table(
         "Elapsed;Wide (nA);Narrow (nA)",
@@ -230,6 +236,8 @@ def test_what_cannot_be_read_is_told_with_what_to_do(tmp_path, case):
     [
         (lambda i: i % 10, "goes back to the begin (was the logger restarted?)"),
         (lambda i: i // 4, "is given in steps of 1 s only"),
+        (lambda i: ROWS - i, "the time runs backwards"),
+        (lambda i: f"{i},0,1", "commas in the numbers as well?"),
     ],
 )
 def test_a_clock_that_cannot_be_right_is_named(tmp_path, times, words):
@@ -322,6 +330,17 @@ SPECTRA = {
             ("dark.csv", [[0, *DARK]]),
         )
     },
+    "in columns below words": {
+        "s.csv": matrix(
+            ["Wavelength (nm)", *(f"Spectrum {t} s" for t in MOMENTS)], zip(AIR, *COUNTS, strict=True)
+        ),
+        "dark.csv": upright(["nm", "D"], DARK),
+    },
+    "as OceanView exports a series": {
+        "s.txt": "Data from x\nIntegration Time (sec): 5.0E-1\n>>>>>Begin Spectral Data<<<<<\n"
+        + matrix(["", "", *AIR], ([stamp(t), 0, *c] for t, c in zip(MOMENTS, COUNTS, strict=True)), "\t"),
+        "dark.csv": upright(["nm", "D"], DARK),
+    },
     "in columns below clock times": {
         "s.csv": matrix(["Timestamp", *map(stamp, MOMENTS)], zip(AIR, *COUNTS, strict=True)),
         "dark.txt": upright(["nm", "D"], DARK),
@@ -409,6 +428,20 @@ def test_spectra_are_found_beside_the_signals(tmp_path, habit):
     np.testing.assert_allclose(test.background_counts, DARK, rtol=RTOL)
     assert (test.wavelength.values / (AIR * 1e-9) - 1 > 2e-4).all()  # the index of air
     np.testing.assert_allclose(np.diff(test.spectrum_time, 2), 0, atol=1e-6)
+
+
+def test_counts_per_second_and_wavelengths_without_a_unit_are_asked_for(tmp_path):
+    for name, row in {"s1": COUNTS[0], "s2": COUNTS[1], "dark": DARK}.items():
+        (tmp_path / "t" / "run").mkdir(parents=True, exist_ok=True)
+        text = upright(["Wavelength (nm)", "Intensity (counts/s)"], row)
+        (tmp_path / "t" / "run" / f"{name}.txt").write_text(text)
+    (tmp_path / "t" / "other.csv").write_text(
+        matrix(["lambda", 1, 2, 3], zip(10 * AIR, *COUNTS, strict=True))
+    )
+    test, questions = described(tmp_path / "t", log__csv=PLAIN)
+    assert test.attrs["spectrometer_integration_time"] == 1.0
+    assert any("counts per second" in words for words in questions)
+    assert any("'lambda' runs from 7000 to 10000; write the unit" in words for words in questions)
 
 
 def test_wavenumbers_are_not_taken_for_wavelengths(tmp_path):

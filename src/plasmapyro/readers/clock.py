@@ -16,6 +16,7 @@ FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$|\s*[AaPp][Mm]$)",
 COLON = re.compile(
     r"(?<![:\d])(\d{1,2}:\d{2}:\d{2}):(\d{1,9})(?!\d)", re.ASCII
 )  # decimals of seconds behind a colon
+DAYS = re.compile(r"(\d{1,4}) days? ", re.ASCII)
 ENGLISH = {  # abbreviated months of other languages, by their beginning
     name: english
     for english, names in {
@@ -64,12 +65,14 @@ def seconds(word, form):
     `Z`, `+02:00`) they are those of UTC, which knows no summer time.
     """
     word, form, rest = COLON.sub(r"\1.\2", word.strip()), form.strip(), 0.0
+    if (days := DAYS.match(word)) and not has_day(form):  # a span, as pandas writes it
+        word, rest = word[days.end() :], DAY * int(days[1])
     if "%b" in form:
         word = MONTH.sub(_english, word, count=1)
     for decimals in (".%f", ",%f"):
         form = form.removesuffix(decimals).replace(decimals + "%z", "%z").replace(decimals + " %p", " %p")
     if form.endswith(("%S", "%S%z", "%S %p", "%S%p")) and (part := FRACTION.search(word)):
-        word, rest = word[: part.start()] + word[part.end() :], float(f"0.{part.group(1)}")
+        word, rest = word[: part.start()] + word[part.end() :], rest + float(f"0.{part.group(1)}")
     try:
         stamp = datetime.strptime(word, form)
     except ValueError:

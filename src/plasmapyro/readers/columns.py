@@ -304,6 +304,11 @@ def _rows(path, lines, start, mark):
         for width, line in zip(widths, numbers, strict=True)
         if width < least or width > most
     ]
+    if mark == "," and widths and min(widths) >= 2 * most - 1 > 1:
+        what = (
+            f"{min(widths)} cells in all rows, the header has {len(header)}: commas in the numbers as well?"
+        )
+        faults = [fault(path, what, "export with decimal points, or with ';' between the cells", numbers[0])]
     good = [least <= width <= most for width in widths]
     return (
         [line for line, kept in zip(numbers, good, strict=True) if kept],
@@ -532,6 +537,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)
+    lines = series_lines(lines)
     rows = [
         (i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(COMMENT)
     ]
@@ -664,14 +670,28 @@ def _long(path, header, cells, places, decimal):
     return time, pixels[:count], values.reshape(-1, count)
 
 
+def series_lines(lines):
+    """Lines of a table of spectra; of a series in one file of OceanView those below its header.
+
+    There a row of wavelengths stands behind two empty cells, below it each row begins with a stamp and
+    milliseconds since 1970, of which the stamp is kept.
+    """
+    first = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(">>>>>")), None)
+    if first is None or first + 1 >= len(lines) or not lines[first + 1].startswith("\t\t"):
+        return lines
+    body = (line.split("\t") for line in lines[first + 1 :] if not line.startswith(">>>>>"))
+    table = ["\t".join([cells[0], *cells[2:]]) for cells in body]
+    return [*[""] * (first + 1), "time" + table[0], *table[1:]]
+
+
 def names_wavelengths(cell):
     """Whether the first cell of a table names the wavelengths below it, not times beside a row of them."""
     return WAVES.search(cell) is not None and not TIMES.match(cell)
 
 
 def moment(word):
-    """A cell of a time without its unit, if that is seconds: '0.5 s'."""
-    return re.sub(r"(?<=\d)\s*s(ec)?$", "", word.strip())
+    """A cell of a time without its unit, if that is seconds, and a word before it: 'Spectrum 0.5 s'."""
+    return re.sub(r"^[^\W\d]+[ _]+(?=[\d.]+\D*$)|(?<=\d)\s*s(ec)?$", "", word.strip())
 
 
 def _cut(cells, width):

@@ -8,7 +8,7 @@ import numpy as np
 
 from plasmapyro import foreign
 from plasmapyro.readers import units
-from plasmapyro.readers.text import BINARY, NUMBER, Refusal, read_lines, refuse, regular_file
+from plasmapyro.readers.text import BINARY, NUMBER, Refusal, number, read_lines, refuse, regular_file
 
 ARRAYS = {".mat", ".h5", ".hdf5", ".nc", ".cdf", ".json"}
 LARGEST = 1_000_000_000  # [byte] of a file of arrays
@@ -90,8 +90,10 @@ def _arrays(path):
                         for name, one in held
                         if len(one.shape) == 1 and one[:].dtype.kind in "fiu"
                     }
-    except (Refusal, MemoryError):
+    except Refusal:
         raise
+    except MemoryError:
+        refuse(path, "asks for more memory than its size allows", "save it again")
     except Exception as reason:  # noqa: BLE001  libraries raise anything on a damaged file
         refuse(path, f"cannot be read ({foreign.told(reason)})", "save it again")
     known = next((words for one, words in BINARY.items() if begin.startswith(one)), None)
@@ -219,7 +221,10 @@ def _detached(lines):
         mark = next((one for one in MARKS if one in line), None)
         cells = [ATTACHED.fullmatch(cell) for cell in line.split(mark)] if mark else []
         held = [cell and units.is_unit(cell[2]) for cell in cells]
-        if sum(map(bool, held)) >= 2 and i:
+        plain = (
+            number(cell) is not None for cell, has in zip(line.split(mark), held, strict=True) if not has
+        )
+        if any(held) and all(plain) and i:
             names = lines[i - 1].split(mark)
             if len(names) != len(cells):
                 return lines

@@ -160,7 +160,7 @@ def _names(above, width, count):
     The line whose names tell most has the word, other lines fill what it leaves empty.
     """
     above = [row for row in above if len(row) > 1 and len(columns.without_empty_end(row)) >= min(2, width)]
-    while above and len(above[0]) != len(above[-1]):
+    while {len(row) for row in above} != {len(row) for row in above[-1:]}:
         del above[0]
     below = [columns.units_in(row) for row in above]
     labels = [[columns._label(cell) for cell in row] for row in above]
@@ -384,7 +384,8 @@ def _kind(path):
     lines = [line for line in every[: ocean.HEADER_LINES] if line.strip()]
     if any(line.startswith("Exposure Time (secs)") for line in lines):
         return "andor", None
-    if any(line.startswith(ocean.FENCE) for line in lines) or ocean.plain_spectrum(every):
+    fenced = any(line.startswith(ocean.FENCE) for line in lines)
+    if fenced and columns.series_lines(lines) is lines or not fenced and ocean.plain_spectrum(every):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
     try:
@@ -392,7 +393,7 @@ def _kind(path):
             return "burst", burst._line(data[0])
     except ValueError:
         pass
-    if data and (matrix := _matrix(data)):
+    if data and (matrix := _matrix(path, data)):
         return "matrix", matrix
     table = look_at_table(path)
     if table is None:
@@ -412,11 +413,12 @@ def _kind(path):
     refuse(path, f"no two signals against time are seen in its columns {listed}", f"{why}, in {GUIDE}")
 
 
-def _matrix(lines):
+def _matrix(path, lines):
     """Unit of the wavelengths and delimiter, if a line holds rising or falling wavelengths behind one cell.
 
-    Or, below a cell that names wavelengths, the first column does.
+    Or, below a cell that names wavelengths, the first column does; if they are none, Refusal.
     """
+    lines = columns.series_lines(lines)
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
@@ -436,6 +438,13 @@ def _matrix(lines):
                     continue
                 if 1.5e-7 < values[0] * scale and values[-1] * scale < 5e-6:
                     return unit, name
+            if upright is not None:
+                what = f"{quote(rows[start][0])} runs from {values[0]:g} to {values[-1]:g}"
+                refuse(
+                    path,
+                    what,
+                    "write the unit of the wavelengths there, as 'lambda [nm]', [um] or [Angstrom]",
+                )
     return None
 
 
@@ -716,7 +725,7 @@ def _series(place, light, dark):
     held = [path for path in place.iterdir() if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
     others = [path.name for path in held if path not in series and path not in dark[:1]]
     odd = series[0].suffix.lower() not in parts.SPECTRUM_SUFFIXES
-    if len(series) < 2 or not (others or odd):
+    if not (others or odd):
         return pattern, light, []
     return pattern, series, sorted(others) or ["files of other kinds"]
 
@@ -729,7 +738,8 @@ def _matrix_lines(folder, listed, dark, questions):
         questions.append(f"{dark[0].name} looks like a dark, and no table like its spectra")
         return []
     unit, mark = dict(listed)[tables[0]]
-    lines = [line for line in read_lines(tables[0], columns.LARGEST)[0] if line.strip()]
+    lines = columns.series_lines(read_lines(tables[0], columns.LARGEST)[0])
+    lines = [line for line in lines if line.strip()]
     rows = [columns.split(line, columns.DELIMITERS[mark]) for line in lines]
     upright = columns.upright_row(rows)
     begins = [row[0] for row in rows[-MOST_ROWS:]] if upright is None else rows[upright][1:]
@@ -799,6 +809,12 @@ def _attributes(folder, read, pyrometer, spectrometer, kinds, questions):
             exposure = np.nan  # its header brings it
         else:
             stated = ocean.stated_exposure([path for path, _ in kinds["matrix"]])
+        rates = [path for kind in ("spectrum", "matrix") for path, _ in kinds.get(kind, [])[:1]]
+        if exposure is None and any(map(ocean.states_rates, rates)):
+            stated = 1.0
+            questions.append(
+                "spectrometer: the spectra are counts per second; they are read as counts of 1 s"
+            )
         rows += [
             ("window_transmittance_spectrometer", "0.9", "?"),
             ("spectrometer_fwhm", f"{width:.2g}", "? m"),
@@ -822,6 +838,7 @@ def _events(read):
     end = float(time[max(last, min(inside[0] + 4, time.size - 1))])
     least = float(time[min(inside[0] + 3, time.size - 1)])
     window = (begin, max(begin + FIRST_WINDOW * (end - begin), least))
-    found = onset.attributes("seen", time, pair, window, end)
+    with np.errstate(all="ignore"):  # a wrong unit or a damaged number: `check` says it
+        found = onset.attributes("seen", time, pair, window, end)
     proposed = found.get("seen_proposed_window")
     return begin, end, (begin, max(float(proposed[1]), least)) if proposed is not None else window

@@ -16,6 +16,7 @@ LEAST_PIXELS = 20  # of a spectrum without a header
 DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697", re.IGNORECASE)
 DERIVED = re.compile(r"subtract|correct|korrig|minus|transm|absorb|raman|wavenumber|scope", re.IGNORECASE)
 NO_LIGHT = re.compile(f"{DERIVED.pattern}|^\\W*ref", re.IGNORECASE)  # a reference is light of a lamp
+RATE = re.compile(r"\bcps\b|count(s|\(s\))?\s*(/|per|\*?\s*s\^?-1)\s*(s\b|sec|\W|$)", re.IGNORECASE)
 RAW = re.compile(r"raw|sample|probe|signal|counts|intens|muestra", re.IGNORECASE)
 NO_NAMES = re.compile(r"^\s*[#%!/\"\[]|[:=]")  # a line that is no row of names
 FENCE = ">>>>>"
@@ -207,6 +208,12 @@ def stated_exposure(paths):
         if (found := _integration_time(path, [line[:200] for line in header])) is not None:
             return found
     return None
+
+
+def states_rates(path):
+    """Whether words above the numbers of a file say that they are counts per second."""
+    lines = read_lines(path, columns.LARGEST)[0][:HEADER_LINES]
+    return any(RATE.search(line[:2000]) for line in lines)
 
 
 def clipped(counts):

@@ -236,6 +236,8 @@ def rising(path, time):
         remedy = "remove repeated lines, or log the time with more digits"
         if abs(steps[first] + clock.HOUR) < clock.CHANGE:
             what += " by an hour (the end of summer time?)"
+        elif (steps < 0).all():
+            what, remedy = "runs backwards", "sort the lines by their time, the oldest first"
         elif steps[first] < 0 and time[first + 1] <= time[0] + np.median(steps):
             what += " to the begin (was the logger restarted?)"
             remedy = "keep the part that holds the test, or log with one clock"
