@@ -40,7 +40,7 @@ def invented():
             **{name: ((), value) for name, value in scalars.items()},
         )
         .assign_coords(boundary=["back_wall", "tube_wall", "probe"])
-        .assign_attrs(wall_temperature=350.0)
+        .assign_attrs(wall_temperature=350.0, torch='{"radius": 0.04}')
     )
 
 
@@ -90,6 +90,8 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
     assert any(
         line.endswith("1e+04 to 1e+04: 2.0 standard uncertainties too low") for line in caplog.messages
     )
+    wide = "a probe of 25 mm behind a torch of 40 mm; the jet is taken as uniform around it"
+    assert sum(line.endswith(wide) for line in caplog.messages) == 2
     assert any("efficiency 1.20, which no torch has: less power" in line for line in caplog.messages)
     assert float(rows["pitot_pressure"].simulated_low) == pytest.approx(float(found.pitot_pressure[0]))
     # At 950 K there is nothing to recombine: catalysis cannot matter, and the flat probe takes less.

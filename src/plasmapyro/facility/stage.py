@@ -1,5 +1,6 @@
 """Stages of the facility group: what probes read in each computed flow, and what measured pairs say of it."""
 
+import json
 import logging
 
 import numpy as np
@@ -15,6 +16,7 @@ from plasmapyro.facility.verdict import judge
 log = logging.getLogger(__name__)
 
 TORCH_WALLS = ("back_wall", "tube_wall")
+WIDE = 0.5  # of the radius of the torch: the hot core has that
 
 
 def probe_readings(
@@ -92,6 +94,10 @@ def probe_readings(
 def _beside(name, measured, flow, edge, jet, rates):
     """Unit, measured value and uncertainty, and the least and largest value that the flow gives."""
     known = measured["value"], measured["uncertainty"]
+    torch = json.loads(flow.attrs["torch"])["radius"]
+    if measured.get("radius", 0.0) > WIDE * torch:
+        words = "%s: a probe of %g mm behind a torch of %g mm; the jet is taken as uniform around it"
+        log.warning(words, name, 1e3 * measured["radius"], 1e3 * torch)
     if name == "heat_flux":
         radius = measured["radius"] * EFFECTIVE_RADIUS[measured["shape"]]
         there = potential_edge(_at_edge(jet, edge), radius)

@@ -54,8 +54,10 @@ HEAT_CAPACITY = 2e3  # [J kg-1 K-1]: scale of the energy equation
 PROBE = 3e-5  # relative change for slopes: 0.2 K, wider than the seams of the polynomials at 1000 and 6000 K
 RENEWED = 0.4  # share of new transport coefficients per step
 STEPS, CONVERGED = 200, 1e-5  # largest relative change of the last step
-CIRCLING, LOOSE = 80, 3e-4  # steps after which so much will do: a node may hop over a seam of the polynomials
-SETTLED = 3e-3  # relative change of a step below which slopes are kept
+SETTLED, SHRINKING = (
+    3e-3,
+    0.9,
+)  # relative change of a step, also over the one before, below which slopes are kept
 
 
 class NotConverged(ArithmeticError):
@@ -148,8 +150,8 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
     problem = _Problem(edge, radius, wall_temperature, recombination, chemistry)
     state = problem.first_guess() if start is None else problem.state_of(start)
     step = FIRST_STEP if start is None else 100 * FIRST_STEP
-    coefficients, slopes = problem.coefficients(state), None
-    for count in range(STEPS):
+    coefficients, slopes, before = problem.coefficients(state), None, np.inf
+    for _ in range(STEPS):
         coefficients = coefficients.between(problem.coefficients(state))
         if slopes is None:
             slopes = problem.slopes(state, coefficients, step)
@@ -162,10 +164,11 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
         state = state + damping * change
         relative = damping * problem.relative(state, change)
         log.debug("step %g s, change %g, damping %g", step, relative, damping)
-        if relative < (CONVERGED if count < CIRCLING else LOOSE) and step >= LARGEST_STEP:
+        if relative < CONVERGED and step >= LARGEST_STEP:
             return problem.solution(state)
-        if step < LARGEST_STEP or relative > SETTLED:
+        if step < LARGEST_STEP or relative > min(SETTLED, SHRINKING * before):
             slopes = None
+        before = relative
         step = min(step * GROWTH, LARGEST_STEP) if damping > 0.5 and relative < 0.5 else step / 3
     raise NotConverged(
         f"no steady stagnation line: T {edge.temperature:g} K, {edge.pressure:g} Pa, gradient "
