@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plasmapyro.radiation.diatomic_lines import nuclear_weight, rotational_shares
+from plasmapyro.radiation.diatomic_lines import nuclear_weight, photon_coupling, rotational_shares
 from plasmapyro.radiation.diatomic_rotation import ElectronicState, clebsch_gordan, parity, rotational_levels
 
 FLOAT_RTOL = 1e-12  # ~ 5000 eps: eigenvalues of 3x3 matrices
@@ -112,7 +112,9 @@ def test_clebsch_gordan_coefficients_form_an_orthogonal_matrix(component, moment
 def shares(case, step, count=40):
     upper, lower = CASES[case]
     high, low = levels(upper, count), levels(lower, count, b=145.0)
-    found = rotational_shares(upper, high.vector[0], lower, low.vector[0], low.quantum_number, step)
+    momentum = low.quantum_number
+    coupling = photon_coupling(upper, lower, momentum, step)
+    found = rotational_shares(upper, high.vector[0], lower, low.vector[0], momentum, step, coupling)
     return high, low, found
 
 

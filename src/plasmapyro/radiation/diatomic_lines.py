@@ -32,7 +32,7 @@ def orbital_doubling(upper, lower):
     return 2 if upper.orbital == 0 < lower.orbital else 1
 
 
-def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, step):
+def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coupling):
     r"""Honl-London factors: shares of an upper level's decay into a band that go into each line.
 
     .. math::
@@ -53,6 +53,8 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     quantum_number : (J,) [1]
     step : int
         J' - J''.
+    coupling : (J'', Sigma) [1]
+        Of `photon_coupling`, which all bands of a transition share.
 
     Returns
     -------
@@ -64,18 +66,6 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     Source: J. T. Hougen, NBS Monograph 115 (1970), section 5; normalised as E. E. Whiting et al.,
     J. Mol. Spectrosc. 80 (1980) 249.
     """
-    coupling = photon_coupling(upper, lower, quantum_number, step)
-    return _shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coupling)
-
-
-def photon_coupling(upper, lower, quantum_number, step):
-    """Clebsch-Gordan coefficients (J'', Sigma) [1] of all bands of a transition for one J' - J''."""
-    projection = upper.orbital + upper.projection
-    return clebsch_gordan(quantum_number[:, None], step, projection, upper.orbital - lower.orbital)
-
-
-def _shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coupling):
-    """As `rotational_shares`, with the coefficients that all bands share."""
     partner = np.arange(len(quantum_number)) + step
     inside = (partner >= 0) & (partner < len(quantum_number))
     vector = upper_vector[np.clip(partner, 0, len(quantum_number) - 1)] * inside[:, None, None]
@@ -83,6 +73,12 @@ def _shares(upper, upper_vector, lower, lower_vector, quantum_number, step, coup
     doubling = 2 if upper.orbital > 0 and lower.orbital == 0 else 1
     ratio = (2 * quantum_number + 1) / np.maximum(2 * (quantum_number + step) + 1, 1)
     return doubling * ratio[:, None, None] * amplitude**2
+
+
+def photon_coupling(upper, lower, quantum_number, step):
+    """Clebsch-Gordan coefficients (J'', Sigma) [1] of all bands of a transition for one J' - J''."""
+    projection = upper.orbital + upper.projection
+    return clebsch_gordan(quantum_number[:, None], step, projection, upper.orbital - lower.orbital)
 
 
 def nuclear_weight(state, level_parity, nuclear_spin):
@@ -165,7 +161,7 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
             if not keep.any():
                 continue
             vectors = (upper.state, upper.vector[v_upper], lower.state, lower.vector[v_lower])
-            share = _shares(*vectors, momentum, step, couplings[index])[below]
+            share = rotational_shares(*vectors, momentum, step, couplings[index])[below]
             keep &= share > FAINTEST_SHARE
             square = moment[index, v_upper, v_lower, below, None, None] ** 2
             quantum = momentum[below, None, None]
