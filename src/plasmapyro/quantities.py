@@ -11,6 +11,8 @@ FACTORS = {
     "_pa": 1,
     "_g_s": 1e-3,
     "_khz": 1e3,
+    "_hz": 1,
+    "_a_per_root_hz": 1,
     "_m_s": 1,
     "_per_s": 1,
     "_s": 1,
@@ -18,7 +20,10 @@ FACTORS = {
     "_deg": np.pi / 180,
     "_pixels": 1,
     "_mm": 1e-3,
+    "_mm2": 1e-6,
+    "_m2_sr": 1,
     "_um": 1e-6,
+    "_per_um": 1e6,
     "_nm": 1e-9,
 }
 ENDINGS = sorted(FACTORS, key=len, reverse=True)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from plasmapyro import tables
+from plasmapyro.quantities import in_si
 
 TABLES = {
     "detectors": "instrument/detectors",
@@ -24,25 +25,11 @@ def settings_from(keys, air_path_mm):
     -------
     dict
     """
-    receiver, sizes = keys["receiver"], keys["uncertainties"]
     return {
         **keys,
         "map_emittance": np.linspace(*keys["map_emittance"]),
-        "receiver": {
-            "throughput": receiver["throughput_m2_sr"],
-            "area": receiver["area_mm2"] * 1e-6,
-            "bandwidth": receiver["bandwidth_hz"],
-            "amplifier_noise": receiver["amplifier_noise_a_per_root_hz"],
-        },
-        "uncertainties": {
-            "signal": sizes["signal"],
-            "source_temperature": sizes["source_temperature_k"],
-            "source_reference": sizes["source_reference_k"],
-            "emittance": sizes["emittance"],
-            "emittance_slope": sizes["emittance_slope_per_um"] * 1e6,
-            "window_slope": sizes["window_slope_per_um"] * 1e6,
-            "air_path": air_path_mm * 1e-3,
-        },
+        "receiver": in_si(keys["receiver"]),
+        "uncertainties": in_si(keys["uncertainties"] | {"air_path_mm": air_path_mm}),
     }
 
 

@@ -1,7 +1,7 @@
 """What a rule is, and what it looks at; the words of all rules stand in `rules.csv`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -17,17 +17,6 @@ from plasmapyro.tables import rows
 
 BANDS = ("wide", "narrow")
 CONTRADICTION, DOUBT = SEVERITIES = "contradiction", "doubt"  # both cannot be true; it may be meant so
-DATASETS = (
-    "calibration",
-    "response",
-    "spectrometer_calibration",
-    "radiometer_calibration",
-    "result",
-    "estimate",
-    "points",
-    "exposures",
-    "sightline",
-)
 
 
 @dataclass(frozen=True)
@@ -50,9 +39,9 @@ class Case:
     @cached_property
     def holds(self):
         """Names of what the rules may ask for."""
-        held = {name for name in DATASETS if getattr(self, name) is not None}
-        if self.test is not None:
-            held |= {"test", *instruments(self.test)}
+        held = {one.name for one in fields(self) if isinstance(getattr(self, one.name), xr.Dataset)}
+        if "test" in held:
+            held |= set(instruments(self.test))
             held |= {name for name in ("counts", "spectral_radiance") if name in self.test}
             held |= {"plasma"} if has_plasma(self.test) else set()
         if self.result is not None:
