@@ -160,6 +160,12 @@ def test_what_cannot_be_answered_is_refused():
         predict([15.0], 5000.0, **{**PAIR, "pair": "Num-3"}, **ADMISSIBLE, **USUAL)
     with pytest.raises(ValueError, match="recombination must lie in"):
         predict([15.0], 5000.0, **PAIR, **(ADMISSIBLE | {"recombination": (1e-3, 0.1)}), **USUAL)
+    with pytest.raises(ValueError, match="below 500 Pa, 0.1 of that of the chamber, .* got 5000 Pa"):
+        predict([15.0, 5000.0], 5000.0, **PAIR, **ADMISSIBLE, **USUAL)
+    with pytest.raises(ValueError, match="radius of the calorimeter must lie in .*; got 0.5 m"):
+        predict([15.0], 5000.0, radius=0.5, **PAIR, **ADMISSIBLE, **USUAL)
+    with pytest.raises(ValueError, match="recombination: the least comes first.*; got 0.1 and 0.01"):
+        predict([15.0], 5000.0, **PAIR, **ADMISSIBLE | {"recombination": (0.1, 0.01)}, **USUAL)
     with pytest.raises(ValueError, match="of 200 draws meet the pair 'ZU1'"):
         catalytic = {"recombination": (0.1, 1.0), "nose": (0.0249, 0.025)}
         predict([15.0], 5000.0, **{**PAIR, "pair": "ZU1"}, **catalytic, **EXACT)

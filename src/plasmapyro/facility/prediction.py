@@ -13,6 +13,8 @@ RATES = ("kossyi", "park")
 NOSES = (0.005, 0.0125, 0.025)  # [m]
 RECOMBINATION = (0.01, 0.1, 1.0)
 RADIUS = 0.025  # [m]: hemisphere whose heat flux the table holds
+RADII = (0.002, 0.1)  # [m] of calorimeters that may be asked for
+SLOW = 0.1  # of the chamber pressure: a Pitot pressure at Mach 0.4; beyond, density follows the speed
 ENDS = (0.025, 0.5, 0.975)
 QUANTITIES = ("heat_flux", "temperature", "enthalpy", "speed", "numerical_power")
 GASES = {"air": AIR["N2"], "N2": 1.0}  # mole fraction of N2 in the cold gas
@@ -210,7 +212,7 @@ def predict(
     Parameters
     ----------
     pitot : sequence of float [Pa]
-        Above the chamber pressure.
+        Above the chamber pressure, at most a tenth of it.
     pressure : float [Pa]
         Of the chamber; 2500 to 20000.
     pair : str
@@ -241,6 +243,15 @@ def predict(
         An unknown pair or gas, an argument out of range, or a pair that hardly any draw meets.
     """
     pitot = positive("pitot", np.atleast_1d(np.asarray(pitot, dtype=float)), "Pa")
+    if pitot.max() > SLOW * pressure:
+        raise ValueError(
+            f"the Pitot pressure must lie below {SLOW * pressure:g} Pa, {SLOW:g} of that of the chamber,"
+            f" where the gas is slow against sound; got {pitot.max():g} Pa"
+        )
+    within("radius of the calorimeter", radius, *RADII, "m")
+    for name, (low, high) in (("recombination", recombination), ("radii of the Pitot nose", nose)):
+        if not low <= high:
+            raise ValueError(f"{name}: the least comes first, then the largest; got {low:g} and {high:g}")
     known = [one for one in GASES if one in tables.load("facility/jets")["gas"]]
     if gas not in known:
         raise ValueError(f"no jets in '{gas}'; computed in: {', '.join(known)}")
