@@ -9,7 +9,7 @@
 # make light: the built wheel alone in a clean environment of each Python there is: size, time, example to page.
 # make site: these documents as a site in build/site, with formulas; read without a network.
 # make lock: both lock files anew from pyproject.toml, kept versions kept (needs uv; --upgrade-package NAME moves one).
-PYTHONS := python3.11 python3.12 python3.13 python3.14 python3
+PYTHONS := python3.11 python3.12 python3.13 python3.14 python3 $(wildcard $(HOME)/.pyenv/versions/3.1[1-4]*/bin/python3)
 SUITABLE := -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))'
 PYTHON ?= $(firstword $(foreach each,$(PYTHONS),$(shell $(each) $(SUITABLE) 2>/dev/null && echo $(each))))
 BIN := .venv/bin

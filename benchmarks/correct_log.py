@@ -40,6 +40,7 @@ def surface(moment, off):
 def instruments(folder):
     """Write calibration.nc and spectrometer_calibration.nc; return the response and the wavelengths."""
     response = band_response(**RESPONSE)
+    io.write(response, folder / "response.nc", "response")
     source = np.arange(973.0, 1774.0, 100.0)
     wide, narrow = signals(response, source)
     points = xr.Dataset(

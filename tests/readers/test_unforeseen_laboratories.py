@@ -94,6 +94,9 @@ TABLES = {
     ),
     "spans of time": table(",t,wide_nA,narrow_nA", lambda t, *p: (int(t), f"0 days 00:00:{t:09.6f}", *p)),
     "seconds with their unit": table("Time,wide_nA,narrow_nA", lambda t, *p: (f"{t} sec", *p)),
+    "names and numbers": "".join(f"t={t} s1_nA={w} s2_nA={n}\n" for t, w, n in SAMPLES),
+    "wide numbers below names with blanks": "  Time s     Wide pA    Narrow pA\n"
+    + "".join(f"{t:9.2f} {1e3 * w:9.3f} {1e3 * n:9.3f}\n" for t, w, n in SAMPLES),
     "an oscilloscope": table("x-axis,1,2\nsecond,Ampere,Ampere", lambda t, w, n: (t, w * 1e-9, n * 1e-9)),
     "minutes and seconds": table(
         "Elapsed;Wide (nA);Narrow (nA)",
@@ -161,11 +164,15 @@ def arrays(place, kind):
                 file["run/" + name.partition("_")[0]] = values[:, None]
                 file["run/" + name.partition("_")[0]].attrs["units"] = name.partition("_")[2]
             file["spectra"] = np.ones((7, 60))
+    elif kind == "npz":
+        np.savez(place / "shot.npz", **names)
     else:
-        (place / "shot.json").write_text(json.dumps([dict(zip(names, row, strict=True)) for row in SAMPLES]))
+        rows = [json.dumps(dict(zip(names, row, strict=True))) for row in SAMPLES]
+        text = "\n".join(rows) if kind == "jsonl" else f"[{','.join(rows)}]"
+        (place / f"shot.{kind}").write_text(text)
 
 
-@pytest.mark.parametrize("kind", ["mat", "h5", "json"])
+@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "jsonl"])
 def test_arrays_of_a_file_are_columns(tmp_path, kind):
     (tmp_path / "t").mkdir()
     arrays(tmp_path / "t", kind)
@@ -329,6 +336,13 @@ SPECTRA = {
             ("s.csv", ([t, *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),
             ("dark.csv", [[0, *DARK]]),
         )
+    },
+    "behind columns of other things": {
+        "s.csv": matrix(
+            ["time_s", "exposure_ms", "T_detector", *AIR],
+            ([t, 500, -10.1, *c] for t, c in zip(MOMENTS, COUNTS, strict=True)),
+        ),
+        "dark.csv": upright(["nm", "D"], DARK),
     },
     "in columns below words": {
         "s.csv": matrix(

@@ -345,7 +345,12 @@ def split(line, mark):
     """Cells of one line; quotes are removed."""
     try:
         if mark == "  ":
-            return re.split(r"\s{2,}", line.strip())
+            cells = ((cell, cell.split(" ")) for cell in re.split(r"\s{2,}", line.strip()))
+            return [  # wide numbers leave one blank between them
+                part
+                for cell, parts in cells
+                for part in (parts if None not in map(number, parts) and parts else [cell])
+            ]
         cells = line.split() if mark == " " else next(csv.reader([line], delimiter=mark))
     except csv.Error:
         cells = line.split(mark)
@@ -460,6 +465,8 @@ def _label(cell):
     first, _, suffix = cell.strip().rpartition("_")
     if first and len(suffix) > 1 and units.is_unit(suffix):
         return first, suffix
+    if len(last) > 1 and last != cell.strip() and "/" not in cell and units.is_unit(last):  # 'Wide nA'
+        return cell.strip()[: -len(last)].strip(), last
     if not name or not units.is_unit(unit) or ("/" in last and units.is_unit(last)):  # 'flow g/s'
         return cell, None
     return name, unit
@@ -557,6 +564,9 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     else:
         header = split(rows[0][1], mark)
     header = without_empty_end(header)
+    if place is None and (more := spare_columns(header)):
+        rows = [(line, mark.join(_without(split(words, mark), more))) for line, words in rows]
+        header = _without(header, more)
     if long := long_places(header):
         return _long(path, header, [(line, split(words, mark)) for line, words in rows[1:]], long, decimal)
     cells = {line: _cut(split(words, mark), len(header)) for line, words in rows[1:]}
@@ -682,6 +692,17 @@ def series_lines(lines):
     body = (line.split("\t") for line in lines[first + 1 :] if not line.startswith(">>>>>"))
     table = ["\t".join([cells[0], *cells[2:]]) for cells in body]
     return [*[""] * (first + 1), "time" + table[0], *table[1:]]
+
+
+def spare_columns(header):
+    """How many named columns stand between the times and the wavelengths of a table of spectra."""
+    first = next((i for i in range(1, len(header)) if number(header[i]) is not None and header[i]), 0)
+    rest = [number(cell, "," if "," in cell else ".") for cell in header[first:]]
+    return first - 1 if 1 < first < MOST_OF_LONG and len(rest) > 2 * first and None not in rest else 0
+
+
+def _without(cells, more):
+    return [cells[0], *cells[1 + more :]]
 
 
 def names_wavelengths(cell):

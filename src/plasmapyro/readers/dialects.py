@@ -10,21 +10,25 @@ from plasmapyro import foreign
 from plasmapyro.readers import units
 from plasmapyro.readers.text import BINARY, NUMBER, Refusal, number, read_lines, refuse, regular_file
 
-ARRAYS = {".mat", ".h5", ".hdf5", ".nc", ".cdf", ".json"}
+ARRAYS = {".mat", ".h5", ".hdf5", ".nc", ".cdf", ".npz", ".json", ".jsonl", ".ndjson"}
 LARGEST = 1_000_000_000  # [byte] of a file of arrays
 MOST_COLUMNS = 50  # of one array
 LOOKED_AT = 50  # first lines, of which some show the habit
 ATTACHED = re.compile(rf"\s*({NUMBER.pattern})\s*([A-Za-z\u00b5\u03bc]{{1,4}})\s*", re.ASCII)
 MARKS = "\t;,"
+PAIR = re.compile(rf"\b([A-Za-z_]\w*)\s*[=:]\s*({NUMBER.pattern})(?![\w.:])", re.ASCII)
+STAMP = re.compile(r"\s*[\d:./T-]*\d{1,2}:\d{2}:\d{2}[.,\d]*", re.ASCII)
+LONGEST_OF_PAIRS = 2_000_000  # lines
 PART = re.compile(r" \d+$")  # of the name of one column of an array of two dimensions
 
 
 def table_lines(path, limit):
     """Lines of a table, as `read_lines` gives them; a file of another form is written as one.
 
-    Arrays of Matlab, HDF5, netCDF and JSON files: those of the most frequent length, by their names, are
+    Of Matlab, HDF5, netCDF, numpy and JSON files the arrays of the most frequent length, by their names, are
     columns. Igor text: its waves are. LabVIEW measurements without a column of times get one from their
-    interval, readings with their unit behind each number ('+1.06E-05A') have it in the header.
+    interval, readings with their unit behind each number ('+1.06E-05A') have it in the header, and lines of
+    names and numbers ('t=0.5 wide=1e-5') become rows.
 
     Raises
     ------
@@ -39,7 +43,7 @@ def table_lines(path, limit):
     head = lines[:LOOKED_AT]
     if any(re.match(r"X_Columns\W+No\b", line) for line in head):
         lines = _timed(lines)
-    return _detached(lines), ended
+    return _detached(_of_pairs(lines)), ended
 
 
 def _columns(path, arrays):
@@ -71,6 +75,11 @@ def _arrays(path):
         with foreign.memory_for(path):
             if path.suffix.lower() == ".json":
                 return _of_json(json.loads("\n".join(read_lines(path, LARGEST)[0])))
+            if path.suffix.lower() in (".jsonl", ".ndjson"):
+                return _of_json([json.loads(line) for line in read_lines(path, LARGEST)[0] if line.strip()])
+            if path.suffix.lower() == ".npz":
+                with np.load(path, allow_pickle=False) as found:
+                    return _flat(dict(found))
             if kind == b"\x89HDF":
                 if found := foreign.elsewhere(path):
                     refuse(path, *found)
@@ -195,6 +204,23 @@ def _igor(path, lines):
         first, each = float(step[2]), float(step[3])
         heads, rows = ["time [s]", *heads], [(repr(first + i * each), *row) for i, row in enumerate(rows)]
     return ["\t".join(heads), *("\t".join(row) for row in rows)]
+
+
+def _of_pairs(lines):
+    """Lines of the same two or more names, each with its number, as a table of them."""
+    pairs = [PAIR.findall(line) for line in lines]
+    keys = [name for name, _ in pairs[len(pairs) // 2]]
+    if len(set(keys)) < 2 or len(lines) > LONGEST_OF_PAIRS:
+        return lines
+    stamped = [STAMP.match(line) for line in lines]
+    rows = [
+        ["" if stamp is None else stamp[0], *(value for _, value in found)]
+        for found, stamp in zip(pairs, stamped, strict=True)
+        if [name for name, _ in found] == keys
+    ]
+    if 2 * len(rows) < len(lines):
+        return lines
+    return ["\t".join(["clock", *keys]), *("\t".join(row) for row in rows)]
 
 
 def _timed(lines):

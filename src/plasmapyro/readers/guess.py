@@ -399,6 +399,11 @@ def _kind(path):
     if table is None:
         return None, None
     places = assign(table)
+    if len(table.labels) > columns.MOST_OF_LONG and table.labels[0] == "column 1":
+        what = f"holds {len(table.labels)} columns of numbers without names"
+        refuse(
+            path, what, "of spectra write the wavelengths above them, as 'time,750.1,750.5', of signals names"
+        )
     if set(parts.SIGNALS) <= places.keys() and {"time", "stamps"} & places.keys():
         return "pyrometer", (table, places)
     if set(parts.TUNNEL) & places.keys() and {"time", "stamps"} & places.keys():
@@ -426,7 +431,8 @@ def _matrix(path, lines):
         if upright is not None and len(rows[upright]) > len(rows[-1]):
             continue
         start = start if upright is None else upright
-        listed = rows[start][1:] if upright is None else [row[0] for row in rows[start + 1 :]]
+        spare = columns.spare_columns(rows[start])
+        listed = rows[start][1 + spare :] if upright is None else [row[0] for row in rows[start + 1 :]]
         if long := columns.long_places(rows[start]):
             listed = [row[long[0]] for row in rows[start + 1 :] if len(row) > long[0]]
             listed = listed[: listed.index(listed[0], 1)] if listed[0] in listed[1:] else listed
@@ -684,7 +690,7 @@ def _spectrometer(folder, kinds, read, questions):
             questions.append(f"spectrometer.files: only {series} are taken, not {', '.join(others[:5])}")
         spectrum = ocean.read_spectrum(light[0])
         found += _quantity(
-            next(iter(spectrum.columns.values())) if len(spectrum.columns) == 1 else None, questions
+            light[0], next(iter(spectrum.columns.values())) if len(spectrum.columns) == 1 else None, questions
         )
         if dark:
             found.append(f"  background: {_quoted(dark[0].relative_to(folder).as_posix())}")
@@ -763,7 +769,7 @@ def _matrix_lines(folder, listed, dark, questions):
     found = [
         _named(folder, tables),
         f"  delimiter: {_quoted(mark)}",
-        *_quantity(values, questions, table=True),
+        *_quantity(tables[0], values, questions, table=True),
         *timing,
     ]
     if unit != "nm":
@@ -773,10 +779,14 @@ def _matrix_lines(folder, listed, dark, questions):
     return found
 
 
-def _quantity(values, questions, table=False):
+def _quantity(path, values, questions, table=False):
     """Whether spectra are counts, by their size: a converter gives up to some 2^16."""
     if values is None or 20 < np.nanmax(values) < 70_000:
         return ["  quantity: counts", *(["  unit: count"] if table else [])]
+    lines = read_lines(path, columns.LARGEST)[0][: ocean.HEADER_LINES]
+    words = [word for line in lines for word in re.findall(r"[\[(]([^\[\]]{5,40})[\])]", line[:2000])]
+    if stated := [word for word in words if units.factor(word, "spectral_radiance")]:
+        return ["  quantity: spectral_radiance", f"  unit: {_quoted(stated[0])}"]
     questions.append("spectrometer.unit: the spectra look like radiances; in which unit?")
     return ["  quantity: spectral_radiance", "  unit: W/m2/sr/nm  # ?"]
 
