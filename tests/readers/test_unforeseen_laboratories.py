@@ -97,6 +97,7 @@ TABLES = {
     "names and numbers": "".join(f"t={t} s1_nA={w} s2_nA={n}\n" for t, w, n in SAMPLES),
     "wide numbers below names with blanks": "  Time s     Wide pA    Narrow pA\n"
     + "".join(f"{t:9.2f} {1e3 * w:9.3f} {1e3 * n:9.3f}\n" for t, w, n in SAMPLES),
+    "lines of words within": PLAIN.replace("\n15.0,", "\n# lost\n15.0,").replace("\n5.0,", "\n! back\n5.0,"),
     "an oscilloscope": table("x-axis,1,2\nsecond,Ampere,Ampere", lambda t, w, n: (t, w * 1e-9, n * 1e-9)),
     "minutes and seconds": table(
         "Elapsed;Wide (nA);Narrow (nA)",
@@ -168,11 +169,20 @@ def arrays(place, kind):
         np.savez(place / "shot.npz", **names)
     else:
         rows = [json.dumps(dict(zip(names, row, strict=True))) for row in SAMPLES]
-        text = "\n".join(rows) if kind == "jsonl" else f"[{','.join(rows)}]"
-        (place / f"shot.{kind}").write_text(text)
+        channels = [
+            {"name": n.split("_")[0], "unit": "nA", "data": [*v]}
+            for n, v in names.items()
+            if "t" not in n[:2]
+        ]
+        texts = {
+            "jsonl": "\n".join(rows),
+            "json": f"[{','.join(rows)}]",
+            "channels.json": json.dumps({"by": "lab", "t_s": [*names["t_s"]], "channels": channels}),
+        }
+        (place / f"shot.{kind}").write_text(texts[kind])
 
 
-@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "jsonl"])
+@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "channels.json", "jsonl"])
 def test_arrays_of_a_file_are_columns(tmp_path, kind):
     (tmp_path / "t").mkdir()
     arrays(tmp_path / "t", kind)
@@ -213,6 +223,11 @@ REFUSED = {
             ";",
         ),
         "'T', 'Emissivity'; temperatures alone cannot be corrected",
+    ),
+    "pixels without wavelengths": (
+        "a.txt",
+        "Pixel\tCounts\n" + "".join(f"{i}\t{500 + i}\n" for i in range(40)),
+        "holds pixels without wavelengths",
     ),
     "one band": ("a.csv", table("t_s,value_nA", lambda *row: row[:2]), "one signal ('value') against time"),
     "a workbook": (

@@ -161,6 +161,11 @@ def _of_json(found):
     for name, values in found.items() if isinstance(found, dict) else ():
         if isinstance(values, dict):
             columns |= {f"{name}.{key}": pair for key, pair in _of_json(values).items()}
+        elif isinstance(values, list) and values and all(isinstance(one, dict) for one in values):
+            for one in values:  # channels: a name, perhaps a unit, and the data
+                label, unit = one.get("name", name), _word(one.get("unit", one.get("units")))
+                held = [numbers for numbers, _ in _of_json({k: v for k, v in one.items()}).values()]
+                columns |= {str(label): (held[0], unit)} if len(held) == 1 else {}
         elif isinstance(values, list) and all(one is None or type(one) in (int, float) for one in values):
             columns[name] = np.array([np.nan if one is None else one for one in values], dtype=float), None
     return columns

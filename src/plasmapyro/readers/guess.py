@@ -20,6 +20,7 @@ from plasmapyro.record import onset
 
 MOST_FILES, MOST_ROWS = 20_000, 400  # looked at: of a folder, of a table
 USUAL = 0.9  # of the rows: cells of a column that must be numbers or dates
+LEAST_RUN = 10  # rows: of a table, not of the blocks of numbers above it
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
@@ -127,7 +128,10 @@ def look_at_table(path):
         # Above the table there may be blocks of a few numbers: the longest run is it, with comments inside.
         remarks = [columns.is_remark(line) for line in lines]
         passed = [*map(any, zip(good, remarks, strict=True)), False]
-        first = max(begins, key=lambda i, passed=passed: passed.index(False, i) - i)
+        runs = {begin: passed.index(False, begin) - begin for begin in begins}
+        first = max(begins, key=runs.get)
+        long = [b for b in begins if runs[b] >= LEAST_RUN and len(rows[b]) == len(rows[first])]
+        first = min([first, *long])  # lines of words may stand within the table
         body = [row for row, remark in zip(rows[first:], remarks[first:], strict=True) if not remark]
         width = max(map(len, body[:MOST_ROWS]))
         header = _names(rows[max(first - columns.STACKED, 0) : first], width, len(body))
@@ -329,11 +333,9 @@ def describe(folder):
             kinds.setdefault(kind, []).append((path, what))
         elif path.suffix.lower() not in OTHERS:
             unknown.append(path.relative_to(folder).as_posix())
-    if unknown:
-        more = f" and {len(unknown) - 1} more" if len(unknown) > 1 else ""
-        remarks.append(
-            f"not used: {unknown[0]}{more}: no columns of numbers with a time or wavelengths are seen"
-        )
+    remarks += [
+        f"not used: {name}: no columns of numbers with a time or wavelengths are seen" for name in unknown
+    ]
     questions, blocks = [], []
     pyrometer = _pyrometer(folder, kinds, questions)
     read = _read(folder, "pyrometer", pyrometer, questions)
@@ -345,6 +347,7 @@ def describe(folder):
             f"not used: {path.name}: one signal ({table.labels[places['band']]!r}) against time is seen; the"
             " other band must stand in a column beside it, or alone in a second file of the same form"
         )
+    remarks = _grouped(remarks)
     if pyrometer:
         blocks += ["pyrometer:", *pyrometer]
     if spectrometer:
@@ -372,6 +375,18 @@ def describe(folder):
     ]  # names may hold line ends
     head += [f"# ? {words}" for words in asked]
     return Guess("\n".join([*head, "attributes:", *attributes, *blocks]) + "\n", asked)
+
+
+def _grouped(remarks):
+    """Remarks on files, those with the same reason as one."""
+    groups = {}
+    for words in remarks:
+        name, _, reason = words.removeprefix("not used: ").partition(": ")
+        groups.setdefault(reason, []).append(name)
+    return [
+        f"not used: {names[0]}" + (f" and {len(names) - 1} more" if names[1:] else "") + f": {reason}"
+        for reason, names in groups.items()
+    ]
 
 
 def _kind(path):
@@ -408,6 +423,8 @@ def _kind(path):
         return "pyrometer", (table, places)
     if set(parts.TUNNEL) & places.keys() and {"time", "stamps"} & places.keys():
         return "tunnel", (table, places)
+    if any(re.match(r"pixel", label, re.IGNORECASE) for label in table.labels):
+        refuse(path, "holds pixels without wavelengths", "export it with the wavelength of each pixel")
     if "band" in places:
         return "band", (table, places)
     listed = ", ".join(quote(label) for label in table.labels[:10])
