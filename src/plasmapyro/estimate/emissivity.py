@@ -111,7 +111,7 @@ def smooth_prior(wavelength, mean, *, level, shape, length):
     return Prior(np.log(np.broadcast_to(mean, wavelength.shape)), basis)
 
 
-def infer(channels, prior, signal, noise, linear=None, known=None, start=None):
+def infer(channels, prior, signal, noise, linear=None, known=None):
     """Temperature and coefficients of the largest posterior density, each sample by itself.
 
     Parameters
@@ -124,7 +124,6 @@ def infer(channels, prior, signal, noise, linear=None, known=None, start=None):
         Light g of unit coefficients z that adds: what is left of the gas, stray light.
     known : pair of (n, K + M) mean and (n, K + M, K + M) precision, optional
         Of the coefficients, instead of unit normals.
-    start : (n,) array [K], optional
 
     Returns
     -------
@@ -145,13 +144,12 @@ def infer(channels, prior, signal, noise, linear=None, known=None, start=None):
                 noise[part],
                 np.zeros((*signal[part].shape, 0)) if linear is None else linear[part],
                 None if known is None else tuple(one[part] for one in known),
-                None if start is None else start[part],
             )
         )
     return Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
-def _infer(channels, prior, signal, noise, linear, known, start):
+def _infer(channels, prior, signal, noise, linear, known):
     rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1]
     good = np.isfinite(signal) & np.isfinite(noise) & (noise > 0)
     weight = np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
@@ -159,7 +157,7 @@ def _infer(channels, prior, signal, noise, linear, known, start):
     linear = np.where(good[..., None], linear, 0.0)
     mean, precision = known or (np.zeros((rows, count)), np.broadcast_to(np.eye(count), (rows, count, count)))
     state = np.concatenate([np.zeros((rows, 1)), mean], axis=1)
-    state[:, 0] = UNIT / (_beginning(channels, prior, signal, weight) if start is None else start)
+    state[:, 0] = UNIT / _beginning(channels, prior, signal, weight)
     shapes = prior.basis.shape[1]
     full = np.zeros((rows, 1 + count, 1 + count))
     full[:, 1:, 1:] = precision

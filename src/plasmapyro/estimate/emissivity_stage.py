@@ -14,7 +14,8 @@ from plasmapyro.record.inputs import instruments
 from plasmapyro.record.record import record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
-MISFIT = 3.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface
+MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface:
+# five of chi-squared for five bands; real furnaces show 0.3 to 1.2, room light on them 2 to 14
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course: what the clearest samples say for
 LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none

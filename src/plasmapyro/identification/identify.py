@@ -69,13 +69,6 @@ class Answer:
     unexplained: np.ndarray
     scale: object
 
-    def elements(self):
-        """Elements and molecules named, with the probability that any of their species shows."""
-        chance = {}
-        for one in self.named:
-            chance[one.species.element] = chance.get(one.species.element, 1.0) * (1 - one.probability)
-        return {element: 1 - value for element, value in chance.items()}
-
 
 def identify(axis, signal, noise=None, slit=None, calibrated=False):
     """Name the species whose lines or bands a spectrum shows.
