@@ -249,20 +249,22 @@ def test_bad_condition_arguments_are_refused(air, start, change, message):
         condition(air, start, **arguments)
 
 
+COLD = {
+    "numerical_power": 90e3,
+    "chamber_pressure": 5e3,
+    "mass_flow_rate": 0.016,
+    "coil_frequency": 4e5,
+    "wall_temperature": 350.0,
+    "mesh_factor": 2.0,
+    "start_mesh_factor": 1.5,
+    "viscosity_limiter": 0.02,
+    "probe_temperature": 350.0,
+    **TOLERANCES,
+}
+
+
 def test_bad_cold_start_arguments_are_refused(air, torch_lengths):
-    arguments = {
-        "numerical_power": 90e3,
-        "chamber_pressure": 5e3,
-        "mass_flow_rate": 0.016,
-        "coil_frequency": 4e5,
-        "wall_temperature": 350.0,
-        "mesh_factor": 2.0,
-        "start_mesh_factor": 1.5,
-        "viscosity_limiter": 0.02,
-        "probe_temperature": 350.0,
-        "torch": torch_lengths,
-        **TOLERANCES,
-    }
+    arguments = COLD | {"torch": torch_lengths}
     for change, message in (
         ({"mesh_factor": 0.0}, "mesh_factor must be > 0"),
         ({"coil_frequency": -1.0}, "coil_frequency must be > 0 Hz"),
@@ -414,3 +416,17 @@ def test_the_error_of_the_mesh_is_stored_and_its_coarse_mesh_leads_there(air, st
     assert error[wall].max() < 1e-6  # a straight wall has its temperature on every mesh
     # Cells of 10 mm: some per cent of 11 kK in the torch, and not nothing.
     assert 5.0 < np.median(error) < 500.0
+
+
+def test_a_start_mesh_without_a_steady_flow_gives_way_to_a_finer_one(air, torch_lengths, monkeypatch):
+    """As nitrogen on the start mesh of the main job; if the finer one has none either, that is the error."""
+    tried = []
+
+    def no_flow(problem, state, power, schedule, label):
+        tried.append(problem.space.size)
+        raise NotConverged(f"{label}: try {len(tried)}")
+
+    monkeypatch.setattr(stage, "march", no_flow)
+    with pytest.raises(NotConverged, match="linear elements: try 2"):
+        cold_start(air, **COLD | {"torch": torch_lengths})
+    assert len(tried) == 2 and tried[1] > 1.5 * tried[0]

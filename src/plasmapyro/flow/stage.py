@@ -38,6 +38,8 @@ from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
 log = logging.getLogger(__name__)
 
 START_LIMITERS = (0.2, 0.1)  # viscosity limiter of the two parts of the start on linear elements
+# Of the start mesh, where that one has no steady flow: nitrogen, and N2 and O2 in equal parts.
+FINER_START = 0.75
 # Formation of the torch vortex: above CFL 6 the frozen Joule heating overheats single spots.
 FORMATION = Schedule(1.0, 6.0, 60, relaxation=0.5, converged_courant=np.inf)
 SETTLING = Schedule(
@@ -135,12 +137,8 @@ def cold_start(
     label = f"cold start {power / 1e3:g} kW"
     meshes = Meshes(setup.torch)
     factors = level_factors(setup.mesh_factor, _checked_ratio(error_mesh_ratio))
-    coarse_mesh = meshes(float(positive("start_mesh_factor", start_mesh_factor, "1")))
-    coarse = problem_of(coarse_mesh, setup, air, reference, 1)
-    state = hot_torch(coarse)
-    for start_limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
-        limited = coarse.with_limiter(start_limiter)
-        state = march(limited, state, power, schedule, f"{label}, linear elements").state
+    start_factor = float(positive("start_mesh_factor", start_mesh_factor, "1"))
+    coarse, state = _on_linear_elements(meshes, start_factor, setup, air, reference, label)
     # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
     final = Schedule(
         FIRST_COURANT,
@@ -161,6 +159,23 @@ def cold_start(
     found = to_dataset(problem, setup, reference, result, _balanced(problem, result, label))
     levels = {**mesh_variables(meshes, factors), **state_variables(solutions)}
     return found.assign(levels).assign_attrs(_named(gas))
+
+
+def _on_linear_elements(meshes, start_factor, setup, air, reference, label):
+    """Problem on linear elements and its steady state, on a finer start mesh where none is found."""
+    for factor in (start_factor, FINER_START * start_factor):
+        coarse = problem_of(meshes(factor), setup, air, reference, 1)
+        state = hot_torch(coarse)
+        try:
+            for limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
+                limited, where = coarse.with_limiter(limiter), f"{label}, linear elements"
+                state = march(limited, state, reference.numerical_power, schedule, where).state
+        except NotConverged as fault:
+            if factor != start_factor:
+                raise
+            log.info("%s; again on cells %g times as large", fault, FINER_START)
+        else:
+            return coarse, state
 
 
 def condition(
