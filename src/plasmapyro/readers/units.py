@@ -5,7 +5,6 @@ import re
 from plasmapyro.contracts import VARIABLES
 from plasmapyro.tables import rows
 
-RADIANCE = "W m-2 sr-1 m-1"
 REGISTER = rows("readers/units.csv")
 TO_SI = {  # SI unit -> {unit as written, normalised: factor}
     si: {row["unit"]: float(row["factor"]) for row in REGISTER if row["in SI"] == si}
