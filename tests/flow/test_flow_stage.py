@@ -9,12 +9,16 @@ import xarray as xr
 
 from plasmapyro import contracts
 from plasmapyro.flow import continuation, meshes, stage
+from plasmapyro.flow.case import Air
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, march
-from plasmapyro.flow.dataset import mesh_of, setup_of, state_from
+from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from
+from plasmapyro.flow.geometry import Torch
+from plasmapyro.flow.physics import LOG_TEMPERATURE
 from plasmapyro.flow.problem import Problem
 from plasmapyro.flow.properties import gas_properties
 from plasmapyro.flow.stage import LINEAR_TOLERANCE, cold_start, condition
+from plasmapyro.gas.stage import gas_table
 
 TOLERANCES = {"velocity_tolerance": 0.5, "temperature_tolerance": 5e-3, "largest_step_count": 60}
 STEADY_RESIDUAL = 1e-4  # relative to gas at rest; 2e-5 is reached
@@ -430,3 +434,15 @@ def test_a_start_mesh_without_a_steady_flow_gives_way_to_a_finer_one(air, torch_
     with pytest.raises(NotConverged, match="linear elements: try 2"):
         cold_start(air, **COLD | {"torch": torch_lengths})
     assert len(tried) == 2 and tried[1] > 1.5 * tried[0]
+
+
+def test_a_discharge_forms_in_nitrogen_on_the_finer_start_mesh_of_the_main_job(torch_lengths):
+    """Its coil takes 1.86 times the first current on the way, which is no plasma that goes out."""
+    axis, pressure = np.arange(200.0, 15001.0, 50.0), np.array([4500.0, 5000.0, 5500.0])
+    gas = gas_table(temperature=axis, pressure=pressure, nitrogen=1.0)
+    setup, meshes_of_torch = Setup(Torch(**torch_lengths), 350.0, 1.0), meshes.Meshes(Torch(**torch_lengths))
+    reference, factor = Condition(90e3, 5e3, 0.016, 4e5, 350.0), stage.FINER_START * 1.9881
+    nitrogen = Air(gas, None, setup.wall_temperature)
+    problem, state = stage._on_linear_elements(meshes_of_torch, factor, setup, nitrogen, reference, "N2")
+    hottest = np.exp(state[problem.space.field(LOG_TEMPERATURE)].max())
+    assert len(meshes_of_torch._known) == 1 and 11e3 < hottest < 14e3  # on the first mesh that was tried
