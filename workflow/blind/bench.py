@@ -28,8 +28,7 @@ LINES = {  # multiplets whose strengths err on their own [nm]
     "N I 1011": ("N I", 1008.0, 1022.0),
 }
 SYSTEM_ERROR, LINE_ERROR, POWER_ERROR = 0.08, 0.05, 0.08  # standard deviations of ln in a null
-FAINT = 1e-3  # of the whole band: systems below share one error
-EMITTANCE_ERROR, RATIO_ERROR = 0.03, 0.003
+EMITTANCE_ERROR = 0.03
 
 
 @dataclass(frozen=True)

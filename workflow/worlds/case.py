@@ -281,8 +281,3 @@ class Stage:
     def temperature(self, time):
         """True surface temperature (t,) [K]."""
         return np.interp(time, self.scene.time, self.scene.kelvin)
-
-
-def shape_of(effect, random):
-    """Further parameters of an effect, uniform in their ranges."""
-    return {name: float(random.uniform(*limits)) for name, limits in EFFECTS[effect].shape.items()}

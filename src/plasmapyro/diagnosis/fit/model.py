@@ -12,7 +12,6 @@ from plasmapyro.record.emittance import relative_emittance
 from plasmapyro.record.inputs import has_plasma
 
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
-STEP = 1e-4  # of finite differences, in units of the prior
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
