@@ -19,7 +19,6 @@ class Binned:
     raw_bin: np.ndarray
     value: np.ndarray
     number: np.ndarray | None = None
-    raw_clean: np.ndarray | None = None
 
 
 @pytest.fixture

@@ -207,7 +207,6 @@ def _on_bins(one, raw, index, bins):
         "raw": raw,
         "raw_moment": one.time[:, None] + half / UNIFORM * nodes,
         "raw_bin": np.where(index >= 0, renumber[index], -1),
-        "raw_clean": np.isfinite(raw),
     }
 
 

@@ -425,4 +425,4 @@ def without_outliers(instrument, expected, hit):
     _, number = binning.mean_in_bins(
         np.where(clean, instrument.raw, np.nan), instrument.raw_bin, instrument.value.shape[0]
     )
-    return replace(instrument, value=np.where(number > 0, value, np.nan), number=number, raw_clean=clean)
+    return replace(instrument, value=np.where(number > 0, value, np.nan), number=number)

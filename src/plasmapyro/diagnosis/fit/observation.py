@@ -41,7 +41,6 @@ class Instrument:
     raw: np.ndarray  # (t, C) samples in the unit of `value`
     raw_moment: np.ndarray  # (t, q)
     raw_bin: np.ndarray  # (t,)
-    raw_clean: np.ndarray  # (t, C) bool: samples that are used
     gas_error: np.ndarray  # (C,) prior standard deviation of the gas of a channel over its simulated light
     pattern: np.ndarray  # (C,) relative error of each channel, constant in time
     dark: np.ndarray  # (C,) error of the background of each channel, in the unit of the values
