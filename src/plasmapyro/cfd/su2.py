@@ -52,16 +52,14 @@ def read_mesh(path):
         if key not in at or not at[key][1] or not WHOLE.fullmatch(at[key][1][0]):
             refuse(path, f"has no line {key}= with a number", "it may be cut off, or no SU2 mesh")
     dimension = int(at["NDIME"][1][0])
-    points = np.array(_block(path, rows, at, "NPOIN", dimension, float), dtype=float)[:, :dimension]
+    points = np.array(_points(path, rows, at, dimension))
     kinds = {}
     for number, words in _words(path, rows, at, "NELEM"):
         kind, count = CELLS.get(int(words[0]) if WHOLE.fullmatch(words[0]) else -1, (None, 0))
-        if kind is None or len(words) < 1 + count:
+        named = words[1 : 1 + count]
+        if kind is None or len(named) < count or not all(map(WHOLE.fullmatch, named)):
             refuse(path, f"{quote(' '.join(words))} is no cell", "correct the line", number)
-        try:
-            nodes = [_index(word) for word in words[1 : 1 + count]]
-        except ValueError:
-            refuse(path, f"{quote(' '.join(words))} is no cell", "correct the line", number)
+        nodes = list(map(int, named))
         if max(nodes) >= len(points):
             refuse(
                 path, f"a cell names point {max(nodes)} of {len(points)}", "NPOIN and NELEM disagree", number
@@ -69,12 +67,6 @@ def read_mesh(path):
         kinds.setdefault(kind, []).append(nodes)
     cells = [(kind, np.array(nodes)) for kind, nodes in kinds.items()]
     return Zone("su2", {name: points[:, k] for k, name in enumerate(COORDINATES[:dimension])}, cells)
-
-
-def _index(word):
-    if not WHOLE.fullmatch(word):
-        raise ValueError(word)
-    return int(word)
 
 
 def _words(path, rows, at, key):
@@ -87,15 +79,13 @@ def _words(path, rows, at, key):
     return whole
 
 
-def _block(path, rows, at, key, least, kind):
+def _points(path, rows, at, dimension):
     found = []
-    for number, words in _words(path, rows, at, key):
+    for number, words in _words(path, rows, at, "NPOIN"):
         try:
-            found.append([kind(word) for word in words[:least]])
-        except ValueError:
-            refuse(path, f"{quote(' '.join(words))} holds no {least} numbers", "correct the line", number)
-        if len(found[-1]) < least:
-            refuse(path, f"{quote(' '.join(words))} holds no {least} numbers", "correct the line", number)
+            found.append([float(words[k]) for k in range(dimension)])
+        except (ValueError, IndexError):
+            refuse(path, f"{quote(' '.join(words))} holds no {dimension} numbers", "correct the line", number)
     return found
 
 
