@@ -46,7 +46,6 @@ COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it
 SUMMARY = re.compile(
     r"\W*(min(imum)?|max(imum)?|mean|average|mittel(wert)?|moyenne|std|einheit)\b", re.IGNORECASE
 )
-IN_WORDS = re.compile(r"(.*?)\s*\bin (\S+)")  # 'C1 in V'
 
 
 class Column:
@@ -457,9 +456,9 @@ def _label(cell):
     match = IN_BRACKETS.search(cell.strip())
     if match:
         return cell.strip()[: match.start()].strip(), match.group(1).strip()
-    match = IN_WORDS.fullmatch(cell.strip())
-    if match and units.is_unit(match[2]):
-        return match[1] or cell.strip(), match[2]
+    words = cell.split()
+    if words[-2:-1] == ["in"] and units.is_unit(words[-1]):  # 'C1 in V'
+        return " ".join(words[:-2]) or cell.strip(), words[-1]
     name, _, unit = (part.strip() for part in cell.rpartition("/"))
     last = cell.split()[-1] if cell.strip() else ""
     first, _, suffix = cell.strip().rpartition("_")

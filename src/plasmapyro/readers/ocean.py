@@ -37,6 +37,7 @@ EXPOSED = re.compile(  # 'Int:500ms', 'Exposure time = 0.5 s'
     r"\b(?:int|exposure|belicht|acq)[^:;=,\t\d]*[:;=,\t]\s*(?P<value>[\d.,]+)\s*(?P<unit>[um\u03bc]?s(ec)?)\b",
     re.IGNORECASE,
 )
+LONGEST_KEY = 500
 BODY = set("0123456789+-.,eE\t ")
 
 
@@ -340,6 +341,7 @@ def _yes(header, word, but=None):
 
 def _integration_time(path, header):
     for index, line in enumerate(header, 1):
+        line = line[:LONGEST_KEY]  # of a header; the patterns take long where there is no such key
         match = EXPOSURE.search(line) or EXPOSED.search(line)
         if match is None or match["unit"].lower() not in PER_SECOND:
             continue
