@@ -102,7 +102,7 @@ def phase_of(time, off):
     return (time >= 0).astype(int) + (time >= off).astype(int)
 
 
-def renoised(model, solution, settings=()):
+def renoised(model, solution):
     """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
     raw = raw_model(model)
     found, instruments = [], []

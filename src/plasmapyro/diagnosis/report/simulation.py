@@ -5,6 +5,7 @@ import numpy as np
 from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
+from plasmapyro.diagnosis.simulation.compare import LEVEL
 
 NANOMETRE = 1e-9
 
@@ -59,6 +60,9 @@ def _sentences(found, systems):
     if not lines and not found.final.settings:
         lines.append(
             "The measured gas agrees with the simulated one, within the errors that this one states."
+            if found.p_value > LEVEL
+            else f"The measured gas differs from the simulated one as a whole (p = {found.p_value:.1g}), and"
+            " no single radiating system does."
         )
     return lines
 
