@@ -97,6 +97,23 @@ def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found
     assert float(np.abs(shift).quantile(0.99)) < 0.5
 
 
+def test_a_deposit_before_the_spectrometer_is_its_drift(made, response, found):
+    """A window that loses 8 % while the plasma burns stands before one instrument only."""
+    test, truth, calibration, counts = made
+    left = (1 - 0.08 * np.clip(test.spectrum_time / 300, 0, 1)).drop_vars("spectrum_time")
+    net = (test.counts - test.background_counts) * left + test.background_counts
+    fouled = test.assign(counts=net.assign_attrs(test.counts.attrs))
+    again = estimate(fouled, calibration, response, counts, **board.SETTINGS)
+    assert again.attrs["contradictions"] == ""
+    hot = (found.time > 60) & (found.time < 290)
+    before, after = (
+        float(np.abs(one.surface_temperature - truth.surface_temperature)[hot].mean())
+        for one in (found, again)
+    )
+    # 0.8 K before, 0.5 after; a scale that stays makes 1.0 of it.
+    assert after < 1.1 * before
+
+
 def test_a_long_record_is_averaged_over_groups_that_respect_the_switches(made):
     test = made[0]
     record = record_of(test, {"pyrometer": None})
@@ -166,6 +183,7 @@ def observations(response, calibration):
         GreyTable(exposed),
         np.linspace(0.006, 0.004, bins),
         0.0,
+        drift=np.array([[0.0, 0.0], [1.0, 0.3], [1.0, 1.0]]),
     )
     fixed = (
         constants("log_emittance", np.log(0.8), 0.06)
@@ -175,6 +193,7 @@ def observations(response, calibration):
         + constants("gas_signal_before", [0.02, -0.01], 0.03)
         + constants("band_shift", [5e-10, -3e-10], 1e-9)
         + constants("scale_error", 0.02, 0.03)
+        + constants("scale_drift", [0.01, -0.03], 0.02)
         + constants("bin_error", np.linspace(-0.01, 0.01, bins), 0.01)
         + constants("gas_radiance", np.linspace(1e9, 5e8, bins), 1e9)
         + constants("gas_radiance_before", np.linspace(0.02, -0.02, bins), 0.03)

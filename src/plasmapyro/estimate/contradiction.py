@@ -11,11 +11,13 @@ STATED = {
     "gain_error": "a gain of the {leading}",
     "band_shift": "the place of a band of the {leading}",
     "scale_error": "the scale of the spectrometer",
+    "scale_drift": "the drift of the spectrometer",
     "bin_error": "the shape of the spectrometer's calibration",
     "emissivity_shape": "the course of the emissivity",
     "spectrometer_source_error": "the temperature of the spectrometer's calibration source",
     "radiometer_source_error": "the temperature of the radiometer's calibration source",
     "radiometer_scale_error": "the scale of the radiometer",
+    "radiometer_scale_drift": "the drift of the radiometer",
     "radiometer_bin_error": "a sensitivity of the radiometer",
 }
 LARGEST_PULL = 5.0  # standard deviations; sound data pull by 1.2 at most, a gain that is 5 % off by 18

@@ -168,14 +168,14 @@ def course(values, of, shape):
 class SpectrometerData:
     r"""Radiances of the bins, or signals of the bands, of an instrument with its own clock.
 
-    .. math:: L_c = e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + r_c}\,\bar B_c(T)
-              + e^{m}\,l_c\,(1 + p_c),
+    .. math:: L_c = e^{d(t)}\left[e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + r_c}\,\bar B_c(T)
+              + e^{m}\,l_c\,(1 + p_c)\right],
               \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
 
-    s is the error of the scale, r_c that of a bin. The flicker within an exposure is common to all its
-    bins: its variance times the outer product of the gas spectrum stands in their covariance. The mean over
-    an exposure follows temperature and rate at its sample, and how the path bends away from them (`bent`),
-    which an iteration holds.
+    s is the error of the scale, r_c that of a bin, d how the scale drifts from the injection on (`ramps`).
+    The flicker within an exposure is common to all its bins: its variance times the outer product of the
+    gas spectrum stands in their covariance. The mean over an exposure follows temperature and rate at its
+    sample, and how the path bends away from them (`bent`), which an iteration holds.
     """
 
     place: np.ndarray  # (S,) sample nearest to the middle of the exposure
@@ -193,6 +193,7 @@ class SpectrometerData:
     source: str = "source_error"  # constant that is the error of its source
     shape: np.ndarray | None = None  # (C, K) as that of `PyrometerData`
     away: np.ndarray | float = 0.0  # (S, nodes) temperature less that of its straight line, see `bent`
+    drift: np.ndarray | None = None  # (S, K) ramps of the scale; none: it stays
 
     def moments(self):
         """Times (S, nodes) [s] of the nodes of each exposure, from its sample on."""
@@ -224,7 +225,9 @@ class SpectrometerData:
         gas = values[of(self.tag + "gas_radiance")] * np.where(
             self.injected[:, None], 1.0, 1 + values[of(self.tag + "gas_radiance_before")]
         )
-        amplitude = np.where(self.shining, np.exp(state[:, GAS]), 0.0)[:, None]
+        drifted = 1.0 if self.drift is None else np.exp(self.drift @ values[of(self.tag + "scale_drift")])
+        seen = seen * np.reshape(drifted, (-1, 1))
+        amplitude = (np.where(self.shining, np.exp(state[:, GAS]), 0.0) * drifted)[:, None]
         return seen * body, gas * amplitude, seen * slope, seen * by_rate
 
     def _whitened(self, gas, rows):
@@ -277,6 +280,8 @@ class SpectrometerData:
         )
         for k, at in enumerate(of("emissivity_shape")):
             jacobian[:, :, SIZE + at] = self.shape[:, k] * surface
+        for k, at in enumerate(of(self.tag + "scale_drift")):
+            jacobian[:, :, SIZE + at] = self.drift[:, k, None] * (surface + gas)
         own = np.arange(bins)
         jacobian[:, own, SIZE + of(self.tag + "bin_error")] = surface
         jacobian[:, own, SIZE + of(self.tag + "gas_radiance")] = gas / level

@@ -21,6 +21,8 @@ LEAST_NOISE = 1e-6  # of the usual noise: no sample is exact
 SHIFT = 0.5e-9  # [m] step of the derivative by the place of a response
 WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess: left to the data
 NOTHING = 1e-6  # [1] or [K] stands for a standard deviation of zero
+RAMPS = 6  # of the scale of an instrument against the bands, through a test
+DRIFT = 0.02  # [1] ASSUME standard deviation of them at its end: deposits on one of two windows, fibres
 RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
 
 
@@ -240,7 +242,14 @@ def spectrometer_data(
         flicker,
         source="source_error" if shared else "spectrometer_source_error",
         shape=course["basis"](instrument.wavelength[good]) if course else None,
+        drift=ramps(frames.time),
     )
+
+
+def ramps(time):
+    """Ramps (S, K) from 0 to 1, one after the other from the injection to the last of the times (S,)."""
+    ends = np.linspace(0.0, max(time[-1], 1.0), RAMPS + 1)
+    return np.clip((time[:, None] - ends[:-1]) / np.diff(ends), 0.0, 1.0)
 
 
 def apart(frames, time, off, spans):
@@ -288,6 +297,7 @@ def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change)
     none, tag = np.zeros(gas.size), data.tag
     return (
         constants(f"{tag}scale_error", 0.0, max(scale_uncertainty, NOTHING))
+        + constants(f"{tag}scale_drift", np.zeros(data.drift.shape[1]), DRIFT / np.sqrt(RAMPS))
         + constants(f"{tag}bin_error", none, np.maximum(bin_uncertainty, NOTHING))
         + constants(f"{tag}gas_radiance", gas, WIDE_PRIOR * np.abs(gas))
         + constants(f"{tag}gas_radiance_before", none, max(gas_change, NOTHING))

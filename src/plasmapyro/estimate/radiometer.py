@@ -122,6 +122,7 @@ def beside_data(record, calibration, time, flicker, noise_block, spans, course):
         tag=TAG,
         source=f"{TAG}source_error",
         shape=course.of_bands(own),
+        drift=prepare.ramps(frames.time),
     )
 
 
