@@ -235,6 +235,7 @@ REFUSED = {
         b"PK\x03\x04rest",
         "is a packed file or a workbook, not text; save the sheet as CSV",
     ),
+    "a mark and nothing else": ("a.csv", b"\xff\xfe", "no columns of numbers"),
     "a damaged Matlab file": ("a.mat", b"MATLAB 5.0 MAT-file" + b"\0" * 200, "cannot be read"),
     "arrays of other files": (
         "a.json",

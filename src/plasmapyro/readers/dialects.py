@@ -38,6 +38,8 @@ def table_lines(path, limit):
     if Path(path).suffix.lower() in ARRAYS:
         return _columns(path, _arrays(regular_file(path, LARGEST))), True
     lines, ended = read_lines(path, limit)
+    if not lines:  # nothing but a byte order mark
+        return lines, ended
     if lines[0].strip().upper() == "IGOR":
         return _igor(path, lines), True
     head = lines[:LOOKED_AT]
