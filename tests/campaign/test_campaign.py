@@ -158,6 +158,8 @@ def test_the_command_writes_a_prior_that_reads_back(folder):
         (lambda plan: plan["tests"][0].update(materiel="C/SiC"), "materiel"),
         (lambda plan: plan["tests"][0].update(diagnosis="none.json"), "none.json"),
         (lambda plan: plan["tests"][0].update(diagnosis="campaign.yaml"), "no diagnosis.json"),
+        (lambda plan: plan["tests"][1].update(diagnosis="run00.json"), "which would count twice"),
+        (lambda plan: plan["tests"][3].update(date="2026-02-31"), "2026-02-31: day is out of range"),
     ],
 )
 def test_bad_files_are_refused_in_one_message(folder, capsys, change, words):
@@ -167,6 +169,24 @@ def test_bad_files_are_refused_in_one_message(folder, capsys, change, words):
     assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 2
     assert words in capsys.readouterr().err
     assert not (folder / "made").exists()
+
+
+def test_what_a_campaign_says_of_instruments_ends_with_their_calibration(folder, capsys):
+    """Digests of the files of the instruments, as diagnoses state them: of one test others, then of all."""
+    for name, digest in (("run00", "a"), ("run01", "b")):
+        report = json.loads((folder / f"{name}.json").read_text())
+        report["provenance"] = {"files": {"calibration.nc": 64 * digest, "radiation/80kW.nc": 64 * digest}}
+        (folder / f"{name}.json").write_text(json.dumps(report))
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 2
+    said = capsys.readouterr().err
+    assert "run01 was diagnosed with another calibration.nc than run00" in said and "80kW" not in said
+    (folder / "run01.json").write_text(json.dumps(report | {"provenance": {}}))
+    assert cli.main(["campaign", "campaign.yaml", "--out", "made"]) == 0
+    assert read_priors("made/priors.yaml", {"calibration.nc": 64 * "a"}) is not None
+    for command in ("diagnose", "correct"):
+        read = [command, str(EXAMPLE / "my_test"), "--priors", "made/priors.yaml", "--out", "none"]
+        assert cli.main(read) == 2
+        assert "were measured with another calibration.nc" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

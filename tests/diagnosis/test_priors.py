@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.fit.base import fit_base
-from plasmapyro.diagnosis.fit.prior import Normal, posterior_of, prior_of, with_prior
+from plasmapyro.diagnosis.fit.prior import SMOOTH, Normal, posterior_of, prior_of, shared_rows, with_prior
 
 
 def narrowed(model):
@@ -22,6 +22,17 @@ def test_a_model_has_the_prior_that_it_was_given(model):
     np.testing.assert_allclose(
         told.covariance, known.covariance, rtol=1e-5, atol=1e-6 * known.sigma.min() ** 2
     )
+
+
+def test_what_tests_share_of_a_scale_is_all_that_is_wrong_with_it(model):
+    """What is left open by the numbers that tests share would count anew in each test of a campaign."""
+    errors, place = model.persistent[1], model.places[1]
+    names, rows = shared_rows(model)
+    own = rows[[name.startswith("scale_") for name in names]][:, place]
+    smooth = np.array([one.id == SMOOTH for one in errors.parameters])
+    curve = errors.channel * smooth
+    left = curve - curve @ np.linalg.pinv(own, rcond=1e-9) @ own
+    assert np.abs(left).max() < 1e-6 * np.abs(curve).max()
 
 
 def test_its_own_prior_changes_no_model(model):

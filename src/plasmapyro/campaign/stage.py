@@ -70,8 +70,8 @@ def tests_of(plan, reports):
     entries[-1] = {key: last[key] for key in ("date", "electric_power_kw", "material")} | entries[-1]
     names = [one["name"] for one in entries]
     faults = [f"tests: '{name}' is listed twice" for name in dict.fromkeys(names) if names.count(name) > 1]
-    days = [date.fromisoformat(one["date"]) for one in entries]
-    faults += [
+    days, cleanings, wrong = _days([one["date"] for one in entries], plan.get("cleanings", []))
+    faults += wrong or [
         f"tests: {entry['name']} of {entry['date']} stands after a later one"
         for entry, day, later in zip(entries[1:], days[1:], days, strict=False)
         if day < later
@@ -81,9 +81,9 @@ def tests_of(plan, reports):
         for one in plan["tests"]
         if "posterior" not in reports[one["name"]]
     ]
+    faults = faults or [*_same(plan, reports), *_other_calibrations(plan, reports)]
     if faults:
         raise ValueError("\n  ".join(faults))
-    cleanings = [date.fromisoformat(one) for one in plan.get("cleanings", [])]
     found = [
         Test(
             name=entry["name"],
@@ -98,6 +98,48 @@ def tests_of(plan, reports):
     if not any(one.own_prior for one in found[:-1]):
         raise ValueError("tests: one of them at least must be diagnosed without --priors")
     return found
+
+
+def _days(dates, cleanings):
+    """Days of tests and of cleanings, and faults: of days that no calendar has."""
+    faults = []
+
+    def day(text):
+        try:
+            return date.fromisoformat(text)
+        except ValueError as reason:
+            faults.append(f"{text}: {reason}")
+
+    return [day(one) for one in dates], [day(one) for one in cleanings], list(dict.fromkeys(faults))
+
+
+def _same(plan, reports):
+    """Faults: tests of the same data, which would count twice."""
+    seen = {}
+    for one in plan["tests"]:
+        told = reports[one["name"]]["posterior"]
+        first = seen.setdefault((*told["mean"], *told["temperature"]["value"]), one["name"])
+        if first != one["name"]:
+            yield f"tests: {first} and {one['name']} hold the same diagnosis, which would count twice"
+
+
+def _other_calibrations(plan, reports):
+    """Faults: tests that were diagnosed with other files of the instruments than the first."""
+    first = {}
+    for one in plan["tests"]:
+        for name, digest in calibrations_of(reports[one["name"]]).items():
+            whose, known = first.setdefault(name, (one["name"], digest))
+            if digest != known:
+                yield (
+                    f"tests: {one['name']} was diagnosed with another {name} than {whose}; a campaign lies"
+                    " between two calibrations: list those of one, or diagnose both with the same file"
+                )
+
+
+def calibrations_of(report):
+    """Digests {file: sha256} of the calibrations behind a report; none of one that does not tell."""
+    files = report.get("provenance", {}).get("files", {})
+    return {name: digest for name, digest in files.items() if name.endswith("calibration.nc")}
 
 
 def _laws(told):
@@ -212,8 +254,11 @@ def _seen(found, name):
     return any(name in row.test.after.names for row in found.rows)
 
 
-def priors_text(found):
-    """YAML text of the prior of the coming test, by `priors.schema.yaml`."""
+def priors_text(found, calibrations=None):
+    """YAML text of the prior of the coming test, by `priors.schema.yaml`.
+
+    `calibrations` {file: sha256}: those of the instruments of its tests.
+    """
     law = found.next
     root = law.sigma
     correlation = law.covariance / np.outer(root, root)
@@ -221,6 +266,8 @@ def priors_text(found):
         "# What a campaign says before its next test, for `--priors` of `plasmapyro diagnose` and `correct`.",
         "# Numbers are logarithms for emittance and power [W]; else 0 is an instrument as it is stated.",
         f"tests: [{', '.join(row.test.name for row in found.rows)}]",
+        *(["calibrations:"] if calibrations else []),
+        *(f"  {name}: {digest}" for name, digest in sorted((calibrations or {}).items())),
         f"names: [{', '.join(law.names)}]",
         f"mean: [{', '.join(map(_digits, law.mean))}]",
         f"sigma: [{', '.join(map(_digits, root))}]",

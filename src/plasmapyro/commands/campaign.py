@@ -7,7 +7,7 @@ from pathlib import Path
 import plasmapyro.campaign
 from plasmapyro import configuration, io, progress
 from plasmapyro.campaign.report import page
-from plasmapyro.campaign.stage import campaign, priors_text, tests_of
+from plasmapyro.campaign.stage import calibrations_of, campaign, priors_text, tests_of
 from plasmapyro.commands.outputs import require_folder
 from plasmapyro.plots.campaign import laws
 
@@ -53,9 +53,10 @@ def write(plan, folder):
     tests = tests_of(plan, reports)
     progress.say(f"campaign of {len(tests) - 1} tests")
     found = campaign(tests, 1e3 * plan["reference_power_kw"])
+    files_of = {name: one for report in reports.values() for name, one in calibrations_of(report).items()}
 
     def files(made):
-        io.write_text(priors_text(found), made / "priors.yaml")
+        io.write_text(priors_text(found, files_of), made / "priors.yaml")
         io.write_text(page(found), made / "campaign.md")
         laws(found, [made / "campaign.png"])
 

@@ -76,7 +76,8 @@ def _corrected(options):
         from plasmapyro.campaign.applied import applied
         from plasmapyro.commands.priors import read_priors
 
-        test, calibrations = applied(test, calibrations, read_priors(options.priors))
+        files = {f"{name}.nc": io.digest(folder / f"{name}.nc") for name in calibrations}
+        test, calibrations = applied(test, calibrations, read_priors(options.priors, files))
     found = of_test(options.test, reading, **calibrations)
     words = [finding.words for finding in found]
     if surface_in_window in [finding.rule for finding in found] and not options.keep_window:

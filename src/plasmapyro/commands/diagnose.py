@@ -49,7 +49,7 @@ def diagnosed(options):
 
 def _diagnosed(options, folder):
     given = read_terms(options.given) if options.given else ()
-    known = read_priors(options.priors)
+    read_priors(options.priors)  # a fault of the file is said first
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
     data = reading.test
@@ -60,6 +60,7 @@ def _diagnosed(options, folder):
     for finding in findings:
         progress.warn(finding.words)
     inputs = diagnosis.load_inputs(options.radiance, folder, options.variations)
+    known = read_priors(options.priors, inputs.digests)
     if "pyrometer" in instruments(data) and inputs.calibration is None:
         progress.warn("the pyrometer is left aside: its calibration.nc is not there")
     progress.say("fitting the base model, screening the catalogue, measuring the gain: some 10 s")

@@ -13,17 +13,30 @@ SCHEMA = Path(plasmapyro.campaign.__file__).with_name("priors.schema.yaml")
 LOGARITHMS = {"emittance": (np.log(0.01), 0.1, "the emittance"), POWER: (np.log(1e3), np.log(1e8), "watts")}
 
 
-def read_priors(path):
+def read_priors(path, digests=None):
     """`Normal` law of a file priors.yaml, or None without a path.
+
+    Parameters
+    ----------
+    path : path or None
+    digests : mapping file -> sha256, optional
+        Of the calibrations that the law is to be used with.
 
     Raises
     ------
     ValueError
-        What is wrong with the file: keys, names, lengths, units, or a correlation that is none.
+        What is wrong with the file: keys, names, lengths, units, a correlation that is none, or calibrations
+        that are not those of its tests.
     """
     if not path:
         return None
     values = configuration.load(path, SCHEMA)
+    for name, known in values.get("calibrations", {}).items():
+        if (digests or {}).get(name, known) != known:
+            raise ValueError(
+                f"{path}: its tests ({', '.join(values['tests'])}) were measured with another {name}; what a"
+                " campaign says of instruments ends with their calibration: make one of tests of this one"
+            )
     names, rows = values["names"], [values["mean"], values["sigma"], *values["correlation"]]
     if {len(row) for row in rows} != {len(names)} or len(rows) != len(names) + 2:
         raise ValueError(f"{path}: mean and sigma need a number for each name, correlation a row")

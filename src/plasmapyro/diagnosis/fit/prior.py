@@ -17,7 +17,7 @@ SHARED = (
     "tail",
 )
 POWER = "power"
-SCALE_STEP = 60e-9  # [m]: the scale of a spectrometer is stated at multiples of it
+SCALE_STEP = 10e-9  # [m]: the scale of a spectrometer is stated between the first and last multiple of it
 SMOOTH = "smooth_spectrometer"
 
 
@@ -56,7 +56,11 @@ class Normal:
 
 
 def shared_rows(model):
-    """Names of what a model shares with other tests, and the rows (d, V) that give it from its parameters."""
+    """Names of what a model shares with other tests, and the rows (d, V) that give it from its parameters.
+
+    The scale of a spectrometer stands at as many wavelengths as it has modes: what fewer leave open would
+    count as new in each test of a campaign.
+    """
     kinds = {one.kind for one in model.instruments}
     names, rows = [], []
     for name in SHARED:
@@ -70,8 +74,8 @@ def shared_rows(model):
             continue
         order = np.argsort(instrument.wavelength)
         axis, curves = instrument.wavelength[order], errors.channel[order]
-        at = SCALE_STEP * np.arange(np.ceil(axis[0] / SCALE_STEP), np.floor(axis[-1] / SCALE_STEP) + 1)
-        for wavelength in at[: sum(smooth)]:
+        ends = SCALE_STEP * np.array([np.ceil(axis[0] / SCALE_STEP), np.floor(axis[-1] / SCALE_STEP)])
+        for wavelength in np.round(np.linspace(*ends, sum(smooth)), 9):
             row = np.zeros(len(model.parameters))
             row[place] = [
                 np.interp(wavelength, axis, one) * own for one, own in zip(curves.T, smooth, strict=True)
