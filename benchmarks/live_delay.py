@@ -2,8 +2,8 @@
 
     python benchmarks/live_delay.py FOLDER INSTRUMENT [--rate 100] [--seconds 20] [--out FILE.json]
 
-FOLDER is a test (test.yaml and its files), INSTRUMENT what `calibrate` made. First its signals, interpolated
-to the rate, are sent as JSON lines, each when the answer to the one before has come; Linux says what time an
+FOLDER is a test (test.yaml and its files), INSTRUMENT what `calibrate` made. First its signals at that rate (a
+running mean of them, interpolated, with the noise of the record) are sent as JSON lines, each when the answer to the one before has come; Linux says what time an
 answer took and how long it waited for a processor (/proc/PID/schedstat). The delay at the rate is that of a
 queue with these times: a sample begins when it comes and the one before is done. So it is the delay of a
 machine that gives `live` a core, also where others use the machine. Then all samples of the test are sent as
@@ -21,9 +21,12 @@ import numpy as np
 
 from plasmapyro import io
 from plasmapyro.commands.joint import SETTINGS
+from plasmapyro.estimate.noise import signal_noise
+from plasmapyro.estimate.prepare import NOISE_BLOCK
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.readers.stage import read_test
 
+MEAN = 7  # samples of the running mean
 LIVE = [sys.executable, "-c", "import sys; from plasmapyro.cli import main; sys.exit(main())", "live"]
 
 
@@ -54,6 +57,15 @@ def replay(options, moments, pair):
     return answers[1:], np.array(times[1:])
 
 
+def at_rate(time, pair, moments):
+    """Signals (2, n) at other moments: straight lines between them would hold no noise, as no logger writes."""
+    floor, relative = signal_noise(pair, NOISE_BLOCK)
+    mean = [np.convolve(np.pad(row, MEAN // 2, "edge"), np.full(MEAN, 1 / MEAN), "valid") for row in pair]
+    dense = np.stack([np.interp(moments, time, row) for row in mean])
+    noise = np.random.default_rng(1).standard_normal(dense.shape)
+    return dense + np.hypot(floor[:, None], relative[:, None] * dense) * noise
+
+
 def queued(moments, service):
     """Delays [s] of samples that come at `moments` and are done one after another, each in its own time."""
     done, delays = -np.inf, []
@@ -75,8 +87,7 @@ def main():
     moments = np.arange(
         max(test.time.values[0], -2.0), min(test.time.values[-1], options.seconds), 1 / options.rate
     )
-    dense = np.stack([np.interp(moments, test.time.values, row) for row in pair])
-    _, times = replay(options, moments, dense)
+    _, times = replay(options, moments, at_rate(test.time.values, pair, moments))
     answers, _ = replay(options, test.time.values, pair)
     response, calibration = (
         io.read(Path(options.instrument) / f"{name}.nc", name) for name in ("response", "calibration")

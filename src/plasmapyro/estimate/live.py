@@ -41,16 +41,6 @@ class Reading:
         return self.temperature / factor, self.temperature * factor
 
 
-def _with(weight, gathered):
-    """Inverse covariance of all states with what a sample adds."""
-    total = weight.copy()
-    total[:SIZE, :SIZE] += gathered.state_matrix[0]
-    total[:SIZE, SIZE:] += gathered.border[0]
-    total[SIZE:, :SIZE] += gathered.border[0].T
-    total[SIZE:, SIZE:] += gathered.corner
-    return total
-
-
 class _Kept:
     """A table of an instrument that keeps its last answer: one sample asks for the same temperature often."""
 
@@ -203,14 +193,17 @@ class Filter:
     def _moved(self, data):
         weight = self._inverse_of(self._covariance, self._scale)
         ends = [self._descend(start, weight, data) for start in self._starts(data)]
-        _, mean, gathered = min(ends, key=lambda end: end[0])
-        total = _with(weight, gathered)
+        _, mean = min(ends, key=lambda end: end[0])
+        # The matrix belongs to where the sample leads, not to the prediction: else thousands of them drift.
+        rows, residual = data.of_sample(mean[None, :SIZE], mean[SIZE:], self._of)
+        weighted = rows.T * robust_weight(residual)
+        total = weight + weighted @ rows
         self._mean = mean
         self._covariance = self._inverse_of(total, 1 / self._scale)
         slope = self._slope_of_determinant(weight, total, data)
         self._mean = mean - self._covariance[:, SIZE:] @ slope
         self._mean[TEMPERATURE] = np.clip(self._mean[TEMPERATURE], *data.table.temperatures)
-        return gathered.state_matrix[0]
+        return weighted[:SIZE] @ rows[:, :SIZE]
 
     def _slope_of_determinant(self, weight, total, data):
         r"""Slope (p,) by the constants of what the sample adds to half ln det A, the state following them.
@@ -266,15 +259,15 @@ class Filter:
             yield other
 
     def _descend(self, mean, weight, data):
-        """Least objective from a start, where it is, and the sample's information there."""
+        """Least objective from a start, and where it is."""
         for _ in range(STEPS):
-            gathered = data.information(mean[None, :SIZE], mean[SIZE:], self._of)
+            rows, residual = data.of_sample(mean[None, :SIZE], mean[SIZE:], self._of)
+            weighted = rows.T * robust_weight(residual)
             change = mean - self._mean
             slope = weight @ change
-            now = 0.5 * change @ slope + gathered.value
-            slope[:SIZE] += gathered.state_gradient[0]
-            slope[SIZE:] += gathered.constant_gradient
-            move, length = -self._inverse_of(_with(weight, gathered), 1 / self._scale) @ slope, 1.0
+            now = 0.5 * change @ slope + robust_sum(residual)
+            slope -= weighted @ np.nan_to_num(residual)
+            move, length = -self._inverse_of(weight + weighted @ rows, 1 / self._scale) @ slope, 1.0
             if -slope @ move < FALL:  # twice what the step gains: small for one sample, not for thousands
                 mean = mean + move
                 mean[TEMPERATURE] = np.clip(mean[TEMPERATURE], *data.table.temperatures)
@@ -290,8 +283,7 @@ class Filter:
             else:
                 break
             mean = trial
-        # The matrix belongs to where the sample leads, not to the prediction: else thousands of them drift.
-        return now, mean, data.information(mean[None, :SIZE], mean[SIZE:], self._of)
+        return now, mean
 
     def _learn(self, time, signal):
         """Noise of the signals and, when the reference window ends, flicker of the gas, from the past."""

@@ -124,32 +124,45 @@ class PyrometerData:
         rows = np.stack([self._by_state(band, gas, slope) for band in range(len(gas))])
         return np.einsum("bn,bni,bnj->nij", weight, rows, rows)
 
+    def _by_constants(self, band, surface, gas, leverage, values, of):
+        """Derivatives (n,) of the prediction of a band by the constants it depends on, by their place."""
+        before = 1 + values[of("gas_signal_before")[band]]
+        found = {
+            of("log_emittance")[0]: surface[band],
+            of("source_error")[0]: -self.source_slope[band] * surface[band],
+            of("gain_error")[band]: surface[band],
+            of("band_shift")[band]: leverage[band] * surface[band],
+            of("gas_signal")[band]: gas[band] / values[of("gas_signal")[band]],
+            of("gas_signal_before")[band]: np.where(~self.injected & self.shining, gas[band] / before, 0.0),
+        }
+        found |= {at: self.shape[band, k] * surface[band] for k, at in enumerate(of("emissivity_shape"))}
+        return found | {at: surface[band] for at in of("band_level")}
+
+    def of_sample(self, path, values, of):
+        """Whitened Jacobian (C, 4 + p) by states and constants of a single sample, and its residuals (C,)."""
+        surface, gas, slope = self.predict(path, values, of)
+        leverage = self.leverage(path[:, TEMPERATURE])
+        rows = np.zeros((len(gas), SIZE + len(values)))
+        for band, row in enumerate(rows):
+            row[TEMPERATURE] = slope[band, 0]
+            row[GAS] = row[FLICKER] = gas[band, 0]
+            for place, column in self._by_constants(band, surface, gas, leverage, values, of).items():
+                row[SIZE + place] = column[0]
+        return rows / self.noise, ((self.signal - surface - gas) / self.noise)[:, 0]
+
     def information(self, path, values, of):
         surface, gas, slope = self.predict(path, values, of)
         residual = (self.signal - surface - gas) / self.noise
         weight = robust_weight(residual)
         count, size = len(path), len(values)
         result = _nothing(count, size)
-        before = ~self.injected & self.shining
         leverage = self.leverage(path[:, TEMPERATURE])
         for band in range(len(gas)):
             w, r = weight[band], np.nan_to_num(residual[band])
-            scale = 1 / self.noise[band]
             by_state = self._by_state(band, gas, slope)
-            level = values[of("gas_signal")[band]]
-            columns = {
-                of("log_emittance")[0]: surface[band],
-                of("source_error")[0]: -self.source_slope[band] * surface[band],
-                of("gain_error")[band]: surface[band],
-                of("band_shift")[band]: leverage[band] * surface[band],
-                of("gas_signal")[band]: gas[band] / level,
-                of("gas_signal_before")[band]: np.where(
-                    before, gas[band] / (1 + values[of("gas_signal_before")[band]]), 0.0
-                ),
-            } | {at: self.shape[band, k] * surface[band] for k, at in enumerate(of("emissivity_shape"))}
-            columns |= {at: surface[band] for at in of("band_level")}
+            columns = self._by_constants(band, surface, gas, leverage, values, of)
             where = list(columns)
-            by_constant = np.stack([columns[place] * scale for place in where], axis=1)
+            by_constant = np.stack(list(columns.values()), axis=1) / self.noise[band][:, None]
             weighted = w[:, None] * by_state
             result.state_matrix[:] += weighted[:, :, None] * by_state[:, None, :]
             result.state_gradient[:] -= weighted * r[:, None]
