@@ -175,14 +175,13 @@ def name_of_jobs(rule):
 
 
 # A script counts by its bytes, not by its date (`rerun-triggers` of the profiles): a finished folder may be
-# moved, renamed, copied or cloned again, and an edited script still runs. Each job keeps a log, and its time and
-# memory; those of a study, which may be thousands, stand in folders of their own.
+# moved, renamed, copied or cloned again, and an edited script still runs. Each job keeps a log and notes its cost
+# (`plasmapyro.cost`); those of a study, which may be thousands, stand in folders of their own.
 for each in workflow.rules:
     if each.script:
         # Absent where a rule states none.
-        for kind in ("input", "log", "benchmark"):
+        for kind in ("input", "log"):
             setattr(each, f"{kind}_modifier", getattr(each, f"{kind}_modifier") or each.output_modifier)
         each.set_input(script=local(f"workflow/scripts/{os.path.basename(each.script)}"))
         if not each.log:
             each.set_log(f"results/logs/{name_of_jobs(each)}.log")
-            each.benchmark = f"results/benchmarks/{name_of_jobs(each)}.tsv"

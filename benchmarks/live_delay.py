@@ -2,12 +2,13 @@
 
     python benchmarks/live_delay.py FOLDER INSTRUMENT [--rate 100] [--seconds 20] [--out FILE.json]
 
-FOLDER is a test (test.yaml and its files), INSTRUMENT what `calibrate` made. First its signals at that rate (a
-running mean of them, interpolated, with the noise of the record) are sent as JSON lines, each when the answer to the one before has come; Linux says what time an
-answer took and how long it waited for a processor (/proc/PID/schedstat). The delay at the rate is that of a
-queue with these times: a sample begins when it comes and the one before is done. So it is the delay of a
-machine that gives `live` a core, also where others use the machine. Then all samples of the test are sent as
-they are, and the last temperature of both is compared with `estimate`.
+FOLDER is a test (test.yaml and its files), INSTRUMENT what `calibrate` made. First its signals at that rate
+(a running mean of them, interpolated, with the noise of the record) are sent as JSON lines, each when the
+answer to the one before has come; Linux says what time an answer took and how long it waited for a processor
+(/proc/PID/schedstat). The delay at the rate is that of a queue with these times: a sample begins when it
+comes and the one before is done. So it is the delay of a machine that gives `live` a core, also where others
+use the machine. Then all samples of the test are sent as they are, and the last temperature of both is
+compared with `estimate`.
 """
 
 import argparse
@@ -58,7 +59,7 @@ def replay(options, moments, pair):
 
 
 def at_rate(time, pair, moments):
-    """Signals (2, n) at other moments: straight lines between them would hold no noise, as no logger writes."""
+    """Signals (2, n) at other moments; mere straight lines between theirs would hold no noise."""
     floor, relative = signal_noise(pair, NOISE_BLOCK)
     mean = [np.convolve(np.pad(row, MEAN // 2, "edge"), np.full(MEAN, 1 / MEAN), "valid") for row in pair]
     dense = np.stack([np.interp(moments, time, row) for row in mean])

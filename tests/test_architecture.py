@@ -160,7 +160,7 @@ def test_only_the_command_of_the_diagnosis_knows_files(path):
 
 def test_io_imports_only_the_base_contracts_and_seals():
     found = {name.split(".")[1] for name in imports(PACKAGE / "io.py") if name.startswith("plasmapyro.")}
-    assert found <= {"contracts", "foreign", "progress", "seals", "tables", "versions"}
+    assert found <= {"contracts", "cost", "foreign", "progress", "seals", "tables", "versions"}
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "workflow/scripts").glob("*.py")), ids=lambda p: p.name)

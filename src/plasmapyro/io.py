@@ -10,7 +10,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from plasmapyro import contracts, foreign, progress, seals
+from plasmapyro import contracts, cost, foreign, progress, seals
 from plasmapyro.tables import ORIGINS, weakest
 from plasmapyro.versions import told, versions
 
@@ -329,7 +329,7 @@ def digest(path):
 
 
 def log_to(path):
-    """Send the log records, warnings and the last words of this process to `path`.
+    """Send log records, warnings and last words of this process to `path`; note its cost at its end.
 
     On a terminal the steps of a long stage are drawn as well (see `progress`). Faults that the package
     itself foresees end with their message alone, all others with a traceback.
@@ -338,6 +338,7 @@ def log_to(path):
     logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every basis it makes
     logging.captureWarnings(True)
     progress.show(sys.stderr)
+    cost.note_at_end(path)
     sys.excepthook = _last_words
 
 

@@ -18,8 +18,6 @@ rule study_flow:
         "results/study/flow/{flow}.nc",
     log:
         "results/logs/study/flow_{flow}.log",
-    benchmark:
-        "results/benchmarks/study/flow_{flow}.tsv"
     # Flows of one level do not need each other, so a scheduler may take any number of them together.
     group:
         lambda wildcards: f"study_flows_{STUDY.level(wildcards.flow)}"
@@ -41,8 +39,6 @@ rule study_signal:
         "results/study/signal/{sight_line}.nc",
     log:
         "results/logs/study/signal_{sight_line}.log",
-    benchmark:
-        "results/benchmarks/study/signal_{sight_line}.tsv"
     group:
         "study_signals"
     params:
@@ -60,10 +56,6 @@ rule study_gather:
         curve="results/instrument/ratio_curve.nc",
     output:
         "results/study.nc",
-    log:
-        "results/logs/study_gather.log",
-    benchmark:
-        "results/benchmarks/study_gather.tsv"
     localrule: True
     params:
         **STUDY_AXES,
@@ -80,10 +72,6 @@ rule figures_study:
     output:
         limit=drawn("study_limit"),
         emittance=drawn("study_emittance"),
-    log:
-        "results/logs/figures_study.log",
-    benchmark:
-        "results/benchmarks/figures_study.tsv"
     localrule: True
     script:
         "../scripts/figures_study.py"

@@ -28,7 +28,7 @@ def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(),
     diagnoses : list of (test, html)
         Name of the test and the page of its diagnosis.
     timings : list of (name, dict)
-        Job, and the row of Snakemake's benchmark file (`s` [s], `max_rss` [MB], `cpu_time` [s]).
+        Job, and the row that `cost` noted (`s` [s], `max_rss` [MB], `cpu_time` [s]).
     configuration : mapping, optional
         Shown as it is.
 

@@ -1,0 +1,33 @@
+"""What a job of the workflow costs in time, processor time and memory, as the system counts them."""
+
+import atexit
+import sys
+import time
+from pathlib import Path
+
+LOGS, COSTS = "logs", "benchmarks"
+MEGABYTE = 1 << 20 if sys.platform == "darwin" else 1 << 10  # unit of `ru_maxrss`
+
+
+def note_at_end(log):
+    """Note the cost of this process, when it ends, in the folder `benchmarks` beside that of its log."""
+    parts = Path(log).parts
+    if LOGS in parts:
+        place = parts.index(LOGS)
+        atexit.register(_note, Path(*parts[:place], COSTS, *parts[place + 1 :]).with_suffix(".tsv"))
+
+
+def _note(path):
+    """A table of one row: wall time and processor time [s], largest memory [MB]; children are counted in."""
+    import resource
+
+    import psutil
+
+    both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    row = {
+        "s": time.time() - psutil.Process().create_time(),
+        "max_rss": max(one.ru_maxrss for one in both) / MEGABYTE,
+        "cpu_time": sum(one.ru_utime + one.ru_stime for one in both),
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\t".join(row) + "\n" + "\t".join(f"{value:.2f}" for value in row.values()) + "\n")
