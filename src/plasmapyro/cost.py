@@ -19,10 +19,12 @@ def note_at_end(log):
 
 def _note(path):
     """A table of one row: wall time and processor time [s], largest memory [MB]; children are counted in."""
-    import resource
+    try:
+        import resource
 
-    import psutil
-
+        import psutil
+    except ImportError:  # Windows, or no Snakemake: nothing of a workflow
+        return
     both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     row = {
         "s": time.time() - psutil.Process().create_time(),
