@@ -79,6 +79,33 @@ def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
     )  # air for the published test
 
 
+HANDED = """import json
+from pathlib import Path
+handed = {name: snakemake.params[name] for name in ("mixing", "numerical_power_kw")}
+Path(snakemake.output[0]).write_text(json.dumps(handed))
+"""
+
+
+@pytest.mark.parametrize("model, common, both", [("best", 0.08, 0.1), ("paper", 0, 0.06)])
+def test_mixing_of_a_condition_adds_to_that_of_the_model_as_squares(project, model, common, both):
+    """Eddy viscosities add. The rule's script is replaced by one that writes down what it is handed."""
+    config, folder = project / "config/config.yaml", project / "config/conditions"
+    head, best, rest = config.read_text().replace("model: paper", f"model: {model}").partition("  best:")
+    config.write_text(head + best + rest.replace("mixing: 0", "mixing: 0.08", 1))
+    effects = "effects: [{id: mixing, amplitude: 0.06}, {id: power, amplitude: -0.1}]\n"
+    (folder / "mixed.yaml").write_text((folder / "90kW.yaml").read_text() + effects)
+    (project / "workflow/scripts/flow.py").write_text(HANDED)
+    for name in ("gas/air11", "gas/emission/air11", "flow/start/reference"):
+        (project / f"results/{name}.nc").parent.mkdir(parents=True, exist_ok=True)
+        (project / f"results/{name}.nc").write_bytes(b"")
+    paths = [f"results/flow/{name}.nc" for name in ("mixed", "90kW")]
+    run = snakemake(project, *paths, "--allowed-rules", "flow")
+    assert run.returncode == 0, run.stderr
+    mixed, plain = (json.loads((project / path).read_text()) for path in paths)
+    assert mixed == {"mixing": pytest.approx(both), "numerical_power_kw": pytest.approx(81)}
+    assert plain == {"mixing": common, "numerical_power_kw": 90}
+
+
 def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):
     """The file of a measured test names the condition; its powers are those of the same pressure."""
     first = (project / "config/conditions/90kW.yaml").read_text()
