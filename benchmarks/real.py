@@ -193,8 +193,8 @@ def plasmatron(folder, work, results):
             words += ["--floor-k", 1263, "--noise-k", 14, "--emittance", 0.9]
             code, said = command(*words, *ALONE.get(condition, ()))
             if code:
-                hint = f" (--results of a run with config/more/{condition}.yaml)" if condition in NITROGEN else ""
-                row("readings", f"{path.parent.name}, {condition}", "-", "-", said.strip() + hint)
+                said += f"--results of a run with config/more/{condition}.yaml" * (condition in NITROGEN)
+                row("readings", f"{path.parent.name}, {condition}", "-", "-", " ".join(said.split()))
                 continue
             found = io.read(out, "corrected_reading")
             moved = (found.apparent_temperature - found.surface_temperature).values
