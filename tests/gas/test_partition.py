@@ -106,6 +106,12 @@ def test_carbon_gives_the_gibbs_functions_of_nasa(species):
         assert np.log(partition_function(species, one)) == pytest.approx(expected, abs=CARBON_ATOL[species])
 
 
+@pytest.mark.parametrize("theta, logarithm", [(0.8, 0.996), (1.0, 0.976), (1.4, 0.949)])
+def test_silicon_has_the_partition_function_of_stellar_tables(theta, logarithm):
+    """D. F. Gray, The Observation and Analysis of Stellar Photospheres, appendix D: log Q at 5040 K/theta."""
+    assert np.log10(partition_function("Si", 5040.0 / theta)) == pytest.approx(logarithm, abs=0.002)
+
+
 def test_electrons_have_two_spins():
     assert partition_function("e-", [300.0, 1e4]) == pytest.approx(2)
 

@@ -166,5 +166,5 @@ def test_carbon_ions_count_as_ions_and_carbon_as_a_collider(equilibrium_densitie
     oxygen = next(lines for lines in lists if lines.component == "O I")
     wider = mixed.hwhm(oxygen, 0) - air.hwhm(oxygen, 0)
     assert wider == pytest.approx(oxygen.van_der_waals_hwhm * 3e21 * 0.6**0.3, rel=1e-6)
-    with pytest.raises(ValueError, match=r"may be CN, C2, C, C\+.*unknown: Si"):
-        carbon_path(equilibrium_densities, {"Si": 1e20})
+    with pytest.raises(ValueError, match=r"may be CN, C2, C, C\+.*unknown: Xe"):
+        carbon_path(equilibrium_densities, {"Xe": 1e20})

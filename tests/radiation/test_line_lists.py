@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from plasmapyro import tables
 from plasmapyro.gas.partition import partition_function
 from plasmapyro.radiation.atoms import atomic_lines, line_uncertainty
 from plasmapyro.radiation.broadening import doppler_sigma, lorentz_hwhm, mean_square_radius
@@ -48,6 +49,7 @@ def two_lines(**changes):
         ("O II", 672.139, 1.81e7),
         ("C I", 909.48, 2.28e7),
         ("C II", 657.805, 3.67e7),
+        ("Si I", 1082.7091, 1.97e7),
     ],
 )
 def test_strong_lines_stand_where_nist_has_them(system, wavelength_air, einstein_a):
@@ -95,12 +97,33 @@ def test_the_difference_in_the_nitrogen_multiplet_is_its_older_probabilities(pub
         ("C I", 1689.038),
         ("Ar I", 1350.4191),
         ("Ar I", 1694.0584),
+        ("Si I", 1588.8410),
     ],
 )
 def test_infrared_lines_are_where_the_handbook_has_them(system, wavelength_air):
     lines = atomic_lines(system, infrared=True)
     place = air_wavelength(1 / lines.wavenumber)
     assert np.abs(place - wavelength_air * 1e-9).min() < 0.005e-9  # levels are rounded to 0.01 cm-1
+
+
+def test_silicon_is_as_probable_as_another_list_has_it():
+    """4s-4p: NIST (Kelleher and Podobedova 2008) beside Kurucz with laboratory probabilities, behind `identify`."""
+    lines = atomic_lines("Si I", infrared=True)
+    strong = lines.select(
+        (lines.lower_energy > 3.9e6)
+        & (lines.lower_energy < 4.1e6)
+        & (lines.upper_energy < 5.2e6)
+        & (lines.strength_uncertainty < 0.2)
+    )
+    other = tables.load("identification/atomic_lines")
+    own = other["species"] == "Si I"
+    wavelength, known = other["wavelength_air"][own], other["probability"][own]
+    nearest = np.abs(air_wavelength(1 / strong.wavenumber)[:, None] - wavelength).argmin(axis=1)
+    both = np.abs(air_wavelength(1 / strong.wavenumber) - wavelength[nearest]) < 0.005e-9
+    ratio = known[nearest[both]] / (strong.einstein_a * strong.upper_degeneracy)[both]
+    assert both.sum() > 10
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.1)  # class B
+    assert np.all((ratio > 0.6) & (ratio < 1.6))  # class C+ and as much of the other list
 
 
 def test_infrared_lines_leave_the_others_alone_and_carry_a_few_per_cent():
@@ -277,5 +300,5 @@ def test_uncertainty_of_a_system_is_that_of_its_bright_lines():
 
 
 def test_unknown_atom_is_refused():
-    with pytest.raises(ValueError, match="one of N I, O I, N II, O II, Ar I, C I, C II; got 'Xe I'"):
+    with pytest.raises(ValueError, match="one of N I, O I, N II, O II, Ar I, C I, C II, Si I; got 'Xe I'"):
         atomic_lines("Xe I")

@@ -1,4 +1,4 @@
-"""Internal partition functions of the species of air, carbon and argon from their levels."""
+"""Internal partition functions of the species of air, carbon, argon and silicon from their levels."""
 
 from functools import cache
 
@@ -9,7 +9,7 @@ from plasmapyro.checks import positive
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.species import SPECIES, TRACES
 
-ATOMS = ("N", "O", "N+", "O+", "C", "C+", "Ar", "Ar+")
+ATOMS = ("N", "O", "N+", "O+", "C", "C+", "Ar", "Ar+", "Si")
 HOMONUCLEAR = ("N2", "O2", "N2+", "O2+", "C2")
 DIATOMIC_TABLES = {
     "N2": ("gas/diatomic_nitrogen",),

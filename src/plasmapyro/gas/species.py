@@ -1,4 +1,4 @@
-"""The eleven species of a plasma of N2 and O2, carbon and argon beside them; names of the cold gases."""
+"""The eleven species of a plasma of N2 and O2, carbon, argon and silicon beside them; names of the cold gases."""
 
 import re
 
@@ -89,14 +89,18 @@ CARBON = ("CN", "C2", "C", "C+")
 ARGON = ("Ar", "Ar+")
 """Species of the trace that a condition may ask for (`gas.argon`)."""
 
-TRACES = CARBON + ARGON
+SILICON = ("Si",)
+"""Species that radiates where a wall of SiC or silica gives it off."""
+
+TRACES = CARBON + ARGON + SILICON
 """Species that a path may hold beside the eleven."""
 
-TRACE_NEUTRALS = ("CN", "C2", "C", "Ar")
+TRACE_NEUTRALS = ("CN", "C2", "C", "Ar", "Si")
 TRACE_IONS = ("C+", "Ar+")
 
 ATOMIC_WEIGHT_CARBON = 12.011
 ATOMIC_WEIGHT_ARGON = 39.948
+ATOMIC_WEIGHT_SILICON = 28.085
 
 _TRACE_MASS = {
     "CN": ATOMIC_MASS * (ATOMIC_WEIGHT_CARBON + ATOMIC_WEIGHT_NITROGEN),
@@ -105,6 +109,7 @@ _TRACE_MASS = {
     "C+": ATOMIC_MASS * ATOMIC_WEIGHT_CARBON - ELECTRON_MASS,
     "Ar": ATOMIC_MASS * ATOMIC_WEIGHT_ARGON,
     "Ar+": ATOMIC_MASS * ATOMIC_WEIGHT_ARGON - ELECTRON_MASS,
+    "Si": ATOMIC_MASS * ATOMIC_WEIGHT_SILICON,
 }
 
 

@@ -157,7 +157,7 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     Notes
     -----
     Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
-    ASSUME: C I and Ar I broaden like N I and C II like N II at equal binding, for want of a table.
+    ASSUME: C I, Ar I and Si I broaden like N I and C II like N II at equal binding, for want of a table.
     """
     width, power, _ = _tabulated_widths(atom, labels, wavenumber, upper_binding)
     like = ATOMS[atom.stark[1]]
@@ -231,7 +231,7 @@ def atomic_lines(system, infrared=False):
     Parameters
     ----------
     system : str
-        In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'Ar I', 'C I' or 'C II'.
+        In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'Ar I', 'Si I', 'C I' or 'C II'.
     infrared : bool
         Whether those from 1250 to 2500 nm come along.
 
