@@ -64,9 +64,7 @@ def test_samples_after_one_another_are_one_large_fit():
     noise = 0.002 * seen
     seen = seen + noise * random.standard_normal(seen.shape)
     nothing = np.zeros((*seen.shape, 0))
-    found = follow(
-        Channels(PIXELS), prior, np.array([0.0, 1.0]), seen, noise, nothing, np.full(count, np.inf)
-    )
+    found = follow(Channels(PIXELS), prior, np.ones((1, count)), seen, noise, nothing)
 
     def rest(x):
         model = light(0.5 * np.exp(prior.basis @ x[2:]), 1000.0 / x[:2])
@@ -83,10 +81,8 @@ def test_a_sample_without_light_carries_on_what_is_known():
     prior = smooth_prior(PIXELS, 0.5, **KNOWN)
     seen = light(0.6, [1000.0, 1000.0, 1000.0])
     seen[1] = np.nan
-    memory = np.full(prior.basis.shape[1], np.inf)
-    found = follow(
-        Channels(PIXELS), prior, np.arange(3.0), seen, 1e-3 * seen, np.zeros((*seen.shape, 0)), memory
-    )
+    kept = np.ones((2, prior.basis.shape[1]))
+    found = follow(Channels(PIXELS), prior, kept, seen, 1e-3 * seen, np.zeros((*seen.shape, 0)))
     assert list(found.converged) == [True, False, True] and np.isnan(found.temperature[1])
     np.testing.assert_allclose(found.state[0], found.state[2], atol=1e-3)
 

@@ -107,7 +107,7 @@ def test_infrared_lines_are_where_the_handbook_has_them(system, wavelength_air):
 
 
 def test_silicon_is_as_probable_as_another_list_has_it():
-    """4s-4p: NIST (Kelleher and Podobedova 2008) beside Kurucz with laboratory probabilities, behind `identify`."""
+    """4s-4p of NIST (Kelleher and Podobedova 2008), beside Kurucz with laboratory probabilities."""
     lines = atomic_lines("Si I", infrared=True)
     strong = lines.select(
         (lines.lower_energy > 3.9e6)

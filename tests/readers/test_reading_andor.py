@@ -1,5 +1,7 @@
 """Series of Andor's program, and an emittance over wavelength, in folders of our own making."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -138,6 +140,67 @@ def test_several_series_lie_on_the_clock_of_their_headers(place, tmp_path):
         path.write_text(path.read_text().replace("20:41:16", clock))
     test = read_test(folder)
     np.testing.assert_allclose(test.spectrum_time, np.r_[0.5 + np.arange(6.0), 120.5 + np.arange(6.0)])
+
+
+DAY = {
+    873.15: ("20:41:16", 1.0),
+    973.15: ("20:43:36", 1.0),
+    1073.15: ("20:47:01", 1.0),
+    1223.15: ("20:49:16", 0.1),
+}
+SLIT = 10.0  # [nm] standard deviation: another temperature moves the edges of the response by per cents
+CROWD = 6.0  # [K]: 0.5 % of a bin's error at another temperature, and what the prior leaves open
+
+
+def side_by_side(place, lab, temperatures):
+    """A folder with series at several temperatures, and the calibration, all seen through a slit."""
+    kernel = np.exp(-(((AIR[:, None] - AIR) / SLIT) ** 2) / 2)
+    through = lambda light: kernel @ light / kernel.sum(axis=1)  # noqa: E731
+    for name in ("calibration", "test", "test/spectra"):
+        (lab / name).mkdir()
+    for name in ("calibration", "test"):
+        (lab / name / "dark.asc").write_text((place / "test/dark.asc").read_text())
+    (lab / "calibration/calibration.yaml").write_text(CALIBRATION)
+    series(lab / "calibration/hot.asc", through(furnace(1173.15)), 0.1, seed=2)
+    facts = TEST.format(TABLE).replace("file: light.asc", "folder: spectra").replace("5e-9", "24e-9")
+    (lab / "test/test.yaml").write_text(facts)
+    for kelvin in temperatures:
+        clock, exposure = DAY[kelvin]
+        path = lab / "test/spectra" / f"{kelvin:.0f}.asc"
+        series(path, through(furnace(kelvin)), exposure, seed=int(kelvin))
+        path.write_text(path.read_text().replace("20:41:16", clock))
+    assert cli.main(["calibrate", str(lab / "calibration"), "--out", str(lab / "lab")]) == 0
+    return [str(lab / "test"), "--instrument", str(lab / "lab"), "--out"]
+
+
+def test_temperatures_side_by_side_come_out_each_by_itself(place, tmp_path):
+    words = side_by_side(place, tmp_path, DAY)
+    assert cli.main(["correct", *words, str(tmp_path / "t.nc")]) == 0
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+    off = found.spectral_temperature.values - np.repeat(list(DAY), 6)
+    assert np.abs(off).max() < CROWD
+    low, high = found.spectral_temperature_interval.values - found.spectral_temperature.values
+    assert ((low < -off) & (-off < high)).all()
+    # One exposure for all: what the series of 1 s lost of their digits is less than their noise.
+    assert read_test(tmp_path / "test").attrs["spectrometer_integration_time"] == 0.1
+
+
+def test_nothing_is_wrong_with_temperatures_side_by_side(place, tmp_path):
+    words = side_by_side(place, tmp_path, list(DAY)[:3])
+    assert cli.main(["diagnose", *words, str(tmp_path / "out")]) == 0
+    found = json.loads((tmp_path / "out/diagnosis.json").read_text())
+    assert found["verdict"]["status"] == "null"
+    history = found["posterior"]["temperature"]
+    off = np.array(history["value"]) - np.repeat(list(DAY)[:3], 6)
+    assert np.all(np.abs(off) < 1.96 * np.array(history["sigma"]))
+    assert max(history["sigma"]) < 10.0  # the pauses, in which nothing is seen, are no part of the history
+
+
+def test_other_exposures_need_a_dark(place, tmp_path):
+    side_by_side(place, tmp_path, list(DAY)[2:])
+    path = tmp_path / "test/test.yaml"
+    path.write_text(path.read_text().replace("  background: dark.asc\n", ""))
+    assert "other exposure than" in "\n".join(check_test(tmp_path / "test"))
 
 
 def test_frames_have_their_times_and_the_table_its_wavelengths(place):

@@ -454,7 +454,9 @@ def _on_the_shelf(bench, pyrometers):
         if edges.min() < bench.edges[0] or edges.max() > bench.edges[-1]:
             found.append(_Entry(name, "beyond the data", "", "box", centre=centre, fwhm=fwhm))
         else:
-            found.append(_entry(name, "shelf", "silicon", "box", centre, fwhm))
+            reach = bench.detectors["cut_off"] >= edges.max()  # the table begins with the shortest
+            detector = str(bench.detectors["detector"][np.argmax(reach)])
+            found.append(_entry(name, "shelf", detector, "box", centre, fwhm))
     return found
 
 

@@ -222,19 +222,18 @@ def _beginning(channels, prior, signal, weight):
     return 1 / inverse
 
 
-def follow(channels, prior, time, signal, noise, linear, memory):
+def follow(channels, prior, kept, signal, noise, linear):
     r"""As `infer`, for samples after one another: what is known of the coefficients carries over.
 
-    .. math:: a_{n+1} = r\,a_n + \sqrt{1 - r^2}\,w_n, \qquad r = e^{-\Delta t/\tau}
+    .. math:: a_{n+1} = r_n\,a_n + \sqrt{1 - r_n^2}\,w_n
 
     The temperature is free from sample to sample.
 
     Parameters
     ----------
     channels, prior, signal, noise, linear : as in `infer`
-    time : (n,) array [s], rising
-    memory : (K + M,) array [s]
-        Of each coefficient: 0 for none, infinity for a constant.
+    kept : (n - 1, K + M) array [1]
+        r of each coefficient from sample to sample: 0 for none, 1 for a constant.
 
     Returns
     -------
@@ -246,12 +245,10 @@ def follow(channels, prior, time, signal, noise, linear, memory):
     Source: extended Kalman filter, and Rauch, Tung & Striebel, AIAA J. 3, 1445 (1965), backwards. Samples
     that hold no light carry what is known over.
     """
-    count = len(memory)
-    with np.errstate(divide="ignore"):
-        kept = np.exp(-np.diff(time)[:, None] / np.asarray(memory))
+    count = kept.shape[1]
     mean, covariance = np.zeros(count), np.eye(count)
     before, parts = [], []
-    for n in range(len(time)):
+    for n in range(len(signal)):
         before.append((mean, covariance))
         known = mean[None], np.linalg.inv(covariance)[None]
         one = slice(n, n + 1)
@@ -263,7 +260,7 @@ def follow(channels, prior, time, signal, noise, linear, memory):
             covariance = kept[n][:, None] * covariance * kept[n] + np.diag(1 - kept[n] ** 2 + TINY)
     found = Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
     later = None
-    for n in range(len(time) - 1, -1, -1):
+    for n in range(len(signal) - 1, -1, -1):
         if later is not None:
             ahead, spread = before[n + 1]
             told = found.converged[n]

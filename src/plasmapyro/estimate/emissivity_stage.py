@@ -18,6 +18,8 @@ MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this i
 # five of chi-squared for five bands; real furnaces show 0.3 to 1.2, room light on them 2 to 14
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course: what the clearest samples say for
 LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
+LASTS = 0.1  # [1] ASSUME: relative change of temperature over which a bin keeps its error: slit and stray
+# light act on the slope of the light, so at another temperature they leave other errors
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 
 
@@ -121,10 +123,22 @@ def estimate_emissivity(
     memories[: prior.basis.shape[1]] = light.kept
     memories[:smooth] = memory
     memories[whole.basis.shape[1] :][: len(light.memory)] = light.memory
-    found = follow(light.channels, whole, frames.time, data, noise, linear, memories)
+    with np.errstate(divide="ignore"):
+        kept = np.exp(-np.diff(frames.time)[:, None] / memories)
+    rough = slice(prior.basis.shape[1], whole.basis.shape[1])
+    kept[:, rough] *= np.exp(-_change(frames.time, alone)[:, None] / LASTS)
+    found = follow(light.channels, whole, kept, data, noise, linear)
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
     state[lost] = status.NO_SIGNAL
     return _dataset(test, record, light, prior, smooth, found, alone.residual, state)
+
+
+def _change(time, alone):
+    """Relative change of temperature (S - 1,) from sample to sample; those without one lie between theirs."""
+    told = alone.converged
+    if not told.any():
+        return np.zeros(time.size - 1)
+    return np.abs(np.diff(np.interp(time, time[told], np.log(alone.temperature[told]))))
 
 
 def _status(record, light):

@@ -1,4 +1,4 @@
-"""The eleven species of a plasma of N2 and O2, carbon, argon and silicon beside them; names of the cold gases."""
+"""The eleven species of a plasma of N2 and O2; carbon, argon, silicon beside them; names of cold gases."""
 
 import re
 

@@ -475,16 +475,15 @@ def vacuum(path, wavelength, medium):
 
 def _tables(paths, folder, settings):
     """Tables with a row per spectrum: time in the first column, wavelengths in the header of the others."""
-    parts, attrs, dates = [], {}, {}
+    parts, attrs, dates, exposures = [], {}, {}, {}
     background = Path(folder) / settings["background"] if settings["background"] else None
 
     def read(path):
         if settings["format"] == "csv":
             return columns.read_matrix(path, *settings["marks"], settings["stamps"])
         series = andor.read_series(path)
-        if attrs.setdefault("spectrometer_integration_time", series.exposure) != series.exposure:
-            if path != background:  # a dark of another exposure holds the baseline, if little dark current
-                refuse(path, f"other exposure than {paths[0].name}", "put each exposure in a test of its own")
+        if path != background:  # a dark of another exposure holds the baseline, if little dark current
+            exposures[path] = series.exposure
         dates[path] = series.date
         return series.time, series.wavelength * 1e9, series.counts
 
@@ -495,6 +494,13 @@ def _tables(paths, folder, settings):
         paths = sorted(paths, key=dates.get)
         since = {path: (dates[path] - dates[paths[0]]).total_seconds() for path in paths}
         tables = {path: (tables[path][0] + since[path], *tables[path][1:]) for path in paths}
+    if exposures:
+        attrs["spectrometer_integration_time"] = min(exposures.values())
+    if len(set(exposures.values())) > 1 and not background:
+        odd = next(path for path in paths if exposures[path] != exposures[paths[0]])
+        refuse(
+            odd, f"other exposure than {paths[0].name}", "state a dark as `background`, or use another test"
+        )
     for path in paths:
         time, pixels, values = tables[path]
         if parts and not np.array_equal(pixels, parts[0]["pixels"]):
@@ -540,5 +546,9 @@ def _tables(paths, folder, settings):
                     1,
                 )
             result["background_counts"] = dark
+            share = [attrs["spectrometer_integration_time"] / exposures[path] for path in paths if exposures]
+            if len(set(share)) > 1:  # all as the shortest would have them: light goes with the exposure
+                share = np.repeat(share, [part["time"].size for part in parts])[:, None]
+                values = dark + (values - dark) * share
     result[settings["quantity"]] = values
     return result, attrs, files

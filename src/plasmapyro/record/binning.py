@@ -16,7 +16,14 @@ SHORT = 30.0  # [s] of an exposure; all steps of a shorter one shrink with it
 PIXEL_BIN = 2.0e-9  # [m] where the spectrum of the gas is smooth
 LINE_CHANGE = 1.0  # [1], of the light in a bin: where the gas changes by more, bins are finer
 FINEST_PER_FWHM = 1.0
+PAUSE = 20.0  # steps in time between two series, of which the exposures may differ by a factor of ten
 GAP = 1.5  # steps from pixel to pixel, beyond which some are missing
+
+
+def series(time):
+    """Number (t,) of the series of each sample: those further apart than `PAUSE` steps are of two."""
+    step = np.diff(time)
+    return np.append(0, np.cumsum(step > PAUSE * np.median(step))) if step.size else np.zeros(time.size, int)
 
 
 def time_edges(start, end, injection, off):

@@ -121,7 +121,8 @@ def renoised(model, solution):
         gas = np.maximum(gas, 0.0)
         value = plain * (1 + state.pattern[which]) + state.dark[which]
         residual = np.where((instrument.raw_bin >= 0)[:, None], instrument.raw - value, np.nan)
-        phase = phase_of(instrument.raw_moment.mean(axis=1), model.off)
+        time = instrument.raw_moment.mean(axis=1)
+        phase = phase_of(time, model.off) + 3 * binning.series(time)
         law, left = noises.estimate(instrument, residual, value, gas, phase, flicker)
         flicker = law.flicker
         pixels = (

@@ -67,7 +67,7 @@ def base_model(
     Model
         Its times count from the injection, as those of the record.
     """
-    edges, known = observation.time_bins(record), None
+    (edges, pauses), known = observation.time_bins(record), None
     axis = None if response is None else (response["wavelength"].values, responsivities(response))
     instruments, lamp, sources = [], {}, None
     bands, frames = (record.instrument(name) for name in ("pyrometer", "spectrometer"))
@@ -95,7 +95,7 @@ def base_model(
         instruments = radiometer.of_an_emissivity(instruments, record, known)
     instruments = _sufficient(instruments, record.off, plasma)
     end = max(instrument.moment.max() for instrument in instruments)
-    history = History(knots(edges, 0.0, record.off, end), record.off, cold=plasma)
+    history = History(knots(edges, 0.0, record.off, end, pauses), record.off, cold=plasma)
     parameters = base_parameters(record, calibration)
     if bending:
         parameters = radiometer.instead(parameters, instruments, record, known)
@@ -108,7 +108,7 @@ def base_model(
     else:
         parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
-    errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH) for one in instruments]
+    errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH, pauses) for one in instruments]
     return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)
 
 

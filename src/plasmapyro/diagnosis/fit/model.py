@@ -89,13 +89,15 @@ class History:
         return np.array([*rows, first])
 
 
-def knots(edges, injection, off, end):
-    """Knots [s]: the injection, the middles of the bins after it, the end of the plasma, the last edge."""
+def knots(edges, injection, off, end, pauses=()):
+    """Knots [s]: the injection, the middles of the bins after it, the end of the plasma, the last edge; none
+    in pauses (n, 2) [s], in which nothing is seen."""
     middle = (edges[1:] + edges[:-1]) / 2
     last = edges[-1] if off < end else min(edges[-1], off)  # nothing tells of a cooling without samples
     own = middle[(middle > injection) & (np.abs(middle - off) > 0.2) & (middle < last)]
     ends = [injection, last] + ([off] if off < end else [])
-    return np.unique(np.concatenate([own, ends]))
+    result = np.unique(np.concatenate([own, ends]))
+    return result[[not any(first < one < last for first, last in pauses) for one in result]]
 
 
 class Model:

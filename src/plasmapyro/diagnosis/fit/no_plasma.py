@@ -13,6 +13,7 @@ from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term
 from plasmapyro.diagnosis.gas.templates import GasLibrary
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record import binning
 
 RANGE = (200e-9, 4000e-9)  # [m] in which light is looked at
 STEP = 0.5e-9  # [m]
@@ -125,9 +126,10 @@ def _slit(axis, rate, kelvin, width):
 
 
 def _baseline(frames):
-    """Counts that all pixels of a frame share, each of at most `MOST_KNOTS` times with its own."""
+    """Counts that all pixels of a frame share, each of at most `MOST_KNOTS` times of a series apart."""
     noise = np.nanmedian(local_noise(frames.sound / frames.factor, frames.wavelength.size))
-    times = np.linspace(*frames.time[[0, -1]], min(frames.time.size, MOST_KNOTS))
+    count = min(frames.time.size, MOST_KNOTS * (1 + binning.series(frames.time)[-1]))
+    times = frames.time[np.linspace(0, frames.time.size - 1, count).round().astype(int)]
     names = [f"at {time:.6g} s" for time in times]
 
     def formula(output, amplitude, **counts):

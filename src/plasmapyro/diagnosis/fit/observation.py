@@ -10,6 +10,7 @@ from scipy.stats import norm
 from plasmapyro.radiation.bandsignal import respond
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.record import binning
+from plasmapyro.record.inputs import has_plasma
 
 NODE = 6e-9  # [m] of the quadrature over a band
 NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
@@ -212,10 +213,17 @@ def without_lost(index, values):
 
 
 def time_bins(record):
-    """Edges (n+1,) [s] of the time bins of a test."""
+    """Edges (n+1,) [s] of the time bins of a test; without a plasma each series has its own, and the pauses
+    between series (n, 2) [s]."""
     axes = [instrument.time for instrument in record.instruments]
     start, end = min(axis[0] for axis in axes) - 0.5, max(axis[-1] for axis in axes) + 0.5
-    return binning.time_edges(start, end, 0.0, record.off)
+    time = np.sort(np.concatenate(axes))
+    first = [] if has_plasma(record.attributes) else np.flatnonzero(np.diff(binning.series(time))) + 1
+    if not len(first):
+        return binning.time_edges(start, end, 0.0, record.off), np.zeros((0, 2))
+    parts = [(one[0] - 0.5, one[-1] + 0.5) for one in np.split(time, first)]
+    own = [binning.time_edges(*part, part[0], part[1]) for part in parts]
+    return np.unique(np.concatenate(own)), np.stack([time[first - 1], time[first]], axis=1)
 
 
 def side_by_side(maps):

@@ -19,6 +19,7 @@ GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and coolin
 SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 ROUGH_LENGTH = 10e-9  # [m]
+OF_SERIES = ROUGH_LENGTH, SMOOTH_LENGTHS[0]  # [m] over which that of a series changes
 COURSE = 3e-3  # [1] ASSUME: how far the course of the scale wanders: as far as its level
 STRAY_LIGHT = 0.003  # [1] ASSUME: of the mean count rate, as in the estimate with an emissivity
 STRAY_COURSE = 0.3  # [1] ASSUME: of it, from one end of a spectrum to the other
@@ -47,11 +48,12 @@ class Persistent:
         return np.array(rows).reshape(len(rows), -1).T, self.channel
 
 
-def persistent(instrument, start, end, rough=0.0):
+def persistent(instrument, start, end, rough=0.0, pauses=()):
     """Persistent errors of an instrument of a record from `start` to `end` [s].
 
     `rough` [1]: of the scale of a spectrometer, from one `ROUGH_LENGTH` to the next; its course then wanders
-    in time as well.
+    in time as well. Between `pauses` (n, 2) [s] each series has a roughness of its own besides: slit and
+    response leave another one at another temperature.
 
     Gains are Ornstein-Uhlenbeck processes, linear between knots; the scale over wavelength is a Gaussian
     process, by the modes of its covariance.
@@ -60,7 +62,7 @@ def persistent(instrument, start, end, rough=0.0):
     -----
     Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006), eq. 4.9 and B.29.
     """
-    knots, root = _wandering(start, end, MEMORY * (end - start))
+    knots, root = _wandering(start, end, MEMORY * (end - start), more=np.ravel(pauses))
     kinds = {"pyrometer": np.ones(instrument.channels), "ratio": [0.5, -0.5]}
     if instrument.channels != 2:
         del kinds["ratio"]
@@ -97,27 +99,37 @@ def persistent(instrument, start, end, rough=0.0):
                     time.append(root)
                     channel.append(np.outer(row * np.sqrt(size), np.ones(knots.size)))
                     parameters += [Parameter("wander_smooth", f"wandering {name}", COURSE)] * knots.size
-            share = _stray_share(instrument)
-            value, vector = np.linalg.eigh(like * np.outer(share, share))
-            kept = value > LEAST * value.max()
-            time.append(np.ones((knots.size, kept.sum())))
-            channel.append(vector[:, kept] * np.sqrt(value[kept]))
-            name = "stray light over wavelength"
-            parameters += [Parameter("smooth_stray", name, STRAY_COURSE)] * int(kept.sum())
+            middles = np.mean(pauses, axis=1) if len(pauses) else []
+            series = np.searchsorted(middles, knots)
+            own = np.searchsorted(middles, instrument.moment.mean(axis=1))
+            between = sum(np.exp(-0.5 * (apart / one) ** 2) for one in OF_SERIES) / len(OF_SERIES)
+            for one in np.unique(series):
+                share = _stray_share(instrument, own == one)
+                stray = like * np.outer(share, share)
+                parts = [("smooth_stray", "stray light over wavelength", stray, STRAY_COURSE, LEAST)]
+                if len(middles):
+                    parts.append(("smooth_series", f"{name} in a series", between, rough, LEAST_WANDER))
+                for identity, words, covariance, sigma, least in parts:
+                    value, vector = np.linalg.eigh(covariance)
+                    kept = value > least * value.max()
+                    time.append(np.repeat((series == one)[:, None].astype(float), kept.sum(), axis=1))
+                    channel.append(vector[:, kept] * np.sqrt(value[kept]))
+                    parameters += [Parameter(identity, words, sigma)] * int(kept.sum())
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
 
 
-def _stray_share(instrument):
-    """Share (C,) of even stray light in the counts of each channel, at most 1."""
-    counts = np.nanmean(instrument.value, axis=0)
+def _stray_share(instrument, chosen):
+    """Share (C,) of even stray light in the counts of each channel of some bins, at most 1."""
+    counts = np.nanmean(instrument.value[chosen], axis=0)
     counts = counts if instrument.factor is None else counts / instrument.factor
     return np.minimum(STRAY_LIGHT * np.nanmean(counts) / np.maximum(counts, 1e-300), 1.0)
 
 
-def _wandering(start, end, *times):
-    """Knots (K,) [s], and a root (K, K) of the covariance of what wanders with variance 1, alike in parts
-    over some times [s]."""
+def _wandering(start, end, *times, more=()):
+    """Knots (K,) [s], `more` among them, and a root (K, K) of the covariance of what wanders with variance 1,
+    alike in parts over some times [s]."""
     knots = np.linspace(start, end, int(np.clip((end - start) / STEP, LEAST_KNOTS, MOST_KNOTS)))
+    knots = np.union1d(knots, more)
     apart = np.abs(np.subtract.outer(knots, knots))
     return knots, np.linalg.cholesky(sum(np.exp(-apart / one) for one in times) / len(times))
 
