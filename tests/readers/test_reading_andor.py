@@ -8,6 +8,7 @@ import pytest
 from plasmapyro import cli, io
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers.andor import read_series
+from plasmapyro.readers.guess import describe
 from plasmapyro.readers.stage import check_test, read_test
 from plasmapyro.readers.text import Refusal
 from plasmapyro.refraction import vacuum_wavelength
@@ -209,6 +210,15 @@ def test_frames_have_their_times_and_the_table_its_wavelengths(place):
     assert test.attrs["spectrometer_integration_time"] == 1.0
     np.testing.assert_allclose(test.attrs["emittance_table"], [0.60, 0.52, 0.38, 0.27])
     np.testing.assert_allclose(test.attrs["emittance_wavelength"], [5e-7, 6.5e-7, 8e-7, 1e-6])
+
+
+def test_the_header_may_stand_below_the_table(place, tmp_path):
+    header, _, rows = (place / "test/light.asc").read_text().partition("\n\n")
+    (tmp_path / "kin.asc").write_text(f"{rows}\n\n{header}\n")
+    found, known = read_series(tmp_path / "kin.asc"), read_series(place / "test/light.asc")
+    for name in found._fields:
+        np.testing.assert_array_equal(getattr(found, name), getattr(known, name))
+    assert "format: andor" in describe(tmp_path).text
 
 
 @pytest.mark.parametrize(

@@ -117,6 +117,9 @@ TABLES = {
     + 'END\nX SetScale/P x 0,1,"s", Wide,Narrow; SetScale d 0,0,"nA", Wide\nX SetScale d 0,0,"nA", Narrow\n',
     "LabVIEW without times": "LabVIEW Measurement\nX_Columns\tNo\nX0\t0.0\t0.0\nDelta_X\t1.0\t1\n***End***\n"
     + table("X_Value\tWide (nA)\tNarrow (nA)\tComment", lambda t, *pair: ("", *pair), "\t"),
+    "LabVIEW with units above": "LabVIEW Measurement\nX_Columns\tOne\nTime\t10:22:31,4\n***End***\n"
+    + "Time\t1,5\t1,5\nY_Unit_Label\tnA\tnA\nX_Dimension\tTime\tTime\nX0\t0,0\t0,0\nDelta_X\t1,0\n***\n"
+    + table("X_Value\tPyro_breit\tPyro_schmal\tComment", lambda *row: (*row, ""), "\t", ","),
     "names with blanks": "log, run 2\n\n  Time (s)   Signal 1 (nA)   Signal 2 (nA)\n"
     + "".join(f"{t:10.2f}{w:16.3f}{n:16.3f}\n" for t, w, n in SAMPLES),
     "remarks below the names": table(
@@ -201,6 +204,13 @@ def test_a_band_may_stand_in_a_file_of_its_own(tmp_path):
     np.testing.assert_allclose(test.signal_wide, WIDE, rtol=RTOL)
     np.testing.assert_allclose(test.signal_narrow, NARROW, rtol=RTOL)
     assert any("which file is the wide band?" in words for words in questions)
+    named = (
+        table("timestamp,wide_nA", lambda t, w, n: (1.75e9 + t, w)),
+        table("timestamp,narrow_nA", lambda t, w, n: (1.75e9 + t, n)),
+    )
+    test, questions = described(tmp_path / "n", b__csv=named[0], a__csv=named[1])
+    np.testing.assert_allclose([test.signal_wide, test.signal_narrow], [WIDE, NARROW], rtol=RTOL)
+    assert not any("wide band" in words for words in questions)
     (tmp_path / "t" / "pyro_C1.txt").write_text(one(2).replace("\n19.0,", "\n20.0,"))
     (message,) = check_test(tmp_path / "t")
     assert "has 20 times from 0 to 20 s" in message and "at the same moments" in message

@@ -1,4 +1,4 @@
-"""Series of spectra as Andor Solis exports them: a header of 'key: value' lines, then one row per pixel."""
+"""Series of spectra as Andor Solis exports them: one row per pixel, above or below it 'key: value' lines."""
 
 import re
 from contextlib import suppress
@@ -47,8 +47,8 @@ def read_series(path):
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)
-    begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if ROW.match(line)), len(lines))
-    header = dict(line.partition(":")[::2] for line in lines[:begin])
+    about = [line for line in lines[:HEADER_LINES] + lines[-HEADER_LINES:] if not ROW.match(line)]
+    header = {name: value.strip() for name, _, value in (line.partition(":") for line in about)}
     exposure, cycle = (_seconds(path, header, key) for key in ("Exposure Time", "Kinetic Cycle Time"))
     if exposure is None:
         refuse(path, "states no exposure time", "export it from Andor Solis as ASCII with its header")
@@ -56,8 +56,7 @@ def read_series(path):
     if counts.size > MOST_SAMPLES:
         refuse(path, f"{len(counts)} frames of {wavelength.size} pixels", "export as many as fit")
     time = exposure / 2 + (cycle or exposure) * np.arange(len(counts))
-    stated = next((line.partition(":")[2] for line in lines[:begin] if line.startswith("Date and Time")), "")
-    return Series(time, wavelength, counts, exposure, _date(stated.strip()))
+    return Series(time, wavelength, counts, exposure, _date(header.get("Date and Time", "")))
 
 
 def mean_spectrum(path):
@@ -78,8 +77,8 @@ def _seconds(path, header, key):
     """A duration [s] of the header, or None."""
     for name, value in header.items():
         if name.startswith(key):
-            found = number(value.strip())
+            found = number(value)
             if found is None or not found > 0:
-                refuse(path, f"{name} is {quote(value.strip())}, no number > 0", "correct the header")
+                refuse(path, f"{name} is {quote(value)}, no number > 0", "correct the header")
             return found
     return None

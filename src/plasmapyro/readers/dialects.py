@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -43,8 +44,8 @@ def table_lines(path, limit):
     if lines[0].strip().upper() == "IGOR":
         return _igor(path, lines), True
     head = lines[:LOOKED_AT]
-    if any(re.match(r"X_Columns\W+No\b", line) for line in head):
-        lines = _timed(lines)
+    if any(map(re.compile(r"\*\*\*End|X_Columns\W+No\b").match, head)):
+        lines = _labview(lines)
     return _detached(_of_pairs(lines)), ended
 
 
@@ -230,22 +231,23 @@ def _of_pairs(lines):
     return ["\t".join(["clock", *keys]), *("\t".join(row) for row in rows)]
 
 
-def _timed(lines):
-    """A LabVIEW measurement without times (X_Columns No), with those of its first sample and interval."""
-    keys = {line.partition("\t")[0]: line.split("\t") for line in lines[:LOOKED_AT]}
-    head = next((i for i, line in enumerate(lines[:LOOKED_AT]) if line.startswith("X_Value")), None)
-    try:
-        first, step = (float(keys[key][1].replace(",", ".")) for key in ("X0", "Delta_X"))
-    except (KeyError, IndexError, ValueError):
-        return lines
+def _labview(lines):
+    """The table of a LabVIEW measurement, with units in its header, and with times if it has none."""
+    head = next((i for i, line in enumerate(lines[:LOOKED_AT]) if line.startswith("X_Value\t")), None)
     if head is None:
         return lines
-    sign = "," if "," in keys["Delta_X"][1] else "."
-    body = [
-        f"{first + i * step:.9g}".replace(".", sign) + line if line.startswith("\t") else line
-        for i, line in enumerate(lines[head + 1 :])
-    ]
-    return [*lines[:head], "X_Value [s]" + lines[head].removeprefix("X_Value"), *body]
+    keys = {line.partition("\t")[0]: line.split("\t") for line in lines[:head]}
+    names, stated = lines[head].split("\t"), keys.get("Y_Unit_Label", [])
+    names = [f"{name} [{unit}]" if unit else name for name, unit in zip_longest(names, stated[: len(names)])]
+    body = lines[head + 1 :]
+    if any(line.startswith("\t") for line in body[:1]):
+        try:
+            first, step = (float(keys[key][1].replace(",", ".")) for key in ("X0", "Delta_X"))
+        except (KeyError, IndexError, ValueError):
+            return lines
+        sign = "," if "," in keys["Delta_X"][1] else "."
+        body = [f"{first + i * step:.9g}".replace(".", sign) + line for i, line in enumerate(body)]
+    return [*[""] * head, "\t".join(["X_Value [s]", *names[1:]]), *body]
 
 
 def _detached(lines):

@@ -34,49 +34,20 @@ NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those wi
     "chamber_pressure": r"pc.*|pch.*|.*press.*|.*druck.*|.*presi.n.*",
     "mass_flow_rate": r"mdot|.*massflow.*|.*flow.*|.*durchfluss.*|.*caudal.*|.*debit.*",
 }
-OF_UNIT = {
-    "s": "time",
-    "A": "signals",
-    "W": "electric_power",
-    "Pa": "chamber_pressure",
-    "kg s-1": "mass_flow_rate",
-}
+TUNNEL_UNITS = {"W": "kW", "Pa": "mbar", "kg s-1": "g/s"}  # SI, and what tunnels are logged in
+OF_UNIT = {"s": "time", "A": "signals"} | dict(zip(TUNNEL_UNITS, parts.TUNNEL, strict=True))
 GUIDE = "docs/your-own-data.md"
 WAVE = re.compile(r"\W*(lambda|\u03bb|wave|wellenl)", re.IGNORECASE)
 WORDS = re.compile(r"[^\W\d]{3}")
 MULTIPLE = re.compile(r"(\d+\.?\d*)\s*(\D+)")  # a unit of so many units: ticks of 0.1 ms
 DATES = (
-    "%d.%m.%Y",
-    "%Y-%m-%d",
-    "%d/%m/%Y",
-    "%m/%d/%Y",
-    "%d-%m-%Y",
-    "%Y/%m/%d",
-    "%Y.%m.%d",
-    "%d.%m.%y",
-    "%m/%d/%y",
-    "%y/%m/%d",
-    "%d-%b-%Y",
-    "%d %b %Y",
-    "%d. %b %Y",
-    "%d-%b-%y",
-    "%b %d, %Y",
-    "%Y%m%d",
-)
+    "%d.%m.%Y|%Y-%m-%d|%d/%m/%Y|%m/%d/%Y|%d-%m-%Y|%Y/%m/%d|%Y.%m.%d|%d.%m.%y|%m/%d/%y|%y/%m/%d|%d-%b-%Y"
+    "|%d %b %Y|%d. %b %Y|%d-%b-%y|%b %d, %Y|%Y%m%d"
+).split("|")
 TIMES = (
-    "%H:%M:%S",
-    "%H:%M",
-    "%M:%S",
-    "%I:%M:%S %p",
-    "%H:%M:%S%z",
-    "%H:%M:%S %z",
-    "%H%M%S",
-    "%H%M%S%z",
-    "%H-%M-%S",
-    "%H.%M.%S",
-    "%Hh%Mm%Ss",
-)
-FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in (" ", "T", "_") for hour in TIMES] + list(TIMES)
+    "%H:%M:%S|%H:%M|%M:%S|%I:%M:%S %p|%H:%M:%S%z|%H:%M:%S %z|%H%M%S|%H%M%S%z|%H-%M-%S|%H.%M.%S|%Hh%Mm%Ss"
+).split("|")
+FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in (" ", "T", "_") for hour in TIMES] + TIMES
 OTHERS = set(
     ".yaml .yml .md .pdf .png .jpg .jpeg .tif .gif .mp4 .avi .html .py .m .docx .pptx .ini .db .lnk".split()
 )
@@ -266,8 +237,8 @@ def assign(table):
         order = sorted(rest[:2], key=lambda place: -np.nanmedian(_values(table, place)))
         chosen = order if len(open_ones) == 2 else rest
         found |= dict(zip(open_ones, chosen, strict=False)) | {"by size": len(open_ones) == 2}
-    elif len(open_ones) == 2 and timed and len(rest) == 1:
-        found["band"] = rest[0]
+    elif open_ones and timed and len(rest) == len(open_ones) - 1:
+        found["band"] = (rest or [found.pop(name) for name in parts.SIGNALS if name in found])[0]
     return found
 
 
@@ -397,7 +368,7 @@ def _kind(path):
         return "tdms", None
     every = table_lines(path, columns.LARGEST)[0]
     lines = [line for line in every[: ocean.HEADER_LINES] if line.strip()]
-    if any(line.startswith("Exposure Time (secs)") for line in lines):
+    if any(line.startswith("Exposure Time (secs)") for line in lines + every[-ocean.HEADER_LINES :]):
         return "andor", None
     fenced = any(line.startswith(ocean.FENCE) for line in lines)
     if fenced and columns.series_lines(lines) is lines or not fenced and ocean.plain_spectrum(every):
@@ -513,10 +484,10 @@ def _pyrometer(folder, kinds, questions):
 
 def _bands(folder, listed, questions):
     """Lines of the section 'pyrometer' for two files with a band each, or none."""
-    if len(listed) != 2 or listed[0][1][0].labels != listed[1][1][0].labels:
+    if len(listed) != 2 or listed[0][1][0].labels[0] != listed[1][1][0].labels[0]:
         return []
     sizes = [-np.nanmedian(_values(table, places["band"])) for _, (table, places) in listed]
-    stems = [path.stem.lower().replace("_", " ") for path, _ in listed]
+    stems = [f"{p.stem} {table.labels[at['band']]}".lower().replace("_", " ") for p, (table, at) in listed]
     order = sorted((0, 1), key=sizes.__getitem__)
     for wide, narrow in ((0, 1), (1, 0)):
         if re.search(r"wide|breit|large|ch1|s1", stems[wide]) and re.search(
@@ -572,7 +543,7 @@ def _table_lines(folder, paths, table, places, questions):
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
         first = float(time[0]) * units.factor(unit, "time") * scale
         if first > 0:
-            found.append(f"  zero: {first:.10g}  # ? s, what shall be 0, best the injection; here the first")
+            found.append(f"  zero: {first:.13g}  # ? s, what shall be 0, best the injection; here the first")
         timing = f"    time: {{name: {_quoted(table.labels[places['time']])}" + (
             "}" if stated else f", unit: {unit}" + (f", scale: {scale:g}" if scale != 1 else "") + "}  # ?"
         )
@@ -601,7 +572,7 @@ def _column(variable, table, place, questions):
             f"columns.{variable}.scale: {label!r} is in {unit}: how many amperes is one? {each:g} is taken"
         )
         return f"    {variable}: {{name: {_quoted(label)}, unit: A, scale: {each:g}}}  # ?"
-    usual = {"W": "kW", "Pa": "mbar", "kg s-1": "g/s"}.get(VARIABLES[variable].units)
+    usual = TUNNEL_UNITS.get(VARIABLES[variable].units)
     if usual is None:
         usual = "A" if np.nanmax(np.abs(_values(table, place))) < LARGEST_CURRENT else "nA"
     questions.append(f"columns.{variable}.unit: is {label!r} in {usual}? no file says it")
@@ -859,7 +830,7 @@ def _events(read):
         return 0.0, 100.0, (0.0, 5.0)
     time, pair = read["time"], np.stack([read[name] for name in parts.SIGNALS])
     begin = 0.0 if time[0] <= 0 < time[-1] else float(time[0])
-    wide = np.nan_to_num(pair[0], nan=-np.inf)
+    wide = np.nan_to_num(pair[np.isnan(pair).sum(axis=1).argmin()], nan=-np.inf)  # one may be saturated
     last = int(np.flatnonzero(wide >= PLATEAU * wide.max())[-1]) if wide.max() > 0 else time.size - 1
     inside = np.flatnonzero(time >= begin)
     end = float(time[max(last, min(inside[0] + 4, time.size - 1))])

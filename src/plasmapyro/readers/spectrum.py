@@ -26,6 +26,8 @@ def read_frames(path):
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):
         spectrum = read_spectrum(path)
         return spectrum.wavelength, np.array([list(spectrum.columns.values())[-1]])
+    while lines and (":" in lines[-1] or not lines[-1].strip()):
+        del lines[-1]  # the settings of the instrument below the table
     block = block_of(lines, least=1)
     if block is None:
         refuse(path, "holds no row of two or more numbers", "it needs wavelength [nm] and signal in columns")
