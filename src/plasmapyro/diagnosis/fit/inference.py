@@ -145,7 +145,7 @@ def gram(columns, patterns, weighers, residuals, products=None):
         ]
         rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
         square, score = np.zeros((count, count)), np.zeros(count)
-        cross = np.zeros((residual.shape[1], len(mine), count))
+        cross = np.zeros((count, len(mine), residual.shape[1]))
         along = np.zeros((len(residual), weigher.shared.shape[1], count))
         for chosen, live, part in _parts(column, rows_of_products):
             some = weigher.of(chosen)
@@ -155,13 +155,15 @@ def gram(columns, patterns, weighers, residuals, products=None):
             if mine:
                 along[chosen, :, live] = some.core @ (some.shared @ part)
                 scaled = rows[:, chosen] * some.weight
-                cross[..., live] += np.matmul(scaled.transpose(2, 0, 1), part.transpose(1, 0, 2))
+                cross[live] += _along_bins(scaled, part)
         matrix[:k, :k] += fold(fold(square).T)
         vector[:k] += fold(score)
-        cross, along = fold(cross), fold(along)
+        along = fold(along)
+        if mine:
+            cross = fold(cross.reshape(count, -1).T).reshape(len(mine), residual.shape[1], k)
         for at, (block, row) in enumerate(mine):
             shared = weigher.shared * row[:, None]
-            part = cross[:, at] - np.tensordot(shared, along, axes=((0, 1), (0, 1)))
+            part = cross[at] - np.tensordot(shared, along, axes=((0, 1), (0, 1)))
             matrix[block, :k], matrix[:k, block] = part, part.T
             vector[block] = np.sum(row * weighted, axis=0)
             for other, second in mine:
@@ -170,6 +172,13 @@ def gram(columns, patterns, weighers, residuals, products=None):
                 both[np.diag_indices_from(both)] += np.sum(row * second * weigher.weight, axis=0)
                 matrix[block, other] = both
     return matrix, vector
+
+
+def _along_bins(rows, columns):
+    """Sums (l, m, C) over the bins of rows (m, n, C) times columns (n, C, l)."""
+    if len(columns) == 1:
+        return columns[0].T[:, None] * rows[:, 0]
+    return np.matmul(rows.transpose(2, 0, 1), columns.transpose(1, 0, 2)).transpose(2, 1, 0)
 
 
 @dataclass(frozen=True)
@@ -292,7 +301,8 @@ class Fitter:
         now = with_numbers(settings, state.amplitudes)
         for which, (_, slope, value) in enumerate(predicted):
             free = free_numbers(settings)
-            others = np.empty((*value.shape, self.sigma.size + len(free)))
+            whole = np.empty((*value.shape, slope.shape[2] + self.sigma.size + len(free)))
+            whole[..., : slope.shape[2]], others = slope, whole[..., slope.shape[2] :]
             others[..., : self.sigma.size] = 0.0
             for j, (sigma, parameter) in enumerate(zip(self.sigma, self.model.own, strict=False)):
                 if parameter.history or parameter.instrument not in (
@@ -316,7 +326,7 @@ class Fitter:
                     which, state.knots, state.values, changed, gas_error=state.lines[which]
                 )
                 others[..., self.sigma.size + j] = (other - value) / number.step
-            columns.append(np.concatenate([slope, others], axis=2))
+            columns.append(whole)
         return columns
 
     def gas_rows(self, state, settings, predicted):
