@@ -5,7 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from plasmapyro.diagnosis.fit.inference import Weigher
 from plasmapyro.diagnosis.fit.model import History
+from plasmapyro.diagnosis.fit.noise import Noise
 from plasmapyro.diagnosis.select import leftover
 
 SAMPLES, CHANNELS = 100, 150
@@ -17,10 +19,10 @@ def left():
 
     def of(z, channels=CHANNELS):
         instrument = SimpleNamespace(channels=channels, value=z)
-        weigher = SimpleNamespace(root=lambda rows: rows)
+        weigher = Weigher(Noise(np.ones(z.shape), np.zeros(len(z)), np.zeros(len(z))), np.zeros(z.shape))
         model, solution = (
             SimpleNamespace(instruments=[instrument]),
-            SimpleNamespace(residual=[z], weighers=[weigher]),
+            SimpleNamespace(residual=[z], prediction=[np.ones(z.shape)], weighers=[weigher]),
         )
         return leftover.left_over(model, solution)
 
@@ -43,6 +45,23 @@ def test_a_pattern_that_comes_and_goes_is_one(left):
     z = random.standard_normal((SAMPLES, CHANNELS))
     z += 8 * np.outer(np.sin(np.arange(SAMPLES) / 9), random.standard_normal(CHANNELS)) / np.sqrt(SAMPLES)
     assert left(z) == leftover.PATTERN
+
+
+@pytest.mark.parametrize("shaken", [0.0, 0.02])
+def test_frames_that_are_too_bright_stand_out_of_any_common_noise(shaken):
+    """A tenth of the frames are 11 % brighter; alone, 2 % of noise that all channels share stands out nowhere.
+
+    The noise is stated as large as both together would make it."""
+    random = np.random.default_rng(6)
+    value, sigma = np.full((SAMPLES, CHANNELS), 100.0), 1.0
+    noise = Noise(np.full(value.shape, sigma**2), np.zeros(SAMPLES), np.full(SAMPLES, 0.04**2))
+    weigher = Weigher(noise, 0 * value, value)
+    usual = value * shaken * random.standard_normal((SAMPLES, 1)) + sigma * random.standard_normal(value.shape)
+    assert not leftover.standing_out(usual, value, weigher).any()
+    brighter = np.zeros(SAMPLES, dtype=bool)
+    brighter[[3, 11, 20, 34, 41, 57, 58, 66, 83, 91]] = True
+    found = leftover.standing_out(usual + 11.0 * (1 + shaken) * brighter[:, None], value, weigher)
+    assert not found[~brighter].any() and found.sum() >= (10 if not shaken else leftover.FEWEST)
 
 
 def test_two_bands_have_no_patterns(left):

@@ -41,3 +41,20 @@ def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
     )
     # 350 frames that share samples: some 8 % of a standard deviation; a mean of all frames finds none.
     assert np.sqrt(found.between(period)) == pytest.approx(sigma * np.sqrt(1 - keep), rel=0.2)
+
+
+def test_what_is_smooth_from_sample_to_sample_is_no_longer_memory_than_it_is(random):
+    """A sight line that shakes with 0.7 s, sampled at 60 Hz: its third differences from sample to sample are a
+    thousandth of what exponential memories have, and so sure that only the longest of these came near."""
+    count, size, period, time = 9000, 2.4e-3, 0.017, 0.7
+    knots = np.arange(0.0, count * period + 1, time / 8)
+    keep = np.exp(-1 / 8)
+    value = np.zeros(knots.size)
+    for at in range(1, knots.size):
+        value[at] = keep * value[at - 1] + np.sqrt(1 - keep**2) * random.standard_normal()
+    shared = size * np.interp(np.arange(count) * period, knots, value)
+    bands = shared + 2e-4 * random.standard_normal((2, count))
+    whole = np.ones(count, dtype=bool)
+    found = coloured(*bands, np.zeros(count), whole, np.zeros(count, dtype=int), period, 6.0)
+    # Two hundred memories long: 10 %, and what smooth noise loses below its knots.
+    assert np.sqrt(found.total) == pytest.approx(size, rel=0.25)

@@ -15,6 +15,7 @@ TREND = 0.05  # [1] by which the factor may change on its way
 TIMES = 12  # memories of which noise may be made, from a sample to the longest lag
 SHORTEST = 1e-6  # memories of an exposure; the formula for less is 0/0
 KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
+INEXACT = 0.03  # [1] of the largest value: noise is made of memories no better, and smooth from sample to sample
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
 
@@ -137,6 +138,7 @@ def coloured(one, other, error, chosen, phase, period, longest):
         plain = error if besides is None else part * besides.total
         return Coloured(white=few(one, other, plain, chosen, phase))
     lags, (value, spread) = np.array(lags), np.array(rows).T
+    spread = np.hypot(spread, INEXACT * value.max())
     plain, missed = nnls((1 / spread)[:, None], value / spread)
     times = np.geomspace(period, max(longest, 2 * period), TIMES)
     columns = np.stack([np.ones_like(lags), *(_parted(lags / time) for time in times)], axis=1)

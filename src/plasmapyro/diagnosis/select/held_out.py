@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from plasmapyro.diagnosis.fit.inference import gram, own_patterns, pattern_sigmas, prior_of_patterns
+from plasmapyro.diagnosis.fit.inference import gram, own_patterns, pattern_sigmas
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.record.phases import afterwards, during
 
@@ -115,22 +115,26 @@ def log_score(model, solution, chosen, matrix=None):
 def calibration_score(model, solution, matrix=None):
     """Log density of what the calibrations say given the data of the test, as `log_score`.
 
-    The calibrations are measurements like any other: ratio of the bands, source, error of each channel.
+    The calibrations are measurements like any other: ratio of the bands, source, error and dark of each
+    channel.
     An effect that acts as a wrong calibration would, all test long, shows nowhere else.
     """
     size, count = model.size, len(model.parameters)
     total = solution.factor[0].shape[0]
     weight, off = np.zeros((total, total)), np.zeros(total)
-    own = np.array([model.index[name] for name in CALIBRATED if name in model.index])
+    own = np.array([model.index[name] for name in CALIBRATED if name in model.index], dtype=int)
     weight[np.ix_(size + own, size + own)] = np.linalg.inv(np.linalg.inv(model.precision)[np.ix_(own, own)])
     off[size + own] = [model.parameters[place].centre - solution.state.values[place] for place in own]
-    place = size + count + len(free_numbers(solution.settings))
-    prior, at = prior_of_patterns(model.instruments), 0
-    for instrument, pattern in zip(model.instruments, solution.state.pattern, strict=True):
-        if instrument.pattern.any():
-            own, mine = (slice(first, first + instrument.channels) for first in (place + at, at))
-            weight[own, own], off[own] = np.diag(prior[mine]), -pattern
-        at += instrument.channels * sum(bool(sigma.any()) for sigma in pattern_sigmas(instrument))
+    state, first = solution.state, size + count + len(free_numbers(solution.settings))
+    # In the order of `own_patterns`; the errors of the gas are no calibration's.
+    found = zip(state.pattern, state.dark, [None] * len(state.dark), strict=True)
+    for instrument, values in zip(model.instruments, found, strict=True):
+        for sigma, value in zip(pattern_sigmas(instrument), values, strict=True):
+            if sigma.any():
+                own = np.arange(first, first + sigma.size)
+                if value is not None:
+                    weight[own, own], off[own] = sigma**-2.0, -value
+                first += sigma.size
     pull = weight @ off
     return _held_out(solution, weight, pull, float(off @ pull), matrix)
 
@@ -139,8 +143,9 @@ def _held_out(solution, block, vector, chi2, matrix=None):
     """Log density of a part of the data with the normal matrix, pull and chi-squared it brings to the fit."""
     matrix = normal_matrix(solution) if matrix is None else matrix
     rest = cho_factor(matrix - block + 1e-12 * np.diag(np.diag(matrix)))
-    # The whole fit balances: without the block its pull is missing, and the parameters move by -M^-1 g_b.
-    moved = -cho_solve(rest, vector)
+    # Without the block its pull is missing, and the parameters move by M^-1 (g - g_b); what little g the fit
+    # left weighs where the block alone holds a parameter.
+    moved = cho_solve(rest, solution.score - vector)
     # r' = r - J_b moved; its weighted square and its projection on J_b
     chi2 = chi2 - 2 * moved @ vector + moved @ block @ moved
     pull = vector - block @ moved

@@ -1,13 +1,18 @@
 """What a final fit leaves in many channels at once, whatever it looks like."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
 LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 1.05
 LEAST = 10  # channels of an instrument that has patterns
 SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
-MOMENT, PATTERN = "left_moment", "left_pattern"
+NEIGHBOURS = 7  # frames that one is held against
+STANDS, FEWEST = 6.0, 3  # robust standard deviations by which frames stand out, and how many of them must
+LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
+FRAMES, MOMENT, PATTERN = "left_frames", "left_moment", "left_pattern"
 NAMES = {
+    FRAMES: "frames of the spectrometer that are brighter or fainter than their neighbours",
     MOMENT: "what the spectrometer saw for a moment",
     PATTERN: "a pattern over wavelength that comes and goes",
 }
@@ -40,8 +45,23 @@ def leading(z):
     return u[:, 0], v[0], float(s[0]), float(np.max(draws))
 
 
+def standing_out(residual, prediction, weigher):
+    """Frames (n,) bool whose light as a whole is brighter or fainter than that of their neighbours.
+
+    Residuals and predictions (n, C). Noise that all channels share is as large as it is, but two kinds of
+    frames are no noise.
+    """
+    information = np.maximum(np.sum(weigher.weight * prediction**2, axis=1), 1e-300)
+    whole = np.sum(weigher.weight * prediction * np.nan_to_num(residual), axis=1) / information
+    shared = (weigher.shared @ prediction[..., None])[..., 0] / information[:, None]  # (n, r)
+    expected = np.sqrt(1 / information + np.sum(shared**2, axis=1))
+    apart = np.abs(whole - median_filter(whole, NEIGHBOURS, mode="nearest"))
+    usual = 1.4826 * np.median(apart / expected) * expected
+    return apart > np.maximum(STANDS * usual, LEAST_APART)
+
+
 def left_over(model, solution):
-    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, else None.
+    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, `FRAMES` if some stand out, else None.
 
     Notes
     -----
@@ -55,4 +75,9 @@ def left_over(model, solution):
         if size > LARGER * expected:
             lasting = 1 / np.sum(time**4)  # samples that share the pattern, about
             return MOMENT if lasting < SHORT * time.size else PATTERN
+    for instrument, residual, value, weigher in zip(
+        model.instruments, solution.residual, solution.prediction, solution.weighers, strict=True
+    ):
+        if instrument.channels >= LEAST and standing_out(residual, value, weigher).sum() >= FEWEST:
+            return FRAMES
     return None

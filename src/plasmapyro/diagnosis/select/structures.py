@@ -82,7 +82,7 @@ def seen_by(identity):
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow"}:
         return {"instrument": "pyrometer", "axis": "time"}
-    if words & {"walk", "wave", "moment"}:
+    if words & {"walk", "wave", "moment", "frames"}:
         return {"instrument": "spectrometer", "axis": "time"}
     if words & {"surface", "released"}:
         return {"instrument": "spectrometer", "axis": "temperature"}
