@@ -66,7 +66,10 @@ def test_a_dark_that_the_effects_spare_is_a_gain_of_the_calibration():
     calibration measured, moves as well and counts for nothing."""
     channels, sigma = 40, 2.0
     sigmas = SimpleNamespace(
-        pattern=np.zeros(channels), dark=np.full(channels, sigma), gas_error=np.ones(channels), channels=channels
+        pattern=np.zeros(channels),
+        dark=np.full(channels, sigma),
+        gas_error=np.ones(channels),
+        channels=channels,
     )
     model = SimpleNamespace(size=0, parameters=(), index={}, precision=np.eye(0), instruments=[sigmas])
 

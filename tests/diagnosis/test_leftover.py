@@ -49,14 +49,16 @@ def test_a_pattern_that_comes_and_goes_is_one(left):
 
 @pytest.mark.parametrize("shaken", [0.0, 0.02])
 def test_frames_that_are_too_bright_stand_out_of_any_common_noise(shaken):
-    """A tenth of the frames are 11 % brighter; alone, 2 % of noise that all channels share stands out nowhere.
+    """A tenth of the frames are 11 % brighter; alone, 2 % of noise that channels share stands out nowhere.
 
     The noise is stated as large as both together would make it."""
     random = np.random.default_rng(6)
     value, sigma = np.full((SAMPLES, CHANNELS), 100.0), 1.0
     noise = Noise(np.full(value.shape, sigma**2), np.zeros(SAMPLES), np.full(SAMPLES, 0.04**2))
     weigher = Weigher(noise, 0 * value, value)
-    usual = value * shaken * random.standard_normal((SAMPLES, 1)) + sigma * random.standard_normal(value.shape)
+    usual = value * shaken * random.standard_normal((SAMPLES, 1)) + sigma * random.standard_normal(
+        value.shape
+    )
     assert not leftover.standing_out(usual, value, weigher).any()
     brighter = np.zeros(SAMPLES, dtype=bool)
     brighter[[3, 11, 20, 34, 41, 57, 58, 66, 83, 91]] = True

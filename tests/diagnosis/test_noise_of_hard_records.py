@@ -44,7 +44,7 @@ def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
 
 
 def test_what_is_smooth_from_sample_to_sample_is_no_longer_memory_than_it_is(random):
-    """A sight line that shakes with 0.7 s, sampled at 60 Hz: its third differences from sample to sample are a
+    """A sight line that shakes with 0.7 s, at 60 Hz: its third differences from sample to sample are a
     thousandth of what exponential memories have, and so sure that only the longest of these came near."""
     count, size, period, time = 9000, 2.4e-3, 0.017, 0.7
     knots = np.arange(0.0, count * period + 1, time / 8)

@@ -134,6 +134,7 @@ def renoised(model, solution):
         sigma = np.sqrt(
             noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
             + law.flicker.total * gas**2
+            + instrument.rounded(value, 1)
         )
         # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
         hit = noises.outliers(left / sigma, instrument.raw_bin >= 0, phase)

@@ -17,6 +17,7 @@ from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record import binning, flags
 from plasmapyro.record.emittance import tilt
 from plasmapyro.record.inputs import has_plasma
+from plasmapyro.record.rounding import rounding
 
 LOG = logging.getLogger(__name__)
 LEAST_SAMPLES = 10  # of an instrument: differences of fewer tell no noise
@@ -217,6 +218,7 @@ def _membership(one, edges, off):
 
 def _bands(bands, off, sensitivity, response, library, edges):
     """Bands of a pyrometer or a radiometer, each on the nodes of its response (wavelength, curves)."""
+    recorded, steps = bands.time.size, tuple(rounding(own) for own in bands.sound.T)
     bands = binning.thinned(bands, off, MOST_SAMPLES)
     raw = np.ascontiguousarray(bands.sound)
     index = observation.without_lost(_membership(bands, edges, off), raw)
@@ -243,6 +245,8 @@ def _bands(bands, off, sensitivity, response, library, edges):
         dark=np.zeros(count),
         band=tuple(bands.band),
         source=bands.name,
+        rounding=steps,
+        recorded=recorded / bands.time.size,
         **_on_bins(bands, raw, index, edges.size - 1),
     )
 

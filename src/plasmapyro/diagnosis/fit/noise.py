@@ -358,6 +358,7 @@ def on_bins(model_noise, instrument, prediction):
     )
     samples = np.maximum(instrument.number, 1)
     variance = one / samples * (1 + model_noise.memory) / (1 - model_noise.memory)
+    variance += instrument.rounded(prediction, samples)
     mean_samples = np.maximum(instrument.number.max(axis=1), 1)
     shared = (
         FLICKER_MARGIN * law.of_mean(mean_samples, period_of(instrument))

@@ -50,6 +50,16 @@ class Instrument:
     relative: np.ndarray | None = None  # (M,) stated emissivity at the nodes over its level
     course: np.ndarray | None = None  # (M, K) shapes that ln(emissivity) may differ by
     known: np.ndarray | None = None  # (C,) relative errors of the sensitivities of a radiometer
+    rounding: tuple = ()  # `Rounding` of each channel as recorded; none where noise is far larger
+    recorded: float = 1.0  # samples as recorded in each of `raw`
+
+    def rounded(self, level, number):
+        """Variance (n, C) that rounding gives to means (n, C) of some `number` (n, C) of raw samples."""
+        if not self.rounding:
+            return np.zeros(level.shape)
+        number = np.broadcast_to(number, level.shape) * self.recorded
+        rows = [one.variance(*own) for one, *own in zip(self.rounding, level.T, number.T, strict=True)]
+        return np.stack(rows, axis=1)
 
     @property
     def channels(self):

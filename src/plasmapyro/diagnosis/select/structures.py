@@ -1,4 +1,4 @@
-"""Structures that no effect describes: walks, waves, patterns, smooth maps, single lines and channels."""
+"""Structures that no effect describes: walks, waves, patterns, smooth maps, single lines, channels, codes."""
 
 from dataclasses import dataclass
 
@@ -78,6 +78,8 @@ class _Classes:
 def seen_by(identity):
     """{"instrument", "axis"} of a class of structures by its id."""
     words = set(identity.split("_"))
+    if "signal" in words:
+        return {"instrument": "pyrometer", "axis": "signal"}
     if "gas" in words and "walk" in words:
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow"}:
@@ -96,7 +98,8 @@ def structures_of(model, solution):
 
     Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
     adds to the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of
-    the ratio of the bands and of each band, and of their zeros.
+    the ratio of the bands and of each band, and of their zeros; gains of the bands that come and go along the
+    signal.
 
     Returns
     -------
@@ -128,6 +131,11 @@ def structures_of(model, solution):
                 classes.add_products(
                     f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
                 )
+            each = zip(kinds[-instrument.channels :], bands, value.T, strict=True)
+            for (identity, name, _), band, signal in each:
+                classes.add_products(
+                    f"signal_{identity}", f"gain of the {name}", {place: [(band, _codes(signal))]}
+                )
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -137,7 +145,7 @@ def structures_of(model, solution):
     if smooth:
         classes.add_products("smooth", "smooth map over time and wavelength", smooth)
     spectral = [(place, classes.add(identity, name, row.shape[1])) for place, identity, name, row in patterns]
-    structures = [one for one in classes.found if not one.id.startswith(("wave", "walk_gas"))]
+    structures = [one for one in classes.found if not one.id.startswith(("wave", "signal", "walk_gas"))]
     structures += _singles(model, classes.found, spectral)
     products = [products.whole() for products in classes.products]
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
@@ -187,13 +195,15 @@ def _singles(model, found, spectral):
 SINGLE_NAMES = {
     "walk": "one step: {name}",
     "wave": "{name}",
+    "signal": "{name} that comes and goes along the signal",
     "pattern": "one channel: {name}",
     "gas": "one channel: {name}",
     "released": "one channel: {name}",
 }
 MAP_PLACES = (0.01, 1 / 30, 1 / 12, 0.2, 0.5, 299 / 300, 305 / 300, 1.1)  # shares of the exposure
 GROWN = 1 / 15  # of the exposure: how fast the light of the surface comes up
-FRINGE_PHASES = np.arange(3) * np.pi / 3
+PHASES = np.arange(3) * np.pi / 3
+CODES = np.arange(1.5, 16.1, 0.5)  # periods along the whole signal: below, a bend is a non-linearity
 WAVING = ("pyrometer", "ratio")
 
 
@@ -208,9 +218,14 @@ def _waves(time, off):
     """Oscillations (n, m) with periods from `SHORTEST_PERIOD` to the length of the test, at three phases."""
     span = max(min(off, time[-1]), 4 * SHORTEST_PERIOD)
     periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
-    phases = np.arange(3) * np.pi / 3
-    angle = 2 * np.pi * time[:, None, None] / periods[:, None] + phases
+    angle = 2 * np.pi * time[:, None, None] / periods[:, None] + PHASES
     return np.sin(angle).reshape(time.size, -1)
+
+
+def _codes(signal):
+    """Gains (n, m) that come and go along a signal (n,), as those of a converter with unequal steps do."""
+    angle = 2 * np.pi * (signal / signal.max())[:, None, None] * CODES[:, None] + PHASES
+    return np.sin(angle).reshape(signal.size, -1)
 
 
 def _fringes(model, place):
@@ -222,7 +237,7 @@ def _fringes(model, place):
     x = (wavenumber - wavenumber.min()) / np.ptp(wavenumber)
     fastest = 0.5 / np.median(np.abs(np.diff(x)))
     count = np.arange(4.0, max(fastest, 4.5), 0.5)
-    angle = 2 * np.pi * x[:, None, None] * count[:, None] + FRINGE_PHASES
+    angle = 2 * np.pi * x[:, None, None] * count[:, None] + PHASES
     return np.sin(angle).reshape(x.size, -1)
 
 

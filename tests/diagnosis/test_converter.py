@@ -1,0 +1,48 @@
+"""A converter whose steps are coarse, which is no fault, and one whose steps are unequal, which is."""
+
+import numpy as np
+import pytest
+from small_laboratory import SLIT_FWHM
+
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.base import fit_base
+from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.diagnosis.select.structures import seen_by
+from plasmapyro.record.record import record_of
+
+BOTH = {"pyrometer": None, "spectrometer": None}
+CODES = 2**12  # of the whole range; the noise is a tenth of a step of the cool surface
+PERIODS, SIZE = 6.3, 0.01  # along the signal, and of the gain [1]
+
+
+@pytest.fixture(scope="module")
+def diagnosed(record, response, laboratory):
+    """Base fit and choice for a test whose signals `change` (signal (t,) -> (t,))."""
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
+
+    def of(change):
+        test = record(noise=0.2)
+        for name in ("signal_wide", "signal_narrow"):
+            test[name].values = change(test[name].values)
+        with np.errstate(all="ignore"):
+            base = fit_base(base_model(record_of(test, BOTH), library, laboratory.calibration, response))
+            return base, select(base, CATALOGUE, draws=300)
+
+    return of
+
+
+def test_coarse_steps_are_noise_and_no_samples_are_lost_to_them(diagnosed):
+    base, found = diagnosed(lambda signal: np.round(CODES * signal / signal.max()) * signal.max() / CODES)
+    assert found.status == "null"
+    pyrometer = base.model.instruments[0]
+    expected = np.bincount(pyrometer.raw_bin[pyrometer.raw_bin >= 0])
+    assert (pyrometer.number >= 0.9 * expected[:, None]).all()
+
+
+def test_unequal_steps_are_a_fault_along_the_signal(diagnosed):
+    _, found = diagnosed(
+        lambda signal: signal * (1 + SIZE * np.sin(2 * np.pi * PERIODS * signal / signal.max()))
+    )
+    assert seen_by(found.unknown_class) == {"instrument": "pyrometer", "axis": "signal"}

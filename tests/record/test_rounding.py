@@ -1,0 +1,47 @@
+"""How finely values were written down, and what that makes of means, against rounding done here."""
+
+import numpy as np
+import pytest
+
+from plasmapyro.record.rounding import rounding
+
+STEP = 0.25
+
+
+@pytest.mark.parametrize("noise", [0.005, 0.02, 0.1, 0.5, 3.0])
+@pytest.mark.parametrize("count", [5, 40, 400])
+def test_error_of_a_mean_of_rounded_values(noise, count):
+    """Levels that stand still: where noise is below a step all samples of a mean err alike, where it is
+    larger each errs on its own."""
+    random = np.random.default_rng(1)
+    true = random.uniform(5, 50, 400)
+    samples = true[:, None] + noise * random.standard_normal((400, count))
+    written = STEP * np.round(samples / STEP)
+    error = written.mean(axis=1) - samples.mean(axis=1)
+    found = np.sqrt(np.mean(rounding(written.ravel()).variance(true, count)))
+    # A rule of thumb, see there; 400 means know a standard deviation to 4 %.
+    assert 0.8 * error.std() < found < 2.6 * error.std()
+
+
+def test_digits_of_a_log_are_steps_that_grow_with_the_value():
+    random = np.random.default_rng(2)
+    true = np.exp(np.linspace(0, 6, 6000)) * (1 + 1e-4 * random.standard_normal(6000))
+    written = np.array([float(f"{value:.3g}") for value in true])
+    found = rounding(written).variance(np.array([1.5, 15.0, 150.0]), 1)
+    # A step of 1 in the third digit, whose error is uniform.
+    assert np.sqrt(12 * found) == pytest.approx([0.01, 0.1, 1.0], rel=0.1)
+
+
+def test_values_that_were_not_rounded_err_by_nothing():
+    random = np.random.default_rng(3)
+    values = np.linspace(1, 2, 5000) + 1e-3 * random.standard_normal(5000)
+    assert np.sqrt(rounding(values).variance(np.array([1.5]), 1))[0] < 1e-5
+    assert rounding(np.full(100, 3.0)).variance(np.array([3.0]), 1)[0] == 0.0
+    assert rounding(np.full(5, np.nan)).variance(np.array([3.0]), 1)[0] == 0.0
+
+
+def test_a_unit_does_not_split_a_value_in_two():
+    """Steps counted in amperes: the same code may come out a last bit apart."""
+    codes = np.repeat(np.arange(1000.0, 1100.0), 20)
+    wobbling = codes * 5.7e-13 * (1 + 1e-16 * np.arange(codes.size) % 3)
+    assert np.sqrt(12 * rounding(wobbling).variance(wobbling[:1], 1))[0] == pytest.approx(5.7e-13)
