@@ -14,6 +14,7 @@ from plasmapyro.diagnosis.select.screen import Candidate, Screen, angles, best_p
 from plasmapyro.diagnosis.select.structures import Structure
 from plasmapyro.diagnosis.select.thresholds import simulated
 from plasmapyro.diagnosis.select.unknowns import SCALES, Unknowns
+from plasmapyro.radiation.foreign import self_absorbed
 
 FLOAT_RTOL = 1e-9
 
@@ -249,7 +250,7 @@ def test_one_power_alone_takes_another_as_hotter_gas(exponential):
 
 def test_a_line_absorbs_itself_as_a_uniform_slab():
     depth = np.array([0.0, 1e-6, 1.0, 50.0])
-    kept = vary.self_absorbed(np.ones(4), depth, 1.0)
+    kept = self_absorbed(np.ones(4), depth, 1.0)
     assert np.allclose(kept, [1.0, 1.0 - 5e-7, 1 - np.exp(-1), 0.02], rtol=1e-9)
 
 

@@ -16,9 +16,11 @@ from plasmapyro.diagnosis.fit.terms import terms_of
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.foreign import oxygen_triplet, rippled, warmer
+from plasmapyro.radiation.slit import through_slit
 from plasmapyro.radiation.stage import line_of_sight_radiance
 
 PRESSURE = 5000.0  # [Pa]
+C2 = 1.438776877e-2  # [m K]
 KEYS = {"wavelength_range": (700e-9, 1200e-9), "grid_points": 160_000, "slit_fwhm": 0.75e-9}
 
 
@@ -77,8 +79,37 @@ def test_lines_of_a_species_carry_the_light_that_they_are_said_to(plain):
     xr.testing.assert_allclose(error, plain.error_share * plain.gas_radiance_slit, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("identity", "amplitude"), [("contin", 20.0), ("selfabs", 1.5), ("P_eff", 0.05)])
+def test_a_condition_shines_as_the_effect_of_the_diagnosis_says(plain, identity, amplitude):
+    """The light of the engine against the formula of the catalogue, on the spectra varied by it."""
+    changes = changes_of(terms_of([{"id": identity, "amplitude": amplitude}], OF_CONDITION))
+    result = radiance_with(changes, sight_line(6000.0), RESPONSE, **KEYS)
+    assert set(result.variables) == set(plain.variables) and set(result.attrs) == set(plain.attrs)
+    slit, base = plain.wavelength_slit.values, plain.gas_radiance_slit.values
+    if identity == "P_eff":
+        expected = line_of_sight_radiance(sight_line(6000.0 * 1.05), RESPONSE, **KEYS).gas_radiance_slit
+    elif identity == "contin":
+        shape = slit**-2.0 * np.exp(-C2 / (slit * 6000.0))
+        expected = base + amplitude * shape * 0.01 * base.mean() / shape.mean()
+    else:
+        tau = plain.optical_depth.values / plain.optical_depth.values.max()
+        fine = plain.gas_radiance.values * -np.expm1(-amplitude * tau) / (amplitude * np.maximum(tau, 1e-300))
+        expected = through_slit(plain.wavelength.values, fine, slit, float(plain.attrs["slit_fwhm"]))
+    np.testing.assert_allclose(result.gas_radiance_slit, expected, rtol=2e-3, atol=1e-4 * base.max())
+    whole = result.gas_radiance_component_slit.sum("component")
+    np.testing.assert_allclose(whole, result.gas_radiance_slit, rtol=1e-3, atol=1e-4 * base.max())
+    share = (result.gas_radiance - plain.gas_radiance).values
+    for band, name in enumerate(("wide", "narrow")):
+        curve = RESPONSE[f"responsivity_{name}"]
+        weight = np.interp(plain.wavelength, curve.wavelength, curve, left=0, right=0)
+        more = np.trapezoid(share * weight, plain.wavelength)
+        told = float((result.band_signal - plain.band_signal)[band])
+        assert told == pytest.approx(more, rel=5e-3)
+
+
 def test_nothing_to_add_is_the_simulation_itself(plain):
-    entries = [{"id": name, "amplitude": 0} for name in ("Cu", "ripple", "T_exc", "power", "lines Fe I")]
+    entries = [{"id": name, "amplitude": 0} for name in OF_CONDITION if name != "mixing"]
+    entries.append({"id": "lines Fe I", "amplitude": 0})
     assert changes_of(terms_of(entries, OF_CONDITION)) == {}
     xr.testing.assert_identical(radiance_with({}, sight_line(6000.0), RESPONSE, **KEYS), plain)
 

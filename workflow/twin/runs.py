@@ -22,7 +22,9 @@ LOSS = {"pyrometer": 0.004, "spectrometer": 0.008}  # of throughput in a run
 LOSS_SCATTER = 0.0015
 CLEAN = 0.01  # scatter of the throughput of a clean window over that of the calibration
 RATIO = 0.004  # of the pyrometer since its calibration: standard deviation of what is drawn
-SCALE = 0.008  # of the spectrometer, smooth over wavelength: standard deviation at each
+SCALE = (
+    0.008  # of the spectrometer, a slope and a wave alike: standard deviation at the ends of what is compared
+)
 STATED = {"C/SiC": 0.85, "SiC": 0.90}  # emittance of the materials
 KNOWN = 0.05  # standard deviation of the true one
 PIECE = 0.008  # scatter of samples
@@ -37,7 +39,7 @@ def instrument(seed):
     slope, wave, ratio, *materials = random.normal(size=3 + len(STATED))
     return {
         "ratio": RATIO * ratio,
-        "scale": (SCALE * slope, SCALE * wave, random.uniform(0, 2 * np.pi)),
+        "scale": (SCALE * slope / np.sqrt(2), SCALE * wave / np.sqrt(2), random.uniform(0, 2 * np.pi)),
         "emittance": {
             name: value + KNOWN * one for (name, value), one in zip(STATED.items(), materials, strict=True)
         },

@@ -13,6 +13,20 @@ OF_TEST = MappingProxyType(
 STAGES = ("path", "optics", "detector", "clock")  # of what an instrument does in every test
 OF_INSTRUMENT = MappingProxyType({name: one for name, one in OF_TEST.items() if one.stage in STAGES})
 OF = {"test": OF_TEST, "condition": OF_CONDITION}
+EVERY = MappingProxyType(
+    dict.fromkeys(OF_TEST, "tests (config/tests)")
+    | dict.fromkeys(OF_CONDITION, "conditions (config/conditions)")
+)
+CHANGES = MappingProxyType(
+    {
+        "temperature": "P_eff",
+        "excitation": "T_exc",
+        "vibration": "T_vib",
+        "ripple": "ripple",
+        "depth": "selfabs",
+        "continuum": "contin",
+    }
+)
 
 
 def read_terms(path, owner="test"):
@@ -40,7 +54,10 @@ def read_terms(path, owner="test"):
     if odd:
         raise ValueError(f"{path}: unknown key {', '.join(odd)}; valid: effects")
     try:
-        found = {name: terms_of(one.get("effects", []), OF[name]) for name, one in parts.items()}
+        found = {
+            name: terms_of(one.get("effects", []), OF[name], f"{name}.effects", EVERY)
+            for name, one in parts.items()
+        }
     except ValueError as faults:
         raise ValueError(f"{path}:\n  {faults}") from None
     return found.get(owner, ())
@@ -58,7 +75,7 @@ def check_effects(cases, owner, folder):
     faults = []
     for name, case in cases.items():
         try:
-            terms_of(case.get("effects", []), OF[owner])
+            terms_of(case.get("effects", []), OF[owner], elsewhere=EVERY)
         except ValueError as fault:
             faults.append(f"{folder}/{name}.yaml:\n  {fault}")
     if faults:
@@ -84,7 +101,7 @@ def with_instrument(entries, tests):
         Entries that are not effects of window, optics, detector or clock.
     """
     try:
-        terms_of(entries, OF_INSTRUMENT, "instrument.effects")
+        terms_of(entries, OF_INSTRUMENT, "instrument.effects", EVERY)
     except ValueError as fault:
         raise configuration.ConfigurationError(str(fault)) from None
 
@@ -135,11 +152,9 @@ def with_effects(conditions):
 def changes_of(terms):
     """What terms of a condition change in the light of its gas, as `radiance_with` takes it.
 
-    Amplitudes of `excitation`, `vibration` and `ripple`, and `lines` {species: tenths of O I 777}; empty
-    for nothing.
+    Amplitudes by the names of `CHANGES`, and `lines` {species: tenths of O I 777}; empty for nothing.
     """
-    names = {"excitation": "T_exc", "vibration": "T_vib", "ripple": "ripple"}
-    found = {name: amplitude_of(terms, identity) for name, identity in names.items()}
+    found = {name: amplitude_of(terms, identity) for name, identity in CHANGES.items()}
     lines = {species_of(term.setting.id): term.setting.amplitude for term in terms}
     found["lines"] = {species: amount for species, amount in lines.items() if species and amount}
     return {name: change for name, change in found.items() if change}

@@ -1,9 +1,10 @@
-"""Light that the simulated gas lacks: lines of other species, and a temperature that ripples."""
+"""Light that the simulated gas lacks or has too much of: other lines, continuum, absorption, ripple."""
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro.checks import fraction
+from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.argon import densities, species_of
 from plasmapyro.gas.species import argon_of, nitrogen_of
 from plasmapyro.radiation.bandsignal import BANDS, band_signal, respond, responsivities
@@ -12,6 +13,7 @@ from plasmapyro.radiation.slit import through_slit
 OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
 RIPPLE = np.cos(np.pi * (np.arange(4) + 0.5) / 4)  # sines of equal weight: exact for powers up to 7
 LINEAR = ("gas_radiance", "gas_radiance_component", "gas_radiance_slit", "gas_radiance_component_slit")
+CONTINUUM_TEMPERATURE = 6000.0  # [K] of the free electrons
 SIGNALS = ("band_signal", "band_signal_thin", "band_signal_gridless")
 
 
@@ -53,27 +55,110 @@ def with_lines(radiation, band_response, name, wavelength, strength, amount):
     share = (place - axis[low]) / (axis[low + 1] - axis[low])
     lines = np.bincount(low, light * (1 - share), axis.size) + np.bincount(low + 1, light * share, axis.size)
     lines /= np.gradient(axis) * np.where(np.isin(np.arange(axis.size), [0, axis.size - 1]), 0.5, 1.0)
-    seen = through_slit(axis, lines, slit, float(radiation.attrs["slit_fwhm"]))
+    return _with_light(radiation, band_response, name, lines)
+
+
+def with_continuum(radiation, band_response, amount):
+    r"""The light of a gas and, added to it, a smooth one of free electrons.
+
+    .. math:: L'_\lambda = L_\lambda + a\,\langle L \rangle \frac{c_\lambda}{\langle c \rangle}, \qquad
+              c_\lambda = \lambda^{-2} e^{-c_2/\lambda T}
+
+    Parameters
+    ----------
+    radiation, band_response : as of `with_lines`
+    amount : float [1]
+        a, of the mean light behind the slit; less than 0 takes light away, as far as there is any.
+
+    Returns
+    -------
+    Dataset of the same contract
+    """
+    axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
+    level = amount * float(radiation["gas_radiance_slit"].mean()) / continuum(slit).mean()
+    light = np.maximum(level * continuum(axis), -radiation["gas_radiance"].values)
+    return _with_light(radiation, band_response, "more continuum", light)
+
+
+def continuum(wavelength):
+    r"""Light of free electrons at 6000 K (G,), flat in emission coefficient per frequency; any unit.
+
+    .. math:: \lambda^{-2} e^{-c_2/\lambda T}
+    """
+    return wavelength**-2.0 * np.exp(-SECOND_RADIATION / (wavelength * CONTINUUM_TEMPERATURE))
+
+
+def more_absorbed(radiation, band_response, depth):
+    r"""The light of a gas whose lines absorb themselves more than simulated.
+
+    .. math:: L'_\lambda = L_\lambda \frac{1 - e^{-x}}{x}, \qquad x = d\,\frac{\tau_\lambda}{\max \tau}
+
+    Parameters
+    ----------
+    radiation, band_response : as of `with_lines`
+    depth : float [1]
+        d >= 0, further optical depth of the strongest line.
+
+    Returns
+    -------
+    Dataset of the same contract; its components are weakened alike.
+
+    Notes
+    -----
+    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
+    evenly.
+    """
+    axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
+    tau = radiation["optical_depth"].values
+    factor = self_absorbed(np.ones_like(tau), tau, depth / tau.max())
+    fine = {name: radiation[name] * factor for name in LINEAR[:2]}
+    fwhm = float(radiation.attrs["slit_fwhm"])
+    seen = {
+        f"{name}_slit": radiation[f"{name}_slit"].copy(data=through_slit(axis, light.values, slit, fwhm))
+        for name, light in fine.items()
+    }
+    more = fine["gas_radiance"] - radiation["gas_radiance"]
+    return _with_signals(radiation.assign(fine | seen), band_response, radiation, more.values)
+
+
+def self_absorbed(radiance, optical_depth, factor):
+    r"""Spectrum (..., G) of a gas `factor` times as opaque: :math:`L (1 - e^{-x})/x`, :math:`x = f\tau`."""
+    depth = factor * optical_depth
+    escaped = np.ones_like(depth)
+    thick = depth > 0
+    escaped[thick] = -np.expm1(-depth[thick]) / depth[thick]
+    return radiance * escaped
+
+
+def _with_light(radiation, band_response, name, light):
+    """The light of a gas and a component more, (G,) [W m-2 sr-1 m-1]."""
+    axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
+    seen = through_slit(axis, light, slit, float(radiation.attrs["slit_fwhm"]))
     before = radiation["gas_radiance_slit"]
     row = xr.Dataset(
         {
-            "gas_radiance_component": (("component", "wavelength"), lines[None]),
+            "gas_radiance_component": (("component", "wavelength"), light[None]),
             "gas_radiance_component_slit": (("component", "wavelength_slit"), seen[None]),
             "component_uncertainty": ("component", [0.0]),
         },
         {"component": np.array([name], dtype=object)},
     )
     result = radiation.drop_dims("component").merge(xr.concat([radiation[list(row)], row], "component"))
-    result["gas_radiance"] = radiation["gas_radiance"] + lines
+    result["gas_radiance"] = radiation["gas_radiance"] + light
     result["gas_radiance_slit"] = before + seen
     if "error_share" in result:
         result["error_share"] = result["error_share"] * (before / result["gas_radiance_slit"])
+    return _with_signals(result, band_response, radiation, light)
+
+
+def _with_signals(result, band_response, radiation, more):
+    """The result with the signals of a radiation and of further light (G,)."""
     if band_response is not None:
-        curves = responsivities(band_response)
+        axis, curves = radiation["wavelength"].values, responsivities(band_response)
         weights = [respond(axis, band_response["wavelength"].values, curve) for curve in curves]
-        more = xr.DataArray([band_signal(axis, weight, lines) for weight in weights], {"band": list(BANDS)})
+        extra = xr.DataArray([band_signal(axis, weight, more) for weight in weights], {"band": list(BANDS)})
         for signal in SIGNALS:
-            result[signal] = radiation[signal] + more
+            result[signal] = radiation[signal] + extra
     return result.assign_attrs(radiation.attrs)[list(radiation)]
 
 

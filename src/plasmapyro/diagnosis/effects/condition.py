@@ -31,7 +31,16 @@ def mixing(scene, amplitude):
 
 
 OF_FLOW = MappingProxyType({one.id: one for one in (power, mixing)})  # that solve the flow again
-OF_LIGHT = (gas.excitation, gas.vibration, gas.ripple, gas.copper, gas.argon)
+OF_LIGHT = (
+    gas.power,
+    gas.excitation,
+    gas.vibration,
+    gas.ripple,
+    gas.self_absorption,
+    gas.continuum,
+    gas.copper,
+    gas.argon,
+)
 OF_CONDITION = MappingProxyType({**OF_FLOW, **{one.id: one for one in OF_LIGHT}})
 SPECIES = MappingProxyType({gas.copper.id: "Cu I", gas.argon.id: "Ar I"})  # whose lines an effect adds
 

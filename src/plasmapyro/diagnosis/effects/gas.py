@@ -11,6 +11,7 @@ from plasmapyro.diagnosis.effects.effect import effect
 from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST
 from plasmapyro.identification.species import catalogue
 from plasmapyro.radiation.atoms import TABLE_RANGE
+from plasmapyro.radiation.foreign import continuum as free_electrons
 from plasmapyro.radiation.foreign import oxygen_triplet
 from plasmapyro.radiation.planck import planck
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
@@ -19,7 +20,6 @@ from plasmapyro.refraction import vacuum_wavelength
 RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
 LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
-CONTINUUM_TEMPERATURE = 6000.0  # [K]
 
 
 def varied(name):
@@ -41,8 +41,7 @@ self_absorption = effect("selfabs")(varied("optical_depth"))
 @effect("contin")
 def continuum(scene, amplitude):
     r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the light."""
-    axis = scene.spectral_axis
-    shape = axis**-2.0 * np.exp(-SECOND_RADIATION / (axis * CONTINUUM_TEMPERATURE))
+    shape = free_electrons(scene.spectral_axis)
     more = shape * (0.01 * scene.library.base.mean() / shape.mean())
     return scene.but(spectrum=scene.spectrum + amplitude * more)
 

@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isfinite
+from types import MappingProxyType
 
 from plasmapyro.diagnosis.effects.gas import proposed
 from plasmapyro.diagnosis.fit.setting import Setting
 
 KEYS = ("id", "amplitude", "uncertainty", "shape", "shape_uncertainty")
 AMPLITUDE = "amplitude"
+WHERE = (
+    "effects of the gas as it is simulated: condition; of surface, path, instrument, clock, gas in time: test"
+)
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ def bounds_of(effect, name):
     return effect.bounds if name == AMPLITUDE else effect.shape_bounds[name]
 
 
-def terms_of(entries, effects, where="effects"):
+def terms_of(entries, effects, where="effects", elsewhere=MappingProxyType({})):
     """Terms of a list of entries as `text_of` writes them.
 
     Those of amplitude 0 that are known exactly change nothing and are left out.
@@ -49,6 +53,8 @@ def terms_of(entries, effects, where="effects"):
     effects : mapping id -> Effect, those that may be named
     where : str
         What messages call the list.
+    elsewhere : mapping id -> folder of files
+        Where effects belong.
 
     Returns
     -------
@@ -70,7 +76,9 @@ def terms_of(entries, effects, where="effects"):
         faults += [_unknown(f"{at}.{key}", key, KEYS) for key in entry if key not in KEYS]
         effect = effects.get(entry["id"]) or proposed(entry["id"])
         if effect is None:
-            faults.append(_unknown(f"{at}.id", entry["id"], effects))
+            whose = elsewhere.get(entry["id"])
+            belongs = f"{at}.id: '{entry['id']}' belongs to {whose}; valid here: {', '.join(effects)}"
+            faults.append(belongs if whose else _unknown(f"{at}.id", entry["id"], effects))
             continue
         found = list(_faults(at, entry, effect))
         faults += found

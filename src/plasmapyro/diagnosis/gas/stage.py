@@ -6,6 +6,7 @@ import xarray as xr
 from plasmapyro import conditions
 from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.gas.species import nitrogen_of
+from plasmapyro.radiation.foreign import self_absorbed
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.path import incident_path
 from plasmapyro.radiation.slit import through_slit
@@ -91,7 +92,7 @@ def gas_variations(sightline, view, radiation, table=None, *, pressure, boundary
     depth = radiation["optical_depth"].values
     strongest = depth.max()
     total = radiation["gas_radiance"].values
-    spectra = np.stack([vary.self_absorbed(total, depth, x / strongest) for x in DEPTHS])
+    spectra = np.stack([self_absorbed(total, depth, x / strongest) for x in DEPTHS])
     seen = through_slit(fine, spectra, slit, fwhm)
     rows["optical_depth"] = (DEPTHS, list(base * seen / seen[0]))
 

@@ -153,21 +153,6 @@ def warmer_wall(distance, temperature, wall_temperature, depth):
     return np.where(distance < depth, near, temperature)
 
 
-def self_absorbed(radiance, optical_depth, factor):
-    r"""Spectrum (..., G) of a gas `factor` times as opaque: :math:`L (1 - e^{-x})/x`, :math:`x = f\tau`.
-
-    Notes
-    -----
-    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
-    evenly.
-    """
-    depth = factor * optical_depth
-    escaped = np.ones_like(depth)
-    thick = depth > 0
-    escaped[thick] = -np.expm1(-depth[thick]) / depth[thick]
-    return radiance * escaped
-
-
 def particle_density(pressure, temperature):
     """Particles per volume of an ideal gas [m-3]."""
     return pressure / (BOLTZMANN * temperature)

@@ -7,6 +7,7 @@ from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term, text_of
 from plasmapyro.diagnosis.report import show
+from plasmapyro.diagnosis.simulation.compare import HOTTER
 
 HOT = 1000.0  # [K] from which the uncertainty of a temperature is given
 
@@ -103,7 +104,7 @@ def proposed(findings):
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     rest = list(_terms(found.settings, errors[2:]))
     of_test += [one for one in rest if one.setting.effect.stage != "gas"]  # of the spectrometer
-    of_gas = [one for one in rest if one.setting.id in OF_CONDITION]
+    of_gas = [one for one in rest if one.setting.id in OF_CONDITION and one.setting.id != HOTTER]
     if findings.comparison.power_is_wrong:
         power, (change, error) = OF_CONDITION["power"], findings.comparison.power
         size = float(np.clip(np.expm1(change), *power.bounds))
