@@ -2,7 +2,8 @@ import json
 
 import numpy as np
 import pytest
-from blind.ranks import amplitudes, ranks
+from blind.ranks import OTHER, amplitudes, in_catalogue, ranks
+from twin.hidden import CATALOGUE
 
 
 def rows(seed, count=200, off=0.0, wide=1.0):
@@ -23,10 +24,11 @@ def test_biased_narrow_and_wide_laws_leave_it(off, wide):
 
 
 def test_named_effects_of_a_folder_of_cases_are_ranked(tmp_path):
-    for number, named in enumerate((["winE"], [])):
+    for number, named in enumerate((["winE", "Cu"], [])):
         place = tmp_path / "cases" / f"case{number}"
         (place / "out").mkdir(parents=True)
-        (place / "truth.json").write_text(json.dumps({"effects": [{"effect": "winE", "amplitude": 0.05}]}))
+        effects = [{"effect": name, "amplitude": 0.05, "shape": {}} for name in ("winE", "Cu")]
+        (place / "truth.json").write_text(json.dumps({"case": {"world": "first"}, "effects": effects}))
         entry = {"id": "winE", "amplitude": 0.045, "standard_error": 0.005}
         (place / "out/diagnosis.json").write_text(
             json.dumps({"candidates": [entry], "verdict": {"named": named}})
@@ -36,3 +38,16 @@ def test_named_effects_of_a_folder_of_cases_are_ranked(tmp_path):
     told = ranks(amplitudes(tmp_path))
     assert told["coverage"] == 1.0 and told["histogram"][8] == 1
     assert ranks([])["number"] == 0
+    assert list(amplitudes(tmp_path, "second")) == []
+
+
+def test_amplitudes_are_counted_as_the_catalogue_counts():
+    """A loss that grows for 300 s in the second laboratory, and grains whose light is that of 2300 K."""
+    case = {"case": {"world": "second"}, "base": {"off": 150.0}}
+    assert in_catalogue({"effect": "winE", "amplitude": 0.1}, case) == pytest.approx(0.05)
+    assert in_catalogue({"effect": "eps_T", "amplitude": 0.1}, case) == 0.1
+    assert in_catalogue({"effect": "edge1", "amplitude": 5.0}, case) is None
+    grains = {"effect": "particles", "amplitude": 1e-3, "shape": {"grain_k": 2500.0}}
+    wien = np.exp(1.438776877e-2 / 0.95e-6 * (1 / 2300 - 1 / 2500))
+    assert in_catalogue(grains, {"case": {}}) == pytest.approx(1e-3 * wien, rel=2e-3)
+    assert {name for known in OTHER.values() for name in known} <= set(CATALOGUE)

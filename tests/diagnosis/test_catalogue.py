@@ -1,6 +1,9 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
@@ -9,6 +12,7 @@ from plasmapyro.diagnosis.effects.gas import LINES
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.report.kelvin import paper_temperature
 from plasmapyro.experiment.correction import Reading
+from plasmapyro.radiation.planck import planck
 from plasmapyro.record.record import Record
 
 BAND_RTOL = 2e-3  # of a formula for an infinitely narrow band, applied to a node of 6 nm
@@ -124,8 +128,6 @@ def test_a_clock_shift_is_the_slope_in_time(model, state):
 
 def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(model, state):
     """Against the black body averaged over a normal distribution, by quadrature."""
-    from plasmapyro.radiation.planck import planck
-
     knots, values = np.full(model.size, 1600.0), state[1]
     late = model.instruments[1].moment.mean(axis=1) > model.off + 2
     sigma = 60.0 * (10 / 14) ** 2
@@ -138,8 +140,25 @@ def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(
         / planck(wavelength, np.array([1600.0]))[0]
     )
     plain = model.evaluate(1, knots, values)
-    found = model.evaluate(1, knots, values, (Setting(CATALOGUE["grad"], 60.0, {}),)) / plain
+    found = model.evaluate(1, knots, values, (Setting(CATALOGUE["grad"], 60.0, {"exponent": 1.0}),)) / plain
     assert np.allclose(found[late][0], mean, rtol=3e-4)  # the fourth order is left out
+
+
+def test_a_cover_follows_the_sample_as_a_body_with_one_time_constant(model):
+    """Temperature of a sample that heats as 1 - exp(-t/s): the cover solves dT'/dt = (T - T')/lag."""
+    slow, lag, time = 30.0, 6.0, np.array([5.0, 20.0, 60.0])
+    scene = SimpleNamespace(
+        time=time[:, None] + [0.0, 0.0],
+        wavelength=np.array([0.95e-6]),
+        injected=np.ones((3, 2)),
+        glow=np.zeros((3, 2, 1)),
+        history=lambda moment: 350.0 - 1000.0 * np.expm1(-moment / slow),
+        but=lambda **changed: changed["glow"],
+    )
+    seen = CATALOGUE["edge_p"].light(scene, 1.0, ratio=0.8, lag=lag)
+    rise = 1 - (slow * np.exp(-time / slow) - lag * np.exp(-time / lag)) / (slow - lag)
+    found = SECOND_RADIATION / (0.95e-6 * np.log1p(FIRST_RADIATION / (0.95e-6**5 * seen[:, 0, 0])))
+    assert np.allclose(found, 350.0 + 0.8 * 1000.0 * rise, atol=10.0)  # [K], of the quadrature's four points
 
 
 def test_a_catalogue_without_some_effects_refuses_those_it_does_not_know():

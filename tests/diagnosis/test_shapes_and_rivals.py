@@ -79,7 +79,9 @@ def test_a_term_that_acts_by_its_square_is_found_near_its_amplitude(model, ident
 
     def change(amplitude):
         plain = model.evaluate(1, knots, values)
-        return model.evaluate(1, knots, values, (Setting(CATALOGUE[identity], amplitude, {}),)) - plain
+        return (
+            model.evaluate(1, knots, values, (Setting(effect, amplitude, dict(effect.shapes[-1])),)) - plain
+        )
 
     column = change(effect.step) / effect.step
     linear = np.sum(column * change(half)) / np.sum(column**2)

@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro import tables
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.diagnosis.effects.effect import effect
-from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST
+from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST, PIVOT
 from plasmapyro.identification.species import catalogue
 from plasmapyro.radiation.atoms import TABLE_RANGE
 from plasmapyro.radiation.foreign import continuum as free_electrons
@@ -19,6 +19,7 @@ from plasmapyro.refraction import vacuum_wavelength
 
 RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
 LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
+GRAINS = 2300.0  # [K], whose light at 0.95 um counts hot grains
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
 
 
@@ -70,9 +71,13 @@ def afterglow(scene, amplitude, *, decay):
 
 @effect("particles", shape={"temperature": ((2000.0, 2400.0), (1900.0, 2700.0))})
 def particles(scene, amplitude, *, temperature):
-    """Hot grains in the sight line while the plasma burns: a grey share of a black body."""
+    """Hot grains in the sight line while the plasma burns: grey light.
+
+    Counted at 0.95 um in shares of a black body of 2300 K, which data tell whatever the temperature is.
+    """
     share = amplitude * scene.injected * scene.plasma
-    body = planck(scene.wavelength, np.array(temperature))
+    level = planck(PIVOT, np.array(GRAINS)) / planck(PIVOT, np.array(temperature))
+    body = planck(scene.wavelength, np.array(temperature)) * level
     return scene.but(added=scene.added + share[..., None] * body)
 
 

@@ -9,6 +9,7 @@ PIVOT = 0.95e-6  # [m] where spectral slopes turn
 MICROMETRE = 1e-6
 HOTTEST, COLD = 1600.0, 350.0  # [K] between which a dependence on temperature is counted
 FOOTPRINT_RATIO = 10.0 / 14.0  # diameter of the spot of the spectrometer over that of the pyrometer
+LAGS, SHARES = np.polynomial.laguerre.laggauss(4)
 COVER_EMITTANCE = 1.0  # ASSUME: the cover of the probe emits like the sample
 
 
@@ -60,21 +61,27 @@ def torch_glow(scene, amplitude, *, temperature, decay):
     return scene.but(added=scene.added + (1 - scene.emittance) * share[..., None] * body)
 
 
-@effect("grad")
-def gradient(scene, amplitude):
-    r"""Unequal temperature, amplitude :math:`\sigma_T` [K]: :math:`B + \tfrac12 \sigma_T^2 B''`.
+@effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0))})
+def gradient(scene, amplitude, *, exponent):
+    r"""Unequal temperature: :math:`B + \tfrac12 \sigma^2 B''`, :math:`\sigma = \sigma_T (T/1600\,K)^n`.
 
-    ASSUME: the standard deviation goes with the area of the spot, 14 and 10 mm across.
+    n = 1 where the flux is uneven, 0 where a lasting difference is. ASSUME: the standard deviation goes with
+    the area of the spot, 14 and 10 mm across.
     """
     sigma = amplitude * (FOOTPRINT_RATIO**2 if scene.kind == "spectrometer" else 1.0)
-    relative = np.clip(scene.temperature[..., None] / HOTTEST, 0.0, 2.0)
+    relative = np.clip(scene.temperature[..., None] / HOTTEST, 0.1, 2.0) ** exponent
     more = 0.5 * (sigma * relative) ** 2 * planck_curvature(scene.wavelength, scene.temperature)
     return scene.but(glow=scene.glow * (1 + more))
 
 
 def cover(scene, amplitude, *, ratio, lag):
-    """A share of the spot falls beside the sample, on something cooler that lags behind."""
-    behind = scene.history(np.maximum(scene.time - lag, 0.0))
+    r"""A share of the spot falls beside the sample, on something cooler that follows with a time constant.
+
+    .. math:: T' = T_0 + r \int_0^\infty (T(t - \tau x) - T_0)\,e^{-x}\,dx
+
+    by Gauss and Laguerre's quadrature.
+    """
+    behind = scene.history(np.maximum(scene.time[..., None] - lag * LAGS, 0.0)) @ SHARES
     other = COLD + ratio * (np.where(scene.time > 0, behind, COLD) - COLD)
     body = planck(scene.wavelength, np.maximum(other, 250.0)) * scene.injected[..., None]
     return scene.but(glow=scene.glow + amplitude * (COVER_EMITTANCE * body - scene.glow))
