@@ -7,7 +7,14 @@ import yaml
 
 from plasmapyro import contracts
 from plasmapyro.commands.correct import widen
-from plasmapyro.commands.terms import OF_TEST, check_effects, read_terms, with_effects, with_instrument
+from plasmapyro.commands.terms import (
+    OF_TEST,
+    absent,
+    check_effects,
+    read_terms,
+    with_effects,
+    with_instrument,
+)
 from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
@@ -153,6 +160,13 @@ def test_files_of_tests_and_conditions_hold_the_effects_that_act_there():
         check_effects({"b": {"effects": [{"id": "power", "amplitude": 0.1}]}}, "test", "config/tests")
     with pytest.raises(ConfigurationError, match="belongs to tests .*; valid here: power, mixing"):
         check_effects({"c": {"effects": [WINDOW]}}, "condition", "config/conditions")
+
+
+def test_effects_of_an_instrument_that_a_test_lacks_are_told():
+    terms = terms_of([WINDOW, {"id": "eps_T", "amplitude": 0.1}, {"id": "phi", "amplitude": 0.01}], OF_TEST)
+    ids = {one: [term.setting.id for term in absent(terms, [one])] for one in ("pyrometer", "radiometer")}
+    assert ids == {"pyrometer": [WINDOW["id"]], "radiometer": [WINDOW["id"]]}
+    assert [term.setting.id for term in absent(terms, ["spectrometer"])] == ["phi"]
 
 
 def test_effects_of_an_instrument_join_those_of_each_test():

@@ -8,7 +8,7 @@ from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.outputs import require_folder
 from plasmapyro.commands.priors import read_priors
-from plasmapyro.commands.terms import read_terms
+from plasmapyro.commands.terms import absent, read_terms
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import read_with_files
@@ -36,8 +36,8 @@ def _following(report):
     rows, known = report["next"], {row["id"]: row["name"] for row in report["candidates"]}
     yield f"Measure next, where T is now known to {rows[0]['kelvin_before']:.2g} K:"
     for row in rows[:3]:
-        groups = (" from ".join(known.get(one, one) for one in group) for group in row["resolves"])
-        decides = "".join(f", tells {group}" for group in groups)
+        groups = ([known.get(one, one) for one in group] for group in row["resolves"])
+        decides = "".join(f"; tells apart {', '.join(one[:-1])} and {one[-1]}" for one in groups)
         yield f"  {row['kelvin_after']:5.2g} K  {row['measurement']}{decides}"
 
 
@@ -55,6 +55,8 @@ def _diagnosed(options, folder):
     data = reading.test
     if {"pyrometer", "radiometer"} <= set(instruments(data)):
         progress.warn("the diagnosis takes the pyrometer; the radiometer is left aside")
+    for term in absent(given, instruments(data)):
+        progress.warn(f"{term.setting.id} acts on an instrument that the test lacks: it changes nothing")
     others = [_read(one) for one in options.also]
     findings = of_test(options.test, reading, **_tried(data, folder))
     for finding in findings:

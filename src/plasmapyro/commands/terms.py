@@ -63,6 +63,12 @@ def read_terms(path, owner="test"):
     return found.get(owner, ())
 
 
+def absent(terms, instruments):
+    """Those of some terms that act on none of the instruments of a test; a radiometer counts as pyrometer."""
+    kinds = {{"radiometer": "pyrometer"}.get(one, one) for one in instruments}
+    return [term for term in terms if not kinds & set(term.setting.effect.instruments)]
+
+
 def check_effects(cases, owner, folder):
     """Refuse files of tests or conditions whose `effects` are not those that they may hold.
 
