@@ -42,7 +42,7 @@ def causes(heat_flux, pitot, *, admissible, flux_uncertainty, pressure_uncertain
     for name in ("none", *NAMES):
         random = np.random.default_rng(seed)
         own = ASSUMED | {one: free[one] for one in name.split("+") if one in free}
-        taken = {one: random.uniform(*own[one], draws) for one in ("mixing",)}
+        taken = {"mixing": random.uniform(*own["mixing"], draws)}
         for one in ("recombination", "nose"):
             taken[one] = np.exp(random.uniform(*np.log(own[one]), draws))
         rates, warmth = random.integers(len(RATES), size=draws), random.uniform(size=draws)

@@ -49,14 +49,8 @@ def heat_flux(jet, calorimeter, chemistry, start=None):
     tuple of float [W m-2] and StagnationLine
     """
     radius = calorimeter.radius * EFFECTIVE_RADIUS[calorimeter.shape]
-    line = solve(
-        potential_edge(jet, radius),
-        radius,
-        wall_temperature=calorimeter.wall_temperature,
-        recombination=calorimeter.recombination,
-        chemistry=chemistry,
-        start=start,
-    )
+    wall = {name: getattr(calorimeter, name) for name in ("wall_temperature", "recombination")}
+    line = solve(potential_edge(jet, radius), radius, **wall, chemistry=chemistry, start=start)
     return line.heat_flux, line
 
 
@@ -79,15 +73,8 @@ def pitot_pressure(jet, radius, *, wall_temperature=350.0, start=None):
     -------
     float [Pa]
     """
-    edge = potential_edge(jet, radius)
-    line = solve(
-        edge,
-        radius,
-        wall_temperature=wall_temperature,
-        recombination=1.0,
-        chemistry="equilibrium",
-        start=start,
-    )
+    edge, wall = potential_edge(jet, radius), {"wall_temperature": wall_temperature, "recombination": 1.0}
+    line = solve(edge, radius, **wall, chemistry="equilibrium", start=start)
     slowed = 0.5 * density(jet) * (jet.speed**2 - edge.normal_speed**2)
     return jet.gauge_pressure + slowed + line.pressure_rise
 

@@ -2,14 +2,15 @@
 
 import json
 import logging
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro import tables
 from plasmapyro.checks import positive
-from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pressure, potential_edge
-from plasmapyro.facility.probes import EFFECTIVE_RADIUS, enthalpy, pitot_pressure
+from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pressure
+from plasmapyro.facility.probes import Calorimeter, enthalpy, heat_flux, pitot_pressure
 from plasmapyro.facility.stagnation_line import solve
 from plasmapyro.facility.verdict import judge
 
@@ -50,14 +51,8 @@ def probe_readings(
     for row, name in zip(flux, rates, strict=True):
         line = None
         for column, gamma in enumerate(recombination):
-            line = solve(
-                edge,
-                radius,
-                wall_temperature=wall_temperature,
-                recombination=gamma,
-                chemistry=name,
-                start=line,
-            )
+            wall = {"wall_temperature": wall_temperature, "recombination": gamma}
+            line = solve(edge, radius, **wall, chemistry=name, start=line)
             row[column] = line.heat_flux
     pitot = [pitot_pressure(jet, one, wall_temperature=wall_temperature, start=whole) for one in pitot_radius]
     scalars = {
@@ -99,13 +94,9 @@ def _beside(name, measured, flow, edge, jet, rates):
         words = "%s: a probe of %g mm behind a torch of %g mm; the jet is taken as uniform around it"
         log.warning(words, name, 1e3 * measured["radius"], 1e3 * torch)
     if name == "heat_flux":
-        radius = measured["radius"] * EFFECTIVE_RADIUS[measured["shape"]]
-        there = potential_edge(_at_edge(jet, edge), radius)
-        wall = measured["wall_temperature"]
-        ends = [
-            solve(there, radius, wall_temperature=wall, recombination=one, chemistry=rates).heat_flux
-            for one in measured["recombination"]
-        ]
+        there, probe = replace(jet, temperature=edge.temperature), ("radius", "shape", "wall_temperature")
+        walls = [Calorimeter(*map(measured.get, probe), one) for one in measured["recombination"]]
+        ends = [heat_flux(there, wall, rates)[0] for wall in walls]
         return "W m-2", *known, min(ends), max(ends)
     if name == "pitot_pressure":
         reading = pitot_pressure(jet, measured["radius"], wall_temperature=measured["wall_temperature"])
@@ -127,10 +118,6 @@ def _verdict(name, unit, value, uncertainty, low, high):
     off = max(low - value, value - high, 0.0) / uncertainty
     way = "high" if low > value else "low"
     return f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
-
-
-def _at_edge(jet, edge):
-    return type(jet)(edge.temperature, jet.pressure, jet.speed, jet.gauge_pressure, jet.nitrogen)
 
 
 def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_uncertainty):

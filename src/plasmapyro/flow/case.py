@@ -51,30 +51,18 @@ class Case:
 
 def problem_of(mesh, setup, air, condition, order, limiter=0.0):
     """The Problem of a Condition on a mesh from `geometry.build_mesh`, torch and walls as in `setup`."""
+    properties, walls = air.properties(condition), {"wall_temperature": setup.wall_temperature}
     return Problem(
-        mesh,
-        setup.torch,
-        air.properties(condition),
-        frequency=condition.coil_frequency,
-        mass_flow_rate=condition.mass_flow_rate,
-        wall_temperature=setup.wall_temperature,
-        probe_temperature=condition.probe_temperature,
-        swirl_angle=condition.swirl_angle,
-        mixing=condition.mixing,
-        back_wall_temperature=condition.back_wall_temperature,
-        order=order,
-        limiter=limiter,
+        mesh, setup.torch, properties, order=order, limiter=limiter, **walls, **_besides_gas(condition)
     )
 
 
 def moved(problem, air, condition):
     """The same problem at another Condition."""
-    return problem.at(
-        air.properties(condition),
-        mass_flow_rate=condition.mass_flow_rate,
-        frequency=condition.coil_frequency,
-        probe_temperature=condition.probe_temperature,
-        swirl_angle=condition.swirl_angle,
-        mixing=condition.mixing,
-        back_wall_temperature=condition.back_wall_temperature,
-    )
+    return problem.at(air.properties(condition), **_besides_gas(condition))
+
+
+def _besides_gas(condition):
+    """What a Problem takes of a Condition besides the properties of the gas and the power."""
+    names = ("mass_flow_rate", "probe_temperature", "swirl_angle", "mixing", "back_wall_temperature")
+    return {"frequency": condition.coil_frequency, **{name: getattr(condition, name) for name in names}}

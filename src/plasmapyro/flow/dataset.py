@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.flow.boundary import inlet_mach_number
+from plasmapyro.flow.condition import UNITS
 from plasmapyro.flow.geometry import BOUNDARIES, Torch
 from plasmapyro.flow.meshes import meshes_of
 from plasmapyro.flow.physics import AXIAL
@@ -95,13 +96,8 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
         attrs={
             "title": "Axisymmetric LTE plasma torch and jet",
             "torch": json.dumps(asdict(setup.torch), sort_keys=True),
-            "coil_frequency": condition.coil_frequency,
+            **{name: getattr(condition, name) for name in UNITS if name not in scalars},
             "wall_temperature": setup.wall_temperature,
-            "probe_temperature": condition.probe_temperature,
-            "swirl_angle": condition.swirl_angle,
-            "radiation_factor": condition.radiation_factor,
-            "mixing": condition.mixing,
-            "back_wall_temperature": condition.back_wall_temperature,
             "mesh_factor": setup.mesh_factor,
             "viscosity_limiter": problem.limiter,
             "stagnation_point_z": setup.torch.nose,

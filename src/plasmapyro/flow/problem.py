@@ -122,22 +122,15 @@ class Problem:
             self.wall_temperature,
         )
 
-    def at(
-        self,
-        properties,
-        *,
-        mass_flow_rate,
-        frequency,
-        probe_temperature,
-        swirl_angle,
-        mixing,
-        back_wall_temperature,
-    ):
-        """The same problem at another condition; mesh, bases and orderings are shared."""
+    def at(self, properties, *, mass_flow_rate, frequency, **others):
+        """The same problem at another condition; mesh, bases and orderings are shared.
+
+        `others`: swirl angle, mixing, temperatures of probe and back wall that change.
+        """
         other = copy(self)
         other.induction = self.induction.at_frequency(frequency)
-        other.probe_temperature, other.swirl_angle = probe_temperature, swirl_angle
-        other.mixing, other.back_wall_temperature = mixing, back_wall_temperature
+        for name, value in others.items():
+            setattr(other, name, value)
         other._set_gas(properties, mass_flow_rate)
         return other
 

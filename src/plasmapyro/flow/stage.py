@@ -9,7 +9,7 @@ from plasmapyro.checks import non_negative, positive
 from plasmapyro.flow.balances import balances
 from plasmapyro.flow.boundary import inlet_mach_number
 from plasmapyro.flow.case import Air, Case, moved, problem_of
-from plasmapyro.flow.condition import COLD_BACK_WALL, Condition
+from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, Unbalanced, march
 from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from, to_dataset
 from plasmapyro.flow.evaluate import transfer
@@ -64,11 +64,6 @@ def cold_start(
     *,
     torch,
     wall_temperature,
-    numerical_power,
-    chamber_pressure,
-    mass_flow_rate,
-    coil_frequency,
-    probe_temperature,
     mesh_factor,
     start_mesh_factor,
     viscosity_limiter,
@@ -76,6 +71,7 @@ def cold_start(
     temperature_tolerance,
     largest_step_count,
     error_mesh_ratio=0.0,
+    **reference,
 ):
     """Steady flow at a reference condition, from a hot first guess; no swirl, no radiation loss.
 
@@ -89,13 +85,6 @@ def cold_start(
         Fields of `geometry.Torch`: lengths [m], and the shape of the probe.
     wall_temperature : float [K]
         Of all walls but the probe's, and of the gas at the inlet.
-    numerical_power : float [W]
-        Joule power; the coil current follows from it.
-    chamber_pressure : float [Pa]
-    mass_flow_rate : float [kg s-1]
-    coil_frequency : float [Hz]
-    probe_temperature : float [K]
-        Of the probe wall.
     mesh_factor, start_mesh_factor : float [1]
         Multiply the cell sizes of the final mesh and of the start mesh.
     viscosity_limiter : float [1]
@@ -106,6 +95,8 @@ def cold_start(
     largest_step_count : int
     error_mesh_ratio : float [1]
         As in `condition`: its meshes are made here, and handed on with their solutions.
+    reference : fields of `condition.Condition` [SI]
+        Joule power (the coil current follows from it), pressure, mass flow, frequency, probe temperature.
 
     Returns
     -------
@@ -123,14 +114,7 @@ def cold_start(
         float(positive("wall_temperature", wall_temperature, "K")),
         float(positive("mesh_factor", mesh_factor, "1")),
     )
-    reference = Condition(
-        numerical_power,
-        chamber_pressure,
-        mass_flow_rate,
-        coil_frequency,
-        probe_temperature,
-        back_wall_temperature=setup.wall_temperature,
-    )
+    reference = Condition(**reference, back_wall_temperature=setup.wall_temperature)
     power = reference.numerical_power
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     air = Air(gas, None, setup.wall_temperature)
@@ -184,21 +168,13 @@ def condition(
     *,
     neighbours=(),
     emission=None,
-    numerical_power,
-    chamber_pressure,
-    mass_flow_rate,
-    coil_frequency,
-    probe_temperature,
-    swirl_angle,
-    radiation_factor,
-    mixing=0.0,
-    back_wall_temperature=COLD_BACK_WALL,
     viscosity_limiter,
     power_step,
     error_mesh_ratio,
     velocity_tolerance,
     temperature_tolerance,
     largest_step_count,
+    **target,
 ):
     """Steady flow at one condition, continued from the nearest known solution.
 
@@ -220,18 +196,13 @@ def condition(
         left out.
     emission : Dataset, contract 'net_emission', optional
         Needed where `radiation_factor` is not zero.
-    swirl_angle : float [rad]
-        Between the gas that enters and the axis.
-    radiation_factor : float [1]
-        Multiplies the net emission; 0 for no loss.
-    mixing : float [1]
-        Mixing length over the radius of the torch; 0 for a laminar flow.
-    back_wall_temperature : float [K]
-        Of the torch.
     power_step : float [W]
     error_mesh_ratio : float [1]
         Ratio of the cell sizes of the meshes of the error estimate, > 1; 0 for no estimate.
     others : as in `cold_start`
+    target : fields of `condition.Condition` [SI]
+        Power, pressure, mass flow, frequency and temperature of the probe; swirl, loss by radiation, mixing
+        and temperature of the back wall where there is any.
 
     Returns
     -------
@@ -245,17 +216,7 @@ def condition(
         No way led to a steady state; the message says for each how far it led, and where the plasma went
         out if it did.
     """
-    target = Condition(
-        numerical_power,
-        chamber_pressure,
-        mass_flow_rate,
-        coil_frequency,
-        probe_temperature,
-        swirl_angle,
-        radiation_factor,
-        mixing,
-        back_wall_temperature,
-    )
+    target = Condition(**target)
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     power_step = float(positive("power_step", power_step, "W"))
     mesh_ratio = _checked_ratio(error_mesh_ratio)
