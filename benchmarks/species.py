@@ -9,7 +9,7 @@ show apart, and with --decoys by decoys: the same species with every line moved 
 names halves the pairs: half 0 was looked at while the program was made, half 1 was not (its first 16 were
 judged before; --skip 16 takes the others). A false name is a trace if its lines speak for it in one of the
 two apart as well, though not enough for a name there. With --seed pairs of both halves are drawn, and each
-spectrum is measured again: 0.05 nm of scale, noise of half its own.
+mixture is measured again: 0.05 nm of scale, noise of half its own; --apart: each spectrum on its own scale.
 """
 
 import argparse
@@ -107,17 +107,18 @@ def trace(one, axis, answer):
     return fit is not None and fit.log_bayes > 0
 
 
-def again(axis, light, rng):
-    """A spectrum as it might be measured once more: another scale of wavelength, and more noise."""
-    moved = np.interp(axis - rng.normal(0, SHIFTED), axis, light)
+def again(axis, light, shift, rng):
+    """A spectrum as it might be measured once more: a scale off by `shift` [m], and more noise."""
+    moved = np.interp(axis - shift, axis, light)
     noise = AGAIN * noise_of(light) * rng.standard_normal(light.size)
     return np.where(moved > light.min(), np.maximum(moved + noise, light.min()), moved)
 
 
-def mixtures(found, number, half=1, skip=0, seed=None):
+def mixtures(found, number, half=1, skip=0, seed=None, apart=False):
     """Rows (major, minor, share, SNR, named, false names, those that are no traces) of mixtures.
 
-    With a seed the pairs are drawn from both halves, and each spectrum is measured `again`.
+    With a seed the pairs are drawn from both halves, and each spectrum is measured `again`: with one scale,
+    as one spectrometer has, or `apart`, each with its own.
     """
     shown = {name: set(names(answer)) for name, (answer, *_) in found.items()}
     pairs = [(a, b) for a in found for b in found if found[a][3] not in shown[b] | {found[b][3]}]
@@ -132,28 +133,29 @@ def mixtures(found, number, half=1, skip=0, seed=None):
         for share in SHARES:
             (_, axis, much, _), (_, _, little, element) = found[a], found[b]
             if seed is not None:
-                much, little = again(axis, much, rng), again(axis, little, rng)
+                shift = rng.normal(0, SHIFTED, 2) if apart else np.full(2, rng.normal(0, SHIFTED))
+                much, little = (again(axis, *one, rng) for one in zip((much, little), shift, strict=True))
             mixed = (1 - share) * much + share * much.sum() / little.sum() * little
             answer = module.identify(axis, mixed)
             told = names(answer)
             false = [one for one in told if one not in shown[a] | shown[b] | set(AIR)]
             sure = [one.species for one in answer.named if one.probability >= SURE]
-            apart = {
+            traces = {
                 one.element
                 for one in sure
                 if one.element in false and any(trace(one, axis, found[part][0]) for part in (a, b))
             }
             clear = signal_to_noise(found[a], found[b], share, element)
-            yield a, b, share, clear, element in told, false, [one for one in false if one not in apart]
+            yield a, b, share, clear, element in told, false, [one for one in false if one not in traces]
 
 
-def board(folder, number, half=1, skip=0, say=lambda *_: None, chance=False, seed=None):
+def board(folder, number, half=1, skip=0, say=lambda *_: None, chance=False, seed=None, apart=False):
     """Rows (share, mixtures of SNR `CLEAR` or more, right names in these, with a false name, with one that is
     no trace, all)."""
     both = (*catalogue(), *decoys()) if chance else catalogue()
     module.catalogue = lambda: both
     rows = {share: np.zeros(5, int) for share in SHARES}
-    for a, b, share, clear, named, false, wrong in mixtures(single(folder), number, half, skip, seed):
+    for a, b, share, clear, named, false, wrong in mixtures(single(folder), number, half, skip, seed, apart):
         more = f"{false or ''}" + f", no trace: {wrong}" * bool(wrong)
         say(f"{share:4.0%} {b} in {a}: SNR {clear:.0f}, {'named' if named else 'not named'} {more}")
         rows[share] += [clear >= CLEAR, clear >= CLEAR and named, bool(false), bool(wrong), 1]
@@ -173,9 +175,14 @@ def main():
         "--seed", type=int, help="draw pairs of both halves, with scale and noise of their own"
     )
     parser.add_argument("--decoys", action="store_true", help="as many invented species in the race")
+    parser.add_argument(
+        "--apart", action="store_true", help="both spectra of a mixture on scales of their own"
+    )
     options = parser.parse_args()
     said = (lambda line: print(line, flush=True)), options.decoys
-    rows = board(options.folder, options.mixtures, options.half, options.skip, *said, options.seed)
+    rows = board(
+        options.folder, options.mixtures, options.half, options.skip, *said, options.seed, options.apart
+    )
     _, clear, hit, false, wrong, count = np.sum(rows, axis=0)
     print(f"named where SNR >= {CLEAR:g}: {hit:g} of {clear:g}; with a false name: {false:g} of {count:g},")
     print(f"with one that is no trace: {wrong:g}")

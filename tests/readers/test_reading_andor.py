@@ -25,6 +25,7 @@ spectrometer:
   exposures:
     - {{light: hot.asc, baseline: dark.asc}}
 """
+WHITE = 0.02  # of the brightest pixel
 TEST = """attributes:
   condition: none
   origin: synthetic
@@ -96,6 +97,18 @@ def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
     assert ((low < expected) & (high > expected)).all()
     said = capsys.readouterr().out
     assert "gives the same light: what is stated of the emissivity decides" in said
+
+
+def test_faint_light_of_the_room_asks_for_an_impossible_emissivity(place, tmp_path, capsys):
+    """White light of a lamp, 2 % of that of the surface: no line, and a free course takes its colour up."""
+    kept = (place / "test/light.asc").read_text()
+    lamp = blackbody_radiance(VACUUM, 2800.0) / blackbody_radiance(VACUUM, 2800.0).max()
+    series(place / "test/light.asc", furnace(973.15) + WHITE * furnace(973.15).max() * lamp, 1.0, seed=3)
+    assert correct(place, tmp_path / "t.nc") == 0
+    (place / "test/light.asc").write_text(kept)
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+    assert (found.spectral_status == 9).all() and np.isnan(found.spectral_temperature).all()
+    assert "of its stated uncertainties off at" in capsys.readouterr().err
 
 
 @pytest.fixture
