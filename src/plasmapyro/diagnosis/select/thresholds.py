@@ -1,17 +1,16 @@
 """What chance may reach: thresholds from scores drawn as if nothing were wrong."""
 
-import contextlib
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky
+from scipy.linalg import LinAlgError, cholesky, eigh
 
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, gain
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 LEVEL = 0.01  # false alarms of each of the two tests, if the linearised model were exact
 LEAST_UNKNOWN = 4.0  # log Bayes factor below which nothing is called unknown: templates err a little
-ROUNDING = 1e-8, 1e-6, 1e-4  # [1], relative, added to a singular covariance: the first that is enough
+ROUNDING = 1e-8  # [1], relative, added to a covariance that is singular but for rounding
 
 
 @dataclass(frozen=True)
@@ -64,9 +63,11 @@ def simulated(screen, draws, generator):
 
 
 def _root(relative):
-    """Cholesky factor of correlations (m, m), the little added that rounding asks for."""
-    for share in ROUNDING:
-        relative[np.diag_indices_from(relative)] = 1 + share
-        with contextlib.suppress(LinAlgError):
-            return cholesky(relative, lower=True, check_finite=False)
-    raise LinAlgError("the covariance of the scores is not positive definite")
+    """A root of correlations (m, m): the Cholesky factor, or, where rounding has made eigenvalues negative,
+    that of the others."""
+    relative[np.diag_indices_from(relative)] = 1 + ROUNDING
+    try:
+        return cholesky(relative, lower=True, check_finite=False)
+    except LinAlgError:
+        value, vector = eigh(relative)
+        return vector * np.sqrt(np.maximum(value, 0.0))
