@@ -97,6 +97,20 @@ def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found
     assert float(np.abs(shift).quantile(0.99)) < 0.5
 
 
+def test_coarse_steps_of_the_pyrometer_s_converter_are_noise(made):
+    """A surface that cools so steadily that its signal stays at one of eight thousand steps for seconds."""
+    test = made[0].copy()
+    time, random = test.time.values, np.random.default_rng(4)
+    smooth = 1e-6 * np.exp(-np.clip(time - 300, 0, None) / 6) * (1 + 1e-4 * random.standard_normal(time.size))
+    step = smooth.max() / 2**13
+    for name in ("signal_wide", "signal_narrow"):
+        test[name] = ("time", np.round(smooth / step) * step, test[name].attrs)
+    samples = samples_of(record_of(test, {"pyrometer": None}), (1.0, 0.3))
+    cool = (samples.time > 335) & (samples.signal[0] > 0)
+    # Uniform over a step, JCGM 100, F.2.2.1.
+    assert np.median(samples.noise[0][cool]) == pytest.approx(step / np.sqrt(12), rel=0.2)
+
+
 def test_a_deposit_before_the_spectrometer_is_its_drift(made, response, found):
     """A window that loses 8 % while the plasma burns stands before one instrument only."""
     test, truth, calibration, counts = made

@@ -4,6 +4,8 @@ from itertools import combinations, product
 
 import numpy as np
 
+from plasmapyro.record.rounding import rounding
+
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 THIRD_DIFFERENCES = 20.0  # variance of third differences of white noise over its own: 1 + 9 + 9 + 1
 ITERATIONS, SMALLEST_SHARE = 10, 1e-3  # of the weights of the groups, and least model
@@ -12,6 +14,7 @@ CHANCE = (
 )
 LARGEST_SHARED = 1.5  # of the lesser variance: beyond, it is no common flicker but a common course
 LEAST_ALIKE = 12  # samples that tell a variance
+STILL = 1000  # samples of one value that err alike; of as many that move the error of rounding is gone
 LAGS = 4  # samples over which the decay of the flicker is read
 
 
@@ -64,13 +67,16 @@ def signal_noise(signals, block):
         scale, found, count = [], [], []
         for part in alike(row, bend[band]):
             size = np.median(np.abs(level[:, part]), axis=1)
-            own, *others = np.roll(bend[:, part] / size[:, None], -band, axis=0)
+            own, *others = np.roll(bend[:, part] / np.where(size > 0, size, 1.0)[:, None], -band, axis=0)
             whole = variance(own)
             rest = whole - np.mean([shared(own, it) for it in others] or [0.0])
             scale.append(size[band])
             count.append(part.size)
             found.append(max(rest, whole / own.size) / THIRD_DIFFERENCES)
         scale, found, count = np.array([scale, found, count])
+        # Samples that stand still show none but may err by half a step.
+        still = rounding(signals[band]).variance(scale, STILL) / np.where(scale > 0, scale, np.inf) ** 2
+        found = np.where(found > 0, found, still)
         good = np.isfinite(found) & (found > 0) & (scale > 0)
         if not good.any():
             raise ValueError("a signal has no noise at all; give the record as measured, not interpolated")

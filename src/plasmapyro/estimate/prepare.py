@@ -13,6 +13,7 @@ from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, co
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.record.binning import groups
 from plasmapyro.record.emittance import relative_emittance
+from plasmapyro.record.rounding import rounding
 
 MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of samples
 NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
@@ -85,7 +86,9 @@ def samples_of(record, spans, most=MOST_SAMPLES):
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.stack([np.bincount(group, row) for row in np.where(good, signal, 0.0)]) / valid
         square = np.stack([np.bincount(group, row) for row in np.where(good, spread**2, 0.0)]) / valid
-        own = np.where(valid > 0, np.sqrt(square / valid), 1.0)
+        square /= valid
+        square += [rounding(row).variance(*one) for row, *one in zip(signal, mean, valid, strict=True)]
+        own = np.where(valid > 0, np.sqrt(square), 1.0)
     if count.max() > 1 and np.isfinite(deviation):
         deviation = mean_flicker(deviation, correlation, float(np.median(np.diff(middle))))
     injected, _ = record.phases(middle)
