@@ -143,7 +143,7 @@ class Space:
         if id(patch) not in self._known_places:
             numbered = self.matrix(np.arange(len(self.indices)))
             local = patch.dofs.shape[1]
-            places = np.empty((len(patch.dofs), local, local), dtype=np.int32)
+            places = np.empty((len(patch.dofs), local, local), dtype=np.intp)  # as `bincount` takes them
             for row in range(local):
                 rows = np.repeat(patch.dofs[:, row], local)
                 places[:, row] = np.asarray(numbered[rows, patch.dofs.ravel()]).reshape(-1, local)
