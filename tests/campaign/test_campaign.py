@@ -21,6 +21,7 @@ RANDOM = 60  # campaigns
 HOT = 1000.0  # [K]
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs/example"
 ENDS = 0.90, 0.98  # of the coverage of 95 % intervals
+GAIN = 1.15  # least, of a temperature with both instruments: what all tests share bounds it near 1.25
 
 
 def campaign(seed, *, tests=10, odd=None):
@@ -57,7 +58,7 @@ def test_intervals_of_random_campaigns_hold_as_often_as_they_say_and_temperature
             inside.append(abs(number - mean) < 1.96 * sigma)
     assert ENDS[0] < np.mean(inside) < ENDS[1]
     alone, together = np.sqrt(np.mean(np.square(errors), axis=(0, 2)))
-    assert alone > 1.5 * together
+    assert alone > GAIN * together
     assert ENDS[0] < np.mean(held) <= 1.0
     assert odd <= 6  # of 60 sound campaigns: 1 % of each of 40 groups would be far more
 
@@ -82,7 +83,7 @@ def test_each_test_narrows_the_prior_of_the_next_and_their_temperatures():
         found.next.of(["ratio"]).sigma[0]
     ]
     assert (np.diff(constant) < 0).all()
-    assert constant[-1] < 0.7 * constant[0]
+    assert constant[-1] < 0.85 * constant[0]  # another material is one statement more
     alone, earlier, whole = np.array([row.sigma for row in found.rows]).T
     assert (earlier[1:] < alone[1:]).all()
     assert (whole < earlier + 1e-9).all()

@@ -140,7 +140,12 @@ def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(
         / planck(wavelength, np.array([1600.0]))[0]
     )
     plain = model.evaluate(1, knots, values)
-    found = model.evaluate(1, knots, values, (Setting(CATALOGUE["grad"], 60.0, {"exponent": 1.0}),)) / plain
+    found = (
+        model.evaluate(
+            1, knots, values, (Setting(CATALOGUE["grad"], 60.0, {"exponent": 1.0, "profile": 2.0}),)
+        )
+        / plain
+    )
     assert np.allclose(found[late][0], mean, rtol=3e-4)  # the fourth order is left out
 
 

@@ -27,7 +27,9 @@ def page(found):
         f"# A campaign of {len(found.rows)} tests",
         "",
         f"{count} tests agree with one another."
-        + (f" Left out where it does not belong: {', '.join(said)}." if odd else " None stands apart."),
+        + (f" Left out where it does not belong: {', '.join(said)}." if odd else " None stands apart.")
+        if len(found.rows) > 1
+        else "One test: there is none to hold it against.",
         "",
         "![efficiency, windows and pulls](campaign.png)",
         "",
@@ -38,7 +40,7 @@ def page(found):
     ]
     for name, mean, sigma in law_numbers(found):
         ends = f"{mean - 1.96 * sigma:.3g} to {mean + 1.96 * sigma:.3g}" if np.isfinite(sigma) else ""
-        lines.append(f"| {name} | {mean:.3g} | {ends} |")
+        lines.append(f"| {name} | {mean if abs(mean) > 1e-6 else 0:.3g} | {ends} |")
     lines += [
         "",
         "## Tests",

@@ -61,14 +61,14 @@ def torch_glow(scene, amplitude, *, temperature, decay):
     return scene.but(added=scene.added + (1 - scene.emittance) * share[..., None] * body)
 
 
-@effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0))})
-def gradient(scene, amplitude, *, exponent):
+@effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0)), "profile": ((1.0, 2.0), (1.0, 2.0))})
+def gradient(scene, amplitude, *, exponent, profile):
     r"""Unequal temperature: :math:`B + \tfrac12 \sigma^2 B''`, :math:`\sigma = \sigma_T (T/1600\,K)^n`.
 
-    n = 1 where the flux is uneven, 0 where a lasting difference is. ASSUME: the standard deviation goes with
-    the area of the spot, 14 and 10 mm across.
+    `exponent` n is 1 where the flux is uneven, 0 where a lasting difference is; `profile` 1 for a slope over
+    the spot and 2 for a bowl: the spots, 14 and 10 mm across, see that power of their ratio.
     """
-    sigma = amplitude * (FOOTPRINT_RATIO**2 if scene.kind == "spectrometer" else 1.0)
+    sigma = amplitude * (FOOTPRINT_RATIO**profile if scene.kind == "spectrometer" else 1.0)
     relative = np.clip(scene.temperature[..., None] / HOTTEST, 0.1, 2.0) ** exponent
     more = 0.5 * (sigma * relative) ** 2 * planck_curvature(scene.wavelength, scene.temperature)
     return scene.but(glow=scene.glow * (1 + more))
