@@ -1,4 +1,4 @@
-"""A converter whose steps are coarse, which is no fault, and one whose steps are unequal, which is."""
+"""Loggers: coarse steps, which are no fault; unequal steps and lost samples, which are."""
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from plasmapyro.record.record import record_of
 
 BOTH = {"pyrometer": None, "spectrometer": None}
 CODES = 2**12  # of the whole range; the noise is a tenth of a step of the cool surface
+LOST = 2  # samples
 PERIODS, SIZE = 6.3, 0.01  # along the signal, and of the gain [1]
 
 
@@ -46,3 +47,15 @@ def test_unequal_steps_are_a_fault_along_the_signal(diagnosed):
         lambda signal: signal * (1 + SIZE * np.sin(2 * np.pi * PERIODS * signal / signal.max()))
     )
     assert seen_by(found.unknown_class) == {"instrument": "pyrometer", "axis": "signal"}
+
+
+def test_lost_samples_are_a_fault_of_the_clock_from_then_on(diagnosed):
+    """Samples of 0.2 s are lost while the surface heats and not counted."""
+
+    def late(signal):
+        place = np.arange(signal.size)
+        return np.interp(place + LOST * (place > signal.size // 3), place, signal)
+
+    _, found = diagnosed(late)
+    classes = found.steps[0].screen.structures
+    assert "clock" in classes[int(np.argmax(found.steps[0].unknown))].id

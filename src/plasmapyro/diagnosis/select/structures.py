@@ -11,6 +11,7 @@ from plasmapyro.record.phases import during
 MAP_WAVES = 8
 WALK_STEPS = 40
 ZERO = 0.01  # [1], of the usual signal: unit of a zero that wanders
+CLOCK = 10.0  # [s]: unit of a clock that does
 SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
 
@@ -82,7 +83,7 @@ def seen_by(identity):
         return {"instrument": "pyrometer", "axis": "signal"}
     if "gas" in words and "walk" in words:
         return {"instrument": "both", "axis": "time"}
-    if words & {"pyrometer", "ratio", "wide", "narrow"}:
+    if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
     if words & {"walk", "wave", "moment", "frames"}:
         return {"instrument": "spectrometer", "axis": "time"}
@@ -98,8 +99,8 @@ def structures_of(model, solution):
 
     Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
     adds to the gas (always, or as a hot surface releases it); random walks of the gain of each instrument, of
-    the ratio of the bands and of each band, and of their zeros; gains of the bands that come and go along the
-    signal.
+    the ratio of the bands and of each band, of their zeros and of their clock; gains of the bands that come
+    and go along the signal.
 
     Returns
     -------
@@ -131,6 +132,8 @@ def structures_of(model, solution):
                 classes.add_products(
                     f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
                 )
+            tick = products.row(CLOCK * _slope(value - gas, time, model.off))
+            classes.add_products("walk_clock", "wandering clock of the pyrometer", {place: [(tick, walk)]})
             each = zip(kinds[-instrument.channels :], bands, value.T, strict=True)
             for (identity, name, _), band, signal in each:
                 classes.add_products(
@@ -220,6 +223,15 @@ def _waves(time, off):
     periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
     angle = 2 * np.pi * time[:, None, None] / periods[:, None] + PHASES
     return np.sin(angle).reshape(time.size, -1)
+
+
+def _slope(surface, time, off):
+    """How fast the light (n, C) of a surface changes, each phase for itself [1/s of its unit]."""
+    result, phase = np.zeros(surface.shape), (time >= 0).astype(int) + (time >= off)
+    for own in (phase == 1, phase == 2):
+        if own.sum() > 1:
+            result[own] = np.gradient(surface[own], time[own], axis=0)
+    return result
 
 
 def _codes(signal):
