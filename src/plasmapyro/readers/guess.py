@@ -188,14 +188,7 @@ def assign(table):
             free.remove(fractions[0])
     currents = []
     for place in list(free):
-        variable = next(
-            (
-                OF_UNIT[si]
-                for si, known in units.TO_SI.items()
-                if si in OF_UNIT and table.units[place] and units.normalised(table.units[place]) in known
-            ),
-            None,
-        )
+        variable = next((name for si, name in OF_UNIT.items() if _is_one_of(table.units[place], si)), None)
         if variable == "signals":
             currents.append(place)
         elif variable and variable not in found and not (variable == "time" and stamps):
@@ -205,16 +198,7 @@ def assign(table):
         if variable in found or (variable == "time" and stamps):
             continue
         among = [p for p in free if p in currents] if variable.startswith("signal") and currents else free
-        place = next(
-            (
-                p
-                for p in among
-                if _suits(table.units[p], variable) or not _is_known(table.units[p], variable)
-                if _matches(table.labels[p], variable)
-            ),
-            None,
-        )
-        if place is not None:
+        if (place := _by_name(table, variable, among)) is not None:
             found[variable] = place
             free.remove(place)
     if stamps:
@@ -242,6 +226,12 @@ def assign(table):
     return found
 
 
+def _by_name(table, variable, places):
+    """The first of some columns that is called as a variable is, and whose unit does not deny it; or None."""
+    fits = [p for p in places if not _is_known(table.units[p], variable)]
+    return next((p for p in fits if _matches(table.labels[p], variable)), None)
+
+
 def _is_known(unit, variable):
     """Whether a unit is one of something else than the variable, and no reading of it (a voltage, counts)."""
     return (
@@ -254,6 +244,10 @@ def _is_known(unit, variable):
 
 def _suits(unit, variable):
     return unit is not None and units.factor(unit, variable) is not None
+
+
+def _is_one_of(unit, si):
+    return bool(unit) and units.normalised(unit) in units.TO_SI[si]
 
 
 def _values(table, place):
@@ -616,12 +610,8 @@ def _tdms(folder, paths, questions):
         [unit for unit, _ in names.values()],
         [[] for _ in names],
     )
-    found = {}
-    for variable in NAMES:
-        for place, (label, unit) in enumerate(zip(table.labels, table.units, strict=True)):
-            fits = unit is None or _suits(unit, variable)
-            if variable not in found and fits and _matches(label, variable):
-                found[variable] = place
+    places = {variable: _by_name(table, variable, range(len(names))) for variable in NAMES}
+    found = {variable: place for variable, place in places.items() if place is not None}
     if not set(parts.SIGNALS) <= found.keys():
         questions.append(
             f"pyrometer.columns: which channels are the two signals? there are {', '.join(names)}"
