@@ -47,7 +47,8 @@ def by_joint_inference(test, calibrations, options):
             "--estimator joint needs the bands of a pyrometer or a radiometer; use --estimator reference"
         )
     if not has_plasma(test):
-        raise ValueError("--estimator joint follows the light of a plasma; use --estimator reference")
+        other = "emissivity" if "radiometer" in present else "reference"
+        raise ValueError(f"--estimator joint follows the light of a plasma; use --estimator {other}")
     progress.say("inferring the temperature from all samples together: some 5 s")
     return estimate(
         test,
