@@ -1,5 +1,6 @@
 """The calibration of a test: stored, or still raw, in the test's folder or beside it."""
 
+import os
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -46,7 +47,7 @@ def calibration_of(test, given=None):
 
 
 def _beside(test):
-    places = [test / NAME, test.parent / NAME]
+    places = [test / NAME, Path(os.path.normpath(test / ".." / NAME))]  # also of "."
     for place in places:
         if place.is_dir():
             progress.say(f"calibration: {place}")
