@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels, Prior, follow, infer, log_emissivity, smooth_prior
+from plasmapyro.estimate.emissivity_stage import estimate_emissivity
+from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 
 PIXELS = np.linspace(0.5e-6, 1.0e-6, 60)
@@ -168,3 +171,44 @@ def test_surfaces_say_how_freely_their_emissivity_runs(true):
     seen *= 1 + 0.003 * random.standard_normal(seen.shape)
     told = {one: np.median(infer(Channels(at), p, seen, 0.003 * seen).evidence) for one, p in priors.items()}
     assert max(told, key=told.get) == true
+
+
+def test_constants_of_many_bands_do_not_learn_from_noise():
+    """300 samples of 12 bands at a stated grey emissivity: what is constant stays where it was stated."""
+    random, time = np.random.default_rng(8), np.arange(300) / 2
+    centre, names = np.linspace(700e-9, 1100e-9, 12), [f"b{one}" for one in range(12)]
+    axis = np.arange(690e-9, 1110e-9, 0.5e-9)
+    curves = np.abs(axis - centre[:, None]) < 5e-9
+    facts = {"instrument": "twelve", "calibration": "absolute", "signal_uncertainty": 0.003}
+    facts |= {"origin": "synthetic", "instrument_range": (900.0, 2600.0)}
+    response = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), curves.astype(float))},
+        {"wavelength": axis, "band": names},
+        facts,
+    )
+
+    def seen(kelvin):
+        return 0.5e-9 * blackbody_radiance(axis, np.asarray(kelvin)[:, None]) @ curves.T
+
+    hot, kelvin = np.arange(1100.0, 2001.0, 150.0), 1300 + 300 * np.sin(time / 40)
+    points = {"source_temperature": hot} | dict(zip(names, seen(hot).T, strict=True))
+    known = radiometer_calibration(response, points, source_temperature_uncertainty=1.0)
+    signal = 0.75 * seen(kelvin) * random.normal(1, 0.003, (300, 12))
+    test = xr.Dataset(
+        {"radiometer_signal": (("radiometer_time", "band"), signal, {"units": "1"})},
+        {"radiometer_time": ("radiometer_time", time, {"units": "s"}), "band": names},
+        {
+            "origin": "synthetic",
+            "condition": "none",
+            "emittance": 0.75,
+            "emittance_uncertainty": 0.05,
+            "window_transmittance_radiometer": 1.0,
+            "radiometer_integration_time": 0.01,
+        },
+    )
+    settings = {"level": None, "shape": 0.1, "length": 200e-9, "memory": 100.0, "stray_light": 0.003}
+    settings |= {"bin_width": 20e-9, "bin_uncertainty": 0.005, "gas_variation": 0.03, "noise_block": 50}
+    limits = {"least_signal_to_noise": 10.0, "least_surface_share": 0.5, "saturation_counts": 65000.0}
+    found = estimate_emissivity(test, known, **settings, **limits)
+    off = (found.spectral_temperature.values - kelvin) / found.spectral_temperature_uncertainty.values
+    assert np.abs(off).max() < 0.5  # the prior is right; noise makes a tenth of the uncertainty

@@ -123,7 +123,9 @@ def estimate_emissivity(
     # What is not light of a hot surface says nothing about its neighbours; the errors of bins last.
     data[~np.isin(state, (status.VALID, status.GAS_DOMINATED))] = np.nan
     whole = prior._replace(basis=np.column_stack([prior.basis, light.rough]))
-    linear = np.concatenate([light.linear, light.gains], axis=-1)
+    # Of the fitted light: noise in the place of a constant would be learned as one, sample by sample.
+    surface = np.nan_to_num(data - alone.residual * error)
+    linear = np.concatenate([light.linear, surface[..., None] * light.gains], axis=-1)
     memories = np.full(whole.basis.shape[1] + linear.shape[-1], np.inf)
     memories[: prior.basis.shape[1]] = light.kept
     memories[:smooth] = memory

@@ -23,8 +23,8 @@ class Light(NamedTuple):
 
     `basis` (B, K): relative errors of all channels together, as shapes over wavelength; `rough` (B, R): the
     same, but taken as noise where samples are looked at one by one, of size `independent` (C,). `linear`
-    (S, C, M): light of unit coefficients that persist over `memory` (M,) [s]; `gains` (S, C, G): of those
-    that last.
+    (S, C, M): light of unit coefficients that persist over `memory` (M,) [s]; `gains` (C, G): of those that
+    last, over the light of the surface.
     """
 
     frames: object  # record.Instrument
@@ -90,7 +90,7 @@ def of_spectra(record, calibration, settings):
         settings["bin_uncertainty"] * (bins.weight.T > 0),
         np.stack([settings["gas_variation"] * behind, even], axis=-1),
         (GAS_MEMORY, 0.0),
-        np.zeros((*seen.shape, 0)),
+        np.zeros((seen.shape[1], 0)),
     )
 
 
@@ -111,7 +111,7 @@ def of_bands(record, calibration, settings):
     sensitivity = bands.band_sensitivity_uncertainty.values
     source = float(bands.source_temperature_uncertainty) * SECOND_RADIATION
     source = source / (middle * bands.band_source_temperature.values**2)
-    gains = seen[:, :, None] * np.column_stack([np.diag(sensitivity), source])
+    gains = np.column_stack([np.diag(sensitivity), source])
     ratio = calibration.attrs["calibration"] == "readings" and len(frames.band) == 2
     free = ratio or calibration.attrs["calibration"] == "relative"
     return Light(
