@@ -68,6 +68,7 @@ try:
     SETTINGS = [config, CONDITIONS, TESTS]
     if workflow.is_main_process:
         DAMAGED, BUSY = workspace.begin("results", SETTINGS)
+        workspace.digest_once()
         for path in DAMAGED:
             logger.warning(f"{path} no longer had the bytes it was written with; it is computed again")
     else:

@@ -1,11 +1,14 @@
 """One run at a time, damaged files are found, a changed configuration is noticed."""
 
+import asyncio
 import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
+import snakemake.io
 
 from plasmapyro import io, workspace
 
@@ -151,3 +154,23 @@ def test_a_run_is_not_described_by_files_that_were_edited_meanwhile(tmp_path):
     paths[1].write_text("emittance: 0.5")
     with pytest.raises(workspace.WorkspaceError, match=r"/100kW.yaml: changed .* Call again"):
         workspace.require_unchanged(paths, begun_with)
+
+
+def test_a_file_is_digested_anew_only_when_it_has_changed(tmp_path, monkeypatch):
+    asked = []
+
+    async def digested(file, threshold):
+        asked.append(threshold)
+        return Path(file).read_text()
+
+    monkeypatch.setattr(snakemake.io._IOFile, "checksum", digested)
+    workspace.digest_once()
+    path = tmp_path / "a.nc"
+
+    def found(threshold=10):
+        return asyncio.run(snakemake.io._IOFile.checksum(str(path), threshold))
+
+    path.write_text("one")
+    assert [found(), found(), found(20)] == ["one"] * 3 and asked == [10, 20]
+    path.write_text("other")
+    assert found() == "other" and asked == [10, 20, 10]
