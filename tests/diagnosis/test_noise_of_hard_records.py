@@ -58,3 +58,17 @@ def test_what_is_smooth_from_sample_to_sample_is_no_longer_memory_than_it_is(ran
     found = coloured(*bands, np.zeros(count), whole, np.zeros(count, dtype=int), period, 6.0)
     # Two hundred memories long: 10 %, and what smooth noise loses below its knots.
     assert np.sqrt(found.total) == pytest.approx(size, rel=0.25)
+
+
+def test_rounded_samples_that_stand_still_do_not_say_that_there_is_no_noise(random):
+    """Noise of ten steps on a hot surface, of a tenth of one on the gas before: that shows nothing,
+    and would outweigh all that does."""
+    count, sigma, step = 3000, 0.003, 3e-4
+    cold = np.arange(count) < 500
+    level = np.where(cold, 30.2 * step, 1.0)[:, None] * [1.0, 0.8]
+    written = step * np.round(level * (1 + sigma * random.standard_normal((count, 2))) / step)
+    whole, rounded = np.ones(count, dtype=bool), np.full((count, 2), step**2 / 12)
+    gas = np.where(cold[:, None], level, 0.0)
+    law, *_ = noise._of_bands(written - level, level, gas, whole, cold.astype(int), 1.0, rounded)
+    # 2500 differences that share samples.
+    assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.15)

@@ -36,6 +36,8 @@ def test_values_that_were_not_rounded_err_by_nothing():
     random = np.random.default_rng(3)
     values = np.linspace(1, 2, 5000) + 1e-3 * random.standard_normal(5000)
     assert np.sqrt(rounding(values).variance(np.array([1.5]), 1))[0] < 1e-5
+    ramp = rounding(np.linspace(1, 2, 300))  # without noise neighbours are as far apart as samples
+    assert ramp.variance(np.array([1.5]), 1)[0] == 0.0
     assert rounding(np.full(100, 3.0)).variance(np.array([3.0]), 1)[0] == 0.0
     assert rounding(np.full(5, np.nan)).variance(np.array([3.0]), 1)[0] == 0.0
 

@@ -58,7 +58,8 @@ def rounding(values):
         apart = np.diff(own)
         apart = apart[apart > SAME * np.abs(own[1:])]
         level.append(own.mean())
-        step.append(apart.min() if apart.size else np.nan)
+        tied = apart.size < own.size - 1  # values that never meet were written finer than they lie
+        step.append((apart.min() if tied else 0.0) if apart.size else np.nan)
         moving.append(change[group].mean())
     level, step = np.array(level), np.array(step)
     known = np.isfinite(step)

@@ -112,8 +112,9 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     )
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.kind == "pyrometer":
+        rounded = instrument.rounded(prediction, 1) / factor**2
         law, memory, flicker, gain, left = _of_bands(
-            residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument)
+            residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument), rounded
         )
         left = left * factor
     else:
@@ -145,8 +146,9 @@ def _halves(values):
     return np.stack([values[:, ::2].mean(axis=1), values[:, 1::2].mean(axis=1)], axis=1)
 
 
-def _of_bands(residual, prediction, gas, used, phase, period):
-    """Law of the noise of C bands, from what they do not share, and what their halves do.
+def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
+    """Law of the noise of C bands, from what they do not share, and what their halves do; at least what
+    rounding makes of samples, a variance (t, C): those that stand still show no noise.
 
     All that one band shows without gas is its own noise, and its gas flickers by what there is besides.
     """
@@ -169,6 +171,7 @@ def _of_bands(residual, prediction, gas, used, phase, period):
         gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
     # What bands share is a gain, or a temperature that falls faster than the knots can follow.
     apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
+    rounded = np.broadcast_to(rounded, relative.shape) / np.maximum(prediction, 1e-30) ** 2
     one, two, place = differences(apart, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
@@ -177,7 +180,8 @@ def _of_bands(residual, prediction, gas, used, phase, period):
             inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
             rows.append((*inverse, 1.0))
             own_part = clipped_variance(one[group, band]) / 2 / (1.0 if alone else 1 - 1 / bands)
-            variances.append(max(own_part, OWN * gain.between(period)))
+            least = max(OWN * gain.between(period), np.mean(rounded[place[group], band]))
+            variances.append(max(own_part, least))
     if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     one, two, place = differences(each[:, 0] - each[:, 1], bright)
@@ -185,7 +189,8 @@ def _of_bands(residual, prediction, gas, used, phase, period):
     if own.sum() >= 8 and not alone:
         weight = 1 / np.where(np.arange(bands) % 2, bands // 2, (bands + 1) // 2) ** 2.0
         rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
-        variances.append(clipped_variance(one[own]) / 2)
+        least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own]] @ weight)
+        variances.append(max(clipped_variance(one[own]) / 2, least))
     if not rows:  # too few samples of either kind, or none
         return (0.0, 0.0, START_RELATIVE**2), 0.0, light, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)

@@ -8,7 +8,8 @@ LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 
 LEAST = 10  # channels of an instrument that has patterns
 SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
 NEIGHBOURS = 7  # frames that one is held against
-STANDS, FEWEST = 6.0, 3  # robust standard deviations by which frames stand out, and how many of them must
+STANDS = 6.0, 2.5  # usual distances, and standard deviations of the noise, by which frames stand out
+FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal law 0.012 lie so far
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
 FRAMES, MOMENT, PATTERN = "left_frames", "left_moment", "left_pattern"
 NAMES = {
@@ -56,8 +57,8 @@ def standing_out(residual, prediction, weigher):
     shared = (weigher.shared @ prediction[..., None])[..., 0] / information[:, None]  # (n, r)
     expected = np.sqrt(1 / information + np.sum(shared**2, axis=1))
     apart = np.abs(whole - median_filter(whole, NEIGHBOURS, mode="nearest"))
-    usual = 1.4826 * np.median(apart / expected) * expected
-    return apart > np.maximum(STANDS * usual, LEAST_APART)
+    usual = 1.4826 * np.median(apart / expected)
+    return apart > np.maximum(max(STANDS[0] * usual, STANDS[1]) * expected, LEAST_APART)
 
 
 def left_over(model, solution):
@@ -78,6 +79,8 @@ def left_over(model, solution):
     for instrument, residual, value, weigher in zip(
         model.instruments, solution.residual, solution.prediction, solution.weighers, strict=True
     ):
-        if instrument.channels >= LEAST and standing_out(residual, value, weigher).sum() >= FEWEST:
-            return FRAMES
+        if instrument.channels >= LEAST:
+            count = standing_out(residual, value, weigher).sum()
+            if count >= max(FEWEST, LEAST_SHARE * len(value)):
+                return FRAMES
     return None
