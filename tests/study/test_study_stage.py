@@ -233,15 +233,16 @@ def test_a_flow_starts_from_those_of_its_chain_that_exist(monkeypatch):
     takes = inspect.signature(stage.flow_stage.condition)
 
     def condition(*arguments, **settings):
-        taken.update(takes.bind(*arguments, **settings).arguments)
+        bound = takes.bind(*arguments, **settings).arguments
+        taken.update(bound | bound["target"])
         return xr.Dataset(attrs={"origin": "modelled"})
 
     monkeypatch.setattr(stage.flow_stage, "condition", condition)
     known = [xr.Dataset({"numerical_power": 1.0 * k, "flow_status": s}) for k, s in enumerate((0, 1, 0, 2))]
     foreign = xr.Dataset({"numerical_power": 9.0})
-    others = {name: 1.0 for name, one in takes.parameters.items() if one.default is one.empty}
-    rest = others.keys() - {"gas", "start", "error_mesh_ratio", *PLACE}
-    settings = {**{name: others[name] for name in rest}, "power_step": 1e4}
+    others = {name for name, one in takes.parameters.items() if one.default is one.empty}
+    rest = others - {"gas", "start", "error_mesh_ratio", "target", *PLACE}
+    settings = {**dict.fromkeys(rest, 1.0), "power_step": 1e4}
     result = stage.flow(None, None, known=known, neighbours=[foreign], **settings, **PLACE)
     assert [float(one.numerical_power) for one in taken["neighbours"]] == [0.0, 2.0, 9.0]
     assert all("flow_status" not in one for one in taken["neighbours"])

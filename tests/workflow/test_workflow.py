@@ -235,7 +235,7 @@ def test_effects_of_the_instrument_are_taken_out_of_every_test_that_does_not_sta
     (read,) = re.findall(r"rule extended_gain:\n *input: (.*)", plan.stdout)
     assert "results/experiment/csic_220kW/restored_test.nc" in read
     path.write_text(path.read_text().replace("winE", "eps_ox"))
-    assert "instrument.effects.0.id: unknown" in snakemake(project, "--dry-run").stderr
+    assert "instrument.effects.0.id: 'eps_ox' belongs to" in snakemake(project, "--dry-run").stderr
 
 
 def test_a_folder_of_raw_files_is_read_first(project):

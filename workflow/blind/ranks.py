@@ -6,6 +6,7 @@ OUT is the folder of a blind set (`run.py --out`). Left out are effects whose am
 in a laboratory than in the catalogue, listed here with what it counts.
 """
 
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -114,7 +115,10 @@ def _off(values):
 
 
 if __name__ == "__main__":
+    top = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    top.add_argument("out", metavar="OUT", help="folder of a blind set")
+    folder = top.parse_args().out
     for laboratory in OTHER:
         sys.stdout.write(f"{laboratory} laboratory\n")
-        for name, value in ranks(amplitudes(sys.argv[1], laboratory)).items():
+        for name, value in ranks(amplitudes(folder, laboratory)).items():
             sys.stdout.write(f"  {name}: {value}\n")
