@@ -25,6 +25,6 @@ for python in "$@"; do
     [ -s my_test_diagnosis/index.html ] && rm -r my_test_*
   )
   echo "$("$place/env/bin/python" --version): $(du -sm "$place/env" | cut -f1) MB installed, of these"
-  du -sm "$place"/env/lib/python3.*/site-packages/* | sort -rn | head -12 | sed 's#/.*/##' | paste -sd ' ' | expand -t 1
+  du -sm "$place"/env/lib/python3.*/site-packages/* | sort -rn | sed -n '1,12s#/.*/##p' | paste -sd ' ' | expand -t 1
   rm -r "$place/env"
 done
