@@ -260,3 +260,31 @@ def test_a_table_of_emittance_that_means_nothing_is_refused(place, tmp_path, wro
         (tmp_path / name).write_text((place / "test" / name).read_text())
     (tmp_path / "test.yaml").write_text(TEST.format(wrong))
     assert "attributes.emittance must" in "\n".join(check_test(tmp_path))
+
+
+def test_what_a_longer_exposure_saturates_is_not_scaled_out_of_sight(place, tmp_path):
+    """Beyond the 65 000 of the commands, and at no plateau: ten times less it would pass for light."""
+    side_by_side(place, tmp_path, list(DAY)[:2])
+    folder = tmp_path / "test/spectra"
+    first, second = sorted(folder.iterdir())
+    header, _, rows = first.read_text().partition("\n\n")
+    header = header.replace("(secs):  1.0", "(secs):  10.0").replace("(secs):  0.1", "(secs):  1.0")
+    table = [row.split(",") for row in rows.splitlines()]
+    table[40][1:7] = [f"{65100 + k}" for k in range(6)]
+    first.write_text(header + "\n\n" + "\n".join(map(",".join, table)) + "\n")
+    test = read_test(tmp_path / "test")
+    assert test.attrs["exposures_joined"] == 1
+    lost = np.isnan(test.counts.values)
+    assert lost.sum() == 6 and lost[:, 40].sum() == 6
+
+
+def test_several_exposures_before_a_bent_scale_are_refused(place, tmp_path, capsys):
+    words = side_by_side(place, tmp_path, DAY)
+    path = tmp_path / "lab/spectrometer_calibration.nc"
+    calibration = io.read(path, "spectrometer_calibration")
+    bent = calibration.drop_dims("linearity_power").assign(
+        linearity_coefficient=("linearity_power", [1.0, 1e-7])
+    )
+    io.write(bent, path, "spectrometer_calibration")
+    assert cli.main(["correct", *words, str(tmp_path / "t.nc")]) == 2
+    assert "several exposures" in capsys.readouterr().err and not (tmp_path / "t.nc").exists()

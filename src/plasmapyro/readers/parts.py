@@ -16,6 +16,7 @@ from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
 SIGNALS = ("signal_wide", "signal_narrow")
 TUNNEL = ("electric_power", "chamber_pressure", "mass_flow_rate")
 WORDS = ("title", "condition", "origin")
+SATURATION = 65000.0  # [count] of the commands, where a test states none
 MOST_SPECTRA = 20_000
 MOST_SAMPLES = 50_000_000  # of all spectra together: 400 MB
 SHIFT = 1e-12  # [m] spectra of one instrument agree in wavelength to their printed digits
@@ -496,7 +497,10 @@ def _tables(paths, folder, settings):
         tables = {path: (tables[path][0] + since[path], *tables[path][1:]) for path in paths}
     if exposures:
         attrs["spectrometer_integration_time"] = min(exposures.values())
-    if len(set(exposures.values())) > 1 and not background:
+    limit, joined_exposures = settings["saturation"], len(set(exposures.values())) > 1
+    if joined_exposures:  # scaled counts would hide what the commands call saturated, and a bent scale
+        limit, attrs["exposures_joined"] = limit or SATURATION, 1
+    if joined_exposures and not background:
         odd = next(path for path in paths if exposures[path] != exposures[paths[0]])
         refuse(
             odd, f"other exposure than {paths[0].name}", "state a dark as `background`, or use another test"
@@ -524,7 +528,7 @@ def _tables(paths, folder, settings):
     result = {"spectrum_time": whole["time"], "wavelength": vacuum(paths[0], wavelength, settings["medium"])}
     files = {"place": paths[0], "background": background}
     if settings["quantity"] == "counts":
-        values = _without_clipped(values, settings["saturation"], result, attrs)
+        values = _without_clipped(values, limit, result, attrs)
         if background:
             own = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
             plain = ocean.plain_spectrum(read_lines(background, columns.LARGEST)[0])
@@ -546,8 +550,8 @@ def _tables(paths, folder, settings):
                     1,
                 )
             result["background_counts"] = dark
-            share = [attrs["spectrometer_integration_time"] / exposures[path] for path in paths if exposures]
-            if len(set(share)) > 1:  # all as the shortest would have them: light goes with the exposure
+            if joined_exposures:  # all as the shortest would have them: light goes with the exposure
+                share = [attrs["spectrometer_integration_time"] / exposures[path] for path in paths]
                 share = np.repeat(share, [part["time"].size for part in parts])[:, None]
                 values = dark + (values - dark) * share
     result[settings["quantity"]] = values

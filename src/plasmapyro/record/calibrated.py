@@ -69,6 +69,11 @@ def calibrated_radiance(test, calibration, saturation_counts):
                 "the counts of the test are linearised already, those of the calibration were not: switch the"
                 " correction off in the spectrometer's program, or calibrate with linearised counts"
             )
+        if test.attrs.get("exposures_joined") and calibration.sizes["linearity_power"] > 1:
+            raise ValueError(
+                "the spectra of the test have several exposures, and by its calibration the detector is"
+                " not linear in its counts: put each exposure in a test of its own"
+            )
         masked = calibration.masked_pixel.values if "masked_pixel" in calibration else []
         raw, background = (
             above_baseline(values, calibration.linearity_coefficient.values, masked)
