@@ -60,7 +60,7 @@ def _corrected(options):
     folder = options.instrument
     given = ()
     if options.given:
-        from plasmapyro.commands.terms import absent, read_terms  # all of the diagnosis, for --with alone
+        from plasmapyro.commands.terms import read_terms, warn_of_absent  # all of the diagnosis
 
         given = read_terms(options.given)
     progress.say(f"reading {options.test}")
@@ -71,8 +71,8 @@ def _corrected(options):
     found = faults(test)
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
-    for term in absent(given, instruments(test)) if given else ():
-        progress.warn(f"{term.setting.id} acts on an instrument that the test lacks: it changes nothing")
+    if given:
+        warn_of_absent(given, instruments(test))
     calibrations = _calibrations(test, folder)
     if options.priors:
         from plasmapyro.campaign.applied import applied

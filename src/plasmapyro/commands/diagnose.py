@@ -8,7 +8,7 @@ from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.outputs import require_folder
 from plasmapyro.commands.priors import read_priors
-from plasmapyro.commands.terms import absent, read_terms
+from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import read_with_files
@@ -60,8 +60,7 @@ def _diagnosed(options, folder):
     data = reading.test
     if {"pyrometer", "radiometer"} <= set(instruments(data)):
         progress.warn("the diagnosis takes the pyrometer; the radiometer is left aside")
-    for term in absent(given, instruments(data)):
-        progress.warn(f"{term.setting.id} acts on an instrument that the test lacks: it changes nothing")
+    warn_of_absent(given, instruments(data))
     others = [_read(one) for one in options.also]
     findings = of_test(options.test, reading, **_tried(data, folder))
     for finding in findings:

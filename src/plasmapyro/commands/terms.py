@@ -2,7 +2,7 @@
 
 from types import MappingProxyType
 
-from plasmapyro import configuration
+from plasmapyro import configuration, progress
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION, OF_FLOW, species_of
 from plasmapyro.diagnosis.fit.terms import terms_of
@@ -67,6 +67,12 @@ def absent(terms, instruments):
     """Those of some terms that act on none of the instruments of a test; a radiometer counts as pyrometer."""
     kinds = {{"radiometer": "pyrometer"}.get(one, one) for one in instruments}
     return [term for term in terms if not kinds & set(term.setting.effect.instruments)]
+
+
+def warn_of_absent(terms, instruments):
+    """Say which of some terms act on none of the instruments of a test."""
+    for term in absent(terms, instruments):
+        progress.warn(f"{term.setting.id} acts on an instrument that the test lacks: it changes nothing")
 
 
 def check_effects(cases, owner, folder):
