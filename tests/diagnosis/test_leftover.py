@@ -18,10 +18,10 @@ def left():
     """`left_over` of residuals (n, C) that are white already."""
 
     def of(z, channels=CHANNELS):
-        instrument = SimpleNamespace(channels=channels, value=z)
+        instrument = SimpleNamespace(channels=channels, value=z, time=np.arange(len(z)) - 10.0)
         weigher = Weigher(Noise(np.ones(z.shape), np.zeros(len(z)), np.zeros(len(z))), np.zeros(z.shape))
         model, solution = (
-            SimpleNamespace(instruments=[instrument]),
+            SimpleNamespace(instruments=[instrument], off=70.0),
             SimpleNamespace(residual=[z], prediction=[np.ones(z.shape)], weighers=[weigher]),
         )
         return leftover.left_over(model, solution)
@@ -59,10 +59,11 @@ def test_frames_that_are_too_bright_stand_out_of_any_common_noise(shaken):
     usual = value * shaken * random.standard_normal((SAMPLES, 1)) + sigma * random.standard_normal(
         value.shape
     )
-    assert not leftover.standing_out(usual, value, weigher).any()
+    phase = (np.arange(SAMPLES) >= 10).astype(int)
+    assert not leftover.standing_out(usual, value, weigher, phase).any()
     brighter = np.zeros(SAMPLES, dtype=bool)
     brighter[[3, 11, 20, 34, 41, 57, 58, 66, 83, 91]] = True
-    found = leftover.standing_out(usual + 11.0 * (1 + shaken) * brighter[:, None], value, weigher)
+    found = leftover.standing_out(usual + 11.0 * (1 + shaken) * brighter[:, None], value, weigher, phase)
     assert not found[~brighter].any() and found.sum() >= (10 if not shaken else leftover.FEWEST)
 
 

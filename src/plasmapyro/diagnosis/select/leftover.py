@@ -1,13 +1,14 @@
 """What a final fit leaves in many channels at once, whatever it looks like."""
 
 import numpy as np
-from scipy.ndimage import median_filter
+
+from plasmapyro.diagnosis.fit.base import phase_of
+from plasmapyro.diagnosis.fit.noise import slow_part
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
 LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 1.05
 LEAST = 10  # channels of an instrument that has patterns
 SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
-NEIGHBOURS = 7  # frames that one is held against
 STANDS = 6.0, 2.5  # usual distances, and standard deviations of the noise, by which frames stand out
 FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal law 0.012 lie so far
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
@@ -46,19 +47,20 @@ def leading(z):
     return u[:, 0], v[0], float(s[0]), float(np.max(draws))
 
 
-def standing_out(residual, prediction, weigher):
+def standing_out(residual, prediction, weigher, phase):
     """Frames (n,) bool whose light as a whole is brighter or fainter than that of their neighbours.
 
-    Residuals and predictions (n, C). Noise that all channels share is as large as it is, but two kinds of
-    frames are no noise.
+    Residuals and predictions (n, C), phases (n,). Noise that all channels share is as large as it is, but
+    two kinds of frames are no noise.
     """
     information = np.maximum(np.sum(weigher.weight * prediction**2, axis=1), 1e-300)
     whole = np.sum(weigher.weight * prediction * np.nan_to_num(residual), axis=1) / information
     shared = (weigher.shared @ prediction[..., None])[..., 0] / information[:, None]  # (n, r)
     expected = np.sqrt(1 / information + np.sum(shared**2, axis=1))
-    apart = np.abs(whole - median_filter(whole, NEIGHBOURS, mode="nearest"))
-    usual = 1.4826 * np.median(apart / expected)
-    return apart > np.maximum(max(STANDS[0] * usual, STANDS[1]) * expected, LEAST_APART)
+    usual = slow_part(whole[:, None], np.ones(whole.size, dtype=bool), phase)[:, 0]
+    apart = np.abs(whole - usual)
+    scatter = 1.4826 * np.median(apart / expected)
+    return apart > np.maximum(max(STANDS[0] * scatter, STANDS[1]) * expected, LEAST_APART)
 
 
 def left_over(model, solution):
@@ -80,7 +82,7 @@ def left_over(model, solution):
         model.instruments, solution.residual, solution.prediction, solution.weighers, strict=True
     ):
         if instrument.channels >= LEAST:
-            count = standing_out(residual, value, weigher).sum()
+            count = standing_out(residual, value, weigher, phase_of(instrument.time, model.off)).sum()
             if count >= max(FEWEST, LEAST_SHARE * len(value)):
                 return FRAMES
     return None

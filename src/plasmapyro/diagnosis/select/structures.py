@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plasmapyro.diagnosis.fit.base import phase_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
@@ -227,7 +228,7 @@ def _waves(time, off):
 
 def _slope(surface, time, off):
     """How fast the light (n, C) of a surface changes, each phase for itself [1/s of its unit]."""
-    result, phase = np.zeros(surface.shape), (time >= 0).astype(int) + (time >= off)
+    result, phase = np.zeros(surface.shape), phase_of(time, off)
     for own in (phase == 1, phase == 2):
         if own.sum() > 1:
             result[own] = np.gradient(surface[own], time[own], axis=0)
