@@ -115,8 +115,8 @@ def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record,
     # two instants, which 4e-5 of the light of a heating surface tells apart.
     assert np.abs(ratio - 1).max() < 1e-4
     late = free.spectrum_time.values > 130
-    # Without noise the fit knows the deposit to a part of what the gain may wander, 3e-3.
-    assert all(abs(move["winE.amplitude"] - 0.1) < 1e-3 for move in moves)
+    # Without noise the fit knows the deposit to some ten thousandths, as far as the gain wanders.
+    assert all(abs(move["winE.amplitude"] - 0.1) < 3e-4 for move in moves)
     assert (more.spectral_radiance / free.spectral_radiance).values[late] == pytest.approx(0.9 / 0.88)
 
 

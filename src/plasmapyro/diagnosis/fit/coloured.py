@@ -15,7 +15,7 @@ TREND = 0.05  # [1] by which the factor may change on its way
 TIMES = 12  # memories of which noise may be made, from a sample to the longest lag
 SHORTEST = 1e-6  # memories of an exposure; the formula for less is 0/0
 KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
-INEXACT = 0.03  # [1], of the largest value: what exponential memories describe; real noise begins smoothly
+INEXACT = 0.003  # [1], of the largest value: what exponential memories describe; real noise begins smoothly
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
 
