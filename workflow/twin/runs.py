@@ -22,9 +22,7 @@ LOSS = {"pyrometer": 0.004, "spectrometer": 0.008}  # of throughput in a run
 LOSS_SCATTER = 0.0015
 CLEAN = 0.01  # scatter of the throughput of a clean window over that of the calibration
 RATIO = 0.004  # of the pyrometer since its calibration: standard deviation of what is drawn
-SCALE = (
-    0.008  # of the spectrometer, a slope and a wave alike: standard deviation at the ends of what is compared
-)
+SCALE = 0.008  # of the spectrometer, half slope, half wave: standard deviation at the ends of the spectrum
 STATED = {"C/SiC": 0.85, "SiC": 0.90}  # emittance of the materials
 KNOWN = 0.05  # standard deviation of the true one
 PIECE = 0.008  # scatter of samples
