@@ -20,6 +20,7 @@ OF_FLOW = (  # attributes of a flow that fix its field besides the condition
     "radiation_factor",
     "mixing",
     "back_wall_temperature",
+    "adiabatic_walls",
     "mesh_factor",
     "viscosity_limiter",
 )

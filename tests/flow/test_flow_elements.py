@@ -238,6 +238,30 @@ def test_conduction_is_exact_at_the_nodes_however_the_conductivity_varies(heated
     assert np.abs(left[inside]).max() < 1e-5 * np.abs(heated).max()
 
 
+def test_an_adiabatic_end_is_the_natural_condition(pipe_mesh, air):
+    """Rod heated evenly, insulated at z = 0 and round about, cold at z = L: S(T) = q (L^2 - z^2) / 2.
+
+    Carslaw and Jaeger, Conduction of Heat in Solids, 3.14, for any kappa(T) in the heat-flux potential S.
+    """
+    space, heating, wall = Space(pipe_mesh(4), (2, 2, 2, 1)), 3e5, 1000.0
+    properties = gas_properties(air, 5e3, 350.0)
+    z = space.points(2)[0]
+    rise = heating * (LENGTH**2 - z**2) / 2
+    temperature = properties.temperature_of(properties.heat_flux_potential(np.array(wall))[0] + rise)
+    assert temperature.max() > 8000.0
+    state = np.zeros(space.size)
+    state[space.field(2)] = np.log(temperature)
+    data = points(space, joule_heating=np.full_like(space.cells.r, heating))
+    inputs = space.inputs(space.cells, state)
+    rows = densities(inputs, property_lines(properties, np.exp(inputs[6])), data)
+    heated = space.residual(space.cells, np.stack(rows))[space.field(2)]
+    left = heated + Conduction(space).residual(state, properties)[space.field(2)]
+    cold = np.abs(z - LENGTH) < 1e-9
+    assert np.abs(left[~cold]).max() < 1e-8 * np.abs(heated).max()  # walls that are not held among them
+    # The cold end takes what is deposited.
+    assert left[cold].sum() == pytest.approx(heated.sum(), rel=1e-8)
+
+
 def test_the_slope_of_conduction_is_its_derivative(heated_pipe):
     space, properties, _, temperature = heated_pipe
     state, change = np.zeros(space.size), np.zeros(space.size)

@@ -347,6 +347,70 @@ def test_a_hot_probe_and_a_swirl_are_reached_from_the_reference(air, start):
     )
 
 
+@pytest.fixture(scope="session")
+def insulated(air, start):
+    walls = {"adiabatic_walls": ["probe", "back_wall"]}
+    return condition(air, start, numerical_power=90e3, **CONDITION, **walls, **TOLERANCES)
+
+
+def test_adiabatic_walls_take_nothing_and_the_rest_takes_all(start, insulated):
+    contracts.check(contracts.label(insulated, "flow"), "flow")
+    assert insulated.attrs["adiabatic_walls"] == "back_wall probe"
+    before, after = (by_boundary(one, "boundary_heat_flow") for one in (start, insulated))
+    assert before["back_wall"] + before["probe"] > 20e3
+    # What is conducted into them is the residual of the steady state: 1e-4 of the power.
+    assert abs(after["back_wall"]) + abs(after["probe"]) < 10.0
+    # Open boundaries and the other walls carry the deposited power, by quadrature.
+    carried = insulated.boundary_enthalpy_flow.sum() + after["tube_wall"] + after["chamber_wall"]
+    assert float(carried + after["inlet"]) == pytest.approx(90e3, rel=2e-2)
+    # Not the weak form alone: beside the wall the temperature is nearly even, where it rose by thousands.
+    z, r = insulated.node_z.values, insulated.node_r.values
+    near = (z > 0) & (z < 1.5e-3) & (r < 0.05)
+    for flow, least, most in ((start, 0.5, 1.0), (insulated, 0.0, 0.05)):
+        wall = np.interp(r[near], *_along_the_back_wall(flow))
+        rise = 1 - wall / flow.temperature.values[near]
+        assert rise.max() > least and rise.max() < most
+
+
+def _along_the_back_wall(flow):
+    on = np.flatnonzero((flow.node_z.values == 0) & (flow.node_r.values < 0.075))
+    on = on[np.argsort(flow.node_r.values[on])]
+    return flow.node_r.values[on], flow.temperature.values[on]
+
+
+def test_a_wall_becomes_cold_again(air, start, insulated):
+    origin, target = Condition.of(insulated), Condition.of(start)
+    way = origin.towards(target, 0.5)
+    assert way.adiabatic_walls == () and 350.0 < way.back_wall_temperature < 6000.0
+    found = condition(air, insulated, numerical_power=90e3, **CONDITION, **TOLERANCES)
+    assert np.abs(np.log(found.temperature / start.temperature)).max() < TOLERANCES["temperature_tolerance"]
+
+
+def test_the_jacobian_knows_that_the_temperature_of_an_adiabatic_wall_is_free(problem):
+    cold, state = problem
+    solver = cold.at(
+        cold.properties, mass_flow_rate=0.016, frequency=4e5, adiabatic_walls=("back_wall", "probe")
+    )
+    freed = np.setdiff1d(solver.free, cold.free)
+    assert len(freed) > 50
+    coupling, _ = solver.couple(state, 90e3)
+    points = solver.points(state, coupling, np.inf)
+    change = np.zeros(solver.space.size)
+    change[freed] = np.cos(np.arange(len(freed)))
+    step = 1e-6
+    up, down = (solver.residual(state + sign * step * change, points) for sign in (1, -1))
+    exact = solver.jacobian(state, points) @ change
+    found = (up - down) / (2 * step)
+    for rows in (solver.free, freed):
+        np.testing.assert_allclose(found[rows], exact[rows], rtol=1e-5, atol=1e-5 * np.abs(exact[rows]).max())
+    assert np.abs(exact[freed]).max() > 0
+
+
+def test_an_unknown_wall_is_refused():
+    with pytest.raises(ValueError, match="adiabatic_walls must be of back_wall, tube_wall, .*; got roof"):
+        Condition(90e3, 5e3, 0.016, 4e5, 350.0, adiabatic_walls=("roof",))
+
+
 def test_the_nearest_known_solution_is_the_start(air, start, at_80, caplog):
     with caplog.at_level(logging.INFO):
         condition(

@@ -2,8 +2,9 @@
 
 * inlet slot: plug profile u_z = U (1 - s^8), s from -1 to 1 over the slot, u_r = 0, wall temperature; U
   makes the discrete mass flow exact;
-* walls: no slip, wall temperature; the probe has its own. ASSUME: one temperature for all other walls, as in
-  the CF-ICP cases (350 K);
+* walls: no slip; wall temperature, probe and back wall their own, or adiabatic: no heat is conducted, the
+  natural condition of the weak form. ASSUME: one temperature for all other walls, as in the CF-ICP cases
+  (350 K);
 * axis: u_r = 0;
 * top of the chamber: no axial velocity, so that entrained gas comes in radially (free tangential inflow lets
   vortices cross the boundary, and the solution diverges);
@@ -21,7 +22,14 @@ PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the s
 
 
 def fixed_values(
-    space, torch, properties, mass_flow_rate, wall_temperature, probe_temperature, back_wall_temperature
+    space,
+    torch,
+    properties,
+    mass_flow_rate,
+    wall_temperature,
+    probe_temperature,
+    back_wall_temperature,
+    adiabatic_walls=(),
 ):
     """Dirichlet conditions of the four fields.
 
@@ -33,6 +41,8 @@ def fixed_values(
     mass_flow_rate : float [kg s-1]
     wall_temperature, probe_temperature, back_wall_temperature : float [K]
         The back wall has its own up to where it meets the inlet.
+    adiabatic_walls : sequence of str, of `geometry.WALLS`
+        Their temperature is free but where they meet the inlet or a wall that is not among them.
 
     Returns
     -------
@@ -47,15 +57,17 @@ def fixed_values(
 
     fix(AXIAL, (*WALLS, "inlet", "top"))
     fix(RADIAL, (*WALLS, "inlet", "axis"))
-    fix(LOG_TEMPERATURE, (*WALLS, "inlet"))
+    held = tuple(name for name in (*WALLS, "inlet") if name not in adiabatic_walls)
+    fix(LOG_TEMPERATURE, held)
     values[space.field(LOG_TEMPERATURE)] = np.where(
         fixed[space.field(LOG_TEMPERATURE)], np.log(wall_temperature), 0.0
     )
-    back = space.boundary_dofs(LOG_TEMPERATURE, ("back_wall",))
-    share = 1 - (space.points(LOG_TEMPERATURE)[1, back] / torch.slot_inner_radius) ** COLD_EDGE
-    excess = np.maximum(share, 0.0) * (back_wall_temperature - wall_temperature)
-    values[space.offsets[LOG_TEMPERATURE] + back] = np.log(wall_temperature + excess)
-    if torch.has_probe:
+    if "back_wall" in held:
+        back = space.boundary_dofs(LOG_TEMPERATURE, ("back_wall",))
+        share = 1 - (space.points(LOG_TEMPERATURE)[1, back] / torch.slot_inner_radius) ** COLD_EDGE
+        excess = np.maximum(share, 0.0) * (back_wall_temperature - wall_temperature)
+        values[space.offsets[LOG_TEMPERATURE] + back] = np.log(wall_temperature + excess)
+    if torch.has_probe and "probe" in held:
         probe = space.offsets[LOG_TEMPERATURE] + space.boundary_dofs(LOG_TEMPERATURE, ("probe",))
         values[probe] = np.log(probe_temperature)
     slot = space.boundary_dofs(AXIAL, ("inlet",))

@@ -64,5 +64,9 @@ def moved(problem, air, condition):
 
 def _besides_gas(condition):
     """What a Problem takes of a Condition besides the properties of the gas and the power."""
-    names = ("mass_flow_rate", "probe_temperature", "swirl_angle", "mixing", "back_wall_temperature")
-    return {"frequency": condition.coil_frequency, **{name: getattr(condition, name) for name in names}}
+    names = ("mass_flow_rate", "probe_temperature", "swirl_angle", "mixing")
+    walls = ("back_wall_temperature", "adiabatic_walls")
+    return {
+        "frequency": condition.coil_frequency,
+        **{name: getattr(condition, name) for name in (*names, *walls)},
+    }

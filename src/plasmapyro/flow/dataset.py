@@ -97,6 +97,7 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
             "title": "Axisymmetric LTE plasma torch and jet",
             "torch": json.dumps(asdict(setup.torch), sort_keys=True),
             **{name: getattr(condition, name) for name in UNITS if name not in scalars},
+            **({"adiabatic_walls": " ".join(condition.adiabatic_walls)} if condition.adiabatic_walls else {}),
             "wall_temperature": setup.wall_temperature,
             "mesh_factor": setup.mesh_factor,
             "viscosity_limiter": problem.limiter,

@@ -90,7 +90,12 @@ def coarse_way(known, coarser, case, origin, target):
 
 
 def changed(known, here, there, problem):
-    """First guess for `problem`: a known state plus the change from `here` to `there` on a coarser mesh."""
+    """First guess for `problem`: a known state plus the change from `here` to `there` on a coarser mesh.
+
+    Where a wall becomes adiabatic or cold, its layer is not the same on two meshes: the state `there` itself.
+    """
+    if known.problem.adiabatic_walls != problem.adiabatic_walls:
+        return transfer(there.state, there.problem, problem)
     guess = known.state + carried(there.state - here.state, there.problem, problem)
     guess[problem.fixed] = problem.values[problem.fixed]
     return guess

@@ -56,6 +56,7 @@ class Problem:
         Mixing length over the radius of the torch (`physics`); 0 for a laminar flow.
     back_wall_temperature : float [K]
         Of the torch; `wall_temperature` if not given.
+    adiabatic_walls : sequence of str, of `geometry.WALLS`
     limiter : float [1]
         Coefficient C of the viscosity limiter in the chamber (`physics.limited_viscosity`); 0 for none.
     order : int
@@ -78,6 +79,7 @@ class Problem:
         swirl_angle=0.0,
         mixing=0.0,
         back_wall_temperature=None,
+        adiabatic_walls=(),
     ):
         self.torch, self.order, self.limiter = torch, order, limiter
         self.wall_temperature = wall_temperature
@@ -91,11 +93,12 @@ class Problem:
         self.back_wall_temperature = (
             wall_temperature if back_wall_temperature is None else back_wall_temperature
         )
+        self.adiabatic_walls = adiabatic_walls
+        self._rank = dissection(self.mesh)
         self._set_gas(properties, mass_flow_rate)
-        self.free = np.flatnonzero(~self.fixed)
+        self._set_free()
         self._open = self.space.facets(OPEN)
         self._conduction = Conduction(self.space)
-        self._factorised = Factorised(self.space.nodes()[self.free], self.free, dissection(self.mesh))
         cells = self.space.cells
         area = (cells.weight / (2 * np.pi * cells.r)).sum(axis=1)
         # Edge of the equilateral triangle of the same area, halved where a quadratic element resolves half
@@ -115,6 +118,7 @@ class Problem:
             self.wall_temperature,
             self.probe_temperature,
             self.back_wall_temperature,
+            self.adiabatic_walls,
         )
         self._outside = (
             float(properties.density(self.wall_temperature)[0]),
@@ -122,16 +126,22 @@ class Problem:
             self.wall_temperature,
         )
 
+    def _set_free(self):
+        self.free = np.flatnonzero(~self.fixed)
+        self._factorised = Factorised(self.space.nodes()[self.free], self.free, self._rank)
+
     def at(self, properties, *, mass_flow_rate, frequency, **others):
         """The same problem at another condition; mesh, bases and orderings are shared.
 
-        `others`: swirl angle, mixing, temperatures of probe and back wall that change.
+        `others`: swirl angle, mixing, temperatures of probe and back wall, adiabatic walls that change.
         """
         other = copy(self)
         other.induction = self.induction.at_frequency(frequency)
         for name, value in others.items():
             setattr(other, name, value)
         other._set_gas(properties, mass_flow_rate)
+        if other.adiabatic_walls != self.adiabatic_walls:
+            other._set_free()
         return other
 
     def with_limiter(self, limiter):
