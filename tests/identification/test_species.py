@@ -8,6 +8,7 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.identification.species import catalogue
 
 BY_NAME = {one.name: one for one in catalogue()}
+MERCURY = "lamp/mercury_sansonetti_1996"
 
 
 def test_hydrogen_to_uranium():
@@ -17,13 +18,28 @@ def test_hydrogen_to_uranium():
 
 
 def test_wavelengths_agree_with_other_lists():
-    """Lists of other origin: argon and mercury lamps, impurities of a jet; 0.01 nm is their own rounding."""
-    for table, column in (("diagnosis/impurity_lines", "species"), ("lamp/mercury_sansonetti_1996", None)):
-        rows = tables.load(table)
-        for k, place in enumerate(rows["wavelength_air"]):
-            own = BY_NAME[rows[column][k] if column else "Hg I"]
-            if place < 1.1e-6 and not (column is None and own.wavelength.size < 20):
-                assert np.abs(own.wavelength - place).min() < 0.01e-9, (own.name, place)
+    """Lines of argon and mercury lamps, of other origin."""
+    for table, name, least in (("lamp/argon_nist", "Ar I", 0.7), (MERCURY, "Hg I", 0.5)):
+        place = tables.load(table)["wavelength_air"]
+        near = np.abs(BY_NAME[name].wavelength[:, None] - place).min(axis=0)
+        assert np.mean(near < 0.01e-9) > least, name
+        assert not np.any((near > 0.01e-9) & (near < 0.2e-9)), name
+
+
+@pytest.mark.parametrize(
+    ("name", "lines", "ratio"),
+    [  # [nm], strengths in LS coupling: C. W. Allen, Astrophysical Quantities (1973), par. 24
+        ("Ca II", (849.8023, 854.2091, 866.2141), (1, 9, 5)),
+        ("Na I", (588.9950, 589.5924), (2, 1)),
+        ("K I", (766.4899, 769.8965), (2, 1)),
+    ],
+)
+def test_multiplets_have_the_strengths_of_their_coupling(name, lines, ratio):
+    own = BY_NAME[name]
+    place = [int(np.abs(own.wavelength - one * 1e-9).argmin()) for one in lines]
+    strength = own.probability[place] * own.wavelength[place] ** 3
+    assert np.abs(own.wavelength[place] - np.array(lines) * 1e-9).max() < 0.01e-9
+    np.testing.assert_allclose(strength / strength.sum(), np.array(ratio) / np.sum(ratio), atol=0.03)
 
 
 @pytest.mark.parametrize(

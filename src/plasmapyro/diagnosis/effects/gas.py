@@ -5,8 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from plasmapyro import tables
-from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.diagnosis.effects.effect import effect
 from plasmapyro.diagnosis.effects.surface import COLD, HOTTEST, PIVOT
 from plasmapyro.identification.species import catalogue
@@ -151,18 +149,9 @@ def _release(scene, growth):
 @lru_cache(maxsize=64)
 def species_lines(species, temperature=JET_EXCITATION):
     """Wavelengths in vacuum [m] and relative strengths of the lines of some species."""
-    table = tables.load("diagnosis/impurity_lines")
-    chosen = np.isin(table["species"], species)
-    air = table["wavelength_air"][chosen]
-    strength = (
-        table["einstein_a"][chosen]
-        * table["upper_degeneracy"][chosen]
-        / air
-        * np.exp(-SECOND_RADIATION * table["upper_energy"][chosen] / temperature)
-    )
-    names = table["species"][chosen]
+    air, strength, names = np.zeros(0), np.zeros(0), np.zeros(0, dtype=str)
     for one in catalogue():
-        one = one.between(*TABLE_RANGE) if one.name in set(species) - set(names) else None
+        one = one.between(*TABLE_RANGE) if one.name in species else None
         if one:
             air, names = np.append(air, one.wavelength), np.append(names, [one.name] * one.wavelength.size)
             strength = np.append(strength, one.light(temperature, THIN))
