@@ -18,9 +18,12 @@ from plasmapyro.commands.terms import (
 from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.fit.given_gas import light_with, with_gas
 from plasmapyro.diagnosis.fit.restore import without_given
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.terms import Term, terms_of, text_of
+from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.stage import diagnose
 
 LOSS = 0.08  # of window E at the end, as in the tests of the diagnosis
@@ -38,7 +41,7 @@ def run(laboratory, test, entries):
             draws=200,
             saturation_counts=65000.0,
             limits=LIMITS,
-            given=terms_of(entries, OF_TEST),
+            given=terms_of(entries, {**OF_TEST, **OF_CONDITION}),
         )
 
 
@@ -98,6 +101,49 @@ def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(reco
     (again,) = yaml.safe_load(after.terms)["test"]["effects"]
     assert again["amplitude"] == pytest.approx(LOSS, abs=0.002)
     assert again["uncertainty"] <= entry["uncertainty"] * 1.001
+
+
+def test_a_power_that_is_given_moves_the_simulated_gas_and_is_not_found_again(record, laboratory):
+    test = record(power=72e3)  # simulated at 80 kW
+    before = run(laboratory, test, [])
+    (entry,) = yaml.safe_load(before.terms)["condition"]["effects"]
+    assert entry["id"] == "power" and entry["amplitude"] == pytest.approx(-0.1, abs=0.03)
+    after = run(laboratory, test, [entry])
+    assert yaml.safe_load(after.terms)["condition"]["effects"] == [entry]
+    wrong, right = (one.report["simulation"] for one in (before, after))
+    assert "power" in wrong["sentences"][0] and "agrees" in right["sentences"][0]
+    assert right["power"] == pytest.approx(1.0, abs=2 * entry["uncertainty"])
+    both = [one.temperature["base_temperature"] for one in (before, after)]
+    late = both[0]["time_bin"].values > 20
+    assert np.nanmax(np.abs(both[0] - both[1]).values[late]) < 0.5  # K, of some 10
+
+
+@pytest.mark.parametrize("identity", ["T_exc", "ripple", "P_eff", "mixing", "contin", "lines Fe I"])
+def test_a_library_with_given_gas_has_the_light_of_the_fit_with_that_effect(laboratory, identity):
+    """And errs by as much more as another amplitude within its uncertainty changes it."""
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=0.75e-9)
+    size, sigma = 0.05, 0.01
+    (term,) = terms_of([{"id": identity, "amplitude": size, "uncertainty": sigma}], OF_CONDITION)
+    given, _ = with_gas(library, [term])
+    assert given.base == pytest.approx(light_with(library, term.setting))
+    assert np.max(np.abs(given.base / library.base - 1)) > 1e-3
+    more = light_with(library, term.at({"amplitude": size + sigma})) - given.base
+    assert np.linalg.norm(given.shape_modes[-1] - more) < 0.2 * np.linalg.norm(more)
+    assert with_gas(library, [])[0].base == pytest.approx(library.base, abs=0)
+
+
+def test_gas_of_a_given_power_varies_from_there(laboratory):
+    """Powers count from the given one; gas hotter by as much as that is where it began."""
+    library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=0.75e-9)
+    (term,) = terms_of([{"id": "power", "amplitude": 0.1, "uncertainty": 0.011}], OF_CONDITION)
+    given, (mean, sigma) = with_gas(library, [term])
+    assert given.power == pytest.approx(88e3) and mean == 0.0 and sigma == pytest.approx(0.01)
+    assert given.base * given.power_factor(-np.log(1.1)) == pytest.approx(library.base, rel=1e-9)
+    colder = 1 / (1 + library.warmth_of(np.log(1.1))) - 1
+    back = given.factor("core_temperature", colder) * library.factor(
+        "core_temperature", library.warmth_of(np.log(1.1))
+    )
+    assert back == pytest.approx(np.ones(back.size), rel=1e-3)
 
 
 def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record, laboratory):

@@ -48,12 +48,9 @@ def diagnosed(options):
 
 
 def _diagnosed(options, folder):
-    given = read_terms(options.given) if options.given else ()
-    if options.given and (of_gas := read_terms(options.given, "condition")):
-        progress.warn(
-            f"{options.given}: {', '.join(term.setting.id for term in of_gas)} of the condition changes the"
-            " simulation, not this test: compute it anew (effects of config/conditions), then --radiance"
-        )
+    given = ()
+    if options.given:
+        given = *read_terms(options.given), *read_terms(options.given, "condition")
     read_priors(options.priors)  # a fault of the file is said first
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)

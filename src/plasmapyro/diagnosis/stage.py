@@ -146,7 +146,8 @@ def diagnose(
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)
-        beside = {"mixing": OF_FLOW["mixing"]} if base.model.library.core else {}
+        beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()
+        beside = {one: OF_FLOW[one] for one in beside}
         comparison = compare(base.model, measured, questions[1], beside=beside, seed=seed)
         elsewhere = other_gas(test, radiation, comparison)
     if any(line.strange for line in comparison.lines) and not elsewhere:

@@ -48,6 +48,7 @@ def base_model(
     spectrometer_calibration=None,
     given=(),
     radiometer_calibration=None,
+    power=None,
 ):
     """Instruments on bins and the base model of a test.
 
@@ -62,6 +63,7 @@ def base_model(
         Effects that are taken as given: what is uncertain of them joins the parameters.
     radiometer_calibration : Dataset, contract 'radiometer_calibration', or None
         Bands take the place of the pyrometer's where the test has none of these.
+    power : (mean, standard deviation) of the logarithm of the power of the gas over the simulated one
 
     Returns
     -------
@@ -110,7 +112,8 @@ def base_model(
         parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH, pauses) for one in instruments]
-    return Model(instruments, library, history, parameters, record, slope, axis, lamp, errors, given)
+    rest = parameters, record, slope, axis, lamp, errors, given
+    return Model(instruments, library, history, *rest, power=power)
 
 
 def _sufficient(instruments, off, plasma):

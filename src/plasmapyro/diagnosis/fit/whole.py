@@ -3,6 +3,7 @@
 from plasmapyro.diagnosis.fit import no_plasma
 from plasmapyro.diagnosis.fit.base import fit_base, guess_temperature
 from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.fit.given_gas import of_gas, with_gas
 from plasmapyro.diagnosis.fit.prior import relative, with_prior
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.record.calibrated import of_pixels
@@ -45,10 +46,13 @@ def fit_test(
     if not plasma:
         record = no_plasma.timed(without_narrow_light(record))
         given = no_plasma.of_instrument(given, record, spectrometer_calibration)
+    gas = [term for term in given if of_gas(term)]
+    given = tuple(term for term in given if not of_gas(term))
     rest = calibration, response, spectrometer_calibration, given, radiometer_calibration
     if plasma:
         library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
-        model = base_model(record, library, *rest)
+        library, power = with_gas(library, gas)
+        model = base_model(record, library, *rest, power)
     else:
         first = base_model(record, no_plasma.dark_library(fwhm, LUKEWARM), *rest)
         library = no_plasma.dark_library(fwhm, float(guess_temperature(first).max()))

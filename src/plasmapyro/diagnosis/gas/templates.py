@@ -53,6 +53,7 @@ class GasLibrary:
     shape_causes: tuple  # of the shape modes: see `radiation.uncertainty`; '' as above
     bands: np.ndarray | float = 0.0  # (K,) light of the systems whose rotational structure may err
     core: tuple | None = None
+    given: tuple = ()  # effects of the condition that it holds, as terms
 
     @cached_property
     def base(self):
@@ -105,7 +106,7 @@ class GasLibrary:
         power : float
             Logarithm of the power over that of the condition.
         """
-        at = self._warmer(power)
+        at = self.warmth_of(power)
         if name == "core_temperature":
             return np.exp(self._hotter(at + (1 + at) * amplitude) - self._hotter(at))
         if name == "ripple":
@@ -113,7 +114,16 @@ class GasLibrary:
             return np.mean(np.exp(changed - self._hotter(at)), axis=0)
         return np.exp(self._splines[name](amplitude / (1 + at) if name in BY_TEMPERATURE else amplitude))
 
-    def _warmer(self, power):
+    def hotter(self, change):
+        """`core` about gas that is hotter by a relative change."""
+        if self.core is None or change == 0.0:
+            return self.core
+        at = self.core[0]
+        there = (1 + change) * (1 + at) - 1
+        inside = (there >= at[0]) & (there <= at[-1])
+        return at[inside], np.exp(self._hotter(there[inside]))
+
+    def warmth_of(self, power):
         """Relative change of the temperature of the gas that a change of the power stands for."""
         return float(self._warmth(np.clip(power, -LARGEST_POWER, LARGEST_POWER)))
 

@@ -105,10 +105,14 @@ def proposed(findings):
     rest = list(_terms(found.settings, errors[2:]))
     of_test += [one for one in rest if one.setting.effect.stage != "gas"]  # of the spectrometer
     of_gas = [one for one in rest if one.setting.id in OF_CONDITION and one.setting.id != HOTTER]
+    power, given = OF_CONDITION["power"], {term.setting.id: term for term in model.library.given}
     if findings.comparison.power_is_wrong:
-        power, (change, error) = OF_CONDITION["power"], findings.comparison.power
+        change, error = findings.comparison.power
+        if power.id in given:
+            change += np.log1p(given.pop(power.id).setting.amplitude)
         size = float(np.clip(np.expm1(change), *power.bounds))
         of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}))
+    of_gas = [*given.values(), *of_gas]
     return tuple(of_test), tuple(of_gas)
 
 
