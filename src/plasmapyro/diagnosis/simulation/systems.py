@@ -62,11 +62,7 @@ def systems_of(fitter, fit):
         Whose power and brightness they are held against.
     """
     simulated, library = fitter.simulated, fitter.simulated.model.library
-    plain, power = simulated.light(0.0, 0.0), fitter.light(fit)
-    there = power / np.maximum(plain, 1e-300)  # of groups too narrow for the change within the others
-    share = simulated.group / np.maximum(simulated.group.sum(axis=1, keepdims=True), 1e-300)
-    by_power = share @ there
-    ratio, error = (by_power * one for one in _measured(fitter, simulated.group * there))
+    ratio, by_power, error = _shares(fitter, fit)
     for place, name in enumerate(library.group_name):
         if not 0 < error[place] < UNSEEN:  # 0 of a group without light
             continue
@@ -92,29 +88,31 @@ def _beyond(ratio, error, expected, stated):
     return bool(abs(ratio - expected) > np.hypot(BEYOND * error, edge))
 
 
-def _measured(fitter, groups):
-    """Measured over expected light of groups (G, C), and its error (G,).
+def _shares(fitter, fit):
+    """Measured over simulated light of groups, that of a fit over it, and the error of the first (G,).
 
-    Errors of data and shapes are relative to the light that is found; what the shapes leave beyond their
-    errors makes ratios less certain (R. T. Birge, Phys. Rev. 40, 207 (1932)).
+    Both lights are shared among the groups by the same weights. Errors of data and shapes are relative to the
+    light that is found; what the shapes leave beyond their errors makes ratios less certain (R. T. Birge,
+    Phys. Rev. 40, 207 (1932)).
     """
-    simulated, seen, factors = fitter.simulated, groups.sum(axis=0), {}
-    least, systems = FAINTEST * seen, set(simulated.shape_systems) - {""}
+    simulated, groups, factors = fitter.simulated, fitter.simulated.group, {}
+    whole, systems = groups.sum(axis=0), set(simulated.shape_systems) - {""}
+    seen, least = fitter.light(fit), FAINTEST * whole
+    lights = np.stack([fitter.measured.value, seen]) - whole
     for _ in range(ROUNDS):
         root = fitter.root_of(simulated.stronger(factors), seen=seen)
-        white = fitter.white(groups, root)
-        rest = fitter.white(fitter.measured.value - groups.sum(axis=0), root)[0]
+        white, rest = fitter.white(groups, root), fitter.white(lights, root)
         covariance = np.linalg.inv(white @ white.T + FREE**-2.0 * np.eye(len(white)))
-        change = covariance @ (white @ rest)
-        seen = np.maximum((1 + change) @ groups, least)
+        change = covariance @ (white @ rest.T)
+        seen = np.maximum(whole + change[:, 0] @ groups, least)
         for name in systems:
             own = simulated.groups_of(name)
             if own.any():
-                found = np.average(1 + change[own], weights=groups[own].sum(axis=1) + TINY)
+                found = np.average(1 + change[own, 0], weights=groups[own].sum(axis=1) + TINY)
                 factors[name] = float(np.clip(found, FAINTEST, BRIGHTEST))
-    left = rest - change @ white
-    spread = max(float(left @ left) / max(rest.size - len(groups), 1), 1.0)
-    return 1 + change, np.sqrt(spread * np.diag(covariance))
+    left = rest[0] - change[:, 0] @ white
+    spread = max(float(left @ left) / max(left.size - len(groups), 1), 1.0)
+    return *(1 + change.T), np.sqrt(spread * np.diag(covariance))
 
 
 def _stated(simulated, name, light):
