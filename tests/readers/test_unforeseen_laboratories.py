@@ -33,6 +33,11 @@ def zoned(time, wide, narrow):
     return f"{moment.isoformat(timespec='milliseconds')}{zone}", wide, narrow
 
 
+def archived(time):
+    """A moment as WinCC counts it: millionths of days since 1900."""
+    return f"{46149e6 + time / 0.0864:.6f}".replace(".", ",")
+
+
 PLAIN = table("Time [s],S1 [nA],S2 [nA]", lambda *row: row)
 LABVIEW = "LabVIEW\nSeparator\tTab\nTime\t14:02:10.1\n***End***\nSamples\t20\t20\nX0\t0\t0\nDelta\t1\t1\n"
 TABLES = {
@@ -143,6 +148,49 @@ TABLES = {
     + table("Zeit;Signal 1;Signal 2;Bemerkung\ns;nA;nA;", lambda *row: (*row, ""), ";", ",").replace(
         "5,0;55,0;32,5;", "5,0;55,0;32,5;\n5,5;#WERT!;#DIV/0!;"
     ),
+    "a recorder without times": '"Header Size",7\n"TraceName","Pyro wide","Pyro narrow"\n"VUnit","nA","nA"\n'
+    '"HResolution",1.0e+0,1.0e+0\n"HOffset",0.0,0.0\n"HUnit","s","s"\n"Date","2026/05/07","2026/05/07"\n'
+    + "".join(f",{w},{n}\n" for _, w, n in SAMPLES),
+    "an archive of values, its times in days": '"VarName";"TimeString";"VarValue";"Validity";"Time_ms"\n'
+    + "".join(
+        f'"{name}";"07.05.2026 12:{t:02.0f}";{str(value).replace(".", ",")};1;{archived(t)}\n'
+        for t, *pair in SAMPLES
+        for name, value in zip(("Pyro_S1_nA", "Pyro_S2_nA"), pair, strict=True)
+    )
+    + '"$RT_OFF$";"07.05.2026 13:00";0;2;46149500000,0\n',
+    "an archive with units": table(
+        "Index,Channel,Reading,Unit,Time,Relative Time",
+        lambda t, w, n: (f"1,101,{w},nA,11:59:50,{t}\n2,102,{n}", "nA", "11:59:50", t),
+    ),
+    "units that change within a column": table(
+        '"Time","Pyro S1","Pyro S2"',
+        lambda t, w, n: (
+            f"{NOON + timedelta(seconds=t):%Y-%m-%d %H:%M:%S}",
+            f"{w} nA" if t % 2 else f"{w / 1e3} \u00b5A",
+            f"{1e3 * n} pA",
+        ),
+    ),
+    "catman": "HBM_CATMAN_DATAFILE_40\nCOMMENT LINES = 0\n\nZeit  1 - Standardabtastrate\tPyro_S1\tPyro_S2\n"
+    "Computer-Zeit\tMX840A_0 CH 1\tMX840A_0 CH 2\n"
+    + "\n".join(["\t".join([word] * 3) for word in ("T0 = 12.03.2026 14:22:01", "dt = 1000 ms")])
+    + table("\ns\tnA\tnA\n\t\t\nSR=1 Hz\tSR=1 Hz\tSR=1 Hz", lambda *row: row, "\t", ","),
+    "LabVIEW with times for each": "LabVIEW Measurement\nX_Columns\tMulti\n***End***\n"
+    + table("X_Value\tWide (nA)\tX_Value\tNarrow (nA)\tComment", lambda t, w, n: (t, w, t, n, ""), "\t"),
+    "typographic thousands": table(
+        "Zeit [s];S1 [pA];S2 [pA]",
+        lambda t, *p: (t, *(f"{v * 1e3:,.1f}".replace(",", "\u2019") for v in p)),
+        ";",
+    ),
+    "names of rows of R": '"t_s" "S1_nA" "S2_nA"\n'
+    + "".join(f'"{i}" {t} {w} {n}\n' for i, (t, w, n) in enumerate(SAMPLES, 1)),
+    "a delimiter before the names": table("\tTime_s\tWide_nA\tNarrow_nA", lambda *row: row, "\t"),
+    "parts of days of a spreadsheet": table(
+        "Time;S1 [nA];S2 [nA]", lambda t, *p: (f"{0.25 + t / 86400:.12f}", *p), ";"
+    ),
+    "minutes beside milliseconds": table(
+        "Date,Elapsed (ms),S1 (nA),S2 (nA)",
+        lambda t, *p: (f"{NOON + timedelta(seconds=t):%Y-%m-%d %H:%M}", 1e3 * t, *p),
+    ),
     "letters that are none": PLAIN.replace("S1", "S\x8e1").replace("S2", "S2").encode("latin-1"),
 }
 
@@ -246,6 +294,14 @@ REFUSED = {
         "is a packed file or a workbook, not text; save the sheet as CSV",
     ),
     "a mark and nothing else": ("a.csv", b"\xff\xfe", "no columns of numbers"),
+    "values logged one after the other": (
+        "a.csv",
+        table(
+            "Index,Channel,Reading,Unit,Time",
+            lambda t, w, n: (f"1,101,{w},nA,{t}\n2,102,{n}", "nA", t + 0.02),
+        ),
+        "'101' and '102' are logged at moments of their own (0.0 and 0.02)",
+    ),
     "a damaged Matlab file": ("a.mat", b"MATLAB 5.0 MAT-file" + b"\0" * 200, "cannot be read"),
     "arrays of other files": (
         "a.json",
@@ -316,6 +372,28 @@ def test_what_meters_show_instead_of_a_number_is_no_sample(tmp_path, word):
     assert np.flatnonzero(np.isnan(test.signal_wide)).tolist() == [3]
     assert np.isfinite(test.signal_narrow).all() and np.isfinite(test.time).all()
     assert number(word) is not None or missing(word)
+
+
+@pytest.mark.parametrize(
+    ("word", "decimal", "value"),
+    [
+        ("1,06,038.4", ".", 106038.4),
+        ("12,34,56,789", ".", 123456789.0),
+        ("10\u2019603.8", ".", 10603.8),
+        ("10\u2009603,8", ",", 10603.8),
+        ("1,06,38.4", ".", None),
+        ("1,2345", ".", None),
+    ],
+)
+def test_thousands_are_read_where_they_can_be_nothing_else(word, decimal, value):
+    assert number(word, decimal) == value
+
+
+def test_signals_logged_at_moments_of_their_own_are_refused(tmp_path):
+    rows = "".join(f"{t}\t{w}\t\n{t + 0.5}\t\t{n}\n" for t, w, n in SAMPLES)
+    (tmp_path / "log.txt").write_text("Time [s]\tS1 [nA]\tS2 [nA]\n" + rows)
+    (tmp_path / "test.yaml").write_text(describe(tmp_path).text)
+    assert any("never stand in one row" in one for one in check_test(tmp_path))
 
 
 AIR = np.linspace(700.0, 1000.0, 40)
@@ -443,6 +521,10 @@ SPECTRA = {
     "against clock times": {
         "s.csv": matrix(["time", *AIR], ([stamp(t), *row] for t, row in zip(MOMENTS, COUNTS, strict=True))),
         "dark.csv": LYING_DARK,
+    },
+    "as WinSpec exports them": {
+        f"run/{name}.txt": matrix([], zip(AIR, [1] * 40, row, strict=True), "\t").removeprefix("\n")
+        for name, row in zip(("s01", "s02", "s03", "bg"), [*COUNTS, DARK], strict=True)
     },
     "two columns each": {
         f"run/{i:03}.asc": matrix([], zip(AIR, row, strict=True), "\t") for i, row in enumerate(COUNTS)

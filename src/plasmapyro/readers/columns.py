@@ -26,7 +26,7 @@ LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " ", "blanks": "  "}
-STACKED = 5  # lines above the data that may hold names and units
+STACKED = 8  # lines above the data that may hold names and units
 NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 WAVES = re.compile(
     r"lambda|\u03bb|wave(l|$)|wellenl|onda|onde|\u6ce2\u9577|^\W*(nm|um|\u00b5m)\W*$", re.IGNORECASE
@@ -183,7 +183,7 @@ def read_table(path, columns, delimiter=None, decimal=None):
     start, mark, places, stated = _header(path, lines, sought, delimiter)
     for index in range(start + 1, min(start + 1 + STACKED, len(lines))):
         cells = split(lines[index], mark)
-        if any(map(is_value, cells)):
+        if any(is_value(cell) and not cell[0].isalpha() for cell in cells):  # 'T0 = 12.03.2026' is none
             break
         if below := units_in(cells):  # units and remarks between the names and the data
             stated = {name: stated[name] or dict(enumerate(below)).get(at) for name, at in places.items()}
@@ -350,7 +350,9 @@ def split(line, mark):
                 for cell, parts in cells
                 for part in (parts if None not in map(number, parts) and parts else [cell])
             ]
-        cells = line.split() if mark == " " else next(csv.reader([line], delimiter=mark))
+        if mark == " " and '"' not in line:
+            return line.split()
+        cells = next(csv.reader([line], delimiter=mark, skipinitialspace=mark == " "))
     except csv.Error:
         cells = line.split(mark)
     return [cell.strip() for cell in cells]

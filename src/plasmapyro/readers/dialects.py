@@ -1,15 +1,17 @@
-"""Lines of a table out of files of another form: arrays of Matlab and HDF5, Igor text, LabVIEW."""
+"""Lines of a table out of files of another form: arrays, Igor text, LabVIEW, recorders, archives."""
 
+import csv
 import json
 import re
+from collections import Counter
 from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 
 from plasmapyro import foreign
-from plasmapyro.readers import units
-from plasmapyro.readers.text import BINARY, NUMBER, Refusal, number, read_lines, refuse, regular_file
+from plasmapyro.readers import clock, units
+from plasmapyro.readers.text import BINARY, NUMBER, Refusal, number, quote, read_lines, refuse, regular_file
 
 ARRAYS = {".mat", ".h5", ".hdf5", ".nc", ".cdf", ".npz", ".json", ".jsonl", ".ndjson"}
 LARGEST = 1_000_000_000  # [byte] of a file of arrays
@@ -21,6 +23,12 @@ PAIR = re.compile(rf"\b([A-Za-z_]\w*)\s*[=:]\s*({NUMBER.pattern})(?![\w.:])", re
 STAMP = re.compile(r"\s*[\d:./T-]*\d{1,2}:\d{2}:\d{2}[.,\d]*", re.ASCII)
 LONGEST_OF_PAIRS = 2_000_000  # lines
 PART = re.compile(r" \d+$")  # of the name of one column of an array of two dimensions
+# Columns of an archive of values: what a value is of, the value, its unit; WinCC counts days in millionths.
+OF_WHAT = re.compile(
+    r"(var|tag|signal|channel|point|sensor)[ _]?(name|id)?|name|kanal|metric|_?field", re.IGNORECASE
+)
+VALUE = re.compile(r"(var|tag|raw)?[ _]?(value|wert)|reading|messwert", re.IGNORECASE)
+TIME, DAYS = re.compile("time|zeit|date|datum", re.IGNORECASE), "Time_ms"
 
 
 def table_lines(path, limit):
@@ -28,8 +36,8 @@ def table_lines(path, limit):
 
     Of Matlab, HDF5, netCDF, numpy and JSON files the arrays of the most frequent length, by their names, are
     columns. Igor text: its waves are. LabVIEW measurements without a column of times get one from their
-    interval, readings with their unit behind each number ('+1.06E-05A') have it in the header, and lines of
-    names and numbers ('t=0.5 wide=1e-5') become rows.
+    interval, as do records of Yokogawa; readings with their unit behind each number ('+1.06E-05A') have it in
+    the header, lines of names and numbers ('t=0.5 wide=1e-5') and archives of one value a line become rows.
 
     Raises
     ------
@@ -46,7 +54,9 @@ def table_lines(path, limit):
     head = lines[:LOOKED_AT]
     if any(map(re.compile(r"\*\*\*End|X_Columns\W+No\b").match, head)):
         lines = _labview(lines)
-    return _detached(_of_pairs(lines)), ended
+    if any("TraceName" in line for line in head):
+        lines = _recorder(lines)
+    return _detached(_of_pairs(_archive(path, _aligned(lines)))), ended
 
 
 def _columns(path, arrays):
@@ -247,20 +257,118 @@ def _labview(lines):
             return lines
         sign = "," if "," in keys["Delta_X"][1] else "."
         body = [f"{first + i * step:.9g}".replace(".", sign) + line for i, line in enumerate(body)]
+    again = {place for place, name in enumerate(names) if place and name.startswith("X_Value")}
+    if again:  # each channel has times of its own; the same ones for all are kept once
+        rows = [line.split("\t") for line in body]
+        if all(row[place] == row[0] for row in rows for place in again & {*range(len(row))}):
+            body, names = (
+                ["\t".join(cell for place, cell in enumerate(row) if place not in again) for row in rows],
+                [name for place, name in enumerate(names) if place not in again],
+            )
     return [*[""] * head, "\t".join(["X_Value [s]", *names[1:]]), *body]
 
 
+def _aligned(lines):
+    """Lines of a table whose names stand one column beside their cells, put right.
+
+    R leaves out the name of the column of row names, which is dropped; other programs begin the line of names
+    with a delimiter.
+    """
+    start = next((i for i, line in enumerate(lines[:LOOKED_AT]) if re.search(r"[^\W\d]", line)), 0)
+    name, body = lines[start], lines[start + 1 : start + 1 + LOOKED_AT]
+    mark = next((one for one in MARKS if one in name), " ")
+    width = len(name.split(mark))
+    cells = [line.split(mark) for line in body]
+    if len(body) < 2 or width < 2:
+        return lines
+    if not name.split(mark)[0].strip() and mark != " " and {len(row) for row in cells} == {width - 1}:
+        return [*lines[:start], name.partition(mark)[2], *lines[start + 1 :]]
+    numbered = [row[0].strip('"') for row in cells] == [str(i) for i in range(1, len(cells) + 1)]
+    if numbered and {len(row) for row in cells} == {width + 1} and all(row[-1].strip() for row in cells):
+        return [*lines[: start + 1], *(line.partition(mark)[2] for line in lines[start + 1 :])]
+    return lines
+
+
+def _recorder(lines):
+    """The table of a record of Yokogawa (DL series): a header of keys, then rows without times."""
+    rows = {i: next(csv.reader([line])) for i, line in enumerate(lines[:LOOKED_AT]) if line}
+    keys = {row[0]: row[1:] for row in rows.values() if row[0]}
+    body = [line for line in lines if line.startswith(",")]
+    try:
+        first, step = (float(keys[key][0]) for key in ("HOffset", "HResolution"))
+        names = [f"{name} [{unit}]" for name, unit in zip(keys["TraceName"], keys["VUnit"], strict=True)]
+        head = [f"time [{keys['HUnit'][0]}]", *names]
+    except (KeyError, IndexError, ValueError):
+        return lines
+    above = [""] * (len(lines) - len(body) - 1)  # numbers of lines stay, where blocks do not part them
+    return [*above, ",".join(head), *(f"{first + i * step:.12g}{line}" for i, line in enumerate(body))]
+
+
+def _archive(path, lines):
+    """The table of an archive of one value a line, with the name of what it is of (WinCC, KickStart).
+
+    Raises
+    ------
+    Refusal
+        If the values are not of the same moments.
+    """
+    for line in lines[:LOOKED_AT]:
+        mark = next((one for one in MARKS if one in line), None)
+        names = next(csv.reader([line], delimiter=mark)) if mark else []
+        which = [[i for i, name in enumerate(names) if form.fullmatch(name)] for form in (OF_WHAT, VALUE)]
+        if all(len(found) == 1 for found in which):
+            break
+    else:
+        return lines
+    (what,), (value,) = which
+    unit = next((i for i, name in enumerate(names) if name.lower() in ("unit", "einheit")), None)
+    rows = [
+        row for row in csv.reader(lines[lines.index(line) + 1 :], delimiter=mark) if len(row) == len(names)
+    ]
+    seen = Counter(row[what] for row in rows)
+    most = max(seen.values(), default=0)
+    if not 2 <= len(seen) <= MOST_COLUMNS or most < 2:
+        return lines
+    of = {name: [row for row in rows if row[what] == name] for name in seen if 2 * seen[name] > most}
+    first, *others = of  # what is logged now and then, as alarms are, is left out
+    times = [i for i, name in enumerate(names) if TIME.search(name) or clock.looks_like_stamp(rows[0][i])]
+    times = [i for i in times if len({row[i] for row in rows}) > 1]
+    for name in others:
+        for one, other in zip(of[first], of[name], strict=False):
+            if apart := [i for i in times if one[i] != other[i]]:
+                when = f"({one[apart[-1]]} and {other[apart[-1]]})"
+                what = f"{quote(first)} and {quote(name)} are logged at moments of their own {when}"
+                refuse(path, what, "export both at the same moments, one row per moment")
+    times = [i for i in times if names[i] == DAYS] or times
+    heads = ["Time [d]" if names[i] == DAYS else names[i] for i in times]
+    heads += [f"{name} [{held[0][unit]}]" if unit is not None else name for name, held in of.items()]
+    body = (
+        [_in_days(group[0][i]) if names[i] == DAYS else group[0][i] for i in times]
+        + [row[value] for row in group]
+        for group in zip(*of.values(), strict=False)
+    )
+    return ["\t".join(row) for row in [heads, *body]]
+
+
+def _in_days(word):
+    sign = "," if "," in word else "."
+    found = number(word, sign)
+    return word if found is None else repr(found / 1e6).replace(".", sign)
+
+
 def _detached(lines):
-    """Lines whose readings carry their units, with the units in the header."""
+    """Lines whose readings carry their units, with the units in the header; all become those of the first."""
     for i, line in enumerate(lines[:LOOKED_AT]):
         mark = next((one for one in MARKS if one in line), None)
         cells = [ATTACHED.fullmatch(cell) for cell in line.split(mark)] if mark else []
         held = [cell and units.is_unit(cell[2]) for cell in cells]
         plain = (
-            number(cell) is not None for cell, has in zip(line.split(mark), held, strict=True) if not has
+            number(cell) is not None or clock.looks_like_stamp(cell)
+            for cell, has in zip(line.split(mark), held, strict=True)
+            if not has
         )
         if any(held) and all(plain) and i:
-            names = lines[i - 1].split(mark)
+            names = [name.strip().strip('"') for name in lines[i - 1].split(mark)]
             if len(names) != len(cells):
                 return lines
             names = [
@@ -269,10 +377,20 @@ def _detached(lines):
             ]
             body = [
                 mark.join(
-                    found[1] if has and (found := ATTACHED.fullmatch(word)) and found[2] == cell[2] else word
+                    _in_unit(word, cell[2]) if has else word
                     for word, cell, has in zip(row.split(mark), cells, held, strict=False)
                 )
                 for row in lines[i:]
             ]
             return [*lines[: i - 1], mark.join(names), *body]
     return lines
+
+
+def _in_unit(word, unit):
+    """A reading ('990 nA') as a number in another unit of the same kind; the word itself where it is none."""
+    found = ATTACHED.fullmatch(word)
+    if not found or found[2] == unit:
+        return found[1] if found else word
+    own, other = units.normalised(found[2]), units.normalised(unit)
+    known = next((each for each in units.TO_SI.values() if own in each and other in each), None)
+    return word if known is None else f"{float(found[1]) * known[own] / known[other]:.12g}"

@@ -24,8 +24,8 @@ LEAST_RUN = 10  # rows: of a table, not of the blocks of numbers above it
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
-    "time": r"t|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*|sec.*"
-    r"|elapsed.*|xvalue",
+    "time": r"t|ts|tms|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*"
+    r"|sec.*|elapsed.*|xvalue",
     "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*"
     r"|.*(ch(annel)?|kanal|voie|canale?)1|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
     "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*"
@@ -47,7 +47,9 @@ DATES = (
 TIMES = (
     "%H:%M:%S|%H:%M|%M:%S|%I:%M:%S %p|%H:%M:%S%z|%H:%M:%S %z|%H%M%S|%H%M%S%z|%H-%M-%S|%H.%M.%S|%Hh%Mm%Ss"
 ).split("|")
-FORMATS = [f"{day}{gap}{hour}" for day in DATES for gap in (" ", "T", "_") for hour in TIMES] + TIMES
+FORMATS = [
+    f"{day}{gap}{hour}" for day in DATES for gap in (" ", "T", "_") for hour in TIMES if hour != "%M:%S"
+] + TIMES
 OTHERS = set(
     ".yaml .yml .md .pdf .png .jpg .jpeg .tif .gif .mp4 .avi .html .py .m .docx .pptx .ini .db .lnk".split()
 )
@@ -58,6 +60,7 @@ NO_SIGNAL = re.compile(  # columns that are none, whatever their size
 INDIRECT = {"V": 1e-6, "mV": 1e-9, "uV": 1e-12, "count": 1e-9, "counts": 1e-9}  # to ask the amperes of one
 EPOCH = (1e9, 3e9)  # [s] since 1970: 2001 to 2065
 DAYS = (30_000, 800_000)  # dates as spreadsheets (1982 on) and Matlab count them
+DAY_PART = 1.0  # a record without a unit that ends before: times of day as spreadsheets count them
 # ASSUME: currents without a unit are amperes if as small as photodiodes give them, else nanoamperes.
 LARGEST_CURRENT = 0.1  # [A]
 
@@ -90,7 +93,10 @@ def look_at_table(path):
     ]
     seen, best = set(), None  # a header may stand above each block of a record
     lines = [line for line in lines if not (line in seen or seen.add(line)) or not WORDS.search(line)]
+    tabbed = sum("\t" in line for line in lines) > USUAL * len(lines)
     for name, mark in columns.DELIMITERS.items():
+        if tabbed and mark.isspace() and mark != "\t":
+            continue  # an empty cell would be lost
         rows = [columns.split(line.lstrip("#%! "), mark) for line in lines]
         good = [_is_row(row) for row in rows]
         begins = [i for i in range(len(rows)) if good[i] and not (i and good[i - 1])]
@@ -177,6 +183,13 @@ def assign(table):
     free = [place for place in range(len(table.labels)) if place not in stamps]
     if any(WAVE.match(label) for label in table.labels):
         return {}  # a spectrum, whatever its columns rise like
+    if stamps and len(set(zip(*(table.cells[place] for place in stamps), strict=False))) < len(
+        table.cells[0]
+    ):
+        finer = [
+            p for p in free if _is_one_of(table.units[p], "s") and (np.diff(_values(table, p)) > 0).all()
+        ]
+        stamps = [] if finer else stamps  # clock times of minutes beside a count of milliseconds
     if stamps:
         fractions = [
             p for p in free if table.labels[p].lower() in ("ms", "msec", "millisecond", "milliseconds")
@@ -532,7 +545,7 @@ def _table_lines(folder, paths, table, places, questions):
             stated, unit = False, "ms" if np.nanmedian(np.diff(time)) >= 5 else "s"
             since_1970 = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
             unit = next((u for u, one in since_1970.items() if EPOCH[0] < time[0] / one < EPOCH[1]), unit)
-            if DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1:
+            if (DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1) or 0 <= time[0] < time[-1] < DAY_PART:
                 unit = "d"  # of a spreadsheet: days since 1900
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
         first = float(time[0]) * units.factor(unit, "time") * scale

@@ -13,7 +13,10 @@ from plasmapyro.readers.text import number, quote, read_lines, refuse
 LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
 LEAST_PIXELS = 20  # of a spectrum without a header
-DARK = re.compile(r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697", re.IGNORECASE)
+DARK = re.compile(
+    r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697|(^|[\W_])(bg|bkgd?)([\W_\d]|$)",
+    re.IGNORECASE,
+)
 DERIVED = re.compile(r"subtract|correct|korrig|minus|transm|absorb|raman|wavenumber|scope", re.IGNORECASE)
 NO_LIGHT = re.compile(f"{DERIVED.pattern}|^\\W*ref", re.IGNORECASE)  # a reference is light of a lamp
 RATE = re.compile(r"\bcps\b|count(s|\(s\))?\s*(/|per|\*?\s*s\^?-1)\s*(s\b|sec|\W|$)", re.IGNORECASE)
@@ -178,6 +181,8 @@ def plain_spectrum(lines):
             return None  # columns of something else
         if table.shape[1] == 3 and (np.diff(table[:, 0]) == 1).all():
             table = table[:, 1:]  # behind the number of the pixel
+        elif table.shape[1] == 3 and (table[:, 1] == 1).all():
+            table = table[:, ::2]  # around the number of the strip, as WinSpec writes it
         names = ["W", "S"]
     if len(set(names)) < len(names) or len(names) != table.shape[1] or len(names) < 2:
         return None

@@ -128,7 +128,16 @@ def pyrometer(folder, section):
     """Variables on `time`: both signals and, if the same file holds them, tunnel channels."""
     if section.text("format", choices=("csv", "tdms", "marathon")) == "marathon":
         return _marathon(folder, section)
-    return table(folder, section, (*SIGNALS, *TUNNEL), "pyrometer.csv")
+    found = table(folder, section, (*SIGNALS, *TUNNEL), "pyrometer.csv")
+    if found and set(SIGNALS) <= found.keys() and found["time"].size > 1:
+        seen = np.isfinite([found[name] for name in SIGNALS])
+        if seen.any(axis=1).all() and not seen.all(axis=0).any():
+            refuse(
+                section.path,
+                "the two signals never stand in one row: they are logged at moments of their own",
+                "export both at the same moments, one row per moment",
+            )
+    return found
 
 
 def radiometer(folder, section):
@@ -237,6 +246,9 @@ def rising(path, time):
         remedy = "remove repeated lines, or log the time with more digits"
         if abs(steps[first] + clock.HOUR) < clock.CHANGE:
             what += " by an hour (the end of summer time?)"
+        elif abs(steps[first] + 12 * clock.HOUR) < clock.CHANGE:
+            what += " by twelve hours (a clock without AM and PM?)"
+            remedy = "log with a clock of 24 hours, or add 12 to the hours after noon"
         elif (steps < 0).all():
             what, remedy = "runs backwards", "sort the lines by their time, the oldest first"
         elif steps[first] < 0 and time[first + 1] <= time[0] + np.median(steps):

@@ -29,7 +29,8 @@ NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eEdD][+-]?\d{1,
 GROUPED = {
     decimal: re.compile(
         rf"[+-]?\d{{1,3}}(?:(?:\{other}\d{{3}})+\{decimal}\d{{1,40}}"
-        rf"|(?:[\u00a0\u202f']\d{{3}})+(?:\{decimal}\d{{1,40}})?)",
+        rf"|(?:[\u00a0\u2009\u202f'\u2019]\d{{3}})+(?:\{decimal}\d{{1,40}})?)"
+        rf"|[+-]?\d{{1,2}}(?:\{other}\d\d)+\{other}\d{{3}}(?:\{decimal}\d{{1,40}})?",  # of India: 1,06,038.4
         re.ASCII,
     )
     for decimal, other in (".,", ",.")
