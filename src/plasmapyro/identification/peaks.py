@@ -10,7 +10,6 @@ from scipy.ndimage import (
     percentile_filter,
     uniform_filter1d,
 )
-from scipy.signal import find_peaks, peak_widths
 
 DETECTED = 5.0  # standard deviations of a peak
 NOISE_WINDOW = 151  # channels
@@ -93,6 +92,11 @@ def find(axis, signal, noise=None, slit=None):
     own = noise_of(signal, SMOOTH_GAIN)
     noise = own if noise is None else np.maximum(own, np.sqrt(np.sum(SMOOTH**2)) * noise)
     step = np.gradient(axis)
+    from scipy.signal import (
+        find_peaks,
+        peak_widths,
+    )  # half a second, which reading a table of lines does not cost
+
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
     channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
     if slit is None:

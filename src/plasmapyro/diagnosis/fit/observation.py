@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.special import ndtr
-from scipy.stats import norm
 
 from plasmapyro.radiation.bandsignal import respond
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
@@ -188,7 +187,8 @@ def as_through(slit, own, wavelength, values, saturated):
     count = last - first
     row = np.repeat(np.arange(wavelength.size), count)
     column = np.arange(count.sum()) + np.repeat(first - np.cumsum(count) + count, count)
-    share = norm.pdf(wavelength[column], wavelength[row], sigma) * width[column]
+    away = (wavelength[column] - wavelength[row]) / sigma
+    share = np.exp(-(away**2) / 2) / np.sqrt(2 * np.pi) / sigma * width[column]
     kernel = sparse.csr_array((share, (row, column)), shape=(wavelength.size,) * 2)
     finite = np.isfinite(values)
     weight = finite.astype(float) @ kernel.T

@@ -1,12 +1,12 @@
 """A gas that wanders more than was assumed: how much, by the data."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtr, gammaincinv
 
 KEPT = 0.7  # [1], of the second differences, the least ones: an event is no wandering
 LEAST_RATIO = 1.3  # [1] of a variance beyond which it is raised
 MOST = 0.03  # [1] standard deviation beyond which a gas does not wander but changes
-NORMAL = float(chi2.cdf(chi2.ppf(KEPT, 1), 3)) / KEPT  # [1] mean of the least ones, of a normal law
+NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
 
 
 def wandering(model, solution):

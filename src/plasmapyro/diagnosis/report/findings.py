@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag, cho_solve
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from plasmapyro.diagnosis.fit.base import Base
 from plasmapyro.diagnosis.report import show
@@ -100,7 +100,7 @@ class Findings:
     @cached_property
     def p_value(self):
         """Probability of a misfit as large as the final fit's, priors included, by its noise alone."""
-        return float(chi2.sf(self.final.objective, self.final.count))
+        return float(chdtrc(self.final.count, self.final.objective))
 
     @cached_property
     def unknown_shift(self):

@@ -1,7 +1,7 @@
 """Numbers behind the figures of a diagnosis: what departs from the model, where and when."""
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtrc, ndtri
 
 from plasmapyro.diagnosis.select.leftover import leading
 from plasmapyro.diagnosis.select.screen import best_by_id
@@ -82,7 +82,7 @@ def phase_table(model, solution, z):
                             "channel": kind,
                             "chi2": chi2,
                             "count": count,
-                            "p": float(stats.chi2.sf(chi2, count)),
+                            "p": float(chdtrc(count, chi2)),
                         }
                     )
     return rows
@@ -289,7 +289,7 @@ def series(model, z):
             quantile.append(
                 {
                     "channel": kind,
-                    "normal": numbers(stats.norm.ppf(share)),
+                    "normal": numbers(ndtri(share)),
                     "residual": numbers(np.quantile(flat, share)),
                 }
             )

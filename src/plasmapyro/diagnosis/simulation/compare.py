@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, log_prior, numbers_of, with_numbers
@@ -300,7 +300,7 @@ class Fitter:
     def p_value(self, fit):
         """Probability [1] of a chi-squared as large, all errors of simulation and measurement considered."""
         rest = self.white(self.measured.value - self.light(fit))[0]
-        return float(chi2.sf(rest @ rest, rest.size))
+        return float(chdtrc(rest.size, rest @ rest))
 
     def spread(self, fit):
         """The Birge ratio [1] of a fit, squared: its chi-squared per number where that is above 1.
