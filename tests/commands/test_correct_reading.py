@@ -51,14 +51,36 @@ def test_a_log_becomes_a_file_and_a_summary(results, capsys):
         "time [s], Ts [K]\n1.25, 1400.5\n2.5, 1559\n",
         "time [s]  Ts [K]\n1.25   1400.5\n2.5    1559\n",
         "time [s] Ts [K]\n1,25 1400,5\n2,5 1559,0\n",
+        "Zeit\tTemperatur\ns\t°C\n1,25\t1127,35\n2,5\t1285,85\n",
+        'No,time [ms],T [degC]\n1,"1250,00","1127,35"\n2,"2500,00","1285,85"\n',
+        "time [s],slope,Ts [K]\n1.25,1,1400.5\n2.5,1,1559\n",
     ],
-    ids=["semicolons", "tabs and commas", "final tabs", "commas", "blanks", "blanks and commas"],
+    ids=[
+        "semicolons",
+        "tabs and commas",
+        "final tabs",
+        "commas",
+        "blanks",
+        "blanks and commas",
+        "units below",
+        "quoted commas",
+        "a column between",
+    ],
 )
 def test_cells_stand_between_any_usual_marks(tmp_path, table):
     (tmp_path / "log.csv").write_text(table)
     time, reading = read_readings(tmp_path / "log.csv")
     np.testing.assert_array_equal(time, [1.25, 2.5])
-    np.testing.assert_array_equal(reading, [1400.5, 1559.0])
+    np.testing.assert_allclose(reading, [1400.5, 1559.0], rtol=1e-14)
+
+
+def test_a_time_of_day_counts_from_the_first_reading_and_fills_are_none(tmp_path):
+    rows = "".join(f"12:59:{second}.5;{1400 + second},0\n" for second in range(50, 60))
+    (tmp_path / "log.csv").write_text("Uhrzeit;Temperatur [°C]\n" + rows + "13:00:00.5;-9999\n")
+    time, reading = read_readings(tmp_path / "log.csv")
+    np.testing.assert_allclose(time, np.arange(11.0), atol=1e-9)
+    np.testing.assert_allclose(reading[:-1], 1400 + np.arange(50, 60) + 273.15)
+    assert np.isnan(reading[-1])
 
 
 def test_commas_that_may_part_thousands_are_asked_about(tmp_path):
@@ -96,11 +118,15 @@ def test_commas_and_celsius_are_taken(tmp_path):
 @pytest.mark.parametrize(
     "table, message",
     [
-        ("1 2\n3 4\n", "line 1: the first line '1 2' names no time and temperature"),
-        ("time [s] Ts [F]\n1 2\n", "line 1: unknown unit"),
-        ("time [s] Ts [K]\n1 1500\n2 x\n", "line 3: '2 x' is no row of numbers"),
+        ("1 2\n3 4\n", "no columns of numbers named time and temperature; it begins '1 2'"),
+        ("time [s] Ts [F]\n1 2\n", "column 'Ts' is in 'F'; write K or °C"),
+        ("time,Ts [K]\n1,1500\n2,1500\n", "column 'time' has no unit"),
+        (
+            "time [s] Ts [K]\n" + "".join(f"{n} 1500\n" for n in range(15)) + "16 x\n",
+            "line 17: 'x' in column 'Ts'",
+        ),
         ("time [s] Ts [K]\n2 1500\n1 1500\n", "the time does not rise"),
-        ("time [s] Ts [K]\n", "holds no reading"),
+        ("time [s] Ts [K]\n", "holds no columns of numbers"),
     ],
 )
 def test_bad_tables_are_refused_in_one_sentence(results, capsys, table, message):

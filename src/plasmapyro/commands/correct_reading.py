@@ -1,5 +1,6 @@
 """`plasmapyro correct-reading`: surface temperatures where only the displayed temperature was logged."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -11,16 +12,17 @@ from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.stage import band_response, ratio_curve
-from plasmapyro.readers import columns, text, units
+from plasmapyro.readers import columns, guess, units
+from plasmapyro.readers.description import Section
+from plasmapyro.readers.text import quote, read_lines, refuse
 
 CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "sensitivity_ratio": 0.315,
     "calibration_temperature": np.arange(300.0, 10001.0, 10.0),
     "instrument_range": (973.0, 2073.0),
 }
-LARGEST = 96_000_000  # [byte]
-MARKS = (";", "\t", ",", " ")  # between cells
-HEADER = {"time": ("time", "t"), "temperature": ("ts", "temperature", "t_app", "reading")}
+TEMPERATURE = re.compile(r"ts|t_?(app|disp).*|.*temp.*|reading|anzeige|messwert", re.IGNORECASE)
+HEADER = "write a header such as 'time [s], Ts [K]'"
 
 
 def run(options):
@@ -63,9 +65,9 @@ def gas_of(results, condition):
 
 
 def read_readings(path):
-    """Time [s] and displayed temperature [K] of a text table with a header that states the units.
+    """Time [s] and displayed temperature [K] of a text table whose header names them, in any usual form.
 
-    Cells stand between semicolons, tabs, commas or blanks; a decimal comma is read but between commas.
+    The time may be that of day, or a date; it counts from the first reading then.
 
     Parameters
     ----------
@@ -78,51 +80,41 @@ def read_readings(path):
     Raises
     ------
     ValueError
-        No header with both columns and their units, a cell that is no number, a time that does not rise.
+        No header with both columns and the unit of the temperature, a cell that is no number, a time that
+        does not rise.
     """
-    lines, _ = text.read_lines(path, LARGEST)
-    head = lines[0].lower().replace("[", " [").split("]")
-    cells = [cell.strip(" ,;\t").split(" [") for cell in head if " [" in cell]
-    found = {}
-    for place, (name, unit) in enumerate((cell[0].strip(), cell[-1].strip()) for cell in cells):
-        for kind, words in HEADER.items():
-            if name in words:
-                found[kind] = place, unit.upper() if unit in ("k", "c") else unit
-    if set(found) != set(HEADER):
-        text.refuse(
-            path, f"the first line {text.quote(lines[0])} names no time and temperature",
-            "write a header such as 'time [s], Ts [K]'", 1,
-        )  # fmt: skip
-    factor, shift = units.factor(found["time"][1], "time"), units.offset(found["temperature"][1])
-    if factor is None or units.factor(found["temperature"][1], "temperature") is None:
-        text.refuse(path, f"unknown unit in {text.quote(lines[0])}", "write [s] and [K] or [C]", 1)
-    listed = [(number, line) for number, line in enumerate(lines[1:], start=2) if line.strip()]
-    if not listed:
-        text.refuse(path, "holds no reading", "export it with its samples")
-    mark = next((one for one in MARKS if _numbers(listed[0][1], one, len(cells))), " ")
-    words = [columns.without_empty_end(columns.split(line, mark)) for _, line in listed]
-    decimal, faults = columns.decimal_sign(path, mark, dict(enumerate(words)), [listed[0][0]])
-    text.refuse_all(path, faults)
-    rows = []
-    for (number, line), row in zip(listed, words, strict=True):
-        values = [text.number(word, decimal) for word in row]
-        if len(values) != len(cells) or None in values:
-            text.refuse(path, f"{text.quote(line)} is no row of numbers", "correct or remove it", number)
-        rows.append(values)
-    table = np.array(rows)
-    time = table[:, found["time"][0]] * factor
-    if np.any(np.isnan(time)) or np.any(np.diff(time) <= 0):
-        text.refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
-    return time, table[:, found["temperature"][0]] + shift
-
-
-def _numbers(line, mark, count):
-    """Whether a line holds as many numbers between marks."""
-    words = columns.without_empty_end(columns.split(line, mark))
-    decimals = "." if mark == "," else ".,"
-    return len(words) == count and all(
-        any(text.number(word, decimal) is not None for decimal in decimals) for word in words
-    )
+    table = guess.look_at_table(path)
+    places = guess.assign(table) if table else {}
+    taken = [places["time"]] if "time" in places else places.get("stamps", [])
+    free = [place for place in range(len(table.labels)) if place not in taken] if taken else []
+    named = [place for place in free if TEMPERATURE.fullmatch(table.labels[place])]
+    kelvin = [place for place in free if units.factor(table.units[place] or "", "temperature")]
+    found = [place for place in named if place in kelvin] or (kelvin if len(kelvin) == 1 else named)
+    if not found:
+        first = quote(next(iter(read_lines(path, columns.LARGEST)[0]), ""))
+        refuse(path, f"holds no columns of numbers named time and temperature; it begins {first}", HEADER)
+    label, unit = table.labels[found[0]], table.units[found[0]]
+    if found[0] not in kelvin:
+        what = f"is in {quote(unit)}" if unit else "has no unit"
+        refuse(path, f"column {quote(label)} {what}", "write K or °C behind its name")
+    names = [table.labels[place] for place in taken]
+    if "stamps" in places:
+        form, zero, _ = guess.stamp_format(table, taken)
+        said = {"name": names if len(names) > 1 else names[0], "format": form}
+    elif units.factor(table.units[taken[0]] or "", "time"):
+        said = {"name": names[0]}
+    else:
+        refuse(path, f"column {quote(names[0])} has no unit", "write [s], [ms] or [min] behind its name")
+    known = {
+        name: columns.Column(name, Section(section, path, name, []))
+        for name, section in (("time", said), ("temperature", {"name": label}))
+    }
+    if "stamps" in places:
+        known["time"].zero = zero
+    values = columns.read_table(path, known, table.delimiter)
+    if np.isnan(values["time"]).any() or (np.diff(values["time"]) <= 0).any():
+        refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
+    return values["time"], values["temperature"]
 
 
 def summary(result):

@@ -350,8 +350,10 @@ def split(line, mark):
                 for cell, parts in cells
                 for part in (parts if None not in map(number, parts) and parts else [cell])
             ]
-        if mark == " " and '"' not in line:
-            return line.split()
+        if mark == " ":
+            line = line.replace(" [", "[")  # a unit stays with its name
+            if '"' not in line:
+                return line.split()
         cells = next(csv.reader([line], delimiter=mark, skipinitialspace=mark == " "))
     except csv.Error:
         cells = line.split(mark)

@@ -522,7 +522,7 @@ def _table_lines(folder, paths, table, places, questions):
     if table.decimal == ",":
         found.append('  decimal: ","')
     if "stamps" in places:
-        form, zero, more = _format(table, places["stamps"])
+        form, zero, more = stamp_format(table, places["stamps"])
         questions += more
         names = [_quoted(table.labels[place]) for place in places["stamps"]]
         found.append(
@@ -586,7 +586,7 @@ def _column(variable, table, place, questions):
     return f"    {variable}: {{name: {_quoted(label)}, unit: {usual}}}  # ?"
 
 
-def _format(table, places):
+def stamp_format(table, places):
     """Format of dates that reads all cells with the shortest record, its first stamp, and questions."""
     stamps = [" ".join(words) for words in zip(*(table.cells[place] for place in places), strict=True)]
     known = [word for word in stamps if word.strip() and not missing(word)]
@@ -743,7 +743,7 @@ def _matrix_lines(folder, listed, dark, questions):
     stamps = [word for word in begins if clock.looks_like_stamp(word)]
     timing = []
     if stamps:
-        form, zero, more = _format(Table(mark, ".", ["time"], [None], [stamps]), [0])
+        form, zero, more = stamp_format(Table(mark, ".", ["time"], [None], [stamps]), [0])
         questions += [
             words.replace("pyrometer.columns.time.format", "spectrometer.time_format") for words in more
         ]
