@@ -1,5 +1,7 @@
 """Noise that is found where a fit lags behind the temperature, or where most frames are faint."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,27 @@ def test_rounded_samples_that_stand_still_do_not_say_that_there_is_no_noise(rand
     law, *_ = noise._of_bands(written - level, level, gas, whole, cold.astype(int), 1.0, rounded)
     # 2500 differences that share samples.
     assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.15)
+
+
+def test_series_of_other_exposures_have_a_noise_of_their_own(random):
+    """Ten frames of 1 s, counted as if they were of 0.1 s, and ten of 0.1 s: read noise of 12 counts is a
+    tenth of it in the first. A pair of neighbours knows the noise of 100 channels to 7 %."""
+    channels, series = 100, np.repeat([0, 1], 10)
+    level = np.geomspace(20, 3000, channels) * np.where(series, 1.0, 0.3)[:, None]
+    share = np.where(series, 1.0, 0.1)[:, None]
+    variance = (12 * share) ** 2 + 0.05 * share * level
+    instrument = SimpleNamespace(
+        kind="spectrometer",
+        channels=channels,
+        raw_bin=np.arange(20),
+        raw_moment=np.arange(20.0)[:, None] + [0.0, 0.1],
+        pixel_edges=None,
+        factor=np.ones(channels),
+    )
+    residual = np.sqrt(variance) * random.standard_normal(level.shape)
+    law, _ = noise.estimate(instrument, residual, level, 0 * level, 3 * series, None, series)
+    found = law.variance(series, level, 1.0, 1.0)
+    for one in (0, 1):
+        ratio = (found / variance)[series == one]
+        assert np.median(ratio) == pytest.approx(1.0, abs=0.2)
+        assert np.all((ratio > 0.5) & (ratio < 2.0))

@@ -9,10 +9,10 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
-from plasmapyro.diagnosis.fit.restless import wandering
+from plasmapyro.diagnosis.fit.restless import rougher, wandering
 from plasmapyro.record import binning
 
-RESTLESS = 3  # fits at most with a gas that wanders more and more
+RESTLESS = 3  # fits at most with a gas that wanders, or series that are rough, more and more
 SLOW = 4.0  # [s]: flicker that lasts longer tells of the minutes
 START_TIME = 14.0  # [s] of the first guess of the temperature
 LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
@@ -122,8 +122,9 @@ def renoised(model, solution):
         value = plain * (1 + state.pattern[which]) + state.dark[which]
         residual = np.where((instrument.raw_bin >= 0)[:, None], instrument.raw - value, np.nan)
         time = instrument.raw_moment.mean(axis=1)
-        phase = phase_of(time, model.off) + 3 * binning.series(time)
-        law, left = noises.estimate(instrument, residual, value, gas, phase, flicker)
+        series = binning.series(time)
+        phase, own = phase_of(time, model.off) + 3 * series, None if model.plasma else series
+        law, left = noises.estimate(instrument, residual, value, gas, phase, flicker, own)
         flicker = law.flicker
         pixels = (
             np.ones(instrument.channels)
@@ -132,7 +133,7 @@ def renoised(model, solution):
         )
         factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
         sigma = np.sqrt(
-            noises.sample_variance(law.constant, law.linear, law.quadratic, value, factor, pixels)
+            law.variance(series, value, factor, pixels)
             + law.flicker.total * gas**2
             + instrument.rounded(value, 1)
         )
@@ -172,7 +173,7 @@ def _with_law(model, changes):
     return model_with(model, model.instruments, tuple(own), precision)
 
 
-def model_with(model, instruments, own=None, precision=None):
+def model_with(model, instruments, own=None, precision=None, persistent=None):
     """The model on other data, with other parameters of its own if given."""
     return Model(
         instruments,
@@ -183,7 +184,7 @@ def model_with(model, instruments, own=None, precision=None):
         model.slope,
         model.response,
         model.lamp,
-        model.persistent,
+        model.persistent if persistent is None else persistent,
         model.given,
         model.precision if precision is None else precision,
         model.power,
@@ -222,4 +223,27 @@ def fit_base(model, rounds=2):
         model = _restless(model, sigma)
         fitter = Fitter(model, fitter.noise)
         solution = fitter.fit(solution.state, tolerance=0.02)
+    for _ in range(RESTLESS):
+        factors = rougher(model, solution)
+        if not factors:
+            break
+        model = _scaled(model, factors)
+        fitter = Fitter(model, fitter.noise)
+        solution = fitter.fit(solution.state, tolerance=0.02)
     return Base(model, laws, fitter, solution)
+
+
+def _scaled(model, factors):
+    """The model with the standard deviations of persistent errors times factors {id: f}."""
+    scale = np.array([factors.get(one.id, 1.0) for one in model.parameters])
+    persistent = [
+        replace(
+            errors,
+            parameters=tuple(
+                replace(one, sigma=one.sigma * factors.get(one.id, 1.0)) for one in errors.parameters
+            ),
+        )
+        for errors in model.persistent
+    ]
+    precision = model.precision / np.outer(scale, scale)
+    return model_with(model, model.instruments, None, precision, persistent)

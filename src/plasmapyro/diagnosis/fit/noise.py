@@ -41,7 +41,8 @@ START_GAIN = 3e-3  # with less, the temperature follows the gain, and no residua
 class NoiseModel:
     r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
     from sample to sample (lag-1), `flicker` of the brightness of the gas, `gain` of all light; `tail`: the
-    samples beyond 4 standard deviations over what a normal law has."""
+    samples beyond 4 standard deviations over what a normal law has. `laws` (S, 3): a, b, c of each series of
+    a furnace, whose exposures differ; a, b and c are then those of the last."""
 
     constant: float
     linear: float
@@ -50,6 +51,13 @@ class NoiseModel:
     flicker: Coloured
     tail: float
     gain: Coloured = Coloured()
+    laws: np.ndarray | None = None
+
+    def variance(self, series, level, factor, pixels):
+        """Variance (t, C) of single samples of some level, of series (t,)."""
+        law = self.constant, self.linear, self.quadratic
+        law = law if self.laws is None else self.laws[series].T[..., None]
+        return sample_variance(*law, level, factor, pixels)
 
 
 def first_guess(model, gas):
@@ -89,7 +97,7 @@ def _clipped_by_sorting(values, count):
     return np.sum(np.where(kept, size**2, 0.0), axis=1) / np.maximum(kept.sum(axis=1), 1)
 
 
-def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
+def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, series=None):
     """Noise model of one instrument from residuals of its samples.
 
     Parameters
@@ -99,11 +107,14 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
     phase : (t,) int
         Differences are not taken across phases.
     other_flicker : Coloured, of the gas as a faster instrument saw it, optional
+    series : (t,) int, optional
+        Those of a spectrometer each have a law of their own.
 
     Returns
     -------
     NoiseModel, and residuals with the flicker of the gas taken out (t, C).
     """
+    laws = None
     used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
     same = np.zeros(used.size, dtype=bool)
     same[1:] = phase[1:] == phase[:-1]
@@ -117,16 +128,26 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None):
             residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument), rounded
         )
         left = left * factor
+    elif series is not None and series.max() > 0:
+        apart = [series == one for one in range(series.max() + 1)]
+        given = residual, prediction, gas, used, phase
+        parts = [_many(instrument, *(a[own] for a in given), factor, pixels, other_flicker) for own in apart]
+        each, memories, flickers, gains, lefts = zip(*parts, strict=True)
+        flicker, gain = (max(them, key=lambda one: one.total) for them in (flickers, gains))
+        laws, law, memory = np.array(each), each[-1], float(np.mean(memories))
+        left = np.concatenate(lefts)
     else:
         law, memory, flicker, gain, left = _many(
             instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker
         )
     one, _, place = differences(left, used)
     level = prediction[place]
-    sigma = np.sqrt(np.maximum(sample_variance(*law, level, factor, pixels), 1e-300))
+    found = NoiseModel(*law, memory, flicker, 1.0, gain, laws)
+    series = np.zeros(used.size, dtype=int) if series is None else series
+    sigma = np.sqrt(np.maximum(found.variance(series[place], level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
     tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
-    return NoiseModel(*law, memory, flicker, float(tail), gain), left
+    return replace(found, tail=float(tail)), left
 
 
 def period_of(instrument):
@@ -358,9 +379,10 @@ def on_bins(model_noise, instrument, prediction):
     pixels = (
         np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
     )
-    one = sample_variance(
-        model_noise.constant, model_noise.linear, model_noise.quadratic, prediction, factor, pixels
-    )
+    own = instrument.raw_bin >= 0
+    series = np.zeros(len(prediction), dtype=int)
+    series[instrument.raw_bin[own]] = binning.series(instrument.raw_moment.mean(axis=1))[own]
+    one = model_noise.variance(series, prediction, factor, pixels)
     samples = np.maximum(instrument.number, 1)
     variance = one / samples * (1 + model_noise.memory) / (1 - model_noise.memory)
     variance += instrument.rounded(prediction, samples)

@@ -1,4 +1,4 @@
-"""A gas that wanders more than was assumed: how much, by the data."""
+"""What is larger than was assumed, by the data: how a gas wanders, how rough the series of a furnace are."""
 
 import numpy as np
 from scipy.special import chdtr, gammaincinv
@@ -6,6 +6,8 @@ from scipy.special import chdtr, gammaincinv
 KEPT = 0.7  # [1], of the second differences, the least ones: an event is no wandering
 LEAST_RATIO = 1.3  # [1] of a variance beyond which it is raised
 MOST = 0.03  # [1] standard deviation beyond which a gas does not wander but changes
+OF_SERIES = ("smooth_stray", "wander_smooth", "smooth_series")  # errors that each series draws anew
+LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor of a step, at most
 NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
 
 
@@ -33,3 +35,30 @@ def wandering(model, solution):
     ratio = value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL + spread.mean()
     found = min(float(sigma * np.sqrt(ratio)), max(MOST, sigma))
     return found if found > sigma * np.sqrt(LEAST_RATIO) else None
+
+
+def rougher(model, solution):
+    r"""Factors {id: f} of standard deviations of errors of series that are larger than assumed.
+
+    .. math:: f^2 = \sum_i v_i^2 / \gamma, \quad \gamma = \sum_i (1 - \mathrm{var}\,v_i)
+
+    with the values v after the fit and their variances, both over the prior's, so that :math:`\gamma` is the
+    number of them that the data tell. Empty for one series, which does not tell a fault from what it draws.
+
+    Notes
+    -----
+    Source: D. J. C. MacKay, Neural Computation 4 (1992) 415, eq. 4.9.
+    """
+    identities = np.array([one.id for one in model.parameters])
+    if OF_SERIES[-1] not in identities:
+        return {}
+    sigma = np.array([one.sigma for one in model.parameters])
+    value = solution.state.values / sigma  # they count from 0
+    told = 1 - np.diag(solution.covariance)[model.size :][: sigma.size] / sigma**2
+    factors = {}
+    for identity in OF_SERIES:
+        own = identities == identity
+        square = np.sum(value[own] ** 2) / max(told[own].sum(), LEAST_TOLD)
+        if square > LEAST_RATIO:
+            factors[identity] = min(float(np.sqrt(square)), LARGEST)
+    return factors
