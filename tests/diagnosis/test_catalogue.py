@@ -9,6 +9,8 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
 from plasmapyro.diagnosis.effects.effect import BOTH, ORDER, PHASES, REGISTER, effect
 from plasmapyro.diagnosis.effects.gas import LINES
+from plasmapyro.diagnosis.effects.scene import Output
+from plasmapyro.diagnosis.fit.observation import highest_of
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.report.kelvin import paper_temperature
 from plasmapyro.experiment.correction import Reading
@@ -53,6 +55,35 @@ def test_amplitude_zero_is_the_base_model_to_the_last_bit(model, state, identity
         plain = model.evaluate(which, *state)
         for shape in CATALOGUE[identity].shapes:
             assert np.array_equal(seen(model, state, which, identity, 0.0, **shape), plain)
+
+
+@pytest.mark.parametrize("join", [1, 3, 40])
+def test_what_pixels_do_is_counted_the_same_however_they_are_joined(join):
+    """Against what happens in the pixels: a bright line alone in its bins, many dark pixels in one."""
+    rate = 5.0 + 100 * np.exp(-((np.arange(240) - 100.0) ** 2) / 200)
+    edges = np.unique([*range(0, 80, join), *range(80, 121), *range(121, 240, join), 240])
+    pixels = np.diff(edges)
+
+    def joined(pixel):
+        return np.add.reduceat(pixel, edges[:-1]) / pixels
+
+    factor = np.full(pixels.size, 2.0)
+    seen = (joined(rate) * factor)[None]
+    output = Output("spectrometer", np.zeros(1), 1.0, seen, factor, seen[0], highest_of(rate[None]), pixels)
+    truth = {
+        "off_s": rate + 0.1 * rate.mean(),
+        "stray": 0.9 * rate + 0.1 * rate.mean(),
+        "nonlin_s": rate * (1 - 0.1 * rate / rate.max()),
+    }
+    for identity, pixel in truth.items():
+        found = CATALOGUE[identity].output(output, 0.1)[0]
+        assert found == pytest.approx(joined(pixel) * factor, rel=2e-3)  # a joined bin varies
+
+
+def test_one_hit_is_not_the_largest_count_of_a_test():
+    rates = np.full((9, 5), 10.0) + np.arange(9)[:, None]
+    rates[4, 2], rates[6] = 900.0, np.nan
+    assert highest_of(rates) == pytest.approx(17.0)  # of 18 in the last bin, whose neighbour has 17
 
 
 def test_mixing_cools_with_the_square_of_its_length(model, state):

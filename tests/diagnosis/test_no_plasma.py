@@ -49,7 +49,9 @@ def test_stray_light_of_test_and_calibration_partly_cancel():
     seen, rate, factor = measured(stray=STRAY)
     formula = no_plasma._stray_of_both(AXIS, rate).output
     plain = blackbody_radiance(AXIS, SURFACE)
-    output = Output("spectrometer", np.zeros(1), np.inf, plain[None], factor, plain, plain, AXIS)
+    output = Output(
+        "spectrometer", np.zeros(1), np.inf, plain[None], factor, plain, plain, np.ones(plain.size), AXIS
+    )
     truth = seen / plain - 1
     assert np.abs(truth).max() > 0.1
     # the share is of counts that hold the stray light already

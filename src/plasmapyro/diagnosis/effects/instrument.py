@@ -98,15 +98,14 @@ narrow_offset = effect("off2")(offset(1))
 @effect("off_s")
 def dark_counts(output, amplitude):
     """The same extra count rate in all pixels, in units of the mean of the gas."""
-    level = np.mean(output.gas_level / output.factor)
+    level = np.average(output.gas_level / output.factor, weights=output.pixels)
     return output.value + amplitude * level * output.factor
 
 
 @effect("stray")
 def stray(output, amplitude):
-    """Stray light: every pixel gets a share of the mean count rate."""
-    counts = output.value / output.factor
-    mean = counts.mean(axis=1, keepdims=True)
+    """Stray light: every pixel gets a share of the mean count rate of all."""
+    mean = np.average(output.value / output.factor, axis=1, weights=output.pixels)[:, None]
     return (1 - amplitude) * output.value + amplitude * mean * output.factor
 
 
@@ -119,8 +118,7 @@ def compressed_signal(output, amplitude):
 @effect("nonlin_s")
 def compressed_counts(output, amplitude):
     r"""Nonlinear converter: :math:`U (1 - a U/U_{max})` in counts."""
-    highest = np.max(output.full_scale / output.factor)
-    return output.value * (1 - amplitude * (output.value / output.factor) / highest)
+    return output.value * (1 - amplitude * (output.value / output.factor) / output.full_scale)
 
 
 @effect("clock")

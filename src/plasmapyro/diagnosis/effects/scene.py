@@ -61,7 +61,8 @@ class Output:
     """What an instrument shows: `value` (n, C) [A or W m-2 sr-1 m-1], and what its faults may depend on.
 
     `factor` (C,): radiance per count rate of the spectrometer, None for the pyrometer; `gas_level` (C,):
-    signal of the gas alone after injection; `full_scale` (C,): largest value of the test.
+    signal of the gas alone after injection; `full_scale`: largest value (C,) of the test, or the largest
+    count rate of a pixel; `pixels` (C,): how many each channel holds.
     """
 
     kind: str
@@ -70,7 +71,8 @@ class Output:
     value: np.ndarray
     factor: np.ndarray | None
     gas_level: np.ndarray
-    full_scale: np.ndarray
+    full_scale: np.ndarray | float
+    pixels: np.ndarray
     wavelength: np.ndarray = field(default=None)
 
     def but(self, value):

@@ -126,14 +126,9 @@ def renoised(model, solution):
         phase, own = phase_of(time, model.off) + 3 * series, None if model.plasma else series
         law, left = noises.estimate(instrument, residual, value, gas, phase, flicker, own)
         flicker = law.flicker
-        pixels = (
-            np.ones(instrument.channels)
-            if instrument.pixel_edges is None
-            else np.diff(instrument.pixel_edges)
-        )
         factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
         sigma = np.sqrt(
-            law.variance(series, value, factor, pixels)
+            law.variance(series, value, factor, instrument.pixels)
             + law.flicker.total * gas**2
             + instrument.rounded(value, 1)
         )

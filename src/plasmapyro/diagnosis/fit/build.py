@@ -303,6 +303,7 @@ def _spectrometer(frames, off, library, edges, fwhm):
         gas_error=np.full(centres.size, FREE_GAS),
         pattern=PATTERN_MARGIN * np.maximum(pattern, 1e-4) / np.sqrt(in_bin),
         dark=np.full(centres.size, DARK_COUNTS) * binned_factor / np.sqrt(in_bin),
+        highest=observation.highest_of(binning.mean_in_bins(radiance / factor, index, edges.size - 1)[0]),
         **_on_bins(frames, raw, index, edges.size - 1),
     )
 

@@ -266,7 +266,8 @@ class Model:
                 value,
                 instrument.factor,
                 self._gas_level(instrument, scene, weight, gain),
-                np.nanmax(instrument.value, axis=0),
+                np.nanmax(instrument.value, axis=0) if instrument.highest is None else instrument.highest,
+                instrument.pixels,
                 instrument.wavelength,
             )
             for setting in detecting:

@@ -98,7 +98,7 @@ def _stray_of_both(axis, rate):
 
     def formula(output, amplitude):
         share = rate.mean() / np.interp(output.wavelength, axis, rate)
-        counts = (output.value / output.factor).mean(axis=1, keepdims=True)
+        counts = np.average(output.value / output.factor, axis=1, weights=output.pixels)[:, None]
         return (1 - amplitude * share) * output.value + amplitude * counts * output.factor
 
     return replace(stray, output=formula)

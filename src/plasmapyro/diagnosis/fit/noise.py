@@ -118,9 +118,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
     used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
     same = np.zeros(used.size, dtype=bool)
     same[1:] = phase[1:] == phase[:-1]
-    pixels = (
-        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
-    )
+    pixels = instrument.pixels
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     if instrument.kind == "pyrometer":
         rounded = instrument.rounded(prediction, 1) / factor**2
@@ -376,9 +374,7 @@ def _memory(residual, prediction, used, law, factor, pixels):
 def on_bins(model_noise, instrument, prediction):
     """`Noise` of the bins of an instrument, from that of its samples."""
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
-    pixels = (
-        np.ones(instrument.channels) if instrument.pixel_edges is None else np.diff(instrument.pixel_edges)
-    )
+    pixels = instrument.pixels
     own = instrument.raw_bin >= 0
     series = np.zeros(len(prediction), dtype=int)
     series[instrument.raw_bin[own]] = binning.series(instrument.raw_moment.mean(axis=1))[own]

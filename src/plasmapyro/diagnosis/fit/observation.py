@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy import sparse
 from scipy.special import ndtr
 
@@ -51,6 +52,7 @@ class Instrument:
     known: np.ndarray | None = None  # (C,) relative errors of the sensitivities of a radiometer
     rounding: tuple = ()  # `Rounding` of each channel as recorded; none where noise is far larger
     recorded: float = 1.0  # samples as recorded in each of `raw`
+    highest: float | None = None  # largest count rate of a pixel
 
     def rounded(self, level, number):
         """Variance (n, C) that rounding gives to means (n, C) of some `number` (n, C) of raw samples."""
@@ -59,6 +61,11 @@ class Instrument:
         number = np.broadcast_to(number, level.shape) * self.recorded
         rows = [one.variance(*own) for one, *own in zip(self.rounding, level.T, number.T, strict=True)]
         return np.stack(rows, axis=1)
+
+    @property
+    def pixels(self):
+        """Pixels (C,) of each channel; 1 of a band."""
+        return np.ones(self.channels) if self.pixel_edges is None else np.diff(self.pixel_edges)
 
     @property
     def channels(self):
@@ -101,6 +108,15 @@ def instants(begin, finish, index, count, nodes):
     square = np.bincount(index[keep], middle[keep] ** 2 + half[keep] ** 2 / 3, count) / safe
     spread = np.sqrt(np.maximum(square - mean**2, 0))
     return mean[:, None] + spread[:, None] * nodes, number
+
+
+def highest_of(rates):
+    """Largest of rates (n, P) of pixels in successive bins of time; a hit in one of these counts not."""
+    top = np.where(np.isfinite(rates), rates, -np.inf).max(axis=1)
+    top = top[np.isfinite(top)]
+    if top.size > 2:
+        top = np.median(sliding_window_view(top, 3), axis=1)
+    return float(top.max(initial=0.0))
 
 
 def band_nodes(response_wavelength, responsivities):
