@@ -69,6 +69,7 @@ def test_a_dark_that_the_effects_spare_is_a_gain_of_the_calibration():
         pattern=np.zeros(channels),
         dark=np.full(channels, sigma),
         gas_error=np.ones(channels),
+        before_error=np.zeros(channels),
         channels=channels,
     )
     model = SimpleNamespace(size=0, parameters=(), index={}, precision=np.eye(0), instruments=[sigmas])

@@ -125,7 +125,7 @@ def shift_of(laboratory_record, wide):
         record=record,
         evaluate=evaluate,
     )
-    solution = SimpleNamespace(state=SimpleNamespace(knots=None, values=None, lines=[0.0]))
+    solution = SimpleNamespace(state=SimpleNamespace(knots=None, values=None, error_of_gas=lambda which: 0.0))
     return PaperShift(model, solution, reading)
 
 

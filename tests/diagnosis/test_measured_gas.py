@@ -3,6 +3,7 @@ simulation is told where it differs."""
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.linalg import cho_solve
 from small_laboratory import OFF, gas_components, temperature_of
 
@@ -99,6 +100,17 @@ def test_brightness_before_and_after_the_injection_is_guessed(fitted, record):
     values, _ = first_gas.guess(base.model)
     assert values[base.model.index["before_injection"]] == pytest.approx(np.log(1.6), abs=0.02)
     assert values[base.model.index["gas"]] == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_free_jet_of_another_shape_moves_no_temperature(fitted, record):
+    """Before the injection the light differs by waves of 6 % over wavelength, as at no other power."""
+    test = record()
+    waves = 1 + 0.06 * np.sin((test.wavelength - 890e-9) / 30e-9)
+    free = test.spectrum_time < 0
+    test["spectral_radiance"].values *= xr.where(free, waves, 1.0).transpose("spectrum_time", "wavelength")
+    base = fitted(test)
+    assert base.solution.chi2 / base.solution.count < 1.1
+    assert np.sqrt(np.mean(temperature_error(base, base.solution) ** 2)) < STRAY
 
 
 @pytest.mark.parametrize("hidden", [{}, {"window_loss": 0.05}], ids=["nothing", "window"])

@@ -110,13 +110,14 @@ def renoised(model, solution):
     for which, instrument in enumerate(model.instruments):
         state = solution.state
         value = raw.evaluate(
-            which, state.knots, state.values, solution.settings, gas_error=state.lines[which]
+            which, state.knots, state.values, solution.settings, gas_error=state.error_of_gas(which)
         )
         plain = value
         more = state.values.copy()
         more[model.index["gas"]] += 1e-3
         gas = (
-            raw.evaluate(which, state.knots, more, solution.settings, gas_error=state.lines[which]) - plain
+            raw.evaluate(which, state.knots, more, solution.settings, gas_error=state.error_of_gas(which))
+            - plain
         ) / 1e-3
         gas = np.maximum(gas, 0.0)
         value = plain * (1 + state.pattern[which]) + state.dark[which]

@@ -92,7 +92,12 @@ class State:
     pattern: tuple
     dark: tuple
     lines: tuple  # relative error (C,) of the gas in each channel
+    before: tuple  # and what the gas before the injection errs by besides (C,)
     amplitudes: np.ndarray  # (E,) numbers of the effects that are switched on, see `free_numbers`
+
+    def error_of_gas(self, which):
+        """Errors (2, C) of the gas of an instrument: at all times, and before the injection besides."""
+        return np.stack([self.lines[which], self.before[which]])
 
 
 @dataclass(frozen=True)
@@ -221,7 +226,8 @@ def _square(live):
 
 
 def own_patterns(instruments, values, gases):
-    """Patterns of the base model: a relative error of each channel, its dark, and an error of its gas.
+    """Patterns of the base model: a relative error of each channel, its dark, and errors of its gas, at all
+    times and before the injection.
 
     Returns
     -------
@@ -230,14 +236,18 @@ def own_patterns(instruments, values, gases):
     return [
         (place, row)
         for place, (instrument, value, gas) in enumerate(zip(instruments, values, gases, strict=True))
-        for sigma, row in zip(pattern_sigmas(instrument), (value, np.ones_like(value), gas), strict=True)
+        for sigma, row in zip(
+            pattern_sigmas(instrument),
+            (value, np.ones_like(value), gas, gas * (instrument.time < 0)[:, None]),
+            strict=True,
+        )
         if sigma.any()
     ]
 
 
 def pattern_sigmas(one):
-    """Prior standard deviations (C,) of the patterns of an instrument: relative error, dark, error of gas."""
-    return one.pattern, one.dark, one.gas_error
+    """Prior standard deviations (C,) of the patterns of an instrument: errors of scale, dark, gas."""
+    return one.pattern, one.dark, one.gas_error, one.before_error
 
 
 def prior_of_patterns(instruments):
@@ -280,17 +290,17 @@ class Fitter:
 
     def start(self, knots, settings=()):
         """A state to begin with."""
-        one = tuple(np.zeros(i.channels) for i in self.model.instruments)
-        return State(np.asarray(knots, dtype=float), self.centre.copy(), one, one, one, numbers_of(settings))
+        errors = [tuple(np.zeros(i.channels) for i in self.model.instruments)] * 4
+        return State(np.asarray(knots, dtype=float), self.centre.copy(), *errors, numbers_of(settings))
 
     def predict(self, state, settings, *, slopes=False):
         """Prediction (n, C) per instrument, with the slopes by the knots if wanted."""
         now = with_numbers(settings, state.amplitudes)
         result = []
-        for which, (pattern, dark, lines) in enumerate(
-            zip(state.pattern, state.dark, state.lines, strict=True)
-        ):
-            found = self.model.evaluate(which, state.knots, state.values, now, slopes=slopes, gas_error=lines)
+        for which, (pattern, dark) in enumerate(zip(state.pattern, state.dark, strict=True)):
+            found = self.model.evaluate(
+                which, state.knots, state.values, now, slopes=slopes, gas_error=state.error_of_gas(which)
+            )
             value, slope = found if slopes else (found, None)
             result.append((value * (1 + pattern) + dark, slope, value))
         return result
@@ -313,7 +323,9 @@ class Fitter:
                 values = state.values.copy()
                 step = 1e-3 * sigma
                 values[j] += step
-                changed = self.model.evaluate(which, state.knots, values, now, gas_error=state.lines[which])
+                changed = self.model.evaluate(
+                    which, state.knots, values, now, gas_error=state.error_of_gas(which)
+                )
                 others[..., j] = (changed - value) / step
             gas = others[..., self.model.index["gas"], None]
             others[..., self.model.wandering] = gas * self.model.gas_histories[which].mean(axis=1)[:, None]
@@ -323,7 +335,7 @@ class Fitter:
                 numbers[j] += number.step
                 changed = with_numbers(settings, numbers)
                 other = self.model.evaluate(
-                    which, state.knots, state.values, changed, gas_error=state.lines[which]
+                    which, state.knots, state.values, changed, gas_error=state.error_of_gas(which)
                 )
                 others[..., self.sigma.size + j] = (other - value) / number.step
             columns.append(whole)
@@ -333,7 +345,9 @@ class Fitter:
         """Change (n, C) per instrument for an error of its gas of 1 in every channel."""
         now = with_numbers(settings, state.amplitudes)
         return [
-            self.model.evaluate(which, state.knots, state.values, now, gas_error=state.lines[which] + 1.0)
+            self.model.evaluate(
+                which, state.knots, state.values, now, gas_error=state.error_of_gas(which) + [[1.0], [0.0]]
+            )
             - value
             for which, (_, _, value) in enumerate(predicted)
         ]
@@ -376,24 +390,24 @@ class Fitter:
     def _patterns(self, state):
         parts = [
             row
-            for *three, one in zip(
-                state.pattern, state.dark, state.lines, self.model.instruments, strict=True
+            for *four, one in zip(
+                state.pattern, state.dark, state.lines, state.before, self.model.instruments, strict=True
             )
-            for sigma, row in zip(pattern_sigmas(one), three, strict=True)
+            for sigma, row in zip(pattern_sigmas(one), four, strict=True)
             if sigma.any()
         ]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def _with_patterns(self, flat):
-        three, place = ([], [], []), 0
+        four, place = ([], [], [], []), 0
         for instrument in self.model.instruments:
-            for rows, sigma in zip(three, pattern_sigmas(instrument), strict=True):
+            for rows, sigma in zip(four, pattern_sigmas(instrument), strict=True):
                 if sigma.any():
                     rows.append(flat[place : place + instrument.channels])
                     place += instrument.channels
                 else:
                     rows.append(np.zeros(instrument.channels))
-        return tuple(tuple(rows) for rows in three)
+        return tuple(tuple(rows) for rows in four)
 
     def fit(self, start, settings=(), steps=MOST_STEPS, tolerance=CONVERGED):
         """Damped Gauss-Newton steps from a state until the objective stands still.
@@ -517,13 +531,14 @@ class Fitter:
 
     def _moved(self, state, step, k, patterns, free):
         size, count = self.model.size, self.sigma.size
-        pattern, dark, lines = self._with_patterns(patterns + step[k:])
+        pattern, dark, lines, before = self._with_patterns(patterns + step[k:])
         return State(
             np.clip(state.knots + step[:size], 250.0, 4500.0),
             state.values + step[size : size + count],
             pattern,
             dark,
             lines,
+            before,
             np.clip(
                 state.amplitudes + step[size + count : k],
                 [number.low for number in free],

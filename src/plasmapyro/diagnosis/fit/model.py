@@ -286,18 +286,24 @@ class Model:
         return value[..., None] * time[:, None] * channel
 
     def _gas(self, instrument, scene, error=0.0):
-        """Light of the gas (n, 2, M), with an error (C,) of each channel over its simulated light."""
+        """Light of the gas (n, 2, M), with an error (C,) of each channel over its simulated light; of two
+        rows (2, C) the second adds before the injection."""
         spectra = [scene.spectrum, *(row for _, row in scene.more_gas)]
         nodes = self._on_nodes(instrument, np.array(spectra), scene)
+        before = 0.0
         if np.any(error):
-            error = np.broadcast_to(error, instrument.channels)
+            rows = np.atleast_2d(error)
+            error = np.broadcast_to(rows, (len(rows), instrument.channels))
             if instrument.weight is not None:
-                error = np.repeat(error, [edges.size - 1 for edges in instrument.node_edges])
+                error = np.repeat(error, [edges.size - 1 for edges in instrument.node_edges], axis=1)
                 level = nodes[0]
             else:
                 level = np.maximum(nodes[0], FAINTEST * nodes[0].mean())
-            nodes = np.concatenate([(nodes[0] + error * level)[None], nodes[1:]])
+            nodes = np.concatenate([(nodes[0] + error[0] * level)[None], nodes[1:]])
+            before = error[1:].sum(axis=0) * level
         gas = scene.gas_gain[..., None] * nodes[0]
+        if np.any(before):
+            gas = gas + np.where(instrument.moment < 0, scene.gas_gain, 0.0)[..., None] * before
         for (share, _), row in zip(scene.more_gas, nodes[1:], strict=True):
             gas = gas + share[..., None] * row
         return gas

@@ -16,6 +16,8 @@ NODE = 6e-9  # [m] of the quadrature over a band
 NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
 LEAST_SEEN = 0.9  # [1] of the weight about a pixel, for the mean of its neighbours to be that of its place
 REACH = 3.0  # standard deviations
+BEFORE_SHAPE = 0.1  # [1] ASSUME: of the gas in a channel before the injection over that after it, besides its
+# brightness and power: the sight line then crosses the free jet, not the layer before a sample
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,11 @@ class Instrument:
     def pixels(self):
         """Pixels (C,) of each channel; 1 of a band."""
         return np.ones(self.channels) if self.pixel_edges is None else np.diff(self.pixel_edges)
+
+    @property
+    def before_error(self):
+        """Prior standard deviations (C,) of the gas of a channel before the injection, besides."""
+        return np.full(self.channels, BEFORE_SHAPE * bool((self.moment[:, 0] < 0).any()))
 
     @property
     def channels(self):

@@ -127,7 +127,7 @@ def _change(base, which, moment, values):
         rest = model.library, model.history, model.own, model.record, model.slope, model.response, model.lamp
         both = [
             Model([one], *rest, [model.persistent[which]], given).evaluate(
-                0, state.knots, mine, gas_error=state.lines[which]
+                0, state.knots, mine, gas_error=state.error_of_gas(which)
             )
             for given in (model.given, ())
         ]

@@ -98,7 +98,7 @@ class PaperShift:
     def _read(self, settings, reading):
         state = self.solution.state
         signals = self.model.evaluate(
-            self.which, state.knots, state.values, settings, gas_error=state.lines[self.which]
+            self.which, state.knots, state.values, settings, gas_error=state.error_of_gas(self.which)
         )
         reference = np.average(signals, axis=0, weights=self.weight), np.zeros(2)
         return paper_temperature(signals, self.moment, self.model.record, reading, reference)

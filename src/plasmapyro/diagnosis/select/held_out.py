@@ -127,7 +127,8 @@ def calibration_score(model, solution, matrix=None):
     off[size + own] = [model.parameters[place].centre - solution.state.values[place] for place in own]
     state, first = solution.state, size + count + len(free_numbers(solution.settings))
     # In the order of `own_patterns`; the errors of the gas are no calibration's.
-    found = zip(state.pattern, state.dark, [None] * len(state.dark), strict=True)
+    none = [None] * len(state.dark)
+    found = zip(state.pattern, state.dark, none, none, strict=True)
     for instrument, values in zip(model.instruments, found, strict=True):
         for sigma, value in zip(pattern_sigmas(instrument), values, strict=True):
             if sigma.any():

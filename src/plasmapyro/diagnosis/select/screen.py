@@ -102,14 +102,15 @@ def columns_of_candidates(model, solution, effects):
     state, base = solution.state, solution.settings
     columns = []
     for which, instrument in enumerate(model.instruments):
-        plain = model.evaluate(which, state.knots, state.values, base, gas_error=state.lines[which])
+        error = state.error_of_gas(which)
+        plain = model.evaluate(which, state.knots, state.values, base, gas_error=error)
         rows = np.zeros((*plain.shape, len(candidates)))
         for j, candidate in enumerate(candidates):
             effect = candidate.effect
             if instrument.kind not in effect.instruments:
                 continue
             settings = (*base, Setting(effect, effect.step, candidate.shape))
-            changed = model.evaluate(which, state.knots, state.values, settings, gas_error=state.lines[which])
+            changed = model.evaluate(which, state.knots, state.values, settings, gas_error=error)
             rows[..., j] = (changed - plain) / effect.step
         columns.append(rows)
     return candidates, columns
