@@ -11,11 +11,11 @@ import json
 import logging
 
 import flow as bench  # first: it sets one thread
+import jet_stability as stability
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
 from plasmapyro import io
-from plasmapyro.flow import stability
 from plasmapyro.flow.properties import gas_properties
 from plasmapyro.sightline.stage import on_line
 

@@ -1,5 +1,8 @@
 """One coarse cold start shared by the flow tests, and small meshes and gases with known answers."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +11,7 @@ from skfem import MeshTri
 from plasmapyro.flow.stage import cold_start
 from plasmapyro.gas.stage import gas_table
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 TORCH = {
     "length": 0.486,
     "radius": 0.080,

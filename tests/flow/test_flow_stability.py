@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from jet_stability import BaseFlow, NotFound, Waves, grid
 from scipy.optimize import brentq
-
-from plasmapyro.flow.stability import BaseFlow, NotFound, Waves, grid
 
 
 def cold(points, outer, scale, speed, shear, reynolds):
