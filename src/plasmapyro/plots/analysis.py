@@ -4,9 +4,9 @@ import numpy as np
 
 from plasmapyro.plots import style
 
-HOT_BACK_WALL = (
-    1.09  # power that makes the gas as hot as a back wall that takes 5 % instead of 22 % (docs/flow.md)
-)
+# Back wall of the torch -> grey, and power over that with a cold wall at which the gas is as bright
+# (docs/flow_matters.csv, 90 kW).
+BACK_WALLS = {"back wall of 7200 K": ("0.82", 1.105), "adiabatic back wall": ("0.5", 1.13)}
 
 
 def visibility_factors(visibility, paths):
@@ -98,7 +98,7 @@ def error_map(errors, paths):
     _, axes = style.figure(size=style.BESIDE)
     for row, curve in zip(errors.error_limit.values, style.curves_in(errors), strict=True):
         axes.plot(row, errors.emittance, **curve.options)
-    _band_of_back_wall(axes, errors)
+    _bands_of_back_walls(axes, errors)
     level = 100 * float(errors.attrs["error_level"])
     axes.annotate(f"$e < {level:g}$ %", (0.72, 0.85), xycoords="axes fraction", fontsize=8)
     axes.annotate(f"$e > {level:g}$ %", (0.03, 0.04), xycoords="axes fraction", fontsize=8)
@@ -112,16 +112,19 @@ def error_map(errors, paths):
     style.save(axes, paths, errors)
 
 
-def _band_of_back_wall(axes, errors):
-    """What a back wall of the torch that takes nearly nothing would do to the middle one of some powers."""
+def _bands_of_back_walls(axes, errors):
+    """What back walls of the torch that take little or nothing would do to the middle one of some powers."""
     ladder = errors.sortby("numerical_power")
     power, limit = ladder.numerical_power.values, ladder.error_limit.values
     middle, pressures = len(power) // 2, np.unique(ladder.get("chamber_pressure", ladder.condition[:1]))
     if len(power) < 3 or len(pressures) > 1 or not np.all(np.diff(power) > 0):
         return
-    warmer = [np.interp(HOT_BACK_WALL * power[middle], power, column) for column in limit.T]
-    words = f"{power[middle] / 1e3:g} kW with\nhot back wall"
-    axes.fill_betweenx(ladder.emittance, limit[middle], warmer, color="0.7", lw=0, zorder=0, label=words)
+    colder = limit[middle]
+    for wall, (grey, factor) in BACK_WALLS.items():
+        warmer = [np.interp(factor * power[middle], power, column) for column in limit.T]
+        words = f"{power[middle] / 1e3:g} kW with\n{wall}"
+        axes.fill_betweenx(ladder.emittance, colder, warmer, color=grey, lw=0, zorder=0, label=words)
+        colder = warmer
 
 
 def transient(history, paths):
