@@ -75,19 +75,26 @@ def test_verdicts_are_counted_whole(page):
     assert ">not testable here</span>: 1 from the simulation, 0 on" in page
 
 
-def test_the_joint_estimate_counts_where_it_is_valid():
+@pytest.mark.parametrize(
+    ("quantity", "status", "words"),
+    [
+        ("surface_temperature", "estimate_status", "joint estimate"),
+        ("recommended_temperature", "recommended_status", "to take away"),
+    ],
+)
+def test_an_estimate_counts_where_it_is_valid(quantity, status, words):
     time = np.arange(0.0, 100.0)
     estimate = xr.Dataset(
         {
-            "surface_temperature": ("time", np.where(time < 10, 5000.0, 1500.0)),
-            "surface_temperature_uncertainty": ("time", 0 * time + 2.0),
-            "estimate_status": ("time", np.where(time < 10, 1, 0)),
+            quantity: ("time", np.where(time < 10, 5000.0, 1500.0)),
+            f"{quantity}_uncertainty": ("time", 0 * time + 2.0),
+            status: ("time", np.where(time < 10, 1, 0)),
         },
         {"time": time},
         {"injection_time": 0.0, "plasma_off_time": 90.0, "condition": "80kW", "origin": "measured"},
     )
     row = re.search(r"<td[^>]*>mine</td>.*", compose([], claims(), [("mine", estimate)])).group()
-    assert all(words in row for words in ("joint estimate", "10.0 s", "1500 K", "2 K"))
+    assert all(one in row for one in (words, "10.0 s", "1500 K", "2 K"))
     assert "5000" not in row
 
 

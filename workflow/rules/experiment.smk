@@ -82,7 +82,7 @@ rule joint_estimate:
         "../scripts/joint_estimate.py"
 
 
-# Of each test: (test, contract) of what it gives; the report shows the same.
+# Of each test: (test, contract) of what it gives.
 CORRECTIONS = [
     (test, contract)
     for test in WORKED

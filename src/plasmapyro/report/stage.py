@@ -21,8 +21,8 @@ def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(),
         File name without suffix, and the PNG.
     claims : Dataset, contract 'claims'
     corrections : list of (test, Dataset)
-        Name of the test and its file of contract 'pyrometer_correction', 'spectrometer_correction' or
-        'joint_estimate'.
+        Name of the test and its file of contract 'temperature', 'pyrometer_correction',
+        'spectrometer_correction' or 'joint_estimate'.
     findings : list of dict
         What contradicts itself in the tests, as in their `findings.json`.
     diagnoses : list of (test, html)
@@ -103,6 +103,7 @@ def _kind(verdict):
 VALID, EXTRAPOLATED = 0, 2  # status of a temperature: within, or beyond, the calibrated range
 READABLE = (VALID, EXTRAPOLATED)
 RESULTS_OF = {  # temperature that a file is looked through for -> name of the instrument, time and status
+    "recommended_temperature": ("to take away", "time", "recommended_status"),
     "surface_temperature": ("joint estimate", "time", "estimate_status"),
     "corrected_temperature": ("pyrometer", "time", "corrected_status"),
     "scaled_temperature": ("spectrometer", "spectrum_time", "spectrum_status"),

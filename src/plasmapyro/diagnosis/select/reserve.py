@@ -18,8 +18,8 @@ SENTENCES = {
     "unconfirmed": "Data that are left out of the fit do not confirm these names by three standard errors.",
     "moment": "Nearly all that speaks for these names are a few seconds: something may have happened then.",
     "rest": "The data reject these names as an exact fit: a formula is inexact, or another cause is behind.",
-    "one": "What was named later is so much less than what was before that one cause, near the first but"
-    " missing in the catalogue, would look the same.",
+    "one": "The first cause explains so much more than the others that one cause like it, but missing in the"
+    " catalogue, would look the same.",
     "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
     "sign": "A window that grows clearer is unlikely: it may be another cause.",
     "alike": "Two names look alike in the data: together they may be one cause that the catalogue lacks.",
