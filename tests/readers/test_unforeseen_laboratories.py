@@ -187,6 +187,10 @@ TABLES = {
     "parts of days of a spreadsheet": table(
         "Time;S1 [nA];S2 [nA]", lambda t, *p: (f"{0.25 + t / 86400:.12f}", *p), ";"
     ),
+    "times without a name": table(
+        ',"Pyro S1 Ave. (nA)","Pyro S2 Ave. (nA)"',
+        lambda t, *p: (f"{(NOON + timedelta(seconds=t)).isoformat()}+01:00", *p),
+    ),
     "minutes beside milliseconds": table(
         "Date,Elapsed (ms),S1 (nA),S2 (nA)",
         lambda t, *p: (f"{NOON + timedelta(seconds=t):%Y-%m-%d %H:%M}", 1e3 * t, *p),
@@ -227,13 +231,17 @@ def arrays(place, kind):
         ]
         texts = {
             "jsonl": "\n".join(rows),
+            "ndjson": "".join(
+                json.dumps({"ts": 1778155190000 + 1000 * t, "pay": {"s1_nA": w, "s2_nA": n}}) + "\n"
+                for t, w, n in SAMPLES
+            ),
             "json": f"[{','.join(rows)}]",
             "channels.json": json.dumps({"by": "lab", "t_s": [*names["t_s"]], "channels": channels}),
         }
         (place / f"shot.{kind}").write_text(texts[kind])
 
 
-@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "channels.json", "jsonl"])
+@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "channels.json", "jsonl", "ndjson"])
 def test_arrays_of_a_file_are_columns(tmp_path, kind):
     (tmp_path / "t").mkdir()
     arrays(tmp_path / "t", kind)

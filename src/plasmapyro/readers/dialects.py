@@ -28,6 +28,7 @@ OF_WHAT = re.compile(
     r"(var|tag|signal|channel|point|sensor)[ _]?(name|id)?|name|kanal|metric|_?field", re.IGNORECASE
 )
 VALUE = re.compile(r"(var|tag|raw)?[ _]?(value|wert)|reading|messwert", re.IGNORECASE)
+UNNAMED = "first column"
 TIME, DAYS = re.compile("time|zeit|date|datum", re.IGNORECASE), "Time_ms"
 
 
@@ -167,8 +168,16 @@ def _of_hdf5(path):
     return columns
 
 
+def _level(row):
+    """A mapping with the entries of the mappings within it as its own: 'payload.wide'."""
+    parts = ({f"{key}.{k}": v for k, v in _level(one).items()} if isinstance(one, dict) else {key: one}
+             for key, one in row.items())  # fmt: skip
+    return {key: one for part in parts for key, one in part.items()}
+
+
 def _of_json(found):
     if isinstance(found, list) and found and all(isinstance(row, dict) for row in found):
+        found = [_level(row) for row in found]
         found = {name: [row.get(name) for row in found] for name in found[0]}
     columns = {}
     for name, values in found.items() if isinstance(found, dict) else ():
@@ -272,7 +281,7 @@ def _aligned(lines):
     """Lines of a table whose names stand one column beside their cells, put right.
 
     R leaves out the name of the column of row names, which is dropped; other programs begin the line of names
-    with a delimiter.
+    with a delimiter, or leave out the name of times. What only counts the rows is no time.
     """
     start = next((i for i, line in enumerate(lines[:LOOKED_AT]) if re.search(r"[^\W\d]", line)), 0)
     name, body = lines[start], lines[start + 1 : start + 1 + LOOKED_AT]
@@ -283,6 +292,10 @@ def _aligned(lines):
         return lines
     if not name.split(mark)[0].strip() and mark != " " and {len(row) for row in cells} == {width - 1}:
         return [*lines[:start], name.partition(mark)[2], *lines[start + 1 :]]
+    if not name.split(mark)[0].strip(' "') and {len(row) for row in cells} == {width}:
+        begins = [row[0].strip(' "') for row in cells]
+        if not all(begin.isdigit() for begin in begins) and all(begins):  # times as the index of a table
+            return [*lines[:start], f"{UNNAMED}{mark}{name.partition(mark)[2]}", *lines[start + 1 :]]
     numbered = [row[0].strip('"') for row in cells] == [str(i) for i in range(1, len(cells) + 1)]
     if numbered and {len(row) for row in cells} == {width + 1} and all(row[-1].strip() for row in cells):
         return [*lines[: start + 1], *(line.partition(mark)[2] for line in lines[start + 1 :])]
