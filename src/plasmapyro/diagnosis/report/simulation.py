@@ -6,6 +6,7 @@ from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
 from plasmapyro.diagnosis.simulation.compare import LEVEL
+from plasmapyro.diagnosis.simulation.systems import LEAST
 
 NANOMETRE = 1e-9
 
@@ -13,7 +14,7 @@ NANOMETRE = 1e-9
 def simulation(findings):
     """Entry of the report: measured over simulated gas, what a wrong power would do, what remains."""
     found = findings.comparison
-    systems = sorted(found.systems, key=lambda one: -abs(np.log(max(one.ratio, 1e-3) / one.by_power)))
+    systems = sorted(found.systems, key=lambda one: -abs(np.log(max(one.ratio, LEAST) / one.by_power)))
     rows = [
         {
             "name": one.name,

@@ -11,6 +11,7 @@ FREE = 2.0  # [1] prior of the relative change of a group where the data alone a
 ROUNDS = 4  # of the ratios and the light that errors are relative to
 FAINTEST, BRIGHTEST = 0.1, 10.0  # [1], of a system over what is expected, for its errors to follow it
 TINY = 1e-300
+LEAST = 1e-3  # [1] of the simulated light: what a fit leaves of a group, for its logarithm
 BEYOND = 3.0  # standard deviations from which a system is off
 UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
 NEAR = 3.0  # slits
@@ -63,6 +64,7 @@ def systems_of(fitter, fit):
     """
     simulated, library = fitter.simulated, fitter.simulated.model.library
     ratio, by_power, error = _shares(fitter, fit)
+    by_power = np.maximum(by_power, LEAST)
     for place, name in enumerate(library.group_name):
         if not 0 < error[place] < UNSEEN:  # 0 of a group without light
             continue
