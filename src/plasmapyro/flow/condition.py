@@ -5,7 +5,6 @@ from dataclasses import MISSING, astuple, dataclass, fields
 import numpy as np
 
 from plasmapyro.checks import non_negative, positive, within
-from plasmapyro.flow.geometry import WALLS
 
 UNITS = {
     "numerical_power": "W",
@@ -18,6 +17,7 @@ UNITS = {
     "mixing": "1",
     "back_wall_temperature": "K",
 }
+WALLS = ("back_wall", "tube_wall", "chamber_wall", "probe")
 MAY_BE_ZERO = ("swirl_angle", "radiation_factor", "mixing")
 COLD_BACK_WALL = 350.0  # [K]
 # On the way to an adiabatic wall, and from one: it is held at WARM [K], reached after `WARMED` of the way,
@@ -47,7 +47,7 @@ class Condition:
     `numerical_power`: Joule power; `probe_temperature`: of the probe wall; `swirl_angle`: between the gas
     that enters and the axis; `radiation_factor`: multiplies the net emission of the gas, 0 for no loss;
     `mixing`: mixing length over the torch radius, see `physics`; `back_wall_temperature`: of the torch;
-    `adiabatic_walls`: those of `geometry.WALLS` that no heat enters, whatever temperature is given for them.
+    `adiabatic_walls`: those of `WALLS` that no heat enters, whatever temperature is given for them.
     """
 
     numerical_power: float

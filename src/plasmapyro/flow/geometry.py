@@ -12,8 +12,8 @@ from netgen.occ import Glue, MoveTo, OCCGeometry, WorkPlane
 from skfem import MeshTri
 
 from plasmapyro.checks import increasing, positive
+from plasmapyro.flow.condition import WALLS
 
-WALLS = ("back_wall", "tube_wall", "chamber_wall", "probe")
 BOUNDARIES = ("inlet", "top", "outlet", *WALLS)
 ON_LINE = 1e-7  # [m]: points nearer to a boundary line than this lie on it
 BOX_MARGIN = 0.5  # [m], axially, each side

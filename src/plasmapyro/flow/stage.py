@@ -53,6 +53,8 @@ SETTLING = Schedule(
     temperature_tolerance=0.1,
     converged_courant=30.0,
 )
+# The last part of a way; tolerances and number of steps are those asked for.
+FINAL = Schedule(RESTART_COURANT, LARGEST_COURANT, 1, confirmed=True, linear_tolerance=LINEAR_TOLERANCE)
 FIRST_COURANT = 10.0  # of quadratic elements, from linear ones
 TRIES = 2  # known solutions from which a condition is tried
 LOW_MACH = 0.7  # at the inlet; density follows the chamber pressure within some 20 % below
@@ -124,14 +126,12 @@ def cold_start(
     start_factor = float(positive("start_mesh_factor", start_mesh_factor, "1"))
     coarse, state = _on_linear_elements(meshes, start_factor, setup, air, reference, label)
     # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
-    final = Schedule(
-        FIRST_COURANT,
-        LARGEST_COURANT,
-        largest_step_count,
+    final = replace(
+        FINAL,
+        first_courant=FIRST_COURANT,
+        steps=largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
-        confirmed=True,
-        linear_tolerance=LINEAR_TOLERANCE,
     )
     source, solutions = coarse, {}
     for level in reversed(range(len(factors))):
@@ -220,16 +220,13 @@ def condition(
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     power_step = float(positive("power_step", power_step, "W"))
     mesh_ratio = _checked_ratio(error_mesh_ratio)
-    final = Schedule(
-        RESTART_COURANT,
-        LARGEST_COURANT,
-        largest_step_count,
+    final = replace(
+        FINAL,
+        steps=largest_step_count,
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
-        confirmed=True,
         least_courant=LEAST_RESTART_COURANT,
         patience=PATIENCE,
-        linear_tolerance=LINEAR_TOLERANCE,
     )
     setup = setup_of(start)
     air = Air(gas, emission, setup.wall_temperature)
