@@ -5,8 +5,8 @@
 Heat flux and Pitot pressure follow the mean of a turbulent jet, thin light does not: it rises with some
 twentieth power of the temperature, so that the hot moments make it. Mean light of mixed flows whose enthalpy
 fluctuates (ASSUME: Gauss's law, 3 standard deviations at most; thin gas), over that of the laminar flow of
-76 kW, which the paper's thresholds ask for. Needs results/gas/air11.nc, results/instrument, and results/flow of the main
-job at 70 and 80 kW; keeps its flows in results/benchmark_flow. Writes docs/plasmatron_light.csv.
+76 kW, which the paper's thresholds ask for. Needs results/gas/air11.nc, results/instrument, and results/flow
+of the main job at 70 and 80 kW; keeps its flows in results/benchmark_flow. Writes docs/plasmatron_light.csv.
 """
 
 import logging
