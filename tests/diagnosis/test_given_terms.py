@@ -22,7 +22,7 @@ from plasmapyro.diagnosis.effects.condition import OF_CONDITION
 from plasmapyro.diagnosis.fit.given_gas import light_with, with_gas
 from plasmapyro.diagnosis.fit.restore import without_given
 from plasmapyro.diagnosis.fit.setting import Setting
-from plasmapyro.diagnosis.fit.terms import Term, terms_of, text_of
+from plasmapyro.diagnosis.fit.terms import Term, digest_of, terms_of, text_of, with_own
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.stage import diagnose
 
@@ -100,7 +100,22 @@ def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(reco
     # What is written after it holds the same effect, no less certain.
     (again,) = yaml.safe_load(after.terms)["test"]["effects"]
     assert again["amplitude"] == pytest.approx(LOSS, abs=0.002)
-    assert again["uncertainty"] <= entry["uncertainty"] * 1.001
+    # The data count once: fitted to them again, it is as uncertain as before.
+    assert again["uncertainty"] == pytest.approx(entry["uncertainty"], rel=0.05)
+    known = {name: value for name, value in entry.items() if name != "fitted_to"}
+    other = run(laboratory, test, [known])  # the same numbers, known from elsewhere
+    assert other.report["base"]["pulls"] != after.report["base"]["pulls"]
+    assert yaml.safe_load(other.terms)["test"]["effects"] == [known]
+
+
+def test_numbers_that_were_edited_are_no_longer_those_of_the_data(record):
+    (term,), test = terms_of([WINDOW], OF_TEST), record()
+    mark = term.mark(digest_of(test))
+    for amplitude, data, own in ((LOSS, test, True), (LOSS, record(seed=2), False), (2 * LOSS, test, False)):
+        marked = terms_of([WINDOW | {"amplitude": amplitude, "fitted_to": mark}], OF_TEST)
+        assert [one.own for one in with_own(marked, data)] == [own]
+    with pytest.raises(ValueError, match="fitted_to: must be the word"):
+        terms_of([WINDOW | {"fitted_to": 7}], OF_TEST)
 
 
 def test_a_power_that_is_given_moves_the_simulated_gas_and_is_not_found_again(record, laboratory):

@@ -9,6 +9,7 @@ from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit.no_plasma import askable
+from plasmapyro.diagnosis.fit.terms import digest_of
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
@@ -156,7 +157,8 @@ def diagnose(
         comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
-    findings = Findings(base, selection, comparison, effects, gained, crossed, reading, provenance or {})
+    rest = gained, crossed, reading, provenance or {}, digest_of(test)
+    findings = Findings(base, selection, comparison, effects, *rest)
     temperature = temperatures(findings, against)
     found = Diagnosis(
         report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)

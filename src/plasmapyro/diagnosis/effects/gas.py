@@ -41,7 +41,7 @@ self_absorption = effect("selfabs")(varied("optical_depth"))
 def continuum(scene, amplitude):
     r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the light."""
     shape = free_electrons(scene.spectral_axis)
-    more = shape * (0.01 * scene.library.base.mean() / shape.mean())
+    more = shape * (0.01 * scene.spectrum.mean() / shape.mean())
     return scene.but(spectrum=scene.spectrum + amplitude * more)
 
 
@@ -109,7 +109,7 @@ def foreign(*species):
     """Formula of lines of matter in the jet, with or without a sample; 1 is a tenth of the O I triplet."""
 
     def contaminate(scene, amplitude):
-        lines = line_spectrum(species, scene.library, JET_EXCITATION)
+        lines = line_spectrum(species, scene.library, JET_EXCITATION, scene.spectrum)
         return scene.but(spectrum=scene.spectrum + amplitude * lines)
 
     return contaminate
@@ -160,10 +160,11 @@ def species_lines(species, temperature=JET_EXCITATION):
     return vacuum_wavelength(air), strength
 
 
-def line_spectrum(species, library, temperature):
-    """Lines (K,) behind the slit of the library, together a tenth of its O I triplet [W m-2 sr-1 m-1]."""
+def line_spectrum(species, library, temperature, light=None):
+    """Lines (K,) behind the slit of the library, together a tenth of the O I triplet [W m-2 sr-1 m-1] of some
+    light (K,), or of that of the library."""
     axis = library.wavelength
     centre, strength = species_lines(species, temperature)
     sigma = library.slit_fwhm / FWHM_PER_SIGMA
     shape = np.exp(-(((axis - centre[:, None]) / sigma) ** 2) / 2) / (sigma * np.sqrt(2 * np.pi))
-    return 0.1 * oxygen_triplet(axis, library.base) * strength @ shape
+    return 0.1 * oxygen_triplet(axis, library.base if light is None else light) * strength @ shape

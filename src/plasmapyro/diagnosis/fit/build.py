@@ -191,10 +191,10 @@ def of_given(terms):
     """Parameters of the numbers of given terms that are not known exactly."""
     for term in terms:
         effect = term.setting.effect
-        for name, sigma in term.uncertainty.items():
+        for name, (centre, sigma) in term.prior().items():
             what, unit = (effect.amplitude, effect.unit) if name == AMPLITUDE else (name, "")
-            centre = term.numbers[name]
-            yield Parameter(f"{effect.id}.{name}", f"{effect.name}: {what}", sigma, unit, centre)
+            own = f"{effect.id}.{name}", f"{effect.name}: {what}"
+            yield Parameter(*own, sigma, unit, centre, start=term.numbers[name])
 
 
 def _on_bins(one, raw, index, bins):

@@ -13,7 +13,7 @@ def guess(model):
     From the means before the injection and in the first seconds after it; the centres of the priors where
     there are none.
     """
-    values = np.array([parameter.centre for parameter in model.parameters])
+    values = np.array([parameter.first for parameter in model.parameters])
     early, ratio = [], None
     for which, one in enumerate(model.instruments):
         time = one.moment.mean(axis=1)
@@ -48,7 +48,7 @@ def guess(model):
 
 def none(model):
     """As `guess`, for a test without a gas: the centres of the priors."""
-    values = np.array([parameter.centre for parameter in model.parameters])
+    values = np.array([parameter.first for parameter in model.parameters])
     return values, tuple(np.zeros(one.channels) for one in model.instruments)
 
 

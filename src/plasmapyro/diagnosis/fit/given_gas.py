@@ -42,6 +42,7 @@ def with_gas(library, terms):
         library = _with(before, setting)
         if setting.id == POWER:
             known = 0.0, max(sigma / (1 + setting.amplitude), EXACT_POWER)
+            known = (-np.log1p(setting.amplitude), POWER_SIGMA) if term.own else known
         elif sigma:
             low, high = (term.at({AMPLITUDE: setting.amplitude + end * sigma}) for end in (-1, 1))
             change = light_with(before, high) - light_with(before, low)

@@ -9,7 +9,7 @@ class Parameter:
 
     `instrument` that it is of, None for all; `calibrated` (2,): relative change of the signals of the two
     bands per unit that their calibration has taken up; `history`: times [s] and relative changes of the
-    brightness of the gas at them per unit.
+    brightness of the gas at them per unit; `start` of a fit, the centre if None.
     """
 
     id: str
@@ -20,3 +20,9 @@ class Parameter:
     instrument: str | None = None
     calibrated: tuple = ()
     history: tuple = ()
+    start: float | None = None
+
+    @property
+    def first(self):
+        """Value that a fit starts from."""
+        return self.centre if self.start is None else self.start

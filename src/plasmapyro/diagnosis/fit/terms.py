@@ -1,14 +1,26 @@
 """Effects that are taken as given: the entries that a diagnosis writes and that tests and conditions hold."""
 
-from dataclasses import dataclass
+import hashlib
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import isfinite
 from types import MappingProxyType
 
-from plasmapyro.diagnosis.effects.gas import proposed
-from plasmapyro.diagnosis.fit.setting import Setting
+import numpy as np
 
-KEYS = ("id", "amplitude", "uncertainty", "shape", "shape_uncertainty")
+from plasmapyro.diagnosis.effects.gas import proposed
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
+
+FITTED = "fitted_to"  # key: mark of the data that a diagnosis fitted the numbers of an entry to
+KEYS = ("id", "amplitude", "uncertainty", "shape", "shape_uncertainty", FITTED)
+SIGNALS = (
+    "signal_wide",
+    "signal_narrow",
+    "radiometer_signal",
+    "radiometer_reading",
+    "counts",
+    "spectral_radiance",
+)
 AMPLITUDE = "amplitude"
 WHERE = (
     "effects of the gas as it is simulated: condition; of surface, path, instrument, clock, gas in time: test"
@@ -17,10 +29,28 @@ WHERE = (
 
 @dataclass(frozen=True)
 class Term:
-    """A setting that is taken as given, with the standard `uncertainty` {number: u} of its numbers > 0."""
+    """A setting that is taken as given, with the standard `uncertainty` {number: u} of its numbers > 0.
+
+    `fitted_to`: mark of the data that the numbers were fitted to, "" if none; `own`: they are those of the
+    test at hand, which must not count twice: the numbers start there, with the priors that they had.
+    """
 
     setting: Setting
     uncertainty: dict
+    fitted_to: str = ""
+    own: bool = False
+
+    def mark(self, data):
+        """Mark of these numbers as fitted to data of some digest: not theirs any more if they are edited."""
+        text = text_of([replace(self, own=False)])
+        return hashlib.sha256(f"{data}\n{text}".encode()).hexdigest()[:16]
+
+    def prior(self):
+        """Normal law {number: (centre, standard deviation)} of what is uncertain, before the test at hand."""
+        if not self.own:
+            return {name: (self.numbers[name], sigma) for name, sigma in self.uncertainty.items()}
+        free = {one.name or AMPLITUDE: one for one in free_numbers((self.setting,))}
+        return {name: (free[name].centre, free[name].sigma) for name in self.uncertainty}
 
     @property
     def numbers(self):
@@ -36,6 +66,21 @@ class Term:
         return Setting(effect, numbers.pop(AMPLITUDE), numbers)
 
 
+def digest_of(test):
+    """Digest of the signals of a test (Dataset, contract 'test')."""
+    found = hashlib.sha256()
+    for name in SIGNALS:
+        if name in test:
+            found.update(name.encode() + np.ascontiguousarray(test[name].values, dtype=float).tobytes())
+    return found.hexdigest()
+
+
+def with_own(terms, test):
+    """Terms, `own` where a diagnosis fitted them to the data of this very test (tuple)."""
+    data = digest_of(test) if any(term.fitted_to for term in terms) else ""
+    return tuple(replace(one, own=bool(one.fitted_to) and one.fitted_to == one.mark(data)) for one in terms)
+
+
 def bounds_of(effect, name):
     """Least and largest value of the amplitude, or of another number of an effect."""
     return effect.bounds if name == AMPLITUDE else effect.shape_bounds[name]
@@ -49,7 +94,7 @@ def terms_of(entries, effects, where="effects", elsewhere=MappingProxyType({})):
     Parameters
     ----------
     entries : list of mappings with `id` and `amplitude` (in the unit of the effect), and if wanted
-        `uncertainty` (standard, of the amplitude), `shape` {number: value}, `shape_uncertainty`
+        `uncertainty` (standard, of the amplitude), `shape` {number: value}, `shape_uncertainty`; `fitted_to`
     effects : mapping id -> Effect, those that may be named
     where : str
         What messages call the list.
@@ -95,7 +140,7 @@ def _term(entry, effect):
     shape = {name: float(value) for name, value in entry.get("shape", {}).items()}
     sigma = {AMPLITUDE: entry.get("uncertainty", 0.0)} | entry.get("shape_uncertainty", {})
     uncertainty = {name: float(value) for name, value in sigma.items() if value > 0}
-    return Term(Setting(effect, float(entry["amplitude"]), shape), uncertainty)
+    return Term(Setting(effect, float(entry["amplitude"]), shape), uncertainty, entry.get(FITTED, ""))
 
 
 def _faults(at, entry, effect):
@@ -106,6 +151,8 @@ def _faults(at, entry, effect):
     else:
         yield from _number(f"{at}.amplitude", entry["amplitude"], *effect.bounds, unit)
     yield from _number(f"{at}.uncertainty", entry.get("uncertainty", 0), 0, float("inf"), unit)
+    if not isinstance(entry.get(FITTED, ""), str):
+        yield f"{at}.{FITTED}: must be the word that a diagnosis wrote, in quotes; got {entry[FITTED]!r}"
     for key in ("shape", "shape_uncertainty"):
         given = entry.get(key, {})
         if not isinstance(given, dict):
@@ -142,8 +189,8 @@ def _digits(number):
     return text.replace("e", ".0e") if "." not in text else text
 
 
-def text_of(terms, indent=""):
-    """YAML text of terms under the key `effects`, as `terms_of` reads them."""
+def text_of(terms, indent="", data=""):
+    """YAML text of terms under the key `effects`, as `terms_of` reads them; `own` ones marked by a digest."""
     if not terms:
         return f"{indent}effects: []\n"
     lines = ["effects:"]
@@ -158,4 +205,6 @@ def text_of(terms, indent=""):
             if numbers:
                 inside = ", ".join(f"{name}: {_digits(value)}" for name, value in numbers.items())
                 lines.append(f"    {key}: {{{inside}}}")
+        if term.own:
+            lines.append(f'    {FITTED}: "{term.mark(data)}"  # this test: not counted twice')
     return "".join(f"{indent}{line}\n" for line in lines)

@@ -5,6 +5,7 @@ from plasmapyro.diagnosis.fit.base import fit_base, guess_temperature
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.given_gas import of_gas, with_gas
 from plasmapyro.diagnosis.fit.prior import relative, with_prior
+from plasmapyro.diagnosis.fit.terms import with_own
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.record.calibrated import of_pixels
 from plasmapyro.record.foreign import without_narrow_light
@@ -35,6 +36,7 @@ def fit_test(
         calibrations["pyrometer"] = calibration
     if radiometer_calibration is not None:
         calibrations["radiometer"] = radiometer_calibration
+    given = with_own(given, test)
     record = record_of(test, calibrations, saturation_counts=saturation_counts)
     if not record.instruments:
         raise ValueError(

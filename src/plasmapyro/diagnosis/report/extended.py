@@ -33,7 +33,7 @@ def extension(findings):
     if gained.improves and not findings.applied:
         better = "improve, but nothing being wrong is likelier"
     return {
-        "configuration": text_of(terms),
+        "configuration": text_of(terms, data=findings.data),
         "terms": entries,
         "chi2": float(final.chi2),
         "dof": float(final.count - findings.fitted - len(free)),
@@ -84,8 +84,9 @@ def _mean_step(findings, solution):
 def proposed(findings):
     """Terms that a diagnosis proposes to take as given, of the test and of the simulation of its gas.
 
-    What it was given itself comes first, as the fit leaves it. Terms of the test are proposed where held-out
-    data speak for them; a power that `simulation.compare` calls wrong.
+    What it was given itself comes first: as it was, or as the fit leaves it if it was fitted to these data.
+    Terms of the test are proposed where held-out data speak for them; a
+    power that `simulation.compare` calls wrong.
 
     Returns
     -------
@@ -95,10 +96,13 @@ def proposed(findings):
     model, errors = findings.model, np.sqrt(np.maximum(np.diag(fit.covariance), 0))
     of_test = []
     for term in (one for one in model.given if one.setting.id in REGISTER):
+        if not term.own:
+            of_test.append(term)
+            continue
         places = {name: model.index[f"{term.setting.id}.{name}"] for name in term.uncertainty}
         setting = term.at({name: fit.state.values[place] for name, place in places.items()})
         sigma = {name: errors[model.size + place] for name, place in places.items()}
-        of_test.append(Term(setting, sigma))
+        of_test.append(Term(setting, sigma, own=True))
     of_test += _terms(fit.settings, errors[findings.size :])
     found = findings.comparison.final
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
@@ -111,7 +115,7 @@ def proposed(findings):
         if power.id in given:
             change += np.log1p(given.pop(power.id).setting.amplitude)
         size = float(np.clip(np.expm1(change), *power.bounds))
-        of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}))
+        of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}, own=True))
     of_gas = [*given.values(), *of_gas]
     return tuple(of_test), tuple(of_gas)
 
@@ -121,7 +125,7 @@ def _terms(settings, errors):
     free = free_numbers(settings)
     for place, setting in enumerate(settings):
         own = [j for j, number in enumerate(free) if number.place == place]
-        yield Term(setting, {free[j].name or AMPLITUDE: float(errors[j]) for j in own})
+        yield Term(setting, {free[j].name or AMPLITUDE: float(errors[j]) for j in own}, own=True)
 
 
 def terms_text(findings):
@@ -129,6 +133,7 @@ def terms_text(findings):
     of_test, of_gas = proposed(findings)
     return (
         "# Effects that this diagnosis proposes: for `--with`, or as the key `effects` of the files named.\n"
-        f"test:  # config/tests\n{text_of(of_test, '  ')}"
-        f"condition:  # config/conditions, {findings.record.attributes['condition']}\n{text_of(of_gas, '  ')}"
+        f"test:  # config/tests\n{text_of(of_test, '  ', findings.data)}"
+        f"condition:  # config/conditions, {findings.record.attributes['condition']}\n"
+        f"{text_of(of_gas, '  ', findings.data)}"
     )

@@ -35,7 +35,7 @@ class Findings:
 
     `effects` {id: Effect} of the whole catalogue share the prior; `gained` by the extension on held-out data,
     None without one; `crossed` its log score on tests at other conditions; `reading` of the paper's method,
-    None without a pyrometer; `provenance` goes into the report.
+    None without a pyrometer; `provenance` goes into the report; `data` digest of the signals of the test.
     """
 
     base: Base
@@ -46,6 +46,7 @@ class Findings:
     crossed: float | None
     reading: Reading | None
     provenance: dict
+    data: str = ""
 
     @property
     def model(self):
