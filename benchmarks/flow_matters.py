@@ -81,6 +81,10 @@ class Bench:
         path = gas_path(
             sightline.path_distance.values, temperature, dict(zip(SPECIES, density.T, strict=True))
         )
+        return self.in_bands(path)
+
+    def in_bands(self, path):
+        """Signals (2,) of a GasPath."""
         radiance = table_radiance(self.table, path)[0].sum(axis=0)[::-1]
         wavelength = self.table.grid.wavelength[::-1]
         return [
