@@ -1,3 +1,4 @@
+import dataclasses
 import json
 
 import numpy as np
@@ -6,10 +7,11 @@ import xarray as xr
 from small_laboratory import OFF, SLIT_FWHM, black_body, temperature_of
 
 from plasmapyro import cli, contracts, io
-from plasmapyro.diagnosis import command
+from plasmapyro.diagnosis import command, stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
+from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
 from plasmapyro.diagnosis.stage import diagnose, other_gas
 from plasmapyro.quality.catalogue import of_test
@@ -123,6 +125,22 @@ def test_instruments_that_contradict_each_other_leave_no_recommendation(laborato
     assert found.attrs["recommended_because"] == "No temperature is recommended: they differ."
     assert np.isnan(found.recommended_temperature).all() and np.isfinite(found.base_temperature[-1])
     assert (found.recommended_status[found.time_bin > 30] == status.CONTRADICTED).all()
+
+
+def test_names_whose_fit_comes_to_no_rest_leave_something_unknown(laboratory, record, monkeypatch):
+    """Not "no judgement": the base fit has come to rest, and the data are beyond it."""
+
+    def restless(*arguments, **keywords):
+        found = select(*arguments, **keywords)
+        assert found.status == "named"
+        return dataclasses.replace(found, final=dataclasses.replace(found.final, converged=False))
+
+    monkeypatch.setattr(stage, "select", restless)
+    settings = {"saturation_counts": 65000.0, "limits": command.LIMITS, "draws": 50}
+    found = diagnose(record(window_loss=LOSS), *vars(laboratory).values(), **settings)
+    verdict = found.report["verdict"]
+    assert (verdict["status"], verdict["named"]) == ("unknown", [])
+    assert verdict["unknown"]["instrument"] == "spectrometer" and found.report["extended"] is None
 
 
 def test_a_fringe_is_something_that_the_catalogue_lacks(diagnosed):

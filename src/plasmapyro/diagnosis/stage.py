@@ -134,6 +134,8 @@ def diagnose(
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
     selection = select(base, questions[0], thresholds=thresholds, draws=draws, seed=seed)
+    if base.solution.converged and not selection.final.converged:
+        selection = selection.unnamed()  # a fit that comes to no rest names nothing
     gained = _gained(base, selection)
     if gained is not None and gained.silent:
         selection, gained = selection.unnamed(), None
