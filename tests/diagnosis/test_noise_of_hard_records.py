@@ -28,6 +28,24 @@ def test_a_temperature_that_lags_behind_is_no_noise_of_a_band(random):
     assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.2)
 
 
+def test_amplifiers_of_unlike_noise_are_told_apart(random):
+    """Before a flickering gas the wide band has four times the noise of the narrow one, before a hot
+    surface both a thousandth."""
+    count, noise_of, sigma = 1200, np.array([4e-3, 1e-3]), 1e-3
+    cold = np.arange(count) < 400
+    level = np.where(cold, 1.0, np.exp(np.linspace(0, 4, count)))[:, None] * [1.0, 0.3]
+    gas = np.where(cold[:, None], level, 0.0)
+    own = random.standard_normal((count, 2)) * np.hypot(noise_of, sigma * level)
+    flickering = own + gas * 0.004 * random.standard_normal((count, 1))
+    law, _, light, *_ = noise._of_bands(
+        flickering, level, gas, np.ones(count, dtype=bool), cold.astype(int), 1.0
+    )
+    # 400 differences that share samples, of which the flicker is as large a part: 15 % of a deviation.
+    assert np.sqrt(law[0]) == pytest.approx(noise_of, rel=0.25)
+    assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.2)
+    assert np.sqrt(light.total) == pytest.approx(0.004, rel=0.2)
+
+
 def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
     """Errors stated 15 % too large, as they are while the law of the noise holds the gain: faint frames
     would take all of it away."""
@@ -88,7 +106,7 @@ def test_series_of_other_exposures_have_a_noise_of_their_own(random):
         channels=channels,
         raw_bin=np.arange(20),
         raw_moment=np.arange(20.0)[:, None] + [0.0, 0.1],
-        pixel_edges=None,
+        pixels=np.ones(channels),
         factor=np.ones(channels),
     )
     residual = np.sqrt(variance) * random.standard_normal(level.shape)

@@ -44,7 +44,7 @@ class NoiseModel:
     samples beyond 4 standard deviations over what a normal law has. `laws` (S, 3): a, b, c of each series of
     a furnace, whose exposures differ; a, b and c are then those of the last."""
 
-    constant: float
+    constant: float | np.ndarray  # of each band its own: amplifiers have ranges of their own
     linear: float
     quadratic: float
     memory: float
@@ -191,42 +191,42 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     # What bands share is a gain, or a temperature that falls faster than the knots can follow.
     apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
     rounded = np.broadcast_to(rounded, relative.shape) / np.maximum(prediction, 1e-30) ** 2
+    mixed = np.eye(bands) if alone else (np.eye(bands) * (1 - 2 / bands) + bands**-2.0) / (1 - 1 / bands)
     one, two, place = differences(apart, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
         for band in range(bands):
-            inverse = np.zeros(bands)
-            inverse[band] = np.mean(prediction[place[group], band] ** -2.0)
-            rows.append((*inverse, 1.0))
+            rows.append((*mixed[band] * np.mean(prediction[place[group]] ** -2.0, axis=0), 1.0))
             own_part = clipped_variance(one[group, band]) / 2 / (1.0 if alone else 1 - 1 / bands)
             least = max(OWN * gain.between(period), np.mean(rounded[place[group], band]))
             variances.append(max(own_part, least))
     if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
-    one, two, place = differences(each[:, 0] - each[:, 1], bright)
+    one, two, place = differences(each, bright)
     own = same[place + 1]
     if own.sum() >= 8 and not alone:
-        weight = 1 / np.where(np.arange(bands) % 2, bands // 2, (bands + 1) // 2) ** 2.0
-        rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
-        least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own]] @ weight)
-        variances.append(max(clipped_variance(one[own]) / 2, least))
+        both, (left, right) = clipped_variance(one[own, 0] - one[own, 1]), clipped_variance(one[own], axis=0)
+        for half, excess in enumerate((left - right, right - left)):
+            odd = np.arange(bands) % 2
+            weight = np.where(odd == half, 1 / np.where(odd, bands // 2, (bands + 1) // 2) ** 2.0, 0.0)
+            rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
+            least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own]] @ weight)
+            variances.append(max((both + excess) / 4, least, OWN * both / 4))
     if not rows:  # too few samples of either kind, or none
         return (0.0, 0.0, START_RELATIVE**2), 0.0, light, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
-    # One constant for all bands: their columns are one.
-    rows = np.stack([rows[:, :-1].sum(axis=1), rows[:, -1]], axis=1)
     scale = np.maximum(rows.max(axis=0), 1e-300)
     weight = 1 / np.maximum(variances, 1e-300)
     for _ in range(ROUNDS):
         solution, _ = nnls(rows / scale * weight[:, None], variances * weight)
         weight = 1 / np.maximum(rows / scale @ solution, 1e-3 * variances)
-    constant, quadratic = solution / scale
+    constant, quadratic = np.split(solution / scale, [bands])
+    quadratic = float(quadratic[0])
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
     if enough and alone:
-        error = ((constant / np.maximum(prediction, 1e-30) ** 2 + quadratic) / np.maximum(share, 1e-9) ** 2)[
-            :, 0
-        ]
+        error = (constant / np.maximum(prediction, 1e-30) ** 2 + quadratic) / np.maximum(share, 1e-9) ** 2
+        error = error[:, 0]
         light = coloured(*each.T, error, bright, phase, period, LONGEST_FLICKER)
     swell = 1 / (1 - memory)
     return (constant * swell, 0.0, quadratic * swell), memory, light, gain, residual
