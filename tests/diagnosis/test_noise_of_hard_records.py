@@ -46,6 +46,27 @@ def test_amplifiers_of_unlike_noise_are_told_apart(random):
     assert np.sqrt(light.total) == pytest.approx(0.004, rel=0.2)
 
 
+def test_a_noisy_band_hides_no_memory_of_the_gas(random):
+    """A gas that flickers with 0.3 s, sampled each 0.1 s; the narrow band has twice its noise."""
+    count, size, period, time = 220, 2.5e-3, 0.1, 0.3
+    bins = []
+    for _ in range(30):
+        steps, value = random.standard_normal(count), np.zeros(count)
+        for place in range(1, count):
+            keep = np.exp(-period / time)
+            value[place] = keep * value[place - 1] + size * np.sqrt(1 - keep**2) * steps[place]
+        own = random.standard_normal((count, 2)) * [1e-3, 6e-3]
+        one = np.ones((count, 2))
+        light = noise._of_bands(
+            value[:, None] + own, one, one, np.ones(count, dtype=bool), np.zeros(count, dtype=int), period
+        )[2]
+        bins.append(light.of_mean(20, period))
+    lag = np.arange(1, 20)
+    true = size**2 / 20 * (1 + 2 * np.sum((1 - lag / 20) * np.exp(-lag * period / time)))
+    # 20 s hold 30 memories: a factor of two. By what both bands share the typical bin has a tenth of it.
+    assert 0.5 < np.median(bins) / true < 2.5
+
+
 def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
     """Errors stated 15 % too large, as they are while the law of the noise holds the gain: faint frames
     would take all of it away."""

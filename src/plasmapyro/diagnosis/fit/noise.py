@@ -180,7 +180,11 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     each, light = _halves(relative / np.maximum(share, 1e-9)), Coloured()
     enough = np.count_nonzero(bright[1:] & bright[:-1] & same[1:]) >= 8
     if enough and not alone:
-        light = coloured(*each.T, np.zeros(used.size), bright, phase, period, LONGEST_FLICKER)
+        plain = np.zeros(used.size), bright, phase, period, LONGEST_FLICKER
+        light = coloured(*each.T, *plain)
+        if not light.remembers:  # a noisy half hides a memory that the quiet one alone may show
+            quiet = each[:, np.argmin(clipped_variance(differences(each, bright)[0], axis=0))]
+            light = light.with_memory_of(coloured(quiet, quiet, *plain))
     rows, variances, memories = [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
     little = used & (share.max(axis=1) < LITTLE)
