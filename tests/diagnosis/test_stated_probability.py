@@ -30,6 +30,12 @@ def test_probabilities_stay_probabilities_whatever_is_wanted(monkeypatch, wanted
     assert 1 / len(LOG) < found["winE"] <= probability.CERTAIN + 1e-9
 
 
+def test_a_name_with_reserve_is_never_stated_as_sure(monkeypatch):
+    monkeypatch.setattr(probability, "measured_share", lambda status, stated: 0.95)
+    sure, doubted = (probability.honest(LOG, status)[0]["winE"] for status in ("named", "named+unknown"))
+    assert sure == pytest.approx(0.95, abs=1e-6) and doubted < 0.8  # which the blind tests call confident
+
+
 def test_answers_of_equal_weight_are_left_alone():
     found, before = probability.honest({"winE": 0.0, "clock": 0.0}, "named")
     assert found == {"winE": 0.5, "clock": 0.5} and before == 0.5

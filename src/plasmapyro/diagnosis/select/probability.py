@@ -9,6 +9,7 @@ PRIOR_NONE, PRIOR_UNKNOWN = 0.5, 0.1  # before the data; the catalogue shares th
 TABLE = "diagnosis/stated_probability"
 FLATTEST, STEEPEST = 1e-4, 1e3  # power of the weights
 LEAST = 1e-6  # probabilities below are not reported
+WITH_RESERVE = 0.79  # the most that is stated of a name with reserve: what is doubted is not sure
 CERTAIN = 0.9999  # nothing is stated as surer: no set of simulated cases could show it
 
 
@@ -72,7 +73,8 @@ def honest(log, status):
     plain = normalised(log)
     first = max(plain, key=plain.get)
     stated = plain[first]
-    wanted = float(np.clip(measured_share(status, stated), 1.001 / len(log), CERTAIN))
+    most = WITH_RESERVE if status == "named+unknown" else CERTAIN
+    wanted = float(np.clip(measured_share(status, stated), 1.001 / len(log), most))
     values = np.array(list(log.values()))
     values = values - values.max()
 
