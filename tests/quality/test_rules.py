@@ -282,6 +282,20 @@ def test_a_rule_of_times_and_axes_says_what_it_saw(sound, name):
     assert words in said(change(sound), {})[name]
 
 
+def with_bands(test, late=0.0):
+    """The test with its narrow band as two of a radiometer besides, on a clock that is late [s]."""
+    own = test.signal_narrow.values[:, None] * [0.5, 1.0]
+    more = test.assign(radiometer_signal=(("radiometer_time", "band"), own))
+    return more.assign_coords(radiometer_time=test.time.values + late, band=["b1", "b2"])
+
+
+def test_the_clock_of_a_radiometer_is_held_against_the_others(sound):
+    assert said(with_bands(sound), {}) == said(sound, {})
+    late = said(with_bands(sound, 12.5), {})
+    assert "radiometer_time begins at 8.5 s, the injection is at 0 s" in late["record_begins_late"]
+    assert "the light of the radiometer falls by" in late["plasma_off_time"]
+
+
 def test_a_plasma_off_time_within_a_second_is_passed(sound):
     for moment in (49.0, 51.0):
         assert "plasma_off_time" not in said(attributes(sound, plasma_off_time=moment))

@@ -14,14 +14,13 @@ GAPS = 10  # times the usual step, or the second it may be
 def _span(case, axis):
     """Usual step and least tolerance [s] of an axis."""
     time = case.test[axis].values
-    least = 1.0 if axis == "time" else case.exposure
+    least = case.exposure if axis == "spectrum_time" else 1.0
     return max(least, 2 * float(np.median(np.diff(time))) if time.size > 1 else least)
 
 
 def _axes(case):
-    return [
-        axis for axis in ("time", "spectrum_time") if axis in case.test.variables and case.test[axis].size
-    ]
+    axes = ("time", "radiometer_time", "spectrum_time")
+    return [axis for axis in axes if axis in case.test.variables and case.test[axis].size]
 
 
 @rule()
@@ -88,6 +87,10 @@ def _falls(case):
     if "pyrometer" in case.holds:
         time, (narrow,) = blocks(case.test.time.values, case.pair[1:], begin, np.inf, BLOCK)
         found["pyrometer"] = fall(time, narrow, BLOCK)
+    if "radiometer_signal" in case.test:
+        longest = case.test.radiometer_signal.values.T[-1:]
+        time, (light,) = blocks(case.test.radiometer_time.values, longest, begin, np.inf, BLOCK)
+        found["radiometer"] = fall(time, light, BLOCK)
     if "spectrometer" in case.holds:
         time = case.test.spectrum_time.values
         held = (time >= begin) & np.isfinite(case.light)
