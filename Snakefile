@@ -7,6 +7,7 @@ from plasmapyro.gas.species import AIR, gas_name
 from plasmapyro.readers.stage import condition_of
 
 min_version("9.0")
+os.environ["PLASMAPYRO_JOB"] = "1"  # its processes load their modules without a search for garbage
 try:  # what is wrong in a configuration is said by file and key, without Python's frames
     configuration.read("config/config.yaml")
 except configuration.ConfigurationError as fault:

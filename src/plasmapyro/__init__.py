@@ -1,10 +1,15 @@
 """Two-colour pyrometry through a radiating plasma: from torch flow to corrected surface temperature."""
 
+import gc as _gc
+import os as _os
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from plasmapyro.api import calibrate, check, correct, diagnose, radiance, read, save, simulations
+
+if "PLASMAPYRO_JOB" in _os.environ:  # of the workflow, until its modules are loaded: see `cost`
+    _gc.disable()
 
 __all__ = ["calibrate", "check", "correct", "diagnose", "radiance", "read", "save", "simulations"]
 

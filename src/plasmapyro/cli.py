@@ -1,6 +1,8 @@
 """The command `plasmapyro`: one data set at a time, without a workflow."""
 
 import argparse
+import atexit
+import gc
 import logging
 import os
 import sys
@@ -10,6 +12,7 @@ from functools import partial
 from importlib import import_module
 
 import plasmapyro
+from plasmapyro import cost
 from plasmapyro.commands import options
 from plasmapyro.progress import show
 
@@ -53,7 +56,9 @@ class _Version(argparse.Action):
 
 def _run(name, given):
     """Run a command; it is loaded for that, not for its help."""
-    return import_module(f"plasmapyro.commands.{name.replace('-', '_')}").run(given)
+    command = import_module(f"plasmapyro.commands.{name.replace('-', '_')}")
+    cost.end_of_imports()
+    return command.run(given)
 
 
 def parser(names=COMMANDS):
@@ -93,8 +98,11 @@ def main(arguments=None):
     int
         Exit status: 0 done, 2 bad input or usage, 1 a fault of ours; what a command says otherwise.
     """
-    if arguments is None and not sys.warnoptions:  # numpy's words say nothing to a user; tests see them
-        warnings.simplefilter("ignore", RuntimeWarning)
+    if arguments is None:
+        gc.disable()
+        atexit.register(gc.freeze)
+        if not sys.warnoptions:  # numpy's words say nothing to a user; tests see them
+            warnings.simplefilter("ignore", RuntimeWarning)
     arguments = sys.argv[1:] if arguments is None else arguments
     os.environ.update(ONE_THREAD)  # before a command loads numpy
     given = parser(arguments[:1]).parse_args(arguments)
