@@ -181,6 +181,17 @@ def test_a_range_without_data_is_refused(folder, capsys):
 
 
 @pytest.mark.parametrize(
+    "words", [["correct", "test", "--priors", "a.yaml"], ["diagnose", "test", "--with", "a.yaml"]]
+)
+def test_a_file_of_knowledge_that_is_given_twice_is_refused(words, capsys):
+    """The second value would have taken the place of the first without a word."""
+    with pytest.raises(SystemExit) as end:
+        cli.main([*words, words[-2], "other"])
+    assert end.value.code == 2
+    assert f"{words[-2]} is given twice" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     "words", [[], ["radiance"], ["radianze"], ["radiance", "a.nc", "--out", "b.nc", "--grid-points", "0"]]
 )
 def test_wrong_usage_ends_with_two(words, capsys):

@@ -213,6 +213,14 @@ def test_a_file_of_terms_is_read_whole_or_refused(tmp_path):
             read_terms(path)
 
 
+def test_faults_of_both_parts_of_a_file_are_said_at_once(tmp_path):
+    path = tmp_path / "terms.yaml"
+    parts = {"test": "winE, amplitude: 5 %", "condition": "power, amplitude: -7"}
+    path.write_text("".join(f"{part}:\n  effects: [{{id: {one}}}]\n" for part, one in parts.items()))
+    with pytest.raises(ValueError, match=r"test.effects.0.amplitude: .*\n  condition.effects.0.amplitude: "):
+        read_terms(path)
+
+
 def test_files_of_tests_and_conditions_hold_the_effects_that_act_there():
     check_effects({"a": {}, "b": {"effects": [WINDOW]}}, "test", "config/tests")
     with pytest.raises(

@@ -1,8 +1,9 @@
 """Options of the commands, from the table options.csv, and the kinds of numbers that they take.
 
-A row per option: `kind` is the name of a function of this module or of Python, `flag`, `append`, or the words
-that may be chosen, between bars; `default` may be `required`; a `metavar` of several words takes as many
-values, one that ends in ... any number, in [] also none. Texts of help stand in words/.
+A row per option: `kind` is the name of a function of this module or of Python, `flag`, `append`, `once` of
+what must not stand twice, or the words that may be chosen, between bars; `default` may be `required`; a
+`metavar` of several words takes as many values, one that ends in ... any number, in [] also none. Texts
+of help stand in words/.
 """
 
 import argparse
@@ -12,6 +13,15 @@ from math import inf
 from pathlib import Path
 
 HERE = Path(__file__).parent
+
+
+class Once(argparse.Action):
+    """What keeps the value of an option, and refuses a second one: it would silently take its place."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if getattr(namespace, self.dest) is not self.default:
+            parser.error(f"{option_string} is given twice: one value only")
+        setattr(namespace, self.dest, values)
 
 
 def words(name):
@@ -42,6 +52,8 @@ def _settings(row):
         found["dest"] = row["destination"]
     if kind == "append":
         return found | {"action": "append", "default": []}
+    if kind == "once":
+        return found | {"action": Once}
     if "|" in kind:
         found["choices"] = kind.split("|")
     elif kind:

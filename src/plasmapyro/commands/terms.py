@@ -53,13 +53,14 @@ def read_terms(path, owner="test"):
     odd = [f"{name}.{key}" for name, one in parts.items() for key in one if key != "effects"]
     if odd:
         raise ValueError(f"{path}: unknown key {', '.join(odd)}; valid: effects")
-    try:
-        found = {
-            name: terms_of(one.get("effects", []), OF[name], f"{name}.effects", EVERY)
-            for name, one in parts.items()
-        }
-    except ValueError as faults:
-        raise ValueError(f"{path}:\n  {faults}") from None
+    found, faults = {}, []
+    for name, one in parts.items():
+        try:
+            found[name] = terms_of(one.get("effects", []), OF[name], f"{name}.effects", EVERY)
+        except ValueError as wrong:
+            faults.append(str(wrong))
+    if faults:
+        raise ValueError("\n  ".join([f"{path}:", *faults]))
     return found.get(owner, ())
 
 
