@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
-from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.instrument.stage import spectrometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
@@ -350,6 +350,13 @@ def test_the_reference_window_is_judged(pyrometer):
     found = correct_pyrometer(late, calibration(), **PYROMETER)
     assert found.attrs["pyrometer_reference_verdict"] == "surface_shows"
     assert found.attrs["pyrometer_proposed_window"][1] < 6
+
+
+@pytest.mark.parametrize(("window", "middle"), [([0.0, 5.0], 2.0), ([0.6, 3.4], 2.0), ([1.6, 2.4], None)])
+def test_a_reference_spectrum_is_looked_for_in_the_window(window, middle):
+    test = made()
+    test.attrs["reference_window"] = window
+    assert middle_exposure(test) == middle
 
 
 def test_same_seed_same_result(pyrometer, spectrometer):

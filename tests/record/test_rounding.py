@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from plasmapyro.quality.series import fall
+from plasmapyro.record import flags
 from plasmapyro.record.rounding import rounding
 
 STEP = 0.25
@@ -47,3 +49,25 @@ def test_a_unit_does_not_split_a_value_in_two():
     codes = np.repeat(np.arange(1000.0, 1100.0), 20)
     wobbling = codes * 5.7e-13 * (1 + 1e-16 * np.arange(codes.size) % 3)
     assert np.sqrt(12 * rounding(wobbling).variance(wobbling[:1], 1))[0] == pytest.approx(5.7e-13)
+
+
+def test_a_coarse_converter_is_no_logger_that_hangs():
+    """A faint gas of some thirty steps with noise of a third of one, before a surface of 2000 steps, as
+    14 bits have them; then the same with a logger that does hang, and a spike."""
+    random = np.random.default_rng(4)
+    true = 30 + np.where(np.arange(1500) > 300, np.expm1(np.linspace(-1.5, 7.6, 1500).clip(0)), 0.0)
+    written = np.round(true * (1 + 0.002 * random.standard_normal(1500)) + 0.3 * random.standard_normal(1500))
+    assert not flags.stuck(written[:, None], True).any() and not flags.spiked(written[:, None]).any()
+    written[1200:1230], written[100] = written[1200], 45.0
+    assert flags.stuck(written[:, None], True).sum() == 29
+    assert np.flatnonzero(flags.spiked(written[:, None])).tolist() == [100]
+
+
+def test_faint_light_that_scatters_does_not_end():
+    """Means of 1 s that scatter by 4 % before a surface shows, and by a thousandth when the plasma ends."""
+    random = np.random.default_rng(5)
+    time = np.arange(120.0)
+    level = np.where(time < 20, 1.0, 30.0) * np.where(time < 90, 1.0, 0.9 * np.exp(-(time - 90) / 60))
+    noise = np.where(time < 20, 0.04, 0.001)
+    first, last, drop = fall(time, level * (1 + noise * random.standard_normal(120)), 1.0)
+    assert first < 90 < last and drop == pytest.approx(0.1, abs=0.01)

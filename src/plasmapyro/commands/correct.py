@@ -1,6 +1,7 @@
 """`plasmapyro correct`: surface temperatures of one data set, without a workflow."""
 
 import argparse
+import logging
 import sys
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
-from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra
+from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.quality.catalogue import merged, of_test
 from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
@@ -20,6 +21,8 @@ from plasmapyro.record import budget, status
 from plasmapyro.record.calibrated import of_pixels, on_same_wavelengths
 from plasmapyro.record.inputs import faults, has_plasma, instruments
 from plasmapyro.record.recommended import of_correction
+
+LOG = logging.getLogger(__name__)
 
 NANOMETRE = 1e-9
 # files and contracts
@@ -206,12 +209,17 @@ def by_reference(test, calibrations, options):
                 **settings(options, correct_pyrometer) | {"draws": options.draws or 400},
             )
         )
-    if "spectrometer" in instruments(test):
-        middle, half = np.mean(test.attrs.get("reference_window", 0)), test.attrs["spectrometer_fwhm"] / 2
+    middle = options.reference_time
+    if "spectrometer" in instruments(test) and middle is None:
+        middle = middle_exposure(test)
+    if "spectrometer" in instruments(test) and middle is None and parts:
+        LOG.warning("no exposure lies within the reference window: spectra are not corrected by subtraction")
+    elif "spectrometer" in instruments(test):
+        half = test.attrs["spectrometer_fwhm"] / 2
         if options.normalisation_half_width_nm:
             half = options.normalisation_half_width_nm * NANOMETRE
         own = {
-            "reference_time": middle if options.reference_time is None else options.reference_time,
+            "reference_time": np.mean(test.attrs["reference_window"]) if middle is None else middle,
             "normalisation_wavelength": options.normalisation_nm * NANOMETRE,
             "normalisation_half_width": half,
             "draws": options.draws or 100,

@@ -275,6 +275,17 @@ def _window_attributes(name, record, time, pair):
     return found
 
 
+def middle_exposure(test):
+    """Middle [s] of the exposure within the reference window that is nearest to the middle of that; None if
+    there is none, 0 without a window."""
+    if "reference_window" not in test.attrs:
+        return 0.0
+    (low, high), half = test.attrs["reference_window"], test.attrs["spectrometer_integration_time"] / 2
+    time = test.spectrum_time.values
+    time = time[(time - half >= low) & (time + half <= high)]
+    return float(time[np.argmin(np.abs(time - (low + high) / 2))]) if time.size else None
+
+
 def _reference_index(record, frames, reference_time):
     """Index of the exposure that gives the reference spectrum; refused if it is not all in the window."""
     index = int(np.argmin(np.abs(frames.time - (reference_time - record.injection))))

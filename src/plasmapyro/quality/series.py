@@ -1,6 +1,7 @@
 """Numbers that several rules take from a record: runs, steps, falls, lags."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 SIDE = 6  # blocks on each side of a step: enough to fit a line and to tell its scatter
 MOST_BLOCKS = 3000
@@ -107,11 +108,15 @@ def fall(time, values, length):
     if time.size < 6 or not (values > 0).all():
         return None
     drop = -np.diff(np.log(values))
+    change = np.abs(np.diff(drop))
     # A cooling surface goes on falling, and faster in the logarithm: the first large drop is the one.
-    clear = max(LEAST_DROP, MANY * SIGMA * np.median(np.abs(np.diff(drop))), drop.max() / 3)
-    if drop.max() < clear:
+    clear = max(LEAST_DROP, MANY * SIGMA * np.median(change), drop.max() / 3)
+    # Faint light is noisier than bright: it must stand out where it is, too.
+    around = median_filter(np.append(change, change[-1]), 2 * SIDE + 1, mode="nearest")
+    fell = (drop >= clear) & (drop >= MANY * SIGMA * around)
+    if not fell.any():
         return None
-    place = int(np.argmax(drop >= clear))
+    place = int(np.argmax(fell))
     first = max(place - 1, 0)
     return time[first] - length / 2, time[place + 1] + length / 2, -np.expm1(-drop[place])
 

@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
+from plasmapyro.record.rounding import rounding
+
 SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED = (1 << bit for bit in range(6))
 MEANINGS = {
     SATURATED: "at or beyond the stated limit of the detector or its converter",
@@ -18,6 +20,7 @@ BIN, SPAN, FEW = 0.1, 3, 4  # of the logarithm of a channel; bins that a slope t
 LEAST_SLOPE, SOUND_SLOPE = 0.85, 0.93  # of the usual slope of one logarithm over the other
 RULES = 0.3  # share of the surface in a signal from which on its slope is looked at
 SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
+STEPS = 2.5  # of a converter or of digits: noise below a step moves single samples by one or two
 WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
 MAD = 1.4826 / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
 ALTERNATING = (
@@ -33,12 +36,23 @@ def _run_lengths(same):
 
 
 def _longest_by_chance(same, lengths):
-    """Longest run that neighbours which happen to be equal explain: they are, with a coarse converter."""
+    """Longest run (t,) that neighbours which happen to be equal explain: they are, with a coarse converter.
+
+    More of them before a faint light than before a bright one, whose noise is more than a step: those on
+    either side of the run count, if the record as a whole does not have more.
+    """
     outside = lengths[1:] <= LONGEST
-    share = same[outside].mean() if outside.any() else 0.0
-    if share == 0:
-        return LONGEST
-    return max(LONGEST, np.log(CHANCE / lengths.size) / np.log(min(share, 1 - 1e-9)))
+    whole = same[outside].mean() if outside.any() else 0.0
+    begin = np.flatnonzero(np.concatenate([[True], ~same]))
+    end = np.append(begin[1:], lengths.size)
+    total = np.append(0, np.cumsum(same))  # of the pairs before a sample
+    first, last = np.maximum(begin - 1, 0), np.minimum(end - 1, same.size)
+    low, high = np.maximum(first - AROUND, 0), np.minimum(last + AROUND, same.size)
+    equal = total[first] - total[low] + total[high] - total[last]
+    near = equal / np.maximum(first - low + high - last, 1)
+    share = np.repeat(np.maximum(near, whole), end - begin)
+    with np.errstate(divide="ignore"):
+        return np.maximum(LONGEST, np.log(CHANCE / lengths.size) / np.log(np.minimum(share, 1 - 1e-9)))
 
 
 def _noisy(values):
@@ -100,7 +114,7 @@ def clipped(values):
             continue
         same = row[1:] == row[:-1]
         lengths = _run_lengths(same)
-        if lengths[at_top].max() > _longest_by_chance(same, lengths) and _noisy(row):
+        if (lengths > _longest_by_chance(same, lengths))[at_top].any() and _noisy(row):
             result[:, channel] = at_top
     return result
 
@@ -125,11 +139,14 @@ def spiked(values):
             continue
         rest = np.abs(row[1:-1] - (row[:-2] + row[2:]) / 2)
         scatter = MAD * median_filter(np.pad(rest, 1, mode="edge"), AROUND, mode="nearest")
+        written = rounding(row)
+        step = np.interp(row, written.level, written.step) if written.level.size else np.zeros(row.size)
         for width in range(1, WIDEST + 1):
             count = row.size - width - 3
             beside = np.stack([row[at : at + count] for at in (0, 1, width + 2, width + 3)])
             inside = np.stack([row[at : at + count] for at in range(2, width + 2)])
             least = np.maximum(SPIKE * scatter[2 : count + 2], SHARE * np.abs(np.median(beside, axis=0)))
+            least = np.maximum(least, STEPS * step[2 : count + 2])
             far = inside.min(axis=0) - beside.max(axis=0) > least
             far |= beside.min(axis=0) - inside.max(axis=0) > least
             for at in range(2, width + 2):
