@@ -162,6 +162,8 @@ def test_what_cannot_be_answered_is_refused():
         predict([15.0], 5000.0, **PAIR, **(ADMISSIBLE | {"recombination": (1e-3, 0.1)}), **USUAL)
     with pytest.raises(ValueError, match="below 500 Pa, 0.1 of that of the chamber, .* got 5000 Pa"):
         predict([15.0, 5000.0], 5000.0, **PAIR, **ADMISSIBLE, **USUAL)
+    with pytest.raises(ValueError, match="must be 1 Pa or more: less asks .* got 0.1 Pa"):
+        predict([15.0, 0.1], 5000.0, **PAIR, **ADMISSIBLE, **USUAL)
     with pytest.raises(ValueError, match="radius of the calorimeter must lie in .*; got 0.5 m"):
         predict([15.0], 5000.0, radius=0.5, **PAIR, **ADMISSIBLE, **USUAL)
     with pytest.raises(ValueError, match="recombination: the least comes first.*; got 0.1 and 0.01"):

@@ -15,6 +15,7 @@ RECOMBINATION = (0.01, 0.1, 1.0)
 RADIUS = 0.025  # [m]: hemisphere whose heat flux the table holds
 RADII = (0.002, 0.1)  # [m] of calorimeters that may be asked for
 SLOW = 0.1  # of the chamber pressure: a Pitot pressure at Mach 0.4; beyond, density follows the speed
+LEAST_PITOT = 1.0  # [Pa]; the least of a computed jet is 5
 ENDS = (0.025, 0.5, 0.975)
 QUANTITIES = ("heat_flux", "temperature", "enthalpy", "speed", "numerical_power")
 GASES = {"air": AIR["N2"], "N2": 1.0}  # mole fraction of N2 in the cold gas
@@ -247,6 +248,11 @@ def predict(
         raise ValueError(
             f"the Pitot pressure must lie below {SLOW * pressure:g} Pa, {SLOW:g} of that of the chamber,"
             f" where the gas is slow against sound; got {pitot.max():g} Pa"
+        )
+    if pitot.min() < LEAST_PITOT:
+        raise ValueError(
+            f"the Pitot pressure must be {LEAST_PITOT:g} Pa or more: less asks for under half of the 16 g/s"
+            f" that jets were computed with; got {pitot.min():g} Pa"
         )
     within("radius of the calorimeter", radius, *RADII, "m")
     for name, (low, high) in (("recombination", recombination), ("radii of the Pitot nose", nose)):
