@@ -6,6 +6,7 @@ import pytest
 from plasmapyro import tables
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.identification.species import catalogue
+from plasmapyro.refraction import vacuum_wavelength
 
 BY_NAME = {one.name: one for one in catalogue()}
 MERCURY = "lamp/mercury_sansonetti_1996"
@@ -60,6 +61,18 @@ def test_multiplets_have_the_strengths_of_their_coupling(name, lines, ratio):
 def test_heads_lie_where_others_saw_them(name, head):
     own = BY_NAME[name]
     assert np.abs(own.wavelength - head * 1e-9).min() < own.error
+
+
+def test_heads_of_two_sub_bands_lie_where_their_constants_say():
+    """0-0 of BO and CaO: origins and B of both levels of Huber & Herzberg, NIST Chemistry WebBook."""
+    for name, origin, upper, lower in (
+        ("BO alpha", 23646.43, 1.4018, 1.7737),
+        ("BO alpha", 23521.3, 1.4018, 1.7737),
+        ("CaO infrared", 11548.84, 0.40524, 0.44283),
+    ):
+        head = vacuum_wavelength(BY_NAME[name].wavelength)
+        expected = 1e-2 / (origin + (upper + lower) ** 2 / 4 / (lower - upper))
+        assert np.abs(head - expected).min() < 0.05e-9, name
 
 
 def test_thin_lines_follow_boltzmann_and_thick_ones_planck():
