@@ -397,6 +397,11 @@ def test_thousands_are_read_where_they_can_be_nothing_else(word, decimal, value)
     assert number(word, decimal) == value
 
 
+def test_a_cell_longer_than_any_is_no_fault_of_ours(tmp_path):
+    test, _ = described(tmp_path, log__csv=f'"{"x" * 140_000}",TraceName\n' + PLAIN)
+    np.testing.assert_allclose(test.signal_wide, WIDE, rtol=RTOL)
+
+
 def test_signals_logged_at_moments_of_their_own_are_refused(tmp_path):
     rows = "".join(f"{t}\t{w}\t\n{t + 0.5}\t\t{n}\n" for t, w, n in SAMPLES)
     (tmp_path / "log.txt").write_text("Time [s]\tS1 [nA]\tS2 [nA]\n" + rows)

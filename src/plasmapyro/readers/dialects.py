@@ -304,8 +304,8 @@ def _aligned(lines):
 
 def _recorder(lines):
     """The table of a record of Yokogawa (DL series): a header of keys, then rows without times."""
-    rows = {i: next(csv.reader([line])) for i, line in enumerate(lines[:LOOKED_AT]) if line}
-    keys = {row[0]: row[1:] for row in rows.values() if row[0]}
+    rows = [_cells(line, ",") for line in lines[:LOOKED_AT]]
+    keys = {row[0]: row[1:] for row in rows if row[0]}
     body = [line for line in lines if line.startswith(",")]
     try:
         first, step = (float(keys[key][0]) for key in ("HOffset", "HResolution"))
@@ -327,7 +327,7 @@ def _archive(path, lines):
     """
     for line in lines[:LOOKED_AT]:
         mark = next((one for one in MARKS if one in line), None)
-        names = next(csv.reader([line], delimiter=mark)) if mark else []
+        names = _cells(line, mark) if mark else []
         which = [[i for i, name in enumerate(names) if form.fullmatch(name)] for form in (OF_WHAT, VALUE)]
         if all(len(found) == 1 for found in which):
             break
@@ -335,9 +335,8 @@ def _archive(path, lines):
         return lines
     (what,), (value,) = which
     unit = next((i for i, name in enumerate(names) if name.lower() in ("unit", "einheit")), None)
-    rows = [
-        row for row in csv.reader(lines[lines.index(line) + 1 :], delimiter=mark) if len(row) == len(names)
-    ]
+    rows = [_cells(one, mark) for one in lines[lines.index(line) + 1 :]]
+    rows = [row for row in rows if len(row) == len(names)]
     seen = Counter(row[what] for row in rows)
     most = max(seen.values(), default=0)
     if not 2 <= len(seen) <= MOST_COLUMNS or most < 2:
@@ -361,6 +360,13 @@ def _archive(path, lines):
         for group in zip(*of.values(), strict=False)
     )
     return ["\t".join(row) for row in [heads, *body]]
+
+
+def _cells(line, mark):
+    try:
+        return next(csv.reader([line], delimiter=mark), [""]) or [""]
+    except csv.Error:  # a cell longer than csv takes
+        return line.split(mark)
 
 
 def _in_days(word):
