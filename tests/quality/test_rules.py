@@ -130,7 +130,7 @@ SMALL = {  # just inside the limits: nothing is said of them
     "negative_signal": lambda t, p: p * np.where(at(t, 30, 35.75), -1, 1),
     "unit_of_signals": lambda t, p: p * 470,
     "scatter_of_signals": lambda t, p: p * (1 + 0.01 * np.cos(np.pi * np.arange(t.size))),
-    "dark_reference": lambda t, p: p * np.where(t < 5.5, 0.3, 1.0),
+    "dark_reference": lambda t, p: p * np.where(t < 5.5, 2e-5 * p.max() / np.median(p[0][t < 5.5]), 1.0),
 }
 
 
