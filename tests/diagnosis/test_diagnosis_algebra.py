@@ -190,8 +190,9 @@ def test_noise_of_a_mean_of_remembering_samples_is_that_of_the_simulated_mean(ra
     period = 0.5
     law = NoiseModel(0.0, 0.0, 0.0, 0.0, Coloured(0.0, 1.0, -period / np.log(memory)), 1.0)
     one = SimpleNamespace(
-        channels=2, factor=None, pixel_edges=None, number=np.full((1, 2), count), value=np.ones((1, 2)),
-        raw_moment=period * np.arange(9.0)[:, None], rounded=lambda level, number: 0 * level,
+        channels=2, factor=None, pixels=np.ones(2), number=np.full((1, 2), count), value=np.ones((1, 2)),
+        raw_moment=period * np.arange(9.0)[:, None], raw_bin=np.zeros(9, dtype=int),
+        rounded=lambda level, number: 0 * level,
     )  # fmt: skip
     found = on_bins(law, one, np.ones((1, 2))).flicker[0]
     # The formula takes the record as continuous: 4 % of six samples.
