@@ -43,3 +43,17 @@ def test_noise_of_channels_of_unlike_sensitivity_is_found_from_few_frames():
     ratio = noise.sample_variance(*found, level, factor, pixels) / sigma**2
     # 3400 differences know a variance to 2.4 %, and share it between two terms.
     assert np.all(np.abs(ratio - 1) < 0.15)
+
+
+def test_a_few_faint_frames_tell_the_read_noise_amid_many_bright_ones():
+    """In each channel the faintest sixth held bright frames too: its clipped variance was that of the faint
+    ones, its mean light that of the bright ones, and the read noise came out near zero."""
+    random = np.random.default_rng(2)
+    level = np.concatenate([np.full(8, 30.0), np.geomspace(30, 3e4, 14), np.full(120, 3.4e4)])
+    level = level[:, None] * np.linspace(0.7, 1.3, 150)
+    law, one = np.array([25.0, 0.3, 0.0]), np.ones(150)
+    sigma = np.sqrt(noise.sample_variance(*law, level, one, one))
+    sample = sigma * random.standard_normal(level.shape)
+    found = noise._fit_variance(np.diff(sample, axis=0), (level[1:] + level[:-1]) / 2, one, one)
+    ratio = noise.sample_variance(*found, level, one, one) / sigma**2
+    assert np.all(np.abs(ratio - 1) < 0.2)  # where bright and faint meet, differences are of both

@@ -86,13 +86,6 @@ def test_no_bin_holds_pixels_from_both_sides_of_a_gap():
     assert edges[0] == 0 and edges[-1] == wavelength.size
 
 
-def test_sorted_variances_are_the_clipped_ones(random):
-    values = random.standard_t(3, (4, 25, 7))
-    count = random.integers(8, 26, (4, 7))
-    values = np.where(np.arange(25)[:, None] < count[:, None], values, np.nan)
-    assert noise._clipped_by_sorting(values, count) == pytest.approx(noise.clipped_variance(values, axis=1))
-
-
 @pytest.mark.parametrize("share", [0.0, 0.01])
 def test_law_of_the_noise_survives_hits(random, share):
     law, pixels, factor = np.array([1.0, 0.5, 1e-4]), np.full(40, 2.0), np.linspace(1, 2, 40)

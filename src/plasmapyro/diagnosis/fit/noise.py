@@ -15,8 +15,8 @@ NEIGHBOURS = 7  # samples in time that an outlier is held against
 MEDIAN_ERROR = 1.15  # [1] of a sample less the median of seven, itself among them, over that of a sample
 MOST_HIT = 0.1  # [1] of the channels of one sample: where more stand out it is no hit
 ROUNDS = 3
-LEVELS = 6  # groups of samples by signal, per channel
-LEAST_IN_CHANNEL, LEAST_IN_GROUP = 8, 6  # samples that make a variance
+LEVELS, LEAST_IN_GROUP = 6, 6  # groups of samples of a band by signal, and samples that make a variance
+MOST_LEVELS, LEAST_IN_LEVEL = 60, 30  # the same of all channels of a spectrometer: a law for all
 LARGEST_MEMORY = 0.9  # autocorrelation of neighbours that is believed
 LEAST_MEMORY = 0.04  # smaller ones count as none
 FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
@@ -86,15 +86,6 @@ def clipped_variance(values, axis=None):
     centre = np.nanmedian(np.abs(values), axis=axis, keepdims=True) * 1.4826
     kept = np.where(np.abs(values) <= CLIP * np.maximum(centre, 1e-300), values, np.nan)
     return np.nanmean(kept**2, axis=axis)
-
-
-def _clipped_by_sorting(values, count):
-    """`clipped_variance` along axis 1 of values (L, m, C), the first `count` (L, C) of which are finite."""
-    size = np.sort(np.abs(values), axis=1)
-    middle = [np.maximum(rank, 0)[:, None] for rank in ((count - 1) // 2, count // 2)]
-    low, high = (np.take_along_axis(size, rank, axis=1) for rank in middle)
-    kept = size <= CLIP * np.maximum(1.4826 * (low + high) / 2, 1e-300)
-    return np.sum(np.where(kept, size**2, 0.0), axis=1) / np.maximum(kept.sum(axis=1), 1)
 
 
 def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, series=None):
@@ -328,39 +319,25 @@ def sample_variance(constant, linear, quadratic, level, factor, pixels):
 
 
 def _fit_variance(difference, level, factor, pixels):
-    """Non-negative a, b, c of `NoiseModel` from differences of neighbours (d, C): in each channel in groups
-    of alike level or, where these are too few, in each pair of neighbours in groups of channels; in counts,
-    of which channels of unlike sensitivity have the same noise."""
+    """Non-negative a, b, c of `NoiseModel` from differences of neighbours (d, C), in groups of alike level:
+    in counts, of which channels of unlike sensitivity have the same noise."""
+    there = np.isfinite(difference)
     one = factor / np.sqrt(pixels)  # the mean of a channel, in its unit, that is uncertain by one count
-    difference, whole, level = difference / one, level / one, level / factor
-    if np.isfinite(difference).sum(axis=0).max(initial=0) < LEVELS * LEAST_IN_GROUP:
-        difference, level, whole = difference.T, level.T, whole.T
-    order = np.argsort(np.where(np.isfinite(difference), level, np.inf), axis=0)
-    number = np.isfinite(difference).sum(axis=0)
-    # Ranks (L, m, C) of the samples of each group, alike in number; beyond the end of a group: none.
-    edges = number * np.arange(LEVELS + 1)[:, None] // LEVELS
-    place = edges[:-1, None] + np.arange(np.diff(edges, axis=0).max(initial=0))[:, None]
-    inside = place < edges[1:, None]
-    index = np.take_along_axis(order[None], np.where(inside, place, 0), axis=1)
-
-    def grouped(values, empty):
-        return np.where(inside, np.take_along_axis(values[None], index, axis=1), empty)
-
-    count = inside.sum(axis=1)
-    enough = (count >= LEAST_IN_GROUP) & (number >= LEAST_IN_CHANNEL)
-    if not enough.any():
+    difference, whole, level = (
+        (rows / scale)[there] for rows, scale in ((difference, one), (level, one), (level, factor))
+    )
+    if difference.size < LEAST_IN_LEVEL:
         return np.array([0.0, 0.0, START_RELATIVE**2])
-    means = [grouped(part, 0.0).sum(axis=1) / np.maximum(count, 1) for part in (level, whole)]
-    rows = np.stack([np.ones_like(means[0]), means[0], means[1] ** 2], axis=-1)[enough]
-    variances = _clipped_by_sorting(grouped(difference, np.nan), count)[enough] / 2
+    groups = np.array_split(np.argsort(level), min(MOST_LEVELS, difference.size // LEAST_IN_LEVEL))
+    rows = np.array([(1.0, level[own].mean(), np.mean(whole[own] ** 2)) for own in groups])
+    variances = np.array([clipped_variance(difference[own]) / 2 for own in groups])
     variances = np.maximum(variances, LEAST_NOISE**2 * rows[:, 2])
+    rows[:, 1] = np.maximum(rows[:, 1], 0.0)
     scale = np.maximum(rows.max(axis=0), 1e-300)
-    solution = np.zeros(3)
     weight = 1 / np.maximum(variances, 1e-300)
     for _ in range(ROUNDS):
         solution, _ = nnls(rows / scale * weight[:, None], variances * weight)
-        fitted = rows / scale @ solution
-        weight = 1 / np.maximum(fitted, 1e-3 * variances)
+        weight = 1 / np.maximum(rows / scale @ solution, 1e-3 * variances)
     return solution / scale
 
 
