@@ -1,6 +1,9 @@
 """A gas that is measured: the names of all else do not depend on what the simulation says of it, and the
 simulation is told where it differs."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,9 +17,17 @@ from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
+from plasmapyro.diagnosis.report.findings import gas_is_likelier
 from plasmapyro.diagnosis.report.simulation import power_sentences
 from plasmapyro.diagnosis.select.selection import select
-from plasmapyro.diagnosis.simulation.compare import compare, raise_errors, settled
+from plasmapyro.diagnosis.simulation.compare import (
+    SYSTEM,
+    Comparison,
+    Fit,
+    compare,
+    raise_errors,
+    settled,
+)
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import _beyond
@@ -199,3 +210,17 @@ def test_bands_of_another_rotational_structure_raise_their_error(fitted, record,
 def test_a_strength_errs_by_factors(ratio, error, beyond):
     """Stated 31 %: three times that are factors of 2.5 and 0.39; down to zero would else be within them."""
     assert _beyond(ratio, error, 1.0, 0.31) == beyond
+
+
+@pytest.mark.parametrize(
+    ("ripple", "system", "likelier"), [(3.4, 0.0, False), (8.0, 0.0, True), (8.0, 7.0, False)]
+)
+def test_a_name_of_the_gas_must_be_likelier_than_none(ripple, system, likelier):
+    """12.3 of chi-squared beyond a threshold of 12.0 is a log Bayes factor of 3.4: one in forty it is not."""
+    nothing = Fit(0.0, 0.0, (), 0.0, np.zeros((2, 2)))
+    named = replace(nothing, settings=(SimpleNamespace(id="ripple"),))
+    found = Comparison(
+        nothing, named, (), (), {}, 12.0, 0.9, np.ones(3), evidence={"ripple": ripple, SYSTEM: system}
+    )
+    assert gas_is_likelier(found, 43) is likelier
+    assert gas_is_likelier(replace(found, final=nothing), 43)

@@ -13,7 +13,7 @@ from plasmapyro.diagnosis.fit.terms import digest_of
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
-from plasmapyro.diagnosis.report.findings import Findings
+from plasmapyro.diagnosis.report.findings import Findings, gas_is_likelier
 from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
@@ -153,6 +153,8 @@ def diagnose(
         beside = {one: OF_FLOW[one] for one in beside}
         comparison = compare(base.model, measured, questions[1], beside=beside, seed=seed)
         elsewhere = other_gas(test, radiation, comparison)
+    if not gas_is_likelier(comparison, len(effects)):
+        comparison = comparison.without_names()
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
     if selection.unknown_class or elsewhere:

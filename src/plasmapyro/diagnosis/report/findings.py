@@ -198,12 +198,8 @@ class Findings:
         return honest(log, OF_GAS if stated in self.comparison.evidence else self.status)
 
     def _of_gas(self):
-        """Log probabilities of the ids that change the gas, and of none; another strength of one radiating
-        system is none."""
-        found, share = self.comparison.evidence, prior_share(len(self.effects))
-        log = {one: share + value for one, value in found.items() if one != SYSTEM}
-        spectroscopy = np.log(PRIOR_UNKNOWN) + found.get(SYSTEM, -np.inf)
-        log["none"] = float(np.logaddexp(np.log(PRIOR_NONE), spectroscopy))
+        """Log probabilities of the ids that change the gas, and of none."""
+        log = weights_of_gas(self.comparison, len(self.effects))
         total = np.logaddexp.reduce(list(log.values()))
         return {answer: value - total for answer, value in log.items()}
 
@@ -224,6 +220,22 @@ class Findings:
         if self.final.settings and self.selection.status != "named+unknown":
             log["unknown"] = min(log["unknown"], max(log.values()) + BESIDE_NAMES)
         return log
+
+
+def weights_of_gas(comparison, count):
+    """Logarithms of the weights of the ids that change the gas, of `count` that there are, and of none;
+    another strength of one radiating system is none."""
+    found, share = comparison.evidence, prior_share(count)
+    log = {one: share + value for one, value in found.items() if one != SYSTEM}
+    spectroscopy = np.log(PRIOR_UNKNOWN) + found.get(SYSTEM, -np.inf)
+    return log | {"none": float(np.logaddexp(np.log(PRIOR_NONE), spectroscopy))}
+
+
+def gas_is_likelier(comparison, count):
+    """Whether the first name of the gas is likelier than none: thresholds ask what chance may reach, this how
+    probable an effect was before the data."""
+    log = weights_of_gas(comparison, count)
+    return all(log[setting.id] > log["none"] for setting in comparison.final.settings[:1])
 
 
 def pulls(model, solution):
