@@ -177,7 +177,7 @@ def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record,
     assert np.abs(ratio - 1).max() < 1e-4
     late = free.spectrum_time.values > 130
     # Without noise the fit knows the deposit to some ten thousandths, as far as the gain wanders.
-    assert all(abs(move["winE.amplitude"] - 0.1) < 3e-4 for move in moves)
+    assert all(abs(move["winE.amplitude"] - 0.1) < 4e-4 for move in moves)
     assert (more.spectral_radiance / free.spectral_radiance).values[late] == pytest.approx(0.9 / 0.88)
 
 
