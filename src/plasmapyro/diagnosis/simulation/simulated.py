@@ -103,5 +103,5 @@ class Simulated:
         return modes * np.where(np.isin(causes, OF_A_VALUES), self.scatter, 1.0)[:, None]
 
     def stronger(self, factors):
-        """The modes of shape (M, C) where systems are {name: factor} as bright as simulated."""
+        """The modes of shape (M, C) where systems are {name: factor} as bright as expected."""
         return self.shape * np.array([factors.get(name, 1.0) for name in self.shape_systems])[:, None]

@@ -99,8 +99,8 @@ def _shares(fitter, fit):
     """
     simulated, groups, factors = fitter.simulated, fitter.simulated.group, {}
     whole, systems = groups.sum(axis=0), set(simulated.shape_systems) - {""}
-    seen, least = fitter.light(fit), FAINTEST * whole
-    lights = np.stack([fitter.measured.value, seen]) - whole
+    seen = fitter.light(fit)
+    least, lights = FAINTEST * seen, np.stack([fitter.measured.value, seen]) - whole
     for _ in range(ROUNDS):
         root = fitter.root_of(simulated.stronger(factors), seen=seen)
         white, rest = fitter.white(groups, root), fitter.white(lights, root)
@@ -110,8 +110,9 @@ def _shares(fitter, fit):
         for name in systems:
             own = simulated.groups_of(name)
             if own.any():
-                found = np.average(1 + change[own, 0], weights=groups[own].sum(axis=1) + TINY)
-                factors[name] = float(np.clip(found, FAINTEST, BRIGHTEST))
+                weights = groups[own].sum(axis=1) + TINY
+                found, by_power = np.average(1 + change[own], axis=0, weights=weights)
+                factors[name] = float(np.clip(found / max(by_power, LEAST), FAINTEST, BRIGHTEST))
     left = rest[0] - change[:, 0] @ white
     spread = max(float(left @ left) / max(left.size - len(groups), 1), 1.0)
     return *(1 + change.T), np.sqrt(spread * np.diag(covariance))
