@@ -207,6 +207,18 @@ def test_heating_expands_the_gas(pipe, air):
     np.testing.assert_allclose(mass, slope * 10.0 * 1e3 + zero, rtol=0.01)  # slope over 100 K
 
 
+def conducted(space, properties, heating, temperature):
+    """Heat [W] at the nodes of a gas at rest, and what conduction leaves of it."""
+    state = np.zeros(space.size)
+    state[space.field(2)] = np.log(temperature)
+    data = points(space, joule_heating=np.full_like(space.cells.r, heating))
+    inputs = space.inputs(space.cells, state)
+    rows = densities(inputs, property_lines(properties, np.exp(inputs[6])), data)
+    heated = space.residual(space.cells, np.stack(rows))[space.field(2)]
+    left = heated + Conduction(space).residual(state, properties)[space.field(2)]
+    return heated, left
+
+
 @pytest.fixture(scope="module")
 def heated_pipe(pipe_mesh, air):
     """Space, gas, heating [W m-3] and exact temperature [K] at the nodes of a pipe heated uniformly.
@@ -226,13 +238,7 @@ def heated_pipe(pipe_mesh, air):
 
 def test_conduction_is_exact_at_the_nodes_however_the_conductivity_varies(heated_pipe):
     space, properties, heating, temperature = heated_pipe
-    state = np.zeros(space.size)
-    state[space.field(2)] = np.log(temperature)
-    data = points(space, joule_heating=np.full_like(space.cells.r, heating))
-    inputs = space.inputs(space.cells, state)
-    rows = densities(inputs, property_lines(properties, np.exp(inputs[6])), data)
-    heated = space.residual(space.cells, np.stack(rows))[space.field(2)]
-    left = heated + Conduction(space).residual(state, properties)[space.field(2)]
+    heated, left = conducted(space, properties, heating, temperature)
     inside = np.setdiff1d(np.arange(len(left)), space.boundary_dofs(2, ("tube_wall",)))
     # 1e-5: trapezoids of 0.3 K in the exact temperature.
     assert np.abs(left[inside]).max() < 1e-5 * np.abs(heated).max()
@@ -249,13 +255,7 @@ def test_an_adiabatic_end_is_the_natural_condition(pipe_mesh, air):
     rise = heating * (LENGTH**2 - z**2) / 2
     temperature = properties.temperature_of(properties.heat_flux_potential(np.array(wall))[0] + rise)
     assert temperature.max() > 8000.0
-    state = np.zeros(space.size)
-    state[space.field(2)] = np.log(temperature)
-    data = points(space, joule_heating=np.full_like(space.cells.r, heating))
-    inputs = space.inputs(space.cells, state)
-    rows = densities(inputs, property_lines(properties, np.exp(inputs[6])), data)
-    heated = space.residual(space.cells, np.stack(rows))[space.field(2)]
-    left = heated + Conduction(space).residual(state, properties)[space.field(2)]
+    heated, left = conducted(space, properties, heating, temperature)
     cold = np.abs(z - LENGTH) < 1e-9
     assert np.abs(left[~cold]).max() < 1e-8 * np.abs(heated).max()  # walls that are not held among them
     # The cold end takes what is deposited.

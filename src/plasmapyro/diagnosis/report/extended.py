@@ -85,8 +85,8 @@ def proposed(findings):
     """Terms that a diagnosis proposes to take as given, of the test and of the simulation of its gas.
 
     What it was given itself comes first: as it was, or as the fit leaves it if it was fitted to these data.
-    Terms of the test are proposed where held-out data speak for them; a
-    power that `simulation.compare` calls wrong.
+    Terms of the test are proposed where held-out data speak for them; a power that `simulation.compare` calls
+    wrong.
 
     Returns
     -------
