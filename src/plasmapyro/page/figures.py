@@ -405,7 +405,7 @@ def systems(report):
             0.7,
             power * (1 - stated),
             color="#d9e3ef",
-            label="simulated, as stated",
+            label="simulated, at the best power",
         )
         for beyond, colour in ((False, BASE), (True, EXTENDED)):
             chosen = [at for at, row in enumerate(rows) if row["beyond"] is beyond]
