@@ -42,7 +42,8 @@ def test_named_effects_of_a_folder_of_cases_are_ranked(tmp_path):
 
 
 def test_amplitudes_are_counted_as_the_catalogue_counts():
-    """A loss that grows for 300 s in the second laboratory, and grains whose light is that of 2300 K."""
+    """A loss that grows for 300 s in the second laboratory, grains whose light is that of 2300 K, and
+    of what is reflected the scattered share."""
     case = {"case": {"world": "second"}, "base": {"off": 150.0}}
     assert in_catalogue({"effect": "winE", "amplitude": 0.1}, case) == pytest.approx(0.05)
     assert in_catalogue({"effect": "eps_T", "amplitude": 0.1}, case) == 0.1
@@ -50,4 +51,6 @@ def test_amplitudes_are_counted_as_the_catalogue_counts():
     grains = {"effect": "particles", "amplitude": 1e-3, "shape": {"grain_k": 2500.0}}
     wien = np.exp(1.438776877e-2 / 0.95e-6 * (1 / 2300 - 1 / 2500))
     assert in_catalogue(grains, {"case": {}}) == pytest.approx(1e-3 * wien, rel=2e-3)
+    scattered = {"effect": "refl", "amplitude": 0.8, "shape": {"diffuse": 0.05}}
+    assert in_catalogue(scattered, {"case": {}}) == pytest.approx(0.04)
     assert {name for known in OTHER.values() for name in known} <= set(CATALOGUE)

@@ -80,7 +80,6 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
         ("winE_sl", 0.05, {"exponent": 4.19}, "shape"),
         ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
         ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
-        ("refl", 1.0, {"diffuse": 0.0}, ""),  # a mirror
         ("h2o", -0.05, {}, ""),  # more of it in the calibration
     ],
 )

@@ -64,7 +64,7 @@ def test_an_amplitude_far_beyond_what_is_usual_is_dear_but_not_ruled_out():
 
 @pytest.mark.parametrize(("amplitude", "ends"), [(3.0, True), (2.9, False), (0.0, False)])
 def test_an_amplitude_at_the_end_of_its_range_measures_nothing(amplitude, ends):
-    settings = (Setting(CATALOGUE["winE"], 0.1, {}), Setting(CATALOGUE["refl"], amplitude, {"diffuse": 0.05}))
+    settings = (Setting(CATALOGUE["winE"], 0.1, {}), Setting(CATALOGUE["refl"], amplitude, {"contrast": 1.0}))
     state = SimpleNamespace(amplitudes=numbers_of(settings))
     assert at_end(SimpleNamespace(settings=settings, state=state)) is ends
 

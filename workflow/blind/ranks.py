@@ -50,6 +50,8 @@ def in_catalogue(hidden, case):
         return None
     if world == "second" and name in GROWING:
         return amplitude * case["base"]["off"] / 300.0
+    if world == "first" and name == "refl":  # the share that is scattered: a mirror's is the gas of all
+        return amplitude * hidden["shape"]["diffuse"]
     if world == "first" and name == "particles":
         return amplitude * float(planck(PIVOT, hidden["shape"]["grain_k"]) / planck(PIVOT, GRAINS))
     return amplitude

@@ -10,9 +10,10 @@ class Scene:
     """Light on its way to one instrument at the instants (n, 2) on the nodes (M,).
 
     Effects return a changed copy. `spectrum` (K,) is the gas after injection on the axis `spectral_axis`,
-    `gas_gain` (n, 2) its brightness; `more_gas` holds further (time weight (n, 2), spectrum (K,)) pairs;
-    `emittance` and `path` broadcast against (n, 2, M); `glow` (n, 2, M) is the black body the spot amounts
-    to; `added` (n, 2, M) reaches the instrument without having been emitted by surface or gas.
+    `gas_gain` (n, 2) its brightness; `more_gas` holds further (time weight (n, 2), spectrum (K,)) pairs,
+    `scattered` those of light that is brighter in a channel where the gas is; `emittance` and `path`
+    broadcast against (n, 2, M); `glow` (n, 2, M) is the black body the spot amounts to; `added` (n, 2, M)
+    reaches the instrument without having been emitted by surface or gas.
     """
 
     kind: str
@@ -28,6 +29,7 @@ class Scene:
     library: object
     power: float = 0.0  # of the gas: logarithm, over that of the library
     more_gas: tuple = ()
+    scattered: tuple = ()
     path: np.ndarray | float = 1.0
     added: np.ndarray | float = 0.0
     response_shift: tuple = (0.0, 0.0)

@@ -33,20 +33,20 @@ def oxidation(scene, amplitude, *, time_constant):
     return scene.but(emittance=scene.emittance * (1 + amplitude * grown))
 
 
-@effect("refl", shape={"diffuse": ((0.0, 0.1), (0.0, 1.0))})
-def reflection(scene, amplitude, *, diffuse):
-    r"""Light of the gas that the surface reflects: :math:`(1 - \varepsilon) f L^{gs}`.
+@effect("refl", shape={"contrast": ((1.0,), (0.6, 1.4))})
+def reflection(scene, amplitude, *, contrast):
+    r"""Light of the gas that the surface scatters: :math:`(1 - \varepsilon) a R (r/R)^q` of what there is.
 
-    `diffuse` shares it between what a mirror and what a matt surface returns.
+    A matt surface scatters r of it, R of all, as simulated; `contrast` q is how much more of that are the
+    lines of hot gas. What a mirror returns is the light of the sight line, as if the gas were brighter.
     """
-    library = scene.library
-    mirrored = library.addition["reflected_specular"] / library.base
-    scattered = library.addition["reflected_diffuse"] / library.base
-    spectrum = scene.spectrum * ((1 - diffuse) * mirrored + diffuse * scattered)
+    base, matt = scene.library.base, scene.library.addition["reflected_diffuse"]
+    mean = matt.sum() / base.sum()
     dark = 1 - np.asarray(scene.emittance)
-    mean = dark if dark.ndim == 0 else np.broadcast_to(dark, scene.glow.shape).mean(axis=-1)
-    share = amplitude * mean * scene.gas_gain * scene.injected
-    return scene.but(more_gas=(*scene.more_gas, (share, spectrum)))
+    dark = dark if dark.ndim == 0 else np.broadcast_to(dark, scene.glow.shape).mean(axis=-1)
+    share = amplitude * dark * scene.gas_gain * scene.injected
+    spectrum = scene.spectrum * mean * (matt / base / mean) ** contrast
+    return scene.but(scattered=(*scene.scattered, (share, spectrum)))
 
 
 @effect(

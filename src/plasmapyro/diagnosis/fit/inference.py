@@ -225,7 +225,7 @@ def _square(live):
     return np.ix_(live, live) if isinstance(live, np.ndarray) else (live, live)
 
 
-def own_patterns(instruments, values, gases):
+def own_patterns(instruments, values, gas_rows, gases):
     """Patterns of the base model: a relative error of each channel, its dark, and errors of its gas, at all
     times and before the injection.
 
@@ -235,10 +235,12 @@ def own_patterns(instruments, values, gases):
     """
     return [
         (place, row)
-        for place, (instrument, value, gas) in enumerate(zip(instruments, values, gases, strict=True))
+        for place, (instrument, value, one, gas) in enumerate(
+            zip(instruments, values, gas_rows, gases, strict=True)
+        )
         for sigma, row in zip(
             pattern_sigmas(instrument),
-            (value, np.ones_like(value), gas, gas * (instrument.time < 0)[:, None]),
+            (value, np.ones_like(value), one, gas * (instrument.time < 0)[:, None]),
             strict=True,
         )
         if sigma.any()
@@ -466,7 +468,7 @@ class Fitter:
     def _tried(self, state, settings, here, damping, climb):
         """Next state, its objective, the damping used and whether the step was not cut; a step that climbs
         only if `climb`, and None for the state if no step improves."""
-        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows)
+        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows, here.gas)
         matrix, vector = gram(here.columns, rows, here.weighers, self.residuals(here.predicted))
         prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
         k = prior.shape[0]
@@ -551,7 +553,7 @@ class Fitter:
         residuals = self.residuals(predicted)
         matrix, score = gram(
             columns,
-            own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows),
+            own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows, gas),
             here.weighers,
             residuals,
         )

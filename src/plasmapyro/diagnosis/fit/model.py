@@ -11,6 +11,7 @@ from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record.emittance import relative_emittance
 from plasmapyro.record.inputs import has_plasma
 
+TINY = 1e-6  # [1] of that: no gas at all
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
@@ -287,8 +288,8 @@ class Model:
 
     def _gas(self, instrument, scene, error=0.0):
         """Light of the gas (n, 2, M), with an error (C,) of each channel over its simulated light; of two
-        rows (2, C) the second adds before the injection."""
-        spectra = [scene.spectrum, *(row for _, row in scene.more_gas)]
+        rows (2, C) the second multiplies what is seen before the injection."""
+        spectra = [scene.spectrum, *(row for _, row in (*scene.scattered, *scene.more_gas))]
         nodes = self._on_nodes(instrument, np.array(spectra), scene)
         before = 0.0
         if np.any(error):
@@ -299,13 +300,15 @@ class Model:
                 level = nodes[0]
             else:
                 level = np.maximum(nodes[0], FAINTEST * nodes[0].mean())
-            nodes = np.concatenate([(nodes[0] + error[0] * level)[None], nodes[1:]])
-            before = error[1:].sum(axis=0) * level
+            light = nodes[0] + error[0] * level
+            nodes[1 : 1 + len(scene.scattered)] *= light / np.maximum(nodes[0], TINY * level)
+            nodes[0] = light
+            before = error[1:].sum(axis=0)
         gas = scene.gas_gain[..., None] * nodes[0]
-        if np.any(before):
-            gas = gas + np.where(instrument.moment < 0, scene.gas_gain, 0.0)[..., None] * before
-        for (share, _), row in zip(scene.more_gas, nodes[1:], strict=True):
+        for (share, _), row in zip((*scene.scattered, *scene.more_gas), nodes[1:], strict=True):
             gas = gas + share[..., None] * row
+        if np.any(before):
+            gas = gas * np.where((instrument.moment < 0)[..., None], 1 + before, 1.0)
         return gas
 
     def _on_nodes(self, instrument, spectra, scene):

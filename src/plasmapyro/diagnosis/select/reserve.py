@@ -10,7 +10,6 @@ LEAST, MOST = (float(np.tan(np.radians(one)) ** 2) for one in (SAME, NEIGHBOUR))
 WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
 CANCELLING = 4.0  # times what names explain together that each alone would: equal ones at 41 degrees
 AT_END = 0.01  # [1], of the range of a shape: nearer to its end the data want a shape beyond
-NATURAL = ("diffuse",)  # shapes whose range ends where nature ends
 LOSSES = ("winD", "winE", "winD_sl", "winE_sl")  # a deposit makes no window clearer
 SURE = 3.0  # standard deviations
 
@@ -78,7 +77,7 @@ def implausible(solution):
     free, size = free_numbers(solution.settings), len(solution.covariance)
     for j, one in enumerate(free):
         effect, number = solution.settings[one.place].effect, solution.state.amplitudes[j]
-        if one.name in effect.shapes[0] and one.name not in NATURAL and one.at_end(number, AT_END):
+        if one.name in effect.shapes[0] and one.at_end(number, AT_END):
             return "shape"
         error = np.sqrt(solution.covariance[size - len(free) + j, size - len(free) + j])
         if one.name is None and effect.id in LOSSES and number < -SURE * error:
