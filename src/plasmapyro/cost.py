@@ -39,9 +39,12 @@ def _note(path):
         import psutil
     except ImportError:  # Windows, or no Snakemake: nothing of a workflow
         return
+    clock = getattr(time, "CLOCK_BOOTTIME", None)
+    # Linux tells the date of its start in whole seconds; a process began at a time after that start.
+    now = time.time() if clock is None else psutil.boot_time() + time.clock_gettime(clock)
     both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     row = {
-        "s": time.time() - psutil.Process().create_time(),
+        "s": now - psutil.Process().create_time(),
         "max_rss": max(one.ru_maxrss for one in both) / MEGABYTE,
         "cpu_time": sum(one.ru_utime + one.ru_stime for one in both),
     }
