@@ -238,6 +238,27 @@ def test_excitation_acts_less_on_hotter_atoms(exponential):
     np.testing.assert_allclose(found, np.exp(0.05 / 1.03**2 * slope), rtol=1e-3)
 
 
+@pytest.mark.parametrize("power", [-0.2, 0.0, 0.13, 0.2])
+def test_excitation_acts_on_the_share_that_atoms_have_at_the_power(exponential, power):
+    """Lines amid bands: where atoms shine e^(6 P) times as bright, bands e^P, they are more of the light."""
+    slope, library = exponential
+    library = dataclasses.replace(library, core=None)  # the temperature of the gas does not change
+    share = 0.6 * np.linspace(0.0, 1.0, slope.size)
+    atoms, bands = share * np.exp(6 * power), (1 - share) * np.exp(power)
+    rows = np.array(
+        [
+            share * np.exp(6 * p) / (share * np.exp(6 * p) + (1 - share) * np.exp(p))
+            for p in library.log_power - np.log(80e3)
+        ]
+    )
+    at, brighter = library.variation["excitation"]
+    seen = 1 + share * (brighter - 1)
+    library = dataclasses.replace(library, share={"excitation": rows}, variation={"excitation": (at, seen)})
+    found = library.factor("excitation", 0.05, power)
+    expected = (atoms * np.exp(0.05 * slope) + bands) / (atoms + bands)
+    np.testing.assert_allclose(found, expected, rtol=2e-3)  # shares are linear between the powers simulated
+
+
 def test_one_power_alone_takes_another_as_hotter_gas(exponential):
     """By 0.3 of its relative change, as the powers of the default torch have it."""
     slope, library = exponential

@@ -22,10 +22,12 @@ from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report.findings import gas_is_likelier
 from plasmapyro.diagnosis.report.simulation import power_sentences
 from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.diagnosis.simulation import compare as compare_module
 from plasmapyro.diagnosis.simulation.compare import (
     SYSTEM,
     Comparison,
     Fit,
+    Fitter,
     compare,
     raise_errors,
     settled,
@@ -100,6 +102,56 @@ def test_mixing_stands_for_less_power_and_not_for_more(fitted, record, variation
     assert found.power_is_wrong and "P_eff" in found.rivals_of_power
     assert ("mixing" in found.rivals_of_power) is said
     assert ("mixing of the jet" in power_sentences(found)[0]) is said
+
+
+@pytest.fixture(scope="module")
+def rippled(fitted, record, radiation, variations):
+    """Base fit of a gas that ripples by 0.2, and a simulation that does not."""
+    factor = gas_library("80kW", radiation, variations, fwhm=0.75e-9).factor("ripple", 0.2)
+    still = variations.copy(deep=True)
+    for name in ("core_radiance", "varied_radiance", "added_radiance"):
+        still[name].values /= factor
+    return fitted(record(), foreign(radiation, 1 / factor), still)
+
+
+def test_a_ripple_is_found_in_its_size_and_what_explains_as_much_beside_it(rippled):
+    found = compared(rippled)
+    (ripple,) = found.final.settings
+    assert ripple.id == "ripple" and "P_eff" in found.rivals["ripple"]
+    assert abs(ripple.amplitude - 0.2) < np.sqrt(found.final.covariance[2, 2]) < 0.03
+
+
+def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):
+    plain = compared(rippled)
+    monkeypatch.setattr(compare_module.Fitter, "spread", lambda fitter, fit: 1.2)
+    np.testing.assert_allclose(compared(rippled).final.covariance, 1.2 * plain.final.covariance)
+
+
+def test_each_round_of_a_fit_goes_on_from_the_last(monkeypatch):
+    """From the simulated gas it fell, with errors about a light several times as strong, into a minimum of a
+    fiftieth of the light, and errors relative to that were five times too large."""
+    starts = []
+
+    def fit(self, settings, start=None):
+        starts.append(start)
+        return len(starts)
+
+    monkeypatch.setattr(compare_module.Fitter, "__init__", lambda *rest: None)
+    monkeypatch.setattr(compare_module.Fitter, "light", lambda self, fit: None)
+    monkeypatch.setattr(compare_module.Fitter, "fit", fit)
+    settled(SimpleNamespace(measured=SimpleNamespace(simulated=None)))
+    assert starts == [None, 1, 2]
+
+
+def test_an_effect_is_fitted_from_the_simulated_power_too():
+    """A base fit that has taken a ripple of 0.2 for 49 % more power leaves none of it to its tangent."""
+    ripple, base = CATALOGUE["ripple"], SimpleNamespace(settings=())
+
+    def fit(settings, start):
+        far = start is None and settings[0].amplitude > 0.12
+        return SimpleNamespace(objective=-847.0 if far else -830.0)
+
+    assert Fitter.best(SimpleNamespace(fit=fit), base, ripple).objective == -847.0
 
 
 @pytest.mark.parametrize("window", [0.0, 0.05])

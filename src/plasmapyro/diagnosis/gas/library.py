@@ -3,7 +3,14 @@
 import numpy as np
 
 from plasmapyro import conditions
-from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER, GasLibrary, extra_sigma, line_groups, widened
+from plasmapyro.diagnosis.gas.templates import (
+    CHANGED,
+    WARMTH_OF_POWER,
+    GasLibrary,
+    extra_sigma,
+    line_groups,
+    widened,
+)
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH, STRENGTHS
 
@@ -59,6 +66,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
         group_name=groups,
         group=widened(axis, light, sigma),
         variation=_variations(variations, seen),
+        share={} if variations is None else _shares([radiation[name] for name in names], axis, sigma),
         addition=_additions(variations, axis, sigma),
         systems=systems,
         strength_modes=widened(axis, strength, sigma),
@@ -179,6 +187,19 @@ def _variations(variations, seen):
         )
         for name in variations["variation"].values
     }
+
+
+def _shares(rungs, axis, sigma):
+    """Shares (C, K) of the light of some spectra, of the systems that each variation changes."""
+    found = {}
+    for name, systems in CHANGED.items():
+        rows = []
+        for one in rungs:
+            light = widened(axis, one["gas_radiance_component_slit"].values, sigma)
+            own = np.isin(one["component"].values.astype(str), systems)
+            rows.append(light[own].sum(axis=0) / np.maximum(light.sum(axis=0), 1e-300))
+        found[name] = np.array(rows)
+    return found
 
 
 def _additions(variations, axis, sigma):

@@ -1,6 +1,6 @@
 """What the gas looks like to each instrument: templates on the nodes of an instrument, and how they vary."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -15,12 +15,14 @@ ATOMS = ("N I", "O I")
 BANDS_OF = "N2 1P"
 OF_CORE = ("core_temperature", "ripple")
 BY_TEMPERATURE = ("excitation", "vibration")
+CHANGED = {"excitation": ATOMS, "vibration": (BANDS_OF,), "optical_depth": ATOMS}  # whose light varies
 RIPPLE = np.cos(np.pi * (np.arange(8) + 0.5) / 8)  # sines of equal weight: exact for powers up to 15
 LARGEST_POWER = 0.4  # of ln P, five prior standard deviations: beyond, the gas counts as no hotter
 WARMTH_OF_POWER = 0.3
 """Relative change of the temperature of the gas per relative change of the power, where no other power is
 simulated. ASSUME: as the spectra of the default torch have it, 0.29 at 80 kW and 0.37 to 0.46 at 60 kW."""
 WARMTHS = 61  # changes of the temperature that are tried for a power
+TINY = 1e-9  # [1] of the light: a system that does not shine
 SMALL = 1.5e-3  # [1], of the light: smaller groups of lines join the rest
 
 
@@ -31,7 +33,8 @@ class GasLibrary:
     `wavelength` (K,) [m]; `log_power` (C,) [1] increasing; `radiance` (C, K) [W m-2 sr-1 m-1];
     `group` (G, K): the light of the condition in groups of lines, adding up to it; `core`: (relative change
     of the temperature of the gas (X,), radiance (X, K)), or None; `variation`: name -> (amplitude (L,),
-    radiance (L, K)); `addition`: name -> (K,); `weakest` (K,): of the least power.
+    radiance (L, K)); `addition`: name -> (K,); `weakest` (K,): of the least power; `share`: name of a
+    variation -> (C, K) of the light of each power, that of the systems that it changes.
     """
 
     condition: str
@@ -53,6 +56,7 @@ class GasLibrary:
     shape_causes: tuple  # of the shape modes: see `radiation.uncertainty`; '' as above
     bands: np.ndarray | float = 0.0  # (K,) light of the systems whose rotational structure may err
     core: tuple | None = None
+    share: dict = field(default_factory=dict)
     given: tuple = ()  # effects of the condition that it holds, as terms
 
     @cached_property
@@ -96,8 +100,12 @@ class GasLibrary:
         .. math:: \frac{L((1 + c)(1 + a))}{L(1 + c)}, \qquad
                   \frac{\langle L((1 + c)(1 + a\sin\omega t))\rangle}{L(1 + c)}
 
-        for a hotter core and a ripple; temperatures of excitation and vibration act by :math:`a/T`. A ripple
-        of 0.15 doubles N2+ at the simulated power, and makes it three times as bright 13 % below.
+        for a hotter core and a ripple. What acts on some systems alone, excitation, vibration, depth, acts on
+        their share :math:`w` of the light at that power, temperatures by :math:`a/T`:
+
+        .. math:: 1 + \frac{w}{w_0} (f(a) - 1)
+
+        A ripple of 0.15 doubles N2+ at the simulated power, and makes it three times as bright 13 % below.
 
         Parameters
         ----------
@@ -112,7 +120,22 @@ class GasLibrary:
         if name == "ripple":
             changed = self._hotter(at + (1 + at) * amplitude * RIPPLE)
             return np.mean(np.exp(changed - self._hotter(at)), axis=0)
-        return np.exp(self._splines[name](amplitude / (1 + at) if name in BY_TEMPERATURE else amplitude))
+        change = np.expm1(self._splines[name](amplitude / (1 + at) if name in BY_TEMPERATURE else amplitude))
+        return np.maximum(1 + change * self._brighter_share(name, power), TINY)
+
+    def _brighter_share(self, name, power):
+        """Share of the light (K,) that a variation acts on, at a power over that at the simulated one."""
+        if power == 0.0 or name not in self.share or self.log_power.size < 2:
+            return 1.0
+        here, there = (self._share_at(name, np.log(self.power) + more) for more in (0.0, power))
+        return there / np.maximum(here, TINY)
+
+    def _share_at(self, name, log_power):
+        """Share of the light (K,) that a variation acts on: linear between the powers simulated."""
+        above = int(np.clip(np.searchsorted(self.log_power, log_power), 1, self.log_power.size - 1))
+        low, high = self.log_power[above - 1 : above + 1]
+        part = np.clip((log_power - low) / (high - low), 0.0, 1.0)
+        return (1 - part) * self.share[name][above - 1] + part * self.share[name][above]
 
     def hotter(self, change):
         """`core` about gas that is hotter by a relative change."""

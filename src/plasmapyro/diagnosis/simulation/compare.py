@@ -54,7 +54,8 @@ class Fit:
 class Comparison:
     """What the measured gas says about the simulation.
 
-    `base` and `final` fits without and with `final.settings`; `systems` and `lines` that differ; `rivals`
+    `base` and `final` fits without and with `final.settings`, the covariance of the latter by its Birge ratio
+    larger; `systems` and `lines` that differ; `rivals`
     {id of a named effect: ids that explain as much}; `gains` {id: chi-squared gained alone}; `threshold` of
     it; `p_value` of the base fit, all errors of simulation and measurement considered; `evidence`
     {id: log Bayes factor over the base fit}, that of `SYSTEM` if one system may have any strength.
@@ -128,11 +129,13 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
         if not final.objective - tried[best].objective > price or tried[best].objective > free - CLEARER:
             break
         least = tried[best].objective
-        rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective - least < ALIKE)
+        near = least + ALIKE + KIN * (base.objective - least)
+        rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
         final = tried[best]
         used = {setting.id for setting in final.settings}
         tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
     lines = tuple(lines_of(fitter, final, threshold))
+    told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
     system = least_likely(simulated, (), ())[1]
@@ -140,7 +143,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     held, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
         base=base,
-        final=final,
+        final=told if final.settings else base,
         systems=tuple(systems_of(held, freed)),
         lines=lines,
         gains={identity: base.objective - fit.objective for identity, fit in alone.items()},
@@ -148,7 +151,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
         p_value=fitter.p_value(base),
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
-        power=_power(final, model.library, fitter.spread(final)),
+        power=_power(told, model.library),
         evidence=evidence | {SYSTEM: log_bayes(system, base)},
     )
     if not found.power_is_wrong:
@@ -167,16 +170,15 @@ def nothing_to_compare(model):
     return Comparison(nothing, nothing, (), (), {}, 0.0, 1.0, ratio, power=model.power)
 
 
-def _power(fit, library, spread):
-    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error, by the
-    Birge ratio `spread` [1] of the fit larger than by its covariance."""
+def _power(fit, library):
+    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error."""
     change, slope = fit.power, np.zeros(len(fit.covariance))
     slope[0] = 1.0
     for place, number in enumerate(free_numbers(fit.settings)):
         if fit.settings[number.place].id == HOTTER:
             here, beside = library.power_of_warmth(fit.settings[number.place].amplitude + np.array([0, STEP]))
             change, slope[2 + place] = change + here, (beside - here) / STEP
-    return float(change), float(np.sqrt(max(spread * (slope @ fit.covariance @ slope), 0.0)))
+    return float(change), float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
 
 
 def log_bayes(fit, base):
@@ -205,9 +207,9 @@ def settled(simulated, settings=(), wrong=()):
     -----
     Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
     """
-    fitter = Fitter(simulated, simulated.measured.simulated, wrong)
+    fitter, fit = Fitter(simulated, simulated.measured.simulated, wrong), None
     for _ in range(ROUNDS):
-        fit = fitter.fit(settings)
+        fit = fitter.fit(settings, fit)  # from the last one: far from it there are other minima
         fitter = Fitter(simulated, fitter.light(fit), wrong)
     return fitter, fitter.fit(settings, fit)
 
@@ -341,11 +343,16 @@ class Fitter:
         return Fit(power, brightness, with_numbers(settings, found.x[2:]), objective, covariance)
 
     def best(self, beside, effect):
-        """The best fit with one more effect, from an amplitude of either sign and from all its shapes."""
-        size = min(effect.sigma, max(effect.bounds))
+        """The best fit with one more effect, of all its shapes and either sign: from the fit beside it, and
+        of twice the amplitude from the simulated power: that fit may have taken it for power."""
+        size = min(effect.sigma, max(effect.bounds) / 2)
         signs = (1.0,) if effect.bounds[0] >= 0 else (1.0, -1.0)
-        starts = [Setting(effect, sign * size, dict(shape)) for shape in effect.shapes for sign in signs]
-        fits = [self.fit((*beside.settings, start), beside) for start in starts]
+        fits = [
+            self.fit((*beside.settings, Setting(effect, sign * times * size, dict(shape))), start)
+            for shape in effect.shapes
+            for sign in signs
+            for times, start in ((1, beside), (2, None))
+        ]
         return min(fits, key=lambda fit: fit.objective)
 
     def threshold(self, fit, draws, seed):
