@@ -92,8 +92,9 @@ def signal_to_noise(much, little, share, element):
         np.concatenate([one.fit.matched for one in minor.named if one.species.element == element] or [[]])
     ).astype(int)
     at = minor.peaks.wavelength[lines]
-    noise = np.where(np.isfinite(major.peaks.limit), noise_of(light), np.inf)
-    ratios = np.interp(at, axis, minor.peaks.above) * scale / np.interp(at, axis, noise)
+    seen = np.interp(axis, major.peaks.axis, np.isfinite(major.peaks.limit)) == 1
+    noise = np.where(seen, noise_of(light), np.inf)
+    ratios = np.interp(at, minor.peaks.axis, minor.peaks.above) * scale / np.interp(at, axis, noise)
     return np.sort(ratios)[-2] if ratios.size > 1 else 0.0
 
 

@@ -4,8 +4,9 @@ import made_spectra as made
 import numpy as np
 import pytest
 
+from plasmapyro.identification import identify as module
 from plasmapyro.identification.identify import identify
-from plasmapyro.identification.peaks import find
+from plasmapyro.identification.peaks import find, one_detector
 
 SURE = 0.9
 
@@ -56,6 +57,14 @@ def test_lines_at_random_have_no_name(seed):
     assert answer.unexplained.size >= 12
 
 
+def test_chance_counts_against_much_evidence_too(monkeypatch):
+    """Thorium II came to 12.2 by eleven faint peaks among noise; sodium has 17 here, and chance as much."""
+    spectrum = made.spectrum(made.SODIUM)
+    assert names(identify(*spectrum)) == {"Na"}
+    monkeypatch.setattr(module, "_by_chance", lambda scene, one, others: 17.0)
+    assert names(identify(*spectrum)) == set()
+
+
 def test_noise_has_no_name():
     axis, counts = made.spectrum([(600.0, 1e-9)], peak=0.0)
     assert names(identify(axis, counts)) == set()
@@ -88,3 +97,63 @@ def test_bands_are_named_by_their_heads():
         light += strength * np.where(behind > 0, np.exp(-behind / 1.5), np.exp(-((behind / 0.15) ** 2)))
     counts = np.random.default_rng(3).poisson(4000 * light + 300).astype(float)
     assert "C2" in names(identify(axis * 1e-9, counts))
+
+
+def lines_at(axis, places, fwhm):
+    """Sum of lines of a full width [nm] at places [nm], of the same area each."""
+    return sum(np.exp(-4 * np.log(2) * ((axis - place) / fwhm) ** 2) / fwhm for place in places)
+
+
+@pytest.mark.parametrize("faint", [0.3, 0.0])
+def test_a_line_on_the_flank_of_another_is_found_and_none_on_a_slope(faint):
+    axis = np.arange(560.0, 620.0, 0.1)
+    light = 4e3 * lines_at(axis, (575.03, 589.0, 603.0), 0.4) + faint * 4e3 * lines_at(axis, [589.55], 0.4)
+    counts = np.random.default_rng(5).poisson(light + 200 + 100 * (axis - 560)).astype(float)
+    expected = [575.03, 589.0, 589.55, 603.0] if faint else [575.03, 589.0, 603.0]
+    assert find(axis * 1e-9, counts).wavelength * 1e9 == pytest.approx(expected, abs=0.1)  # a channel
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_stands_out_of_its_mean_not_of_the_lowest_around(seed):
+    """Of the highest 8000 values of noise ten lie five deviations above the lowest beside them."""
+    axis = np.linspace(300e-9, 900e-9, 8000)
+    noise = np.random.default_rng(seed).normal(100, 1, axis.size)
+    assert find(axis, noise).wavelength.size <= 3
+
+
+OVERLAP = (445.0, 449.03, 453.1, 457.05, 461.0, 465.02)  # [nm], lines that two detectors see
+
+
+def overlapping():
+    """Axis [m] and counts of two detectors, a fine and a coarse slit, that interleave from 440 to 470 nm."""
+    rng = np.random.default_rng(1)
+    both = ((np.arange(400.0, 470.0, 0.06), 0.25), (np.arange(440.0, 560.0, 0.145), 0.5))
+    places = (410.0, 430.0, *OVERLAP, 500.0, 540.0)
+    counts = np.concatenate([rng.normal(300 + 1000 * lines_at(own, places, fwhm), 8) for own, fwhm in both])
+    axis = np.concatenate([own for own, _ in both])
+    order = np.argsort(axis)
+    return axis[order] * 1e-9, counts[order]
+
+
+def test_a_line_that_two_detectors_see_is_one():
+    axis, counts = overlapping()
+    found = find(*one_detector(axis, counts)).wavelength * 1e9
+    assert found[(found > 440) & (found < 470)] == pytest.approx(OVERLAP, abs=0.08)
+    assert find(axis, counts).wavelength.size > 20  # from channel to channel the one, then the other
+
+
+def test_even_channels_stay_as_they_are():
+    axis = np.linspace(300e-9, 900e-9, 2000) ** 1.01
+    for own in (axis, np.delete(axis, [500, 1200])):
+        np.testing.assert_allclose(one_detector(own, own)[1], own, rtol=1e-12)
+
+
+def test_each_detector_has_a_slit_of_its_own():
+    rng = np.random.default_rng(4)
+    fine, coarse = np.arange(300.0, 450.0, 0.06), np.arange(450.0, 900.0, 0.14)
+    axis = np.concatenate([fine, coarse])
+    light = np.concatenate(
+        [lines_at(fine, np.arange(305, 450, 10.03), 0.5), lines_at(coarse, np.arange(455, 900, 20.07), 0.5)]
+    )
+    found = find(axis * 1e-9, rng.poisson(2000 * light + 300).astype(float))
+    assert np.interp([350e-9, 700e-9], found.axis, found.slit) == pytest.approx([0.5e-9, 0.5e-9], rel=0.25)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro.identification.evidence import NOTHING, Fit, Scene, together
-from plasmapyro.identification.peaks import Peaks, find
+from plasmapyro.identification.peaks import Peaks, find, one_detector
 from plasmapyro.identification.species import AIR, catalogue
 
 COMMON = tuple("H C N O Na K Li Rb Cs Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
@@ -24,7 +24,7 @@ EXPLAINED = 0.05  # least share of a peak that is there by chance, however well 
 PLACE = 0.12  # and after
 ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
 RAREST = 1.0  # log evidence, the most that this may speak for a species
-CERTAIN = 12.0  # log evidence from which chance is not asked
+CERTAIN = 30.0  # log evidence from which chance is not asked
 SEEN = 1.5  # log evidence from which a species tells the scale
 NEIGHBOURS = 40e-9  # [m] over which the error of a wavelength scale changes
 
@@ -86,7 +86,8 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     -------
     Answer
     """
-    peaks = find(axis, signal, noise, slit)
+    axis, signal, *noise = one_detector(axis, signal, *([] if noise is None else [noise]))
+    peaks = find(axis, signal, *(noise or [None]), slit)
     if peaks.wavelength.size < 2:
         return Answer((), peaks, np.arange(peaks.wavelength.size), Scale(0.0))
     response = CALIBRATED if calibrated else UNCALIBRATED

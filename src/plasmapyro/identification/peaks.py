@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import (
     gaussian_filter1d,
     maximum_filter1d,
+    median_filter,
     minimum_filter1d,
     percentile_filter,
     uniform_filter1d,
@@ -17,6 +18,16 @@ DEAD_WINDOW = 15  # channels, of which a third at the lowest value are clipped
 SMOOTH = np.array([1.0, 2.0, 1.0]) / 4
 SMOOTH_GAIN = np.sqrt(2)  # of third differences of noise that was smoothed so: sums of squares 12/16 and 6/16
 WING = 25  # channels to either side within which a peak must stand out
+BEND = 0.1  # of the highest signal around: least height of a shoulder; profiles bend themselves
+PLAIN = 15.0  # standard deviations above the lowest around, which noise does not reach
+OUT = 4.0  # standard deviations of a peak above the mean of what is beside it
+WIDTHS = (1.0, 3.0, 8.0)  # of a slit, that a line may have
+NARROW = 0.6  # of a slit: what bends are sought with; wider ones lose a line beside a stronger one
+APART = 0.75  # of a slit: least distance of a shoulder from a peak
+DETECTORS = 1.4  # ratio of the steps of two detectors
+FEW = 8  # peaks of a detector that tell its slit
+SHARPEST = 0.15  # of these peaks are as narrow as the slit; those of air are three times as wide
+IRREGULAR = 0.25  # of a step, by which steps from channel to channel differ where two detectors overlap
 
 
 @dataclass(frozen=True)
@@ -67,6 +78,39 @@ def noise_of(signal, gain=20**0.5):
     return np.maximum(sigma, 0.3 * typical)
 
 
+def one_detector(axis, *records):
+    """Channels of two detectors that overlap, made as coarse as the coarser: interleaved, lines are noise.
+
+    Parameters
+    ----------
+    axis : ndarray (N,) [m]
+        Ascending.
+    records : ndarray (N,)
+        On it, averaged with it.
+
+    Returns
+    -------
+    list of ndarray (M,)
+        Axis and records; as they were where the steps are even.
+    """
+    step = np.diff(axis)
+    uneven = np.abs(np.diff(step)) > IRREGULAR * np.maximum(step[1:], step[:-1])
+    uneven = (
+        np.convolve(uneven, np.ones(2 * WING + 1), mode="same") > WING / 2
+    )  # more than one channel left out
+    bins = np.arange(axis.size)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], uneven.astype(int), [0]])))
+    for first, last in edges.reshape(-1, 2):
+        coarse = max(
+            np.median(step[max(first - WING, 0) : first + 1]), np.median(step[last : last + WING + 1])
+        )
+        inside = slice(first + 1, last + 1)
+        bins[inside] = axis.size + ((axis[inside] - axis[first]) / coarse).astype(int)
+    own = np.concatenate([[0], np.cumsum(np.diff(bins) != 0)])
+    count = np.bincount(own)
+    return [np.bincount(own, record) / count for record in (axis, *records)]
+
+
 def find(axis, signal, noise=None, slit=None):
     """Peaks of a spectrum.
 
@@ -100,12 +144,27 @@ def find(axis, signal, noise=None, slit=None):
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
     channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
     if slit is None:
-        sharp = np.quantile(channels, 0.25) if found.size else 3.0
-        slit = max(sharp, 2.0) * step
+        slit = np.maximum(_sharp(step, found, channels), 2.0) * step
     slit = np.broadcast_to(slit, signal.shape)
+    # Noise stands out of the lowest around it by ten deviations; out of its mean a line does.
+    prominence = facts["prominences"]
+    sure = prominence > PLAIN * noise[found]
+    for width in WIDTHS:
+        bend, own = _bend(signal, noise, width * slit / step, 1.0)
+        sure |= maximum_filter1d(bend > OUT * own, 3)[found]
+    found, channels = found[sure], channels[sure]
     height, place = _vertex(signal, found)
-    height = facts["prominences"] + height
+    height = prominence[sure] + height
     width = np.maximum(channels * step[found], slit[found])
+    snr = height / noise[found]
+    beside, *shoulders = _shoulders(signal, found, noise, slit / step)
+    found = np.concatenate([found, beside])
+    order = np.argsort(found, kind="stable")
+    found = found[order]
+    place, height, snr, width = (
+        np.concatenate([one, more])[order]
+        for one, more in zip((place, height, snr, width), (*shoulders, slit[beside]), strict=True)
+    )
     floor = gaussian_filter1d(minimum_filter1d(signal, 2 * WING + 1), WING)
     above = np.maximum(signal - floor, 0.0)
     # What a line must rise above to be a peak of its own: by how much the rest changes over its width.
@@ -119,8 +178,58 @@ def find(axis, signal, noise=None, slit=None):
         np.interp(found + place, np.arange(axis.size), axis),
         height * width / slit[found],
         width,
-        height / noise[found],
+        snr,
     )
+
+
+def _sharp(step, found, channels):
+    """Width (N,) of a sharp line in channels: of the sharpest quarter of the peaks of each detector, which
+    are told by their steps."""
+    smooth = median_filter(step, 2 * WING + 1)
+    jump = np.abs(np.log(smooth[2 * WING :] / smooth[: -2 * WING])) > np.log(DETECTORS)
+    begins = WING + 1 + np.flatnonzero(np.diff(np.concatenate([[0], jump.astype(int)])) == 1) + WING // 2
+    detector = np.searchsorted(begins, np.arange(step.size), side="right")
+    sharp = np.full(begins.size + 1, np.quantile(channels, SHARPEST) if found.size else 3.0)
+    for one in range(sharp.size):
+        own = channels[detector[found] == one]
+        if own.size >= FEW:
+            sharp[one] = np.quantile(own, SHARPEST)
+    return sharp[detector]
+
+
+def _bend(signal, noise, slit, narrow):
+    """Height (N,) of a line of the `slit` (N,) [channels] in each channel, and its standard deviation.
+
+    A filter without area, as the second derivative of a Gaussian `narrow` times as wide: a slope gives
+    nothing, and what is beside a line takes nothing off for being lower by chance.
+    """
+    bend, own = np.zeros((2, signal.size))
+    slit = np.exp(np.round(20 * np.log(slit)) / 20)  # to 5 %
+    for width in np.unique(slit):
+        sigma = width / 2.355
+        half = int(np.ceil(4 * sigma))
+        reach = np.arange(-half, half + 1) / sigma
+        kernel = (1 - (reach / narrow) ** 2) * np.exp(-((reach / narrow) ** 2) / 2)
+        kernel -= kernel.mean()
+        kernel /= kernel @ np.exp(-(reach**2) / 2)
+        here = slit == width
+        bend[here] = np.convolve(np.pad(signal, half, mode="edge"), kernel, mode="valid")[here]
+        # the noise before the smoothing is that of independent channels
+        own[here] = np.sqrt(np.sum(np.convolve(kernel, SMOOTH) ** 2) / np.sum(SMOOTH**2))
+    return bend, own * noise
+
+
+def _shoulders(signal, found, noise, slit):
+    """Channels, places in them, heights and SNR of lines on the flank of another: no maximum, but a bend."""
+    bend, noise = _bend(signal, noise, slit, NARROW)
+    reach = 2 * round(3 * np.median(slit)) + 1
+    near = maximum_filter1d(signal - minimum_filter1d(signal, 2 * WING + 1), reach)
+    most = (bend[1:-1] > bend[:-2]) & (bend[1:-1] >= bend[2:])
+    at = 1 + np.flatnonzero(most & (bend > np.maximum(DETECTED * noise, BEND * near))[1:-1])
+    if found.size and at.size:
+        at = at[np.abs(at[:, None] - found).min(axis=1) > APART * slit[at]]
+    higher, place = _vertex(bend, at)
+    return at, place, bend[at] + higher, (bend[at] + higher) / noise[at]
 
 
 def _vertex(signal, found):
