@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from plasmapyro.plots import style
 from plasmapyro.plots.experiment import after_injection
@@ -94,3 +95,12 @@ def test_results_are_drawn_over_the_time_since_the_injection():
     moved = after_injection(made)
     assert list(moved.time) == [10.0, 30.0]
     assert (moved.attrs["injection_time"], moved.attrs["plasma_off_time"]) == (0.0, 25.0)
+
+
+def test_a_figure_is_laid_out_for_its_first_file_and_drawn_once_for_the_others(tmp_path, monkeypatch):
+    drawn = []
+    draw = Figure.draw
+    monkeypatch.setattr(Figure, "draw", lambda self, renderer: drawn.append(renderer) or draw(self, renderer))
+    _, axes = style.figure(size=(2, 2))
+    style.save(axes, [tmp_path / "one.svg", tmp_path / "one.png", tmp_path / "two.png"])
+    assert len(drawn) == 2 + 1 + 1  # the layout takes a drawing of its own

@@ -122,5 +122,6 @@ def save(axes, paths, *datasets):
     for path in paths:
         metadata = {"Date": None} if str(path).endswith(".svg") else {"Software": None}
         io.store(path, partial(axes.figure.savefig, metadata=metadata))
-        axes.figure.set_layout_engine("none")  # the layout takes as long as the drawing: once for all files
+        with plt.rc_context({"figure.constrained_layout.use": False}):
+            axes.figure.set_layout_engine(None)  # a layout draws once more: for the first file alone
     plt.close(axes.figure)
