@@ -1,10 +1,12 @@
 """Which explanation a spectrum of the gas is nearest to, and the tracks of lines against hump."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.gas.library import gas_library
-from plasmapyro.diagnosis.report import line_hump
+from plasmapyro.diagnosis.report import line_hump, show
 
 MATT_LINE, MATT_HUMP = 113.0, 57.0  # of a matt surface over the sight line, as at 60 kW
 ERRORS = (0.03, 0.03)
@@ -70,3 +72,21 @@ def test_a_grey_factor_is_a_path_whatever_the_power_within_its_prior(library, po
 @pytest.mark.parametrize("power", [-0.4, 0.4])
 def test_much_more_or_less_power_is_power(library, power):
     assert closest(library, library.base * library.power_factor(power)) == "P_eff"
+
+
+def test_a_gas_without_the_line_has_errors_that_can_be_drawn(library):
+    """A foreign gas may lack O I 777 nm: what is fitted there is noise, and may be below zero."""
+    lacking = np.where(np.abs(library.wavelength - 777.6e-9) < 5e-9, -0.01, 1.0) * library.base
+    found = line_hump.line_hump(library, (lacking, ERRORS), line_hump.explanations(library, 0.85))
+    assert found["measured"]["line"] < 0 < found["measured"]["line_error"]
+    assert found["closest"]
+
+
+def test_the_step_is_told_only_where_there_is_gas():
+    """A foreign gas may be absent from a channel: what is fitted there may be below zero, an error never."""
+    time = np.array([-2.0, -1.0, 1.0])
+    gas = np.array([[2.0, -0.1], [2.0, -0.1], [0.0, 0.0]])
+    one = SimpleNamespace(time=time, value=gas, band=None, middle=np.array([8e-7, 9e-7]))
+    noise, solution = SimpleNamespace(variance=np.ones((3, 2))), SimpleNamespace(gas=[gas], prediction=[gas])
+    step = show.kappa(SimpleNamespace(instruments=[one], off=0.0), SimpleNamespace(noise=[noise]), solution)
+    assert step["kappa"] == [pytest.approx(1.0), None] and step["error"][0] > 0 and step["error"][1] is None

@@ -60,6 +60,15 @@ def test_contradicting_instruments_leave_nothing_but_a_confirmed_cause():
 
 
 @pytest.mark.parametrize(
+    ("names", "best"), [(("pyrometer",), None), (("pyrometer", "spectrometer"), "extended")]
+)
+def test_a_single_instrument_confirms_no_cause_of_its_own_contradiction(names, best):
+    """A gain of two in a pyrometer alone was named a slope of the emittance, 90 K off."""
+    found = recommended(Facts(BEST_FIRST, ("level",), verdict="named", applied=True, instruments=names))
+    assert found.estimate == best
+
+
+@pytest.mark.parametrize(
     ("verdict", "applied", "strained", "paper"),
     list(itertools.product(VERDICTS, (False, True), ((), ("sensitivity ratio",)), (False, True))),
 )

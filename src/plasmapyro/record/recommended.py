@@ -62,7 +62,8 @@ class Choice(NamedTuple):
 def recommended(facts):
     """Which temperature to take away, by one rule for all commands.
 
-    1. Instruments that contradict each other, and no confirmed cause: none.
+    1. Instruments that contradict each other, and no confirmed cause: none. Level and ratio of a single
+       instrument are two numbers: held-out data of the same two confirm any cause that moves either.
     2. A diagnosis that follows the data: its extension if held-out data confirm it, else its base model. If
        the fit moved a calibration out of what was known of it and nothing confirmed says why, the paper's
        method, which needs no absolute level.
@@ -78,7 +79,8 @@ def recommended(facts):
     Choice
     """
     given = [one for one in BEST_FIRST if one in facts.given]
-    if facts.against and not (facts.applied and "extended" in given):
+    confirmed = facts.applied and "extended" in given and len(facts.instruments) != 1
+    if facts.against and not confirmed:
         return Choice(None, f"No temperature is recommended: {facts.against[0]}.")
     if not given:
         return Choice(

@@ -13,6 +13,7 @@ HUMP = (985e-9, 1030e-9)  # [m] of N2 first positive
 MATT = np.array([0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0])
 BINS = np.arange(745e-9, 1031e-9, 5e-9)  # [m] edges in which explanations are compared with a spectrum
 SHAPE_SIGMA = 0.01  # [1] of the light of a bin, besides strengths and power
+LEAST = 1e-3  # [1] of the light of a bin: a gas without it has no logarithm there
 FINER = 8  # steps between two amplitudes of a track
 UNKNOWN_ERROR = 0.05  # [1] of a line or hump that no group of the library holds
 FREE_NUMBER = 2.0  # of chi-squared: what an explanation's amplitude must gain (H. Akaike, IEEE TAC 19, 1974)
@@ -74,8 +75,8 @@ def line_hump(library, strengths, explanations, calibration=False):
         "measured": {
             "line": line,
             "hump": hump,
-            "line_error": line * errors[0],
-            "hump_error": hump * errors[1],
+            "line_error": abs(line) * errors[0],  # where a gas has no such line, noise may make it negative
+            "hump_error": abs(hump) * errors[1],
         },
         "tracks": tracks,
         "closest": closest,
@@ -103,7 +104,7 @@ def _closest(library, spectrum, explanations):
     base = binned(library.base)
 
     def logarithm(values):
-        return np.log(binned(values) / base)
+        return np.log(np.maximum(binned(values) / base, LEAST))
 
     errors = np.array([binned(mode) for mode in library.strength_modes]) / base
     step = POWER_SIGMA / 2

@@ -116,6 +116,9 @@ def kappa(model, fitter, solution):
 
         (high, high_variance), (low, low_variance) = mean(before), mean(after)
         level = gas[before].mean(axis=0)
+        level = np.where(
+            level > 0, level, np.nan
+        )  # what is fitted of no light is noise, on either side of zero
         value, error = (high - low) / level, np.sqrt(high_variance + low_variance) / level
         if instrument.band == BANDS:
             result |= {

@@ -49,6 +49,7 @@ def temperatures(findings, against=()):
             strained=tuple(
                 row["name"] for row in findings.pulls if row["finding"] and row["id"] not in OF_GAS
             ),
+            instruments=tuple(one.name for one in findings.record.instruments),
         )
     )
     if choice.estimate == "subtraction":
