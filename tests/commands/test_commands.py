@@ -123,6 +123,19 @@ def line_lamp(place, shift=0.2):
     )
 
 
+def test_a_window_before_the_test_only_dims_the_pyrometer(shelf, tmp_path):
+    place = laboratory.calibration_folder(tmp_path / "raw")
+    words = (place / "calibration.yaml").read_text()
+    (place / "calibration.yaml").write_text(
+        words.replace("file: points.csv", "file: points.csv\n  window_transmittance: 0.8")
+    )
+    assert cli.main(["calibrate", str(place), "--out", str(tmp_path / "lab")]) == 0
+    found, plain = (io.read(folder / "lab" / "calibration.nc", "calibration") for folder in (tmp_path, shelf))
+    ratio = found.absolute_sensitivity / plain.absolute_sensitivity
+    np.testing.assert_allclose(ratio, 0.8, rtol=1e-6)  # weights of points follow their signals
+    np.testing.assert_allclose(found.sensitivity_ratio, plain.sensitivity_ratio, rtol=1e-6)
+
+
 def test_a_line_lamp_tells_wavelengths_and_width(tmp_path, capsys):
     place = laboratory.calibration_folder(tmp_path / "raw")
     line_lamp(place)

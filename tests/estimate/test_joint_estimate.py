@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import twin_scoreboard as board
+import xarray as xr
 import yaml
 
 from plasmapyro import contracts
@@ -37,6 +38,19 @@ def found(made, response):
 def test_the_result_honours_its_contract(found):
     contracts.check(contracts.label(found, "joint_estimate"), "joint_estimate")
     assert found.attrs["origin"] == "synthetic" and found.attrs["instruments"] == "pyrometer spectrometer"
+
+
+def test_a_gas_too_faint_to_see_has_a_share_of_zero(made, response):
+    """What noise makes of it may lie below zero, and the surface's share above one."""
+    test, _, calibration, _ = made
+    test = test.drop_dims("spectrum_time")
+    gas = (test.time >= 0) & (test.time < test.attrs["plasma_off_time"])
+    window = gas & (test.time < test.attrs["reference_window"][1])
+    for name in ("signal_wide", "signal_narrow"):
+        level = 1.02 * float(test[name].where(window).mean())
+        test[name] = test[name] - xr.where(test.time < test.attrs["plasma_off_time"], level, 0.0)
+    found = estimate(test, calibration, response, **board.SETTINGS)
+    contracts.check(contracts.label(found, "joint_estimate"), "joint_estimate")
 
 
 def test_temperature_lies_in_its_interval_and_starts_before_the_paper_s(found, made):

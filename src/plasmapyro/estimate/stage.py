@@ -339,7 +339,8 @@ def _dataset(record, test, fit_range, samples, observations, fixed, found, sprea
     temperature = np.interp(bands.time, samples.time, middle)
     deviation = (scale * np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE]))[group]
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
-    share, injected = (surface / (surface + gas))[:, group], samples.injected[group]
+    # Where there is no light of a gas, noise may make what is fitted of it negative.
+    share, injected = np.clip(surface / (surface + gas), 0, 1)[:, group], samples.injected[group]
     against, words = contradicted(samples.time, observations, fixed, found)
     known = injected & told & (deviation < largest * temperature)
     low, high = fit_range

@@ -79,6 +79,7 @@ def read_points(folder):
     section, origin = _section(folder, "pyrometer")
     name = section.file("file", "calibration_points.csv")
     marks, wanted = columns.marks(section), columns.wanted(section, POINTS, needed=POINTS)
+    window = _share(section, "window_transmittance", 1.0)
     section.close()
     if section.faults:
         raise Refusal(section.faults)
@@ -96,6 +97,8 @@ def read_points(folder):
     ]
     if messages:
         raise Refusal(messages)
+    for band in POINTS[1:]:  # as they would be through the window that stood before the test only
+        found[band] = found[band] * window
     dataset = xr.Dataset({key: ("calibration_point", found[key]) for key in POINTS}, attrs={"origin": origin})
     return _checked(dataset, "calibration_points", path)
 

@@ -22,6 +22,7 @@ MOST_FILES, MOST_ROWS = 20_000, 400  # looked at: of a folder, of a table
 USUAL = 0.9  # of the rows: cells of a column that must be numbers or dates
 LEAST_RUN = 10  # rows: of a table, not of the blocks of numbers above it
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
+OF_WINDOW = "kept for the record: calibrate through it, or state window_transmittance in calibration.yaml"
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
     "time": r"t|ts|tms|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*"
@@ -797,7 +798,7 @@ def _attributes(folder, read, pyrometer, spectrometer, kinds, questions):
     ]
     if pyrometer:
         rows += [
-            ("window_transmittance_pyrometer", "0.9", "?"),
+            ("window_transmittance_pyrometer", "0.9", f"? {OF_WINDOW}"),
             ("pyrometer_integration_time", "0.01", "? s"),
         ]
     if spectrometer:
@@ -817,7 +818,7 @@ def _attributes(folder, read, pyrometer, spectrometer, kinds, questions):
                 "spectrometer: the spectra are counts per second; they are read as counts of 1 s"
             )
         rows += [
-            ("window_transmittance_spectrometer", "0.9", "?"),
+            ("window_transmittance_spectrometer", "0.9", f"? {OF_WINDOW}"),
             ("spectrometer_fwhm", f"{width:.2g}", "? m"),
         ]
         rows += [("spectrometer_integration_time", f"{stated or 0.1:g}", "? s")] * (exposure is None)
