@@ -93,6 +93,8 @@ def _corrected(options):
     names, contract = ESTIMATORS[options.estimator]
     if options.estimator == "all" and instruments(test) == ["radiometer"]:
         names = OF_BANDS
+    if options.estimator == "all" and instruments(test) == ["spectrometer"]:
+        names = OF_SPECTRA
     parts, missing = [], {}
     for name in names:
         try:
@@ -261,7 +263,7 @@ def _estimator(test, asked):
     if asked in (None, "all"):
         if not plasma:
             return "emissivity" if alone or "radiometer" in present else "reference"
-        return "reference" if present == ["spectrometer"] else "all"
+        return "all"
     return "emissivity" if asked == "joint" and present == ["spectrometer"] else asked
 
 
@@ -274,6 +276,7 @@ ESTIMATORS = {  # what may be asked for -> names, of which only the first must s
     "emissivity": (("emissivity",), "emissivity_estimate"),
 }
 OF_BANDS = ("emissivity", "joint")  # all that a radiometer alone allows
+OF_SPECTRA = ("reference", "emissivity")  # ... and spectra alone; Planck fits hold every surface to be grey
 
 
 def summary(result):

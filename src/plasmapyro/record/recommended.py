@@ -25,6 +25,7 @@ WORDS = {
     "subtraction": "the paper's subtraction of the reference",
     "spectra": "the Planck fits to the corrected spectra",
 }
+SINGULAR = [[words] for one, words in WORDS.items() if one != "spectra"]  # lists of one that stand alone
 NONE = "No temperature is recommended"
 SERIES = {  # estimate: its temperature and its status in a file of a correction
     "joint": ("surface_temperature", "estimate_status"),
@@ -95,7 +96,7 @@ def recommended(facts):
         + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
         "emissivity": "it lets the emissivity depend on wavelength and time",
         "subtraction": "no joint estimate stands beside it",
-        "spectra": "there are spectra alone behind a plasma",
+        "spectra": "there are spectra alone behind a plasma, and the surface is taken as grey",
     }[best]
     for one in BEST_FIRST[: BEST_FIRST.index(best)]:
         if one in facts.missing:
@@ -130,7 +131,7 @@ def _of_diagnosis(facts, given):
 def _beside(given):
     def words(best):
         rest = [WORDS[one] for one in given if one != best and (best, one) != ("extended", "base")]
-        return f"; {listed(rest)} {'stand' if len(rest) > 1 else 'stands'} beside it" if rest else ""
+        return f"; {listed(rest)} {'stands' if rest in SINGULAR else 'stand'} beside it" if rest else ""
 
     return words
 
