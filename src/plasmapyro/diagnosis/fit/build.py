@@ -93,7 +93,7 @@ def base_model(
         instruments.append(_spectrometer(frames, record.off, library, edges, fwhm))
         lamp["spectrometer"] = _lamp_of_spectrometer(instruments[-1], spectrometer_calibration)
     plasma = has_plasma(record.attributes)
-    bending = others is not None or not plasma  # an emissivity that bends over wavelength
+    bending = bands is None or not plasma  # an emissivity that bends over wavelength
     if bending:
         instruments = radiometer.of_an_emissivity(instruments, record, known)
     instruments = _sufficient(instruments, record.off, plasma)
