@@ -11,7 +11,7 @@ import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.quality import agreement, series
-from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, of_test, table
+from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, merged, of_test, table
 from plasmapyro.quality.rule import Case, look
 from plasmapyro.readers.stage import Reading
 from plasmapyro.tables import rows
@@ -483,3 +483,14 @@ def test_a_long_log_is_judged_in_the_memory_of_a_short_one():
     assert peak < 150e6
     far = Case(PLACE, xr.Dataset(attrs=stated | {"emittance": 0.3}), {}, calibration, response, result=result)
     assert "0.8" in said_of(far)["level_against_ratio"]
+
+
+def test_times_that_differ_in_their_last_bit_are_one_clock():
+    """Some estimators count from the injection and back: where it lies before zero, that loses a bit."""
+    time = np.array([0.0, 0.2, 0.4, 30.2])
+    back = (time + 0.4201) - 0.4201
+    parts = [xr.Dataset({name: ("time", time)}, {"time": own}) for name, own in (("a", time), ("b", back))]
+    assert (back != time).any()
+    np.testing.assert_array_equal(merged(parts).time, time)
+    with pytest.raises(ValueError, match="time"):
+        merged([parts[0], parts[1].assign_coords(time=time + 1e-3)])

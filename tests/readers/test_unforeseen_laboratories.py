@@ -252,6 +252,18 @@ def test_arrays_of_a_file_are_columns(tmp_path, kind):
     assert not any("unit" in words for words in questions if "time" not in words)
 
 
+@pytest.mark.parametrize(
+    ("narrow", "wide"),
+    [("Smalband", "Breedband"), ("Pasmo wąskie", "Pasmo szerokie"), ("Узкий", "Широкий"), ("窄带", "宽带")],
+)
+def test_a_name_tells_the_bands_where_the_narrow_one_is_brighter(tmp_path, narrow, wide):
+    """By its size alone, which had been taken, the narrow band would be the wide one."""
+    (tmp_path / "log.csv").write_text(table(f"t [s];{narrow} [nA];{wide} [nA]", lambda *row: row, ";"))
+    words = describe(tmp_path)
+    text = words if isinstance(words, str) else words[0]
+    assert f'signal_wide: {{name: "{wide}"}}' in text and f'signal_narrow: {{name: "{narrow}"}}' in text
+
+
 def test_a_band_may_stand_in_a_file_of_its_own(tmp_path):
     def one(place):
         return table("Interval,1,,\nTime,Ampl [nA]", lambda *row: (row[0], row[place]))

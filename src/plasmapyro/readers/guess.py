@@ -27,10 +27,12 @@ FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
     "time": r"t|ts|tms|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*"
     r"|sec.*|elapsed.*|xvalue",
-    "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*"
-    r"|.*(ch(annel)?|kanal|voie|canale?)1|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
-    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*"
-    r"|.*(ch(annel)?|kanal|voie|canale?)2|.*i2|.*det(ector)?2|.*band2|.*signal2|r",
+    "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*|.*\u5bbd.*|.*breed.*"
+    r"|.*szerok.*|.*\u0448\u0438\u0440\u043e\u043a.*|.*(ch(annel)?|kanal|voie|canale?)1"
+    r"|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
+    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*|.*\u7a84.*"
+    r"|.*smal.*|.*w[a\u0105]sk.*|.*\u0443\u0437\u043a.*|.*(ch(annel)?|kanal|voie|canale?)2"
+    r"|.*i2|.*det(ector)?2|.*band2|.*signal2|r",
     "electric_power": r"p?el|pel.*|.*power.*|.*leistung.*|.*potencia.*|.*puissance.*",
     "chamber_pressure": r"pc.*|pch.*|.*press.*|.*druck.*|.*presi.n.*",
     "mass_flow_rate": r"mdot|.*massflow.*|.*flow.*|.*durchfluss.*|.*caudal.*|.*debit.*",
