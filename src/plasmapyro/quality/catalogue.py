@@ -51,7 +51,7 @@ def merged(parts):
 
 
 def _on_one_clock(parts):
-    """Times that were counted from the injection and back may differ in their last bit: those of the first."""
+    """Times counted from the injection and back may differ in their last bit: those of the first part."""
     first = {}
     for part in parts:
         for axis in {"time", "spectrum_time"} & set(part.coords):

@@ -30,8 +30,8 @@ NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those wi
     "signal_wide": r".*s1|.*wide.*|.*breit.*|.*ancha?|.*larg[ea].*|.*\u5e83.*|.*\u5bbd.*|.*breed.*"
     r"|.*szerok.*|.*\u0448\u0438\u0440\u043e\u043a.*|.*(ch(annel)?|kanal|voie|canale?)1"
     r"|.*i1|.*det(ector)?1|.*band1|.*signal1|q",
-    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*|.*\u7a84.*"
-    r"|.*smal.*|.*w[a\u0105]sk.*|.*\u0443\u0437\u043a.*|.*(ch(annel)?|kanal|voie|canale?)2"
+    "signal_narrow": r".*s2|.*narrow.*|.*schmal.*|.*estrecha?|.*[\u00e9e]troit.*|.*strett.*|.*\u72ed.*"
+    r"|.*\u7a84.*|.*smal.*|.*w[a\u0105]sk.*|.*\u0443\u0437\u043a.*|.*(ch(annel)?|kanal|voie|canale?)2"
     r"|.*i2|.*det(ector)?2|.*band2|.*signal2|r",
     "electric_power": r"p?el|pel.*|.*power.*|.*leistung.*|.*potencia.*|.*puissance.*",
     "chamber_pressure": r"pc.*|pch.*|.*press.*|.*druck.*|.*presi.n.*",
