@@ -195,6 +195,7 @@ TABLES = {
         "Date,Elapsed (ms),S1 (nA),S2 (nA)",
         lambda t, *p: (f"{NOON + timedelta(seconds=t):%Y-%m-%d %H:%M}", 1e3 * t, *p),
     ),
+    "a remark above numbers without names": "# run\n" + "".join(f"{t} {w} {n}\n" for t, w, n in SAMPLES),
     "letters that are none": PLAIN.replace("S1", "S\x8e1").replace("S2", "S2").encode("latin-1"),
 }
 

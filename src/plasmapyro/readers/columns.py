@@ -195,7 +195,8 @@ def read_table(path, columns, delimiter=None, decimal=None):
                 values[np.isin(values, FILLS)] = np.nan
             result[name] = to_si(path, columns[name], values, stated[name], start + 1)
         return result
-    numbers, rows, faults = _rows(path, lines, start, mark)
+    nameless = all(NUMBERED.fullmatch(column.header) for column in columns.values())
+    numbers, rows, faults = _rows(path, lines, start, mark, nameless)
     if not ended:
         faults.append(unfinished(path, lines))
     if not numbers and not faults:
@@ -278,14 +279,15 @@ def unfinished(path, lines):
         return reason.messages[0]
 
 
-def _rows(path, lines, start, mark):
+def _rows(path, lines, start, mark, nameless=False):
     """Line numbers and cells of the rows below the header; rows of another length are faults.
 
     A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
     most rows have. Empty cells beyond the header are those of a final delimiter.
     """
     names = lines[start] if start >= 0 else ""
-    if not names.strip() or len(split(names, mark)) < 2:  # a table without names
+    remark = nameless and is_remark(names)
+    if remark or not names.strip() or len(split(names, mark)) < 2:  # a table without names
         names = next((line for line in lines[start + 1 :] if line.strip()), "")
     header = without_empty_end(split(names, mark))
     numbers, rows = [], []
