@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
 
-from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation import table as table_module
 from plasmapyro.radiation.grid import log_grid
-from plasmapyro.radiation.path import CONTINUA, NEGLIGIBLE, gas_path, path_radiance, surface_radiance
+from plasmapyro.radiation.path import NEGLIGIBLE, gas_path, path_radiance
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.systems import line_lists
 from plasmapyro.radiation.table import NODES, emission_table, table_nodes, table_radiance
@@ -99,10 +98,10 @@ def test_a_layer_does_not_know_of_the_others(table, equilibrium_densities):
     assert np.array_equal(table_radiance(table, long)[0], table_radiance(table, short)[0])
 
 
-def test_a_thick_path_is_a_black_body_and_hides_what_lies_behind(table, grid, equilibrium_densities):
+def test_a_thick_path_is_a_black_body(table, grid, equilibrium_densities):
     temperature = np.full(2, 7777.0)
     path = gas_path([0.0, 1e12], temperature, equilibrium_densities(temperature))
-    radiance, depth, _ = table_radiance(table, path, boundary=surface_radiance(grid, 0.5, 9000.0))
+    radiance, depth, _ = table_radiance(table, path)
     assert depth.min() > 30
     exact = blackbody_radiance(grid.wavelength, 7777.0)
     assert radiance.sum(axis=0) == pytest.approx(exact, rel=1e-9, abs=0)
@@ -115,14 +114,6 @@ def test_what_is_left_out_stays_below_the_bound_that_is_told(table, grid, equili
     whole, _, cold = table_radiance(table, path)
     change = -np.trapezoid(np.abs(found - whole).sum(axis=0), grid.wavelength)
     assert 0 < change < bound - cold  # something is left out, and less than is told
-
-
-def test_what_enters_is_attenuated(table, grid, equilibrium_densities):
-    path = jet(equilibrium_densities, 9000.0)
-    behind = surface_radiance(grid, 0.7, 2500.0)
-    radiance, depth, _ = table_radiance(table, path, boundary=behind)
-    assert len(radiance) == len(table.components) + len(CONTINUA) + 1
-    assert radiance[-1] == pytest.approx(behind * np.exp(-depth), rel=FLOAT_RTOL, abs=0)
 
 
 def test_continua_may_be_left_out(systems, grid, equilibrium_densities, table):
@@ -182,6 +173,3 @@ def test_bad_tables_are_refused(systems, grid, equilibrium_densities, table):
     nodes = np.append(nodes, 5000.0)
     with pytest.raises(ValueError, match="continua must be among e-ion free-free, .*; got bremsstrahlung"):
         emission_table(systems, grid, nodes, equilibrium_densities(nodes), continua=("bremsstrahlung",))
-    path = gas_path([0.0, 1.0], nodes[:2], {name: np.zeros(2) for name in SPECIES})
-    with pytest.raises(ValueError, match=r"boundary must have the grid's shape \(18000,\); got \(5,\)"):
-        table_radiance(table, path, boundary=np.ones(5))

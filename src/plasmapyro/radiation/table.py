@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plasmapyro.checks import increasing, non_negative, within
+from plasmapyro.checks import increasing, within
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.gas.equilibrium import number_density as equilibrium_density
 from plasmapyro.gas.species import AIR, IONS, SPECIES, TRACE_IONS, particle_mass
@@ -229,7 +229,7 @@ def _blend(rows, weights):
     return total
 
 
-def table_radiance(table, path, *, boundary=None):
+def table_radiance(table, path):
     r"""Spectral radiance at the end of a path from tabulated emission.
 
     Parameters
@@ -238,26 +238,24 @@ def table_radiance(table, path, *, boundary=None):
         Of the pressure of the path, for line widths; densities are the path's own.
     path : GasPath
         In equilibrium, nowhere hotter than the table.
-    boundary : (G,) [W m-2 sr-1 m-1], optional
-        Radiance that enters at the start of the path.
 
     Returns
     -------
     tuple : radiance by component (C, G), optical depth (G,), bound on what gas left out could change
         [W m-2 sr-1]: cold layers, and systems in layers that matter less than `path.NEGLIGIBLE` together.
-        Components: those of the table, its continua, and the boundary if there is one.
+        Components: those of the table, and its continua.
 
     Raises
     ------
     ValueError
-        Path out of equilibrium or hotter than the table; boundary that does not fit or is negative.
+        Path out of equilibrium or hotter than the table.
 
     Notes
     -----
     Source: as `emission_table`; layers as in `transfer.cross_layer`.
     ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
     """
-    radiance, _, depth, _, bound = _solved(table, path, boundary)
+    radiance, _, depth, _, bound = _solved(table, path)
     return radiance, depth, bound
 
 
@@ -310,42 +308,32 @@ def _thin_lines(path, lines):
     return lines.power * lines.upper_degeneracy * populated[level]
 
 
-def _solved(table, path, boundary=None, apart=True):
+def _solved(table, path, apart=True):
     """Radiance by component, thin radiance, optical depth, absorption of the continua on their axis,
     and the bound of `table_radiance`."""
     if not path.equilibrium:
         raise ValueError("path must be in equilibrium for a table; use path_radiance for two temperatures")
     within("path temperature", path.temperature.max(), 0.0, table.temperature[-1], "K")
     grid, gas = table.grid, len(table.components) + len(table.continua) if apart else 1
-    radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
-    if boundary is not None:
-        boundary = non_negative("boundary", boundary, "W m-2 sr-1 m-1")
-        if boundary.shape != grid.wavenumber.shape:
-            raise ValueError(f"boundary must have the grid's shape ({len(grid)},); got {boundary.shape}")
-        radiance[gas] = boundary
     warm = np.flatnonzero(path.temperature >= table.temperature[0])
     first, weights = _weights(table.temperature, path.temperature[warm])
     whole = _at_layers(table.whole, first, weights)
     bound = _pair_bound(table, path, warm, whole)
     allowance = NEGLIGIBLE / 2 * np.sum(whole * _column(table, path, warm)) / len(bound)
     kept = np.array([layers_that_matter(row, allowance) for row in bound])
-    # As in `path.path_radiance`: the bounds hold as long as nothing brighter than the gas shines through.
-    hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
-    kept |= boundary is not None and bool(np.any(boundary > hottest))
     smooth = _continua(table, path, warm, first, weights)
 
     def cross():
-        depth, thin, behind = np.zeros(len(grid)), np.zeros(len(grid)), radiance.copy()
+        behind, thin, depth = np.empty((gas, len(grid))), np.empty(len(grid)), np.empty(len(grid))
         for start in range(0, len(grid), BLOCK):
             part = slice(start, min(start + BLOCK, len(grid)))
-            block = np.ascontiguousarray(behind[:, part])
             behind[:, part], depth[part], thin[part] = _cross(
-                table, path, warm, first, weights, whole, kept, smooth, part, block
+                table, path, warm, first, weights, whole, kept, smooth, part, gas
             )
         return behind, thin, depth
 
     behind, thin, depth = cross()
-    if bound[~kept].sum() > -NEGLIGIBLE * np.trapezoid(behind[:gas].sum(axis=0), grid.wavelength):
+    if bound[~kept].sum() > -NEGLIGIBLE * np.trapezoid(behind.sum(axis=0), grid.wavelength):
         kept[:] = True  # so opaque that little of the thin radiance emerges
         behind, thin, depth = cross()
     cold = np.flatnonzero(path.temperature < table.temperature[0])
@@ -390,23 +378,23 @@ def _continua(table, path, layers, first, weights):
     return result
 
 
-def _cross(table, path, layers, first, weights, whole, kept, smooth, part, radiance):
+def _cross(table, path, layers, first, weights, whole, kept, smooth, part, rows):
     """Radiance (C, B) behind the layers, their optical depth and thin radiance (B,) in one block of the grid.
 
-    As `transfer.cross_layer`, in place and from the last layer to the first: what a layer emits passes
-    `through` those behind it. `radiance` is what enters, with a row for each component or one for all gas.
+    As `transfer.cross_layer`, from the last layer to the first: what a layer emits passes
+    `through` those behind it. `rows`: one for each component, or one for all gas.
     """
     wavenumber = table.grid.wavenumber[part]
     first_radiation = FIRST_RADIATION * wavenumber**5
     low, fraction = table.smooth.below[part], table.smooth.fraction[part]
-    systems, apart = len(table.lines), len(radiance) >= len(table.components) + len(table.continua)
+    systems, apart = len(table.lines), rows > 1
     if not apart:
         smooth = smooth.sum(axis=1, keepdims=True)
     rises = np.diff(smooth)
     emitted = np.empty((systems + smooth.shape[1], len(wavenumber)))
     single, weights = np.empty(len(wavenumber), dtype=np.float32), weights.astype(np.float32)
     optical_depth, thin, total, blackbody, work = np.zeros((5, len(wavenumber)))
-    through, found = np.ones(len(wavenumber)), np.zeros_like(radiance)
+    through, found = np.ones(len(wavenumber)), np.zeros((rows, len(wavenumber)))
     for place in range(len(layers) - 1, -1, -1):
         layer, stencil = layers[place], slice(first[place], first[place] + STENCIL)
         np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=blackbody)
@@ -441,9 +429,7 @@ def _cross(table, path, layers, first, weights, whole, kept, smooth, part, radia
         else:
             found[0] += np.multiply(total, escaped, out=work)
         through *= np.subtract(1, absorbed, out=absorbed)
-    radiance *= through
-    radiance += found
-    return radiance, optical_depth, thin
+    return found, optical_depth, thin
 
 
 def _cold_bound(table, path, cold):
