@@ -53,17 +53,16 @@ def test_a_further_term_pays_for_inexact_formulas_and_kin_pays_more(search):
     assert wanted == pytest.approx([THIRD + 12 + 40, THIRD + 12 + 40, THIRD + 12])
 
 
-@pytest.mark.parametrize(
-    ("gained", "left", "named"),
-    [(230.0, 3.0, True), (230.0, 9.0, True), (230.0, 11.0, False), (170.0, 3.0, False)],
-)
-def test_nine_tenths_of_an_unknown_stand_for_it_if_no_more_is_left(search, gained, left, named):
-    """Log Bayes factor 100: a term gains 2 x (90 + 5) and leaves 10."""
-    search.look = lambda fit: step(fit, unknown=left)
+@pytest.mark.parametrize(("gained", "named"), [(230.0, True), (102.0, True), (98.0, False)])
+def test_what_explains_half_of_an_unknown_is_named_beside_what_it_leaves(search, gained, named):
+    """Log Bayes factor 100, of which 11 are left: half of it is a chi-squared of 100."""
+    search.look = lambda fit: step(fit, gains=(0.0, 0.0, 0.0), unknown=11.0)
     before, chosen = step(solution(1000.0), unknown=100.0), solution(1000.0 - gained, "winE")
     found = beside_unknown(search, before, chosen, np.zeros(3))
     assert (found is not None) == named
-    assert found is None or found.solution is chosen
+    if named:
+        assert found.solution is chosen
+        assert walk(search, [before, found], {})[1] == "walk_pyrometer"
 
 
 @pytest.mark.parametrize(("amplitude", "taken"), [(0.01, ["P_eff", "winE"]), (0.8, ["P_eff"])])

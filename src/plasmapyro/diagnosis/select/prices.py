@@ -2,8 +2,10 @@
 
 import numpy as np
 
-ENOUGH = 0.9  # of the log Bayes factor of an unknown structure: an effect that explains so much, and leaves
-# no more than the rest, stands for it; forty free steps find more than one cause leaves
+HALF = (
+    0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much is named, with an
+)
+# inexact formula, beside what it leaves
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
 SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
 KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's formula
