@@ -133,6 +133,7 @@ def calibration(response):
 def record(axis, response):
     """Makes a test: record(window_loss=..., ratio_error=..., seed=...).
 
+    `grains` take a share of the light over the wavelength, `slope` is that of the emittance per um.
     It runs from `start` to `end` [s] with a sample every `period` and a spectrum every `frame`.
     """
 
@@ -142,6 +143,8 @@ def record(axis, response):
         window_loss=0.0,
         ratio_error=0.0,
         fringe=0.0,
+        grains=0.0,
+        slope=0.0,
         noise=1.0,
         emittance=0.85,
         power=80e3,
@@ -165,6 +168,9 @@ def record(axis, response):
             moment = moment[:, None]
             kelvin = temperature_of(moment, off, rise_time, height, drop)
             surface = emittance * black_body(wavelength, kelvin) * (moment >= 0)
+            surface = surface * (1 + slope * (wavelength * 1e6 - 0.95))
+            burning = (moment >= 0) & (moment < off)
+            surface = surface * (1 - grains * burning * 0.95e-6 / wavelength)
             scale = np.where(moment < 0, 1.6, (moment < off).astype(float))
             return surface + scale * flicker_of(moment, flicker, np.random.default_rng([seed, 1])) * gas
 

@@ -43,6 +43,15 @@ def test_light_in_many_channels_at_once_is_no_hit(random):
     assert not found[100].any()
 
 
+def test_a_bin_in_which_many_samples_stand_out_holds_a_misfit():
+    """Of ten samples four are a misfit, three or fewer may be hits; of four in a bin nothing is said."""
+    index = np.repeat([0, 1, 2, -1], [10, 10, 4, 2])
+    hit = np.zeros((index.size, 2), dtype=bool)
+    hit[:4, 0], hit[10:13, 0], hit[20:, 1] = True, True, True
+    found = noise.crowded(hit, index, 3)
+    assert found[:10, 0].all() and found.sum() == 10
+
+
 def test_neighbours_are_of_the_same_phase():
     scaled = np.where(np.arange(40) < 20, 0.0, 50.0)[:, None]
     phase = (np.arange(40) >= 20).astype(int)

@@ -42,8 +42,8 @@ water = effect("h2o")(absorber("water_vapour"))
 oxygen = effect("o2a")(absorber("oxygen_a_band"))
 
 
-@effect("scat")
-def scattering(scene, amplitude):
-    r"""Grains in the jet that scatter light out of the beam: :math:`1 - w (\lambda/0.95\,\mu m)^{-2}`."""
-    loss = amplitude * (scene.injected * scene.plasma)[..., None] * (scene.wavelength / PIVOT) ** -2.0
+@effect("scat", shape={"exponent": ((1.0, 2.5, 4.0), (0.0, 4.2))})
+def scattering(scene, amplitude, *, exponent):
+    r"""Grains in the jet that scatter light out of the beam: :math:`1 - w (\lambda/0.95\,\mu m)^{-n}`."""
+    loss = amplitude * (scene.injected * scene.plasma)[..., None] * (scene.wavelength / PIVOT) ** -exponent
     return scene.but(path=scene.path * (1 - loss))

@@ -141,6 +141,7 @@ def renoised(model, solution):
         own = np.where(instrument.raw_bin[:, None] >= 0, np.nan_to_num(mean)[instrument.raw_bin], 0.0)
         expected = value + np.nan_to_num(residual - left) + own
         hit |= np.abs(np.nan_to_num(left - own)) > noises.CLIP * sigma
+        hit &= ~noises.crowded(hit, instrument.raw_bin, instrument.value.shape[0])
         cleaned = noises.without_outliers(instrument, expected, hit)
         found.append(law)
         instruments.append(cleaned)

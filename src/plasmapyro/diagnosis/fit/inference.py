@@ -285,6 +285,7 @@ class Fitter:
         self.measured = measured or [instrument.value for instrument in model.instruments]
         self.rough = model.history.roughness()
         self.smooth = self.rough.T @ self.rough
+        self.bulges = model.history.bulges()
         self.rest = np.full(model.size, INITIAL_TEMPERATURE)
         self.sigma = np.array([parameter.sigma for parameter in model.parameters])
         self.centre = np.array([parameter.centre for parameter in model.parameters])
@@ -381,6 +382,7 @@ class Fitter:
         for residual, weigher in zip(self.residuals(predicted), weighers, strict=True):
             chi2 += float(np.sum(residual * weigher(residual)))
         penalty = np.sum((self.rough @ (state.knots - self.rest)) ** 2)
+        penalty += np.sum(np.maximum(self.bulges @ state.knots, 0.0) ** 2)
         off = state.values - self.centre
         penalty += off @ self.model.precision @ off
         for one, number in zip(free_numbers(settings), state.amplitudes, strict=True):
@@ -507,6 +509,10 @@ class Fitter:
         here = np.concatenate([state.knots, state.values, state.amplitudes])
         matrix[:k, :k] += prior
         vector[:k] -= prior @ (here - centre)
+        size = self.model.size
+        bulging = self.bulges[self.bulges @ state.knots > 0]
+        matrix[:size, :size] += bulging.T @ bulging
+        vector[:size] -= bulging.T @ (bulging @ state.knots)
         own = np.arange(k, matrix.shape[0])
         matrix[own, own] += self.pattern_prior
         vector[k:] -= self.pattern_prior * self._patterns(state)

@@ -14,6 +14,7 @@ CLIP = 4.5  # standard deviations beyond which a sample is left out
 NEIGHBOURS = 7  # samples in time that an outlier is held against
 MEDIAN_ERROR = 1.15  # [1] of a sample less the median of seven, itself among them, over that of a sample
 MOST_HIT = 0.1  # [1] of the channels of one sample: where more stand out it is no hit
+MOST_IN_BIN = 0.3  # [1] of the samples of a channel in one bin, likewise
 ROUNDS = 3
 LEVELS, LEAST_IN_GROUP = 6, 6  # groups of samples of a band by signal, and samples that make a variance
 MOST_LEVELS, LEAST_IN_LEVEL = 60, 30  # the same of all channels of a spectrometer: a law for all
@@ -410,6 +411,13 @@ def outliers(scaled, chosen, phase):
     apart &= chosen[:, None]
     alone = apart.sum(axis=1) <= max(1, MOST_HIT * scaled.shape[1])
     return apart & alone[:, None]
+
+
+def crowded(hit, index, count):
+    """Samples (t, C) of those of `count` bins in which too many are hit: that is a misfit."""
+    share, number = binning.mean_in_bins(hit.astype(float), index, count)
+    wrong = (share > MOST_IN_BIN) & (number >= LEAST_IN_GROUP)
+    return np.where(index[:, None] >= 0, wrong[index], False)
 
 
 def without_outliers(instrument, expected, hit):

@@ -12,9 +12,9 @@ from plasmapyro.diagnosis.fit.setting import TAILS, Setting
 from plasmapyro.diagnosis.select.structures import structures_of
 
 # What the base parameters must leave [1] of the information of a direction for it to be seen, in gains,
-# names, probabilities and words alike: at less its amplitude errs a thousand times as much as beside a
-# known base, and what is left is as small as the error of the linearised fit.
-LEAST_LEFT = 1e-6
+# names, probabilities and words alike: slopes by differences err by some 1e-5, and what is left of a
+# direction by the square of that. Of the 1e9 that fast instruments hold, a millionth is much.
+LEAST_LEFT = 1e-9
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,17 @@ class Search:
         return self.fitter.fit(start, settings)
 
     def extended(self, step, index):
-        """Fit with one more candidate, from its linear estimate."""
+        """Fit with one more candidate, from its linear estimate; from its other shapes too if it comes to no
+        rest: the valley between amplitude and shape is long and curved."""
+        found = self._from(step, index)
+        if found.converged:
+            return found
+        candidates = step.screen.candidates
+        same = [i for i, one in enumerate(candidates) if one.id == candidates[index].id and i != index]
+        fits = [found, *(self._from(step, place) for place in same)]
+        return min(fits, key=lambda fit: (not fit.converged, fit.objective))
+
+    def _from(self, step, index):
         setting = setting_of(step.screen.candidates[index], step.screen.linear()[index])
         return self.fit(step.solution, (*step.settings, setting))
 
