@@ -10,6 +10,7 @@ PAIRS = 3  # of effects, fitted from the start, of those
 NEARLY = 0.95  # that promise as much of what the best pair does
 CLEARER = 3.0  # log odds of a window that takes a deposit against one that grows clearer
 OTHER = {"winD": "winE", "winE": "winD", "winD_sl": "winE_sl", "winE_sl": "winD_sl"}
+COUNTED = 0.9  # of the log Bayes factor of what a round leaves unknown, where rounds are compared
 
 
 def by_pair(search, steps, unknown):
@@ -65,8 +66,8 @@ def _pairs(search, first, last):
 
 
 def _worth(search, step, unknown):
-    """Log evidence of a round; what is left unknown counts as explained, but for `ENOUGH`."""
-    return search.evidence(step.solution) + (prices.ENOUGH * float(step.unknown.max()) if unknown else 0.0)
+    """Log evidence of a round; what is left unknown counts as explained, by `COUNTED` of it."""
+    return search.evidence(step.solution) + (COUNTED * float(step.unknown.max()) if unknown else 0.0)
 
 
 def by_other_window(search, steps, unknown):
