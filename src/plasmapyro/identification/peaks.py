@@ -95,9 +95,8 @@ def one_detector(axis, *records):
     """
     step = np.diff(axis)
     uneven = np.abs(np.diff(step)) > IRREGULAR * np.maximum(step[1:], step[:-1])
-    uneven = (
-        np.convolve(uneven, np.ones(2 * WING + 1), mode="same") > WING / 2
-    )  # more than one channel left out
+    # Many of them: one channel that is left out makes two.
+    uneven = np.convolve(uneven, np.ones(2 * WING + 1), mode="same") > WING / 2
     bins = np.arange(axis.size)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], uneven.astype(int), [0]])))
     for first, last in edges.reshape(-1, 2):

@@ -44,6 +44,10 @@ oxygen = effect("o2a")(absorber("oxygen_a_band"))
 
 @effect("scat", shape={"exponent": ((1.0, 2.5, 4.0), (0.0, 4.2))})
 def scattering(scene, amplitude, *, exponent):
-    r"""Grains in the jet that scatter light out of the beam: :math:`1 - w (\lambda/0.95\,\mu m)^{-n}`."""
+    r"""Grains in the jet that scatter light out of the beam: :math:`1 - w (\lambda/0.95\,\mu m)^{-n}`.
+
+    From n = 0 of grains larger than the wavelength to 4 of much smaller ones: C. F. Bohren & D. R. Huffman,
+    Absorption and Scattering of Light by Small Particles (1983), chapters 4 and 5.
+    """
     loss = amplitude * (scene.injected * scene.plasma)[..., None] * (scene.wavelength / PIVOT) ** -exponent
     return scene.but(path=scene.path * (1 - loss))

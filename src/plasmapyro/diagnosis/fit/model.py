@@ -11,8 +11,8 @@ from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record.emittance import relative_emittance
 from plasmapyro.record.inputs import has_plasma
 
-TINY = 1e-6  # [1] of that: no gas at all
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
+TINY = 1e-6  # [1], of what it counts from: less light is none
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]

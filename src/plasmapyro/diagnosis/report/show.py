@@ -116,9 +116,8 @@ def kappa(model, fitter, solution):
 
         (high, high_variance), (low, low_variance) = mean(before), mean(after)
         level = gas[before].mean(axis=0)
-        level = np.where(
-            level > 0, level, np.nan
-        )  # what is fitted of no light is noise, on either side of zero
+        # What is fitted of no light is noise, on either side of zero.
+        level = np.where(level > 0, level, np.nan)
         value, error = (high - low) / level, np.sqrt(high_variance + low_variance) / level
         if instrument.band == BANDS:
             result |= {

@@ -2,10 +2,8 @@
 
 import numpy as np
 
-HALF = (
-    0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much is named, with an
-)
-# inexact formula, beside what it leaves
+HALF = 0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much, by an inexact
+# formula, is named beside what it leaves
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
 SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
 KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's formula
