@@ -53,7 +53,7 @@ def gas_components(axis, power):
 
 
 def error_modes(axis, strength):
-    """Variables of a radiance file: strengths, 5 % of each line and of the hump."""
+    """Variables of a radiance file: strengths (a fourth: a continuum), 5 % of each line and of the hump."""
     rows, systems, causes = [], [], []
 
     def add(row, system, cause):
@@ -61,7 +61,7 @@ def error_modes(axis, strength):
         systems.append(system)
         causes.append(cause)
 
-    for system, size in zip(("O I", "N I", "N2 1P"), strength, strict=True):
+    for system, size in zip(("O I", "N I", "N2 1P", "e-neutral free-free"), strength, strict=False):
         add(np.full(axis.size, max(size, 0.08)), system, "strength")
     for place, *_ in LINES:
         near = np.abs(axis - place * 1e-9) < 3e-9

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.linalg import cho_solve
-from small_laboratory import OFF, gas_components, temperature_of
+from small_laboratory import OFF, error_modes, gas_components, temperature_of
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
@@ -257,6 +257,45 @@ def test_bands_that_are_too_strong_are_listed_with_sign_and_size(fitted, record,
     assert bands
     assert [one.ratio for one in bands] == pytest.approx([1 / 0.4] * len(bands), rel=0.05)
     assert not any(one.beyond for one in found.systems if "N2 1P" not in one.name)
+
+
+def test_a_continuum_several_times_as_bright_is_more_continuum(fitted, record, radiation, axis, response):
+    """That its own system of any strength explains as much is the same cause by another name."""
+    weak = 0.02 * radiation["80kW"]["gas_radiance_slit"].values.mean() * (0.9e-6 / axis) ** 1.5
+    with_own = {
+        name: xr.concat(
+            [
+                one[["gas_radiance_component_slit", "component_uncertainty"]],
+                xr.Dataset(
+                    {
+                        "gas_radiance_component_slit": (("component", "wavelength_slit"), weak[None]),
+                        "component_uncertainty": ("component", [0.3]),
+                    },
+                    {"component": ["e-neutral free-free"]},
+                ),
+            ],
+            "component",
+        )
+        .assign(
+            gas_radiance_slit=one["gas_radiance_slit"] + weak,
+            **error_modes(axis, [0.05, 0.09, 0.1, 0.3]),
+        )
+        .assign_attrs(one.attrs)
+        for name, one in radiation.items()
+    }
+    test = record()
+    moment = {name: test[name].values for name in ("time", "spectrum_time")}
+    share = {n: np.where(t < 0, 1.6, (t < OFF).astype(float)) for n, t in moment.items()}
+    test["spectral_radiance"].values += np.outer(
+        share["spectrum_time"], np.interp(test["wavelength"], axis, 8 * weak)
+    )
+    bright = np.interp(response.wavelength, axis, 8 * weak)
+    for gain, band in ((0.3e-8, "wide"), (1e-8, "narrow")):
+        more = np.trapezoid(response[f"responsivity_{band}"].values * bright, response.wavelength)
+        test[f"signal_{band}"].values += gain * more * share["time"]
+    found = compared(fitted(test, with_own))
+    assert [setting.id for setting in found.final.settings] == ["contin"]
+    assert found.evidence["contin"] > found.evidence[SYSTEM]
 
 
 def test_a_gas_of_other_shape_keeps_its_ratios(fitted, record, radiation, axis):

@@ -12,8 +12,10 @@ from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, log_prior, numbers_of, with_numbers
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
+from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
+CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
 HELD = 1e-3  # [1] standard deviation of ln P where the simulated power is taken as right
@@ -121,7 +123,8 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
     final, tried, rivals = base, alone, {}
-    free = min(fit.objective for _, fit in _freed(simulated, (), (), groups=True))
+    same = CONTINUA if CONTINUUM in effects else ()  # the effect itself, by another name
+    free = min(fit.objective for _, fit in _freed(simulated, (), (), same, groups=True))
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     while tried and len(final.settings) < MOST_EFFECTS:
         best = min(tried, key=lambda identity: tried[identity].objective)
@@ -138,7 +141,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
-    system = least_likely(simulated, (), ())[1]
+    system = least_likely(simulated, (), (), same)[1]
     # Systems beyond what is stated must not bend the power that the others are held against.
     held, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
@@ -244,19 +247,20 @@ def _likeliest(simulated, name, sizes):
     return best, found[best]
 
 
-def least_likely(simulated, settings, wrong):
+def least_likely(simulated, settings, wrong, kept=()):
     """The best of the fits in which one more radiating system may have any strength, with its fitter."""
-    return min(_freed(simulated, settings, wrong), key=lambda one: one[1].objective)
+    return min(_freed(simulated, settings, wrong, kept), key=lambda one: one[1].objective)
 
 
-def _freed(simulated, settings, wrong, groups=False):
+def _freed(simulated, settings, wrong, kept=(), groups=False):
     """Fitters and fits in which one more radiating system, or with `groups` one of the brightest groups of
-    lines, may have any strength."""
+    lines, may have any strength; those `kept` have what is stated."""
     names = list(dict.fromkeys(simulated.systems))
     if groups:
         order = np.argsort(-simulated.group.sum(axis=1))[:MOST_GROUPS]
         names += [simulated.model.library.group_name[place] for place in order]
-    return [settled(simulated, settings, (*wrong, one)) for one in dict.fromkeys(names) if one not in wrong]
+    names = [one for one in dict.fromkeys(names) if one not in (*wrong, *kept)]
+    return [settled(simulated, settings, (*wrong, one)) for one in names]
 
 
 def without_wrong(simulated, fitter, fit):
