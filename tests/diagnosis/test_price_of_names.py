@@ -1,5 +1,6 @@
 """What a term must bring to be named: first, further, beside something unknown; by hand."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -102,3 +103,11 @@ def test_a_window_that_grows_clearer_is_tried_as_the_other_that_takes_a_deposit(
     found, unknown = by_other_window(search, [first, clearer], None)
     assert [one.id for one in found[-1].solution.settings] == (["winE"] if turned else ["winD"])
     assert unknown is None and found[0] is first
+
+
+def test_a_window_of_an_instrument_that_the_test_lacks_is_no_other_one(search):
+    """A pyrometer alone whose window grew clearer had ended in a KeyError: its report has no window E."""
+    clearer = step(solution(600.0, "winD", amplitude=-0.05), gains=(0.0, 0.0, 0.0))
+    asked = tuple(one for one in clearer.screen.candidates if "pyrometer" in one.effect.instruments)
+    clearer = replace(clearer, screen=replace(clearer.screen, candidates=asked))
+    assert by_other_window(search, [clearer], None)[0][-1] is clearer
