@@ -181,6 +181,22 @@ def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record,
     assert (more.spectral_radiance / free.spectral_radiance).values[late] == pytest.approx(0.9 / 0.88)
 
 
+def test_a_clock_that_is_given_moves_times_and_bends_no_signal(record, laboratory):
+    """Signals over modelled ones that jump elsewhere were wrong by half beside each jump."""
+    clean, early = record(noise=0.0), 0.5
+    late = clean.assign_coords(time=clean.time - early)
+    terms = terms_of([{"id": "clock", "amplitude": early}, WINDOW | {"uncertainty": 0}], OF_TEST)
+    inputs = laboratory.radiation, laboratory.variations, laboratory.response, laboratory.calibration
+    with np.errstate(all="ignore"):
+        made, _ = without_given(late, *inputs, saturation_counts=65000.0, given=terms)
+    free = made()
+    contracts.check(free, "test")
+    assert free.time.values == pytest.approx(clean.time.values, abs=1e-9)
+    for name in ("signal_wide", "signal_narrow"):
+        assert free[name].values == pytest.approx(clean[name].values, rel=1e-12)
+    assert free.spectrum_time.equals(clean.spectrum_time)
+
+
 def test_an_uncertain_effect_makes_temperatures_uncertain_and_their_interval_as_much_wider():
     grid = {"time": ("time", [0.0, 1.0])}
     result = xr.Dataset(

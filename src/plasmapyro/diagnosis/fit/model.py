@@ -197,10 +197,9 @@ class Model:
         """Scene of an instrument and, on the same shape, the slope of its black body."""
         instrument = self.instruments[which]
         time, basis = instrument.moment, self.bases[which]
-        for setting in settings:
-            if setting.effect.clock is not None:
-                time = time + setting.effect.clock(setting.amplitude, **setting.shape)
-        if time is not instrument.moment:
+        late = sum(setting.late for setting in settings)
+        if late:
+            time = time + late
             basis = self.history.basis(time)
         temperature, body, slope = self._glow(which, basis, time, temperatures)
         injected = (instrument.moment >= 0)[..., None]

@@ -65,9 +65,10 @@ def without_given(test, *inputs, **settings):
 def restored(test, record, base, moved=None):
     r"""Signals and spectra of a test with the given effects of its base fit taken out.
 
-    .. math:: y' = y\,\frac{M(x)}{M_a(x)}
+    .. math:: y'(t + \tau) = y(t)\,\frac{M_\tau(x)}{M_a(x)}
 
-    with the model M at the fitted temperature and gas x, and with the effects :math:`M_a`.
+    with the model at the fitted temperature and gas x, with the effects (a) and with those of clocks alone,
+    whose shift :math:`\tau` moves the times: to divide by what moves would bend each jump.
 
     Parameters
     ----------
@@ -87,7 +88,8 @@ def restored(test, record, base, moved=None):
     ASSUME: between the pixels of a bin the change is linear in the wavelength.
     """
     model, result = base.model, test.copy()
-    values = base.solution.state.values.copy()
+    fitted = base.solution.state.values
+    values, late = fitted.copy(), sum(one.late for one in model.settings_of_given(fitted))
     for name, value in (moved or {}).items():
         values[model.index[name]] = value
     for which, one in enumerate(model.instruments):
@@ -100,11 +102,13 @@ def restored(test, record, base, moved=None):
             value[:, [data.band.index(band) for band in one.band]] /= change
             result = result.drop_vars(["radiometer_reading", "radiometer_setting"], errors="ignore")
             result["radiometer_signal"] = ("radiometer_time", "band"), value, {"units": "1"}
+            result = result.assign_coords(radiometer_time=result["radiometer_time"] + late)
             continue
         if one.kind == "pyrometer":
             for place, band in enumerate(data.band):
                 name = f"signal_{band}"
                 result[name] = test[name] / change[:, place]
+            result = result.assign_coords(time=result["time"] + late)
             continue
         order = np.argsort(one.wavelength)
         pixels = np.array(
@@ -118,18 +122,21 @@ def restored(test, record, base, moved=None):
 
 
 def _change(base, which, moment, values):
-    """Signals (t, C) of an instrument at instants (t, q) with the given effects over those without."""
+    """Signals (t, C) of an instrument at instants (t, q) with the given effects over those with its clock."""
     model, state = base.model, base.solution.state
-    mine = np.concatenate([values[: len(model.own)], values[model.places[which]]])
+    given = [(model.given, values), ([one for one in model.given if one.setting.effect.clock], state.values)]
     found = []
     for first in range(0, len(moment), BLOCK):
         one = replace(model.instruments[which], moment=moment[first : first + BLOCK])
         rest = model.library, model.history, model.own, model.record, model.slope, model.response, model.lamp
         both = [
-            Model([one], *rest, [model.persistent[which]], given).evaluate(
-                0, state.knots, mine, gas_error=state.error_of_gas(which)
+            Model([one], *rest, [model.persistent[which]], terms).evaluate(
+                0,
+                state.knots,
+                np.concatenate([numbers[: len(model.own)], numbers[model.places[which]]]),
+                gas_error=state.error_of_gas(which),
             )
-            for given in (model.given, ())
+            for terms, numbers in given
         ]
         found.append(both[0] / np.where(both[1] > 0, both[1], np.nan))
     change = np.concatenate(found)

@@ -26,6 +26,11 @@ class Setting:
         """That of the effect."""
         return self.effect.id
 
+    @property
+    def late(self):
+        """By how much [s] what it acts on happened later than its clock says."""
+        return 0.0 if self.effect.clock is None else self.effect.clock(self.amplitude, **self.shape)
+
 
 @dataclass(frozen=True)
 class FreeNumber:
