@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from small_laboratory import OFF, SLIT_FWHM
+from small_laboratory import OFF, SLIT_FWHM, temperature_of
 
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.fit import observation
@@ -62,6 +62,19 @@ def test_a_diagnosis_does_not_depend_on_the_clock_of_the_test(laboratory, record
     for name in ("paper_temperature", "base_temperature", "extended_temperature_low"):
         np.testing.assert_allclose(moved.temperature[name], plain.temperature[name], atol=ROUNDING * 1e3)
     np.testing.assert_allclose(moved.residual_map.time_edge, plain.residual_map.time_edge + by, atol=1e-7)
+
+
+def test_an_interval_holds_whichever_of_two_clocks_is_right(laboratory, record):
+    """The samples of the pyrometer are 0.4 s late: as named; but its clock may be the right one."""
+    test, late = record(noise=0.3), 0.4
+    moved = ("time", test["time"].values + late, test["time"].attrs)
+    found = diagnosed_on(laboratory, test.assign_coords(time=moved))
+    assert found.report["verdict"]["named"] == ["clock"]
+    series = found.temperature.sel(time_bin=slice(2.0, OFF - 2.0))
+    series = series.isel(time_bin=np.isfinite(series.recommended_temperature.values))  # cold: no value
+    for true in (temperature_of(series.time_bin.values - by) for by in (0.0, late)):
+        low, high = series.recommended_temperature_interval.values
+        assert np.mean((low < true) & (true < high)) > 0.95
 
 
 def test_the_report_tells_times_on_the_clock_of_the_test(laboratory, record):

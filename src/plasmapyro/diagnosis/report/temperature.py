@@ -31,9 +31,10 @@ def temperatures(findings, against=()):
     basis = findings.model.history.basis(times)
     # Effects that the data ask for but held-out data do not confirm: their shift is an uncertainty.
     shift = 0.0 if findings.applied else basis @ (final.state.knots - base.state.knots)
+    fit, moved = (final if findings.applied else base), other_clock(final, basis, times)
     rows = {
         "base": _interval(findings, base),
-        "extended": _interval(findings, final if findings.applied else base, shift),
+        "extended": _interval(findings, fit, np.hypot(shift, moved)),
     }
     paper = _paper(findings)
     choice = recommended.recommended(
@@ -55,8 +56,9 @@ def temperatures(findings, against=()):
     if choice.estimate == "subtraction":
         series = recommended.series(times, *paper, axis="time_bin")
     else:
-        fit, middle = (final if findings.applied else base), rows["extended"]
-        inputs = _inputs(findings, fit, shift)
+        middle, inputs = rows["extended"], _inputs(findings, fit, shift)
+        if moved.any():
+            inputs.append(budget.Input("which of two clocks is right", "named effects", moved))
         state = _status(findings, fit, middle[0], budget.combined(inputs))
         if choice.estimate is None:
             state = np.where(np.isin(state, status.WITH_VALUE), status.CONTRADICTED, state)
@@ -113,6 +115,17 @@ def strained(model, solution, basis):
             slope = basis @ solution.covariance[: model.size, at] / solution.covariance[at, at]
             total += (slope * change) ** 2
     return np.sqrt(total)
+
+
+def other_clock(solution, basis, times):
+    r"""Change (t,) [K] of the temperature if the other one of two clocks that disagree is right.
+
+    .. math:: \Delta T = \Delta t\,\partial T/\partial t
+
+    Data tell how far the clocks are apart, not which is that of the test: the fit takes the spectrometer's.
+    """
+    late = sum(one.effect.clock(one.amplitude, **one.shape) for one in solution.settings if one.effect.clock)
+    return late * np.gradient(basis @ solution.state.knots, times)
 
 
 def _inputs(findings, solution, shift):
