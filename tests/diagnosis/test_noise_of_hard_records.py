@@ -137,3 +137,12 @@ def test_series_of_other_exposures_have_a_noise_of_their_own(random):
         ratio = (found / variance)[series == one]
         assert np.median(ratio) == pytest.approx(1.0, abs=0.2)
         assert np.all((ratio > 0.5) & (ratio < 2.0))
+
+
+def test_a_gas_that_an_offset_hides_has_a_first_noise_all_the_same(random):
+    """An amplifier with its zero below: before the injection no signal is above it, so no gas is seen."""
+    value = np.append(np.full(20, -0.002), np.linspace(0.1, 1.0, 30))[:, None] * np.ones(2)
+    value = value + 1e-4 * random.standard_normal(value.shape)
+    model = SimpleNamespace(instruments=[SimpleNamespace(value=value)])
+    (found,) = noise.first_guess(model, [np.zeros_like(value)])
+    assert np.isfinite(found.variance).all() and (found.variance > 0).all()

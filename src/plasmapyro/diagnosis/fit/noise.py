@@ -65,7 +65,8 @@ def first_guess(model, gas):
     """Noise for the first fit, from round numbers and from what neighbouring bins differ by."""
     result = []
     for instrument, own in zip(model.instruments, gas, strict=True):
-        level = np.median(own[own.max(axis=1) > 0], axis=0)  # some bin is lit: see `build`
+        lit = own[own.max(axis=1) > 0]  # none where an offset hides a faint gas
+        level = np.median(lit, axis=0) if len(lit) else np.nanmax(np.abs(instrument.value), axis=0)
         variance = (START_RELATIVE * np.nan_to_num(instrument.value)) ** 2 + (START_CONSTANT * level) ** 2
         if len(instrument.value) > 1:
             variance += np.nan_to_num(clipped_variance(np.diff(instrument.value, axis=0), axis=0)) / 2
