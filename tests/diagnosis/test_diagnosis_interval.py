@@ -1,9 +1,12 @@
 """Half widths of intervals of a normal plus a bounded error, against limits and against drawn numbers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded, half_width
+from plasmapyro.diagnosis.report.temperature import other_clock
 
 
 def test_each_error_alone_has_its_own_interval():
@@ -45,3 +48,18 @@ def test_an_estimate_beside_a_bounded_bias_is_within_its_interval_as_often_as_sa
     half = estimated_beside_bounded(posterior[0, 0], posterior[0, 1], prior)
     # five standard deviations of the share of so many numbers
     assert np.mean(np.abs(found - t) < half) == pytest.approx(0.95, abs=5 * np.sqrt(0.95 * 0.05 / count))
+
+
+@pytest.mark.parametrize(("late", "kelvin"), [((0.4,), 4.0), ((-0.4, 0.0), -4.0), ((), 0.0)])
+def test_the_other_clock_shows_the_temperature_of_another_instant(late, kelvin):
+    """A surface that heats by 10 K/s, in bins of unlike width."""
+    times = np.array([0.0, 0.5, 1.5, 4.0])
+    settings = [SimpleNamespace(late=one) for one in late]
+    solution = SimpleNamespace(settings=settings, state=SimpleNamespace(knots=300.0 + 10.0 * times))
+    assert other_clock(solution, np.eye(4), times) == pytest.approx(np.full(4, kelvin), abs=1e-9)
+
+
+def test_one_bin_has_no_other_clock():
+    """A lamp seen in one exposure."""
+    solution = SimpleNamespace(settings=(), state=SimpleNamespace(knots=np.array([1500.0])))
+    assert other_clock(solution, np.eye(1), np.zeros(1)) == [0.0]

@@ -123,8 +123,19 @@ def other_clock(solution, basis, times):
     .. math:: \Delta T = \Delta t\,\partial T/\partial t
 
     Data tell how far the clocks are apart, not which is that of the test: the fit takes the spectrometer's.
+
+    Parameters
+    ----------
+    solution : fit, with the clocks named in its `settings`; 0 K where there are none
+    basis : (t, K) array, from its knots to the temperatures [K] at `times`
+    times : (t,) array [s]
+
+    Notes
+    -----
+    Source: first order of the displaced series; as large as that shift, like what is named and not confirmed.
     """
-    return sum(one.late for one in solution.settings) * np.gradient(basis @ solution.state.knots, times)
+    late = sum(one.late for one in solution.settings)
+    return late * np.gradient(basis @ solution.state.knots, times) if late else np.zeros(len(times))
 
 
 def _inputs(findings, solution, shift):
