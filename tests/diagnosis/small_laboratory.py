@@ -61,7 +61,8 @@ def error_modes(axis, strength):
         systems.append(system)
         causes.append(cause)
 
-    for system, size in zip(("O I", "N I", "N2 1P", "e-neutral free-free"), strength, strict=False):
+    names = ("O I", "N I", "N2 1P", "e-neutral free-free")[: max(len(strength), 3)]
+    for system, size in zip(names, strength, strict=True):
         add(np.full(axis.size, max(size, 0.08)), system, "strength")
     for place, *_ in LINES:
         near = np.abs(axis - place * 1e-9) < 3e-9

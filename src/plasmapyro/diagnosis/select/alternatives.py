@@ -77,17 +77,11 @@ def by_other_window(search, steps, unknown):
     Parameters and what is returned as of `by_pair`.
     """
     last = steps[-1]
-    asked = {
-        one.id for one in last.screen.candidates
-    }  # a test without the other instrument asks for none of it
+    # Of an instrument that the test lacks no effect is a candidate.
+    free = {one.id for one in last.screen.candidates} - {setting.id for setting in last.settings}
     for place, one in enumerate(last.settings):
         other = search.effects.get(OTHER.get(one.id, ""))
-        if (
-            other is None
-            or other.id not in asked
-            or one.amplitude >= 0
-            or other.id in {setting.id for setting in last.settings}
-        ):
+        if other is None or other.id not in free or one.amplitude >= 0:
             continue
         settings = list(last.settings)
         settings[place] = Setting(other, -one.amplitude, one.shape)
