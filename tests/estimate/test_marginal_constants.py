@@ -12,6 +12,7 @@ from plasmapyro.estimate.banded import Factor
 from plasmapyro.estimate.dynamics import SIZE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.observations import Information, constants
 from plasmapyro.estimate.smoother import Chain, Fit, fit, marginalised, spread_of
+from plasmapyro.estimate.throughput import CHANCE, NAME, WIDTH, in_doubt
 from plasmapyro.record.budget import of_family, remainder
 
 TIME = np.linspace(0.0, 20.0, 60)
@@ -171,3 +172,38 @@ def test_the_estimate_follows_what_is_stated_and_its_noise_as_the_budget_says():
     # With the gain known; what its fit adds to the noise is less than a tenth here.
     known = np.std(read - paths, axis=0)
     assert np.median(known / rest) == pytest.approx(1.0, abs=0.1 + 3 / np.sqrt(2 * draws))
+
+
+@pytest.mark.parametrize("louder", [1.0, 1.7, 0.6])
+def test_a_throughput_in_doubt_has_the_exact_moments_of_its_mixture(louder):
+    random = np.random.default_rng(8)
+    truth = random.multivariate_normal(np.zeros(TIME.size), covariance())
+    signal = louder * truth + NOISE * random.standard_normal(TIME.size)
+    chain = Chain(TIME, (), -1.0, np.zeros(4), np.diag([START**2, RATE_START**2, 1e-6, 1e-4]))
+    start = np.zeros((TIME.size, SIZE))
+    start[:, TEMPERATURE] = signal
+    stated = constants(NAME, 0, 1e-6)
+    near = fit(chain, [Scaled(signal)], stated, DYNAMICS, start, np.zeros(1), 0)
+    found, spread, loose, facts = in_doubt(chain, [Scaled(signal)], stated, near)
+
+    levels, moments = np.append(0.0, np.linspace(-0.9, 0.9, 181)), []
+    for level in levels:
+        seen = np.exp(level) * covariance()
+        whole = np.exp(level) * seen + NOISE**2 * np.eye(TIME.size)
+        own = covariance() - seen @ np.linalg.solve(whole, seen)
+        likely = multivariate_normal(None, whole).logpdf(signal)
+        moments.append((likely, seen @ np.linalg.solve(whole, signal), np.diag(own)))
+    likely, paths, variances = map(np.array, zip(*moments, strict=True))
+    weight = CHANCE * 0.01 * norm(0, WIDTH).pdf(levels)
+    weight[0] = 1 - CHANCE
+    weight *= np.exp(likely - likely.max())
+    weight /= weight.sum()
+    path = weight @ paths
+    deviation = np.sqrt(weight @ (variances + (paths - path) ** 2))
+    assert facts["throughput_chance"] == pytest.approx(1 - weight[0], abs=0.02)
+    assert facts["throughput"] == pytest.approx(np.exp(weight[1:] @ levels[1:] / weight[1:].sum()), rel=0.03)
+    np.testing.assert_allclose(found.path[:, TEMPERATURE], path, atol=0.1 * deviation.max())
+    np.testing.assert_allclose(np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE]), deviation, rtol=0.1)
+    row = of_family(NAME, "calibration", spread.across, loose.deviation)
+    between = np.sqrt(weight @ (paths - path) ** 2)
+    np.testing.assert_allclose(np.abs(row.contribution), between, atol=0.1 * between.max())

@@ -10,6 +10,8 @@ from plasmapyro.commands.joint import SETTINGS
 from plasmapyro.estimate import contradiction
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.instrument.stage import calibrate_exposures, pyrometer_calibration
+from plasmapyro.quality.agreement import NORMAL_95, throughput_in_doubt
+from plasmapyro.quality.rule import Case
 from plasmapyro.readers.calibration import read_exposures, read_points
 from plasmapyro.record import status
 
@@ -76,6 +78,48 @@ def test_one_sample_of_pick_up_is_left_out(calibrations, factor):
     assert good.sum() > 150
     error = found.surface_temperature.values - laboratory.temperature(found.time.values)
     assert (np.abs(error) < 3 * found.surface_temperature_uncertainty.values)[good].all()
+
+
+def alone(calibrations, wide=1.0, narrow=1.0, **changes):
+    """Estimate of a pyrometer alone whose bands see so much of their light, and its errors [K]."""
+    test = laboratory.made(spectrometer=False).assign_attrs(changes)
+    test = test.assign(signal_wide=wide * test.signal_wide, signal_narrow=narrow * test.signal_narrow)
+    found = joint(test, calibrations)
+    good = found.estimate_status.values == status.VALID
+    assert good.sum() > 150
+    error = found.surface_temperature.values - laboratory.temperature(found.time.values)
+    return found, error[good], NORMAL_95 * found.surface_temperature_uncertainty.values[good]
+
+
+@pytest.mark.parametrize("factor", [0.7, 1.35])
+def test_the_ratio_decides_where_the_level_of_a_pyrometer_alone_contradicts_it(calibrations, factor):
+    """Before, the level decided: 1.35 cost 30 K at a half interval of 8 K."""
+    found, error, half = alone(calibrations, factor, factor, emittance_slope_uncertainty=0.0)
+    assert (np.abs(error) < half).all()
+    case = Case("", estimate=found)
+    said = throughput_in_doubt.find(case, throughput_in_doubt.limit)
+    assert said["chance"] > 0.8 and said["least"] < factor < said["most"]
+
+
+def test_a_sound_pyrometer_is_hardly_doubted(calibrations):
+    found, error, half = alone(calibrations)
+    sure = estimate(
+        contracts.label(laboratory.made(spectrometer=False), "test"),
+        *calibrations,
+        **SETTINGS,
+        saturation_counts=65000.0,
+        noise_block=50,
+        throughput_chance=0.0,
+    )
+    assert (np.abs(error) < half).all() and throughput_in_doubt(Case("", estimate=found)) is None
+    ratio = found.surface_temperature_uncertainty / sure.surface_temperature_uncertainty
+    assert 1.0 < float(ratio.median()) < 1.3
+
+
+@pytest.mark.parametrize("factor", [0.985, 1.015])
+def test_a_slope_of_the_emittance_that_nobody_stated_lies_in_the_interval(calibrations, factor):
+    _, error, half = alone(calibrations, narrow=factor)
+    assert (np.abs(error) < half).all()
 
 
 def test_a_gain_that_is_ten_per_cent_off_gives_a_status_and_the_reason(calibrations):

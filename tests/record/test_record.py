@@ -11,6 +11,7 @@ from plasmapyro.experiment.stage import correct_pyrometer
 from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.record import binning, flags, status
 from plasmapyro.record.calibrated import of_pixels
+from plasmapyro.record.emittance import UNTOLD_SLOPE
 from plasmapyro.record.phases import afterwards, during
 from plasmapyro.record.record import record_of
 
@@ -89,6 +90,11 @@ def test_a_record_counts_from_the_injection_and_tells_what_the_test_states():
     np.testing.assert_allclose(record.clock(bands.time), TIME + START, atol=1e-12)
     assert (record.off, record.window) == (50.0, (1.0, 4.0))
     assert (record.emittance_slope, record.emittance_slope_uncertainty) == (1.02, 0.01)
+    untold = record_of(made(), {"pyrometer": None})
+    assert untold.emittance_slope_uncertainty == UNTOLD_SLOPE == 0.01
+    assert (
+        record_of(made(emittance_slope_uncertainty=0.0), {"pyrometer": None}).emittance_slope_uncertainty == 0
+    )
     assert (bands.band, bands.window_transmittance, bands.integration_time) == (("wide", "narrow"), 0.9, 0.01)
     assert list(record.accompanying) == ["electric_power"] and record.instrument("spectrometer") is None
     np.testing.assert_array_equal(

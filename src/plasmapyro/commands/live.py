@@ -14,7 +14,7 @@ from plasmapyro.estimate.live import Filter
 from plasmapyro.readers import description, follow, parts
 from plasmapyro.readers.text import Refusal
 from plasmapyro.record import status
-from plasmapyro.record.emittance import tilt
+from plasmapyro.record.emittance import UNTOLD_SLOPE, tilt
 from plasmapyro.record.inputs import attribute_faults
 from plasmapyro.record.record import Record
 
@@ -70,7 +70,7 @@ def record_of(facts):
         facts["emittance"],
         facts["emittance_uncertainty"],
         facts.get("emittance_slope", 1.0),
-        facts.get("emittance_slope_uncertainty", 0.0),
+        facts.get("emittance_slope_uncertainty", UNTOLD_SLOPE),
         (),
     )
 

@@ -92,6 +92,16 @@ def misfit(chain, observations, prior_constants, found):
     return _objective(chain.prior(found.dynamics), observations, prior_constants, found.path, found.values)
 
 
+def cost(chain, observations, prior_constants, found):
+    """Minus the logarithm of the marginal density of the data at a fit (Laplace), but for a constant."""
+    prior = chain.prior(found.dynamics)
+    factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)
+    border = gathered.border.reshape(-1, found.values.size)
+    corner = gathered.corner + np.diag(prior_constants.deviation**-2.0) - border.T @ factor.solve(border)
+    determinants = factor.log_determinant() + np.linalg.slogdet(corner)[1]
+    return misfit(chain, observations, prior_constants, found) + 0.5 * determinants
+
+
 def marginalised(chain, observations, prior_constants, found):
     r"""Constants of the largest marginal density, and the most probable path given them.
 

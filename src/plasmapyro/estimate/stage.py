@@ -11,6 +11,7 @@ from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import constants
 from plasmapyro.estimate.smoother import Chain, fit, marginalised, misfit, spread_of
+from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
@@ -37,7 +38,7 @@ INPUTS = (  # name of constants, words, group, unit
     ("scale_error", "scale of the spectrometer", "calibration", "1"),
     ("scale_drift", "drift of the spectrometer against the bands", "calibration", "1"),
     ("bin_error", "shape of the spectrometer's calibration", "calibration", "1"),
-    ("band_level", "level of the radiometer", "calibration", "1"),
+    ("band_level", "throughput of the bands, were it not as stated", "calibration", "1"),
     ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
     ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
     ("radiometer_source_error", "temperature of the radiometer's source", "calibration", "K"),
@@ -80,6 +81,7 @@ def estimate(
     emissivity_level=None,
     emissivity_shape=0.1,
     emissivity_length=200e-9,
+    throughput_chance=CHANCE,
 ):
     """Surface temperature of a test from its bands in absolute units and, if present, the spectra.
 
@@ -119,6 +121,8 @@ def estimate(
     emissivity_shape, emissivity_length : float [1], [m]
         With a radiometer: standard deviation of the course of the emissivity over wavelength, constant
         through the test, and over which length it is smooth. Without one the surface is grey, or as stated.
+    throughput_chance : float [1]
+        That a pyrometer alone sees another share of the light than calibration and emittance say.
 
     Returns
     -------
@@ -219,6 +223,10 @@ def estimate(
             if spectra.source != "source_error":
                 error = 0.0 if source is None else float(source.source_temperature_uncertainty.mean())
                 fixed = fixed + constants(spectra.source, 0.0, max(error, prepare.NOTHING))
+    # A second instrument contradicts a throughput that is not as stated; a pyrometer alone must doubt it.
+    doubted = course is None and len(observations) == 1 and throughput_chance > 0
+    if doubted:
+        fixed = fixed + constants(NAME, 0.0, prepare.NOTHING)
     if course is not None:
         observations = [replace(one, **_inverse(one)) for one in observations]
     time = samples.time
@@ -255,10 +263,15 @@ def estimate(
         found = likely
     if not found.converged:
         raise ValueError(f"the joint estimate did not converge in {steps} steps")
-    spread = spread_of(chain, observations, fixed, found)
+    doubts = {}
+    if doubted:
+        found, spread, fixed, doubts = in_doubt(chain, observations, fixed, found, throughput_chance)
+    else:
+        spread = spread_of(chain, observations, fixed, found)
     limits = least_surface_share, largest_uncertainty
     fit_range = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
     made = _dataset(record, test, fit_range.values, samples, observations, fixed, found, spread, limits)
+    made = made.assign_attrs(doubts)
     if lost and not made.attrs["contradictions"]:  # what contradicts itself has no marginal density
         raise ValueError(f"the joint estimate did not converge in {steps} steps")
     return made

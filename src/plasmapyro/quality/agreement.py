@@ -12,6 +12,7 @@ MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
 EFFECTIVE = 1.0e-6  # [m] wavelength of silicon detectors for the slope of Planck's law
 BRIGHT = 0.2  # of the highest corrected signal
 WIDEST = 1.5  # factor between emittances that no uncertainty needs to explain
+NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
 
@@ -78,6 +79,16 @@ def instruments_disagree(case, limit):
 def estimate_contradicted(case, limit):
     words = case.estimate.attrs.get("contradictions")
     return {"words": words} if words else None
+
+
+@rule()
+def throughput_in_doubt(case, limit):
+    chance = case.estimate.attrs.get("throughput_chance", 0.0)
+    if chance <= limit:
+        return None
+    factor = case.estimate.attrs["throughput"]
+    width = np.exp(NORMAL_95 * case.estimate.attrs["throughput_uncertainty"])
+    return {"chance": chance, "factor": factor, "least": factor / width, "most": factor * width}
 
 
 @rule()

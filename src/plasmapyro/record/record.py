@@ -9,6 +9,7 @@ from plasmapyro.instrument.spectrometer import USABLE
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags, inputs
 from plasmapyro.record.calibrated import calibrated_radiance
+from plasmapyro.record.emittance import UNTOLD_SLOPE
 from plasmapyro.record.phases import phases
 
 ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
@@ -110,6 +111,7 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
     first = [float(test[axis].values[0]) for axis in axes if axis in test.variables]
     injection = float(attributes["injection_time"]) if plasma else min(first)
     present = [name for name in inputs.instruments(test) if name in calibrations]
+    untold = UNTOLD_SLOPE if present == ["pyrometer"] else 0.0  # spectra see the colour of the surface
     return Record(
         injection,
         float(attributes["plasma_off_time"]) - injection if plasma else -np.inf,
@@ -117,7 +119,7 @@ def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
         float(attributes["emittance"]),
         float(attributes["emittance_uncertainty"]),
         float(attributes.get("emittance_slope", 1.0)),
-        float(attributes.get("emittance_slope_uncertainty", 0.0)),
+        float(attributes.get("emittance_slope_uncertainty", untold)),
         tuple(_instrument(name, test, injection, calibrations[name], saturation_counts) for name in present),
         {
             name: (test.time.values - injection, test[name].values)

@@ -1,0 +1,114 @@
+"""What if a pyrometer alone does not see the share of the light that it was calibrated with?"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from plasmapyro.estimate.smoother import Fit, Spread, cost, marginalised, spread_of
+
+NAME = "band_level"  # the constant: logarithm of the light that the bands see over what is stated
+# ASSUME: dirt, a misplaced sample, a field that is not filled, a window left out of the calibration.
+CHANCE = 0.2  # [1] that the throughput of a test is not as stated
+WIDTH = 0.3  # [1] standard deviation of its logarithm then
+STEP, STEPS = 0.15, 5  # [1] between the levels that are tried, and how many to each side
+HOPELESS = 16.0  # logarithm of a probability over that of the best level below which none follows
+
+
+def in_doubt(chain, observations, fixed, found, prior=CHANCE):
+    r"""The fit, its uncertainty and its priors, with a throughput that is as stated, or not.
+
+    .. math:: p(z) = (1 - c)\,\delta(z) + c\,N(z; 0, s^2), \qquad
+              w_k \propto p(z_k)\,e^{-E(z_k)}
+
+    with the marginal density exp(-E) of the data for a level z (`smoother.cost`). Path and constants are
+    means over the levels tried, and their covariances those of the mixture.
+
+    Parameters
+    ----------
+    fixed : Constants, one of them `NAME`, all but fixed at 0
+    found : Fit, with the throughput as stated
+    prior : float [1], c, chance that it is not
+
+    Returns
+    -------
+    found : Fit
+    spread : Spread
+        `across` is that within the levels; that of the throughput holds all that it adds.
+    fixed : Constants, with the prior of a throughput that is not as stated
+    facts : dict
+        `throughput_chance` [1] that it is not as stated, given the data; `throughput` [1] then, and
+        `throughput_uncertainty` of its logarithm.
+
+    Notes
+    -----
+    Not in the paper: quadrature over one constant whose prior is no normal law.
+    """
+    place = fixed.where(NAME)[0]
+    tried, costs, levels = [found], [cost(chain, observations, fixed, found)], [0.0]
+    for sign in (1, -1):
+        now = found
+        for step in range(1, STEPS + 1):
+            level = sign * step * STEP
+            now = _at(chain, observations, fixed, now, place, level)
+            price = cost(chain, observations, _held(fixed, place, level), now) + 0.5 * (level / WIDTH) ** 2
+            if not now.converged or price > min(costs) + HOPELESS:
+                break
+            tried.append(now)
+            costs.append(price)
+            levels.append(level)
+    weight = np.exp(min(costs) - np.array(costs)) * prior * STEP / (WIDTH * np.sqrt(2 * np.pi))
+    stated = np.exp(min(costs) - costs[0]) * (1 - prior)
+    chance = float(weight.sum() / (weight.sum() + stated))
+    middle = np.average(levels, weights=weight)
+    facts = {
+        "throughput_chance": chance,
+        "throughput": float(np.exp(middle)),
+        "throughput_uncertainty": float(np.sqrt(np.average((levels - middle) ** 2, weights=weight))),
+    }
+    weight[0] += stated
+    weight /= weight.sum()
+    spreads = [
+        spread_of(chain, observations, _held(fixed, place, level), one)
+        for one, level in zip(tried, levels, strict=True)
+    ]
+
+    def mean(rows):
+        return sum(own * row for own, row in zip(weight, rows, strict=True))
+
+    path, values = mean([one.path for one in tried]), mean([one.values for one in tried])
+    off = [(one.path - path, one.values - values) for one in tried]
+    across = mean([one.across for one in spreads])
+    own = np.sqrt(mean([moved[:, 0] ** 2 for moved, _ in off]))
+    across[:, place] = WIDTH * np.copysign(own, mean([moved[:, 0] * by[place] for moved, by in off]))
+    deviation = fixed.deviation.copy()
+    deviation[place] = WIDTH
+    return (
+        Fit(path, values, found.dynamics, tried[-1].steps, found.converged),
+        Spread(
+            mean(
+                [
+                    one.path + moved[:, :, None] * moved[:, None, :]
+                    for one, (moved, _) in zip(spreads, off, strict=True)
+                ]
+            ),
+            mean([one.constants + np.outer(by, by) for one, (_, by) in zip(spreads, off, strict=True)]),
+            across,
+            mean([one.told for one in spreads]),
+        ),
+        replace(fixed, deviation=deviation),
+        facts,
+    )
+
+
+def _held(fixed, place, level):
+    """Constants with another level, all but fixed as well."""
+    mean = fixed.mean.copy()
+    mean[place] = level
+    return replace(fixed, mean=mean)
+
+
+def _at(chain, observations, fixed, near, place, level):
+    """The fit at another level, from one near to it."""
+    values = near.values.copy()
+    values[place] = level
+    return marginalised(chain, observations, _held(fixed, place, level), replace(near, values=values))
