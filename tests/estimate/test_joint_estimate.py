@@ -198,6 +198,7 @@ def observations(response, calibration):
         GreyTable(pyrometer(moved, calibration)),
         1e-9,
         np.zeros(2),
+        drift=np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 0.3], [1.0, 1.0]]),
     )
     bins = exposed.wavelength.size
     spectra = SpectrometerData(
@@ -220,6 +221,8 @@ def observations(response, calibration):
         + constants("gas_signal", [2e-8, 1e-8], 1e-8)
         + constants("gas_signal_before", [0.02, -0.01], 0.03)
         + constants("band_shift", [5e-10, -3e-10], 1e-9)
+        + constants("band_level", 0.1, 0.3)
+        + constants("band_drift", [0.01, -0.02], 0.02)
         + constants("scale_error", 0.02, 0.03)
         + constants("scale_drift", [0.01, -0.03], 0.02)
         + constants("bin_error", np.linspace(-0.01, 0.01, bins), 0.01)

@@ -81,6 +81,7 @@ class PyrometerData:
     name: str = "pyrometer"
     shape: np.ndarray | None = None  # (C, K) change of ln(emissivity) per unit of its course
     longest: int = 1  # band of the longest waves
+    drift: np.ndarray | None = None  # (n, K) ramps of the level of the surface's light; none: it stays
 
     def leverage(self, temperature):
         """D_i(T) less its mean over the calibration (C, n) [m-1]."""
@@ -98,6 +99,8 @@ class PyrometerData:
             + values[of("band_level")].sum()
         )[:, None]
         gain = gain * np.exp(values[of("band_shift")][:, None] * self.leverage(path[:, TEMPERATURE]))
+        if of("band_drift").size:
+            gain = gain * np.exp(self.drift @ values[of("band_drift")])
         seen = gain * self.injected
         gas = values[of("gas_signal")][:, None] * np.where(
             self.injected, 1.0, 1 + values[of("gas_signal_before")][:, None]
@@ -136,6 +139,7 @@ class PyrometerData:
             of("gas_signal_before")[band]: np.where(~self.injected & self.shining, gas[band] / before, 0.0),
         }
         found |= {at: self.shape[band, k] * surface[band] for k, at in enumerate(of("emissivity_shape"))}
+        found |= {at: self.drift[:, k] * surface[band] for k, at in enumerate(of("band_drift"))}
         return found | {at: surface[band] for at in of("band_level")}
 
     def of_sample(self, path, values, of):

@@ -45,6 +45,7 @@ INPUTS = (  # name of constants, words, group, unit
     ("radiometer_scale_error", "scale of the radiometer", "calibration", "1"),
     ("radiometer_scale_drift", "drift of the radiometer against the bands", "calibration", "1"),
     ("radiometer_bin_error", "sensitivities of the radiometer", "calibration", "1"),
+    ("band_drift", "emittance or window that drifts", "unnamed misfit", "1"),
     ("gas_signal", "light of the gas in the bands", "gas", ""),
     ("gas_radiance", "light of the gas in the spectra", "gas", ""),
     ("radiometer_gas_radiance", "light of the gas in the radiometer", "gas", ""),
@@ -227,6 +228,8 @@ def estimate(
     doubted = course is None and len(observations) == 1 and throughput_chance > 0
     if doubted:
         fixed = fixed + constants(NAME, 0.0, prepare.NOTHING)
+        observations[0] = replace(leading, drift=prepare.ramps(samples.time))
+        fixed = fixed + constants("band_drift", np.zeros(prepare.RAMPS), prepare.NOTHING)
     if course is not None:
         observations = [replace(one, **_inverse(one)) for one in observations]
     time = samples.time

@@ -10,6 +10,7 @@ NAME = "band_level"  # the constant: logarithm of the light that the bands see o
 # ASSUME: dirt, a misplaced sample, a field that is not filled, a window left out of the calibration.
 CHANCE = 0.2  # [1] that the throughput of a test is not as stated
 WIDTH = 0.3  # [1] standard deviation of its logarithm then
+DRIFT = 0.02  # [1] ASSUME standard deviation of the level at the end of the record
 STEP, STEPS = 0.15, 5  # [1] between the levels that are tried, and how many to each side
 HOPELESS = 16.0  # logarithm of a probability over that of the best level below which none follows
 
@@ -43,7 +44,14 @@ def in_doubt(chain, observations, fixed, found, prior=CHANCE):
     -----
     Not in the paper: quadrature over one constant whose prior is no normal law.
     """
-    place = fixed.where(NAME)[0]
+    place, ramps = fixed.where(NAME)[0], fixed.where("band_drift")
+    if ramps.size:  # what drifts bends level against ratio as a throughput does
+        drifting = fixed.deviation.copy()
+        drifting[ramps] = DRIFT / np.sqrt(ramps.size)
+        drifting = replace(fixed, deviation=drifting)
+        freed = marginalised(chain, observations, drifting, found)
+        if freed.converged:
+            fixed, found = drifting, freed
     tried, costs, levels = [found], [cost(chain, observations, fixed, found)], [0.0]
     for sign in (1, -1):
         now = found
