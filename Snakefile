@@ -1,4 +1,5 @@
 import os
+import sys
 
 from snakemake.utils import min_version
 
@@ -41,6 +42,12 @@ try:
         terms.check_effects(CONDITIONS, "condition", config["conditions"]["folder"])
         TESTS = terms.with_instrument(config["instrument"].get("effects", []), TESTS)
         CONDITIONS, CHANGES = terms.with_effects(CONDITIONS)
+    if workflow.is_main_process and any("effects" in case.get("twin", {}) for case in TESTS.values()):
+        sys.path.insert(0, os.path.abspath("workflow"))  # the package knows nothing of what is hidden
+        from twin import story
+
+        if found := story.faults_of(TESTS, config["tests"]["folder"]):
+            raise configuration.ConfigurationError(found)
     configuration.check_together(config, CONDITIONS, TESTS)
     CFD_CONDITIONS = [name for name, case in CONDITIONS.items() if "cfd" in case]
     if CFD_CONDITIONS:  # the import takes 0.1 s, in every job

@@ -191,6 +191,25 @@ cfd:
   variables: {temperature: {name: T, unit: K}, pressure: {name: p, unit: Pa}}
   species: equilibrium
 """
+
+
+def test_an_effect_that_cannot_be_hidden_is_refused_before_anything_runs(project):
+    path = project / "config/tests/csic_160kW.yaml"
+    sound = path.read_text()
+    wrong = {
+        "{effect: winF, amplitude: 0.05}": "twin.effects.3: effect must be one of .*did you mean 'win",
+        "{effect: winE, amplitude: 5}": "twin.effects.3: winE: amplitude must lie in .*got 5",
+        "{effect: winE, amplitude: 0.05, shape: {tau: 3}}": "twin.effects.3: winE: shape has no tau; it",
+        "{effect: power, amplitude: -1}": "twin.effects.3: power: amplitude must lie above -1",
+    }
+    for one, words in wrong.items():
+        path.write_text(sound.replace("{effect: winE, amplitude: 0.05}", one))
+        run = snakemake(project, "--dry-run")
+        assert run.returncode
+        assert re.search("csic_160kW.yaml:\n  " + words, run.stderr), run.stderr
+        assert "Traceback" not in run.stderr
+
+
 GIVEN = "effects: [{id: T_vib, amplitude: -0.08}, {id: T_exc, amplitude: 0.03}, {id: Cu, amplitude: 2}]\n"
 
 

@@ -6,6 +6,7 @@ kept here only. Amplitude 0 changes nothing. `hide` composes any number of them.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import partial
 from typing import NamedTuple
 
@@ -507,6 +508,22 @@ OUTSIDE = {
 EFFECTS = CATALOGUE | OUTSIDE
 
 
+def fault_of(effect: str, amplitude: float, shape: dict | None = None) -> str:
+    """What is wrong with an effect that is to be hidden, in words; empty if nothing is."""
+    if effect not in EFFECTS:
+        near = get_close_matches(effect, EFFECTS, n=1)
+        meant = f"; did you mean '{near[0]}'?" if near else ""
+        return f"effect must be one of {', '.join(EFFECTS)}; got {effect!r}{meant}"
+    entry = EFFECTS[effect]
+    if not entry.low <= amplitude <= entry.high:
+        return f"{effect}: amplitude must lie in [{entry.low:g}, {entry.high:g}]; got {amplitude:g}"
+    unknown = set(shape or {}) - set(entry.shape)
+    if unknown:
+        has = f"it has {', '.join(entry.shape)}" if entry.shape else "it takes none"
+        return f"{effect}: shape has no {', '.join(sorted(unknown))}; {has}"
+    return ""
+
+
 def hide(scene: Scene, effect: str, amplitude: float, gas: Gas, shape: dict | None = None) -> Scene:
     """The scene with one more effect, written into its `hidden` list.
 
@@ -515,18 +532,10 @@ def hide(scene: Scene, effect: str, amplitude: float, gas: Gas, shape: dict | No
     ValueError
         Unknown effect or shape, or an amplitude beyond what is sensible.
     """
-    if effect not in EFFECTS:
-        raise ValueError(f"effect must be one of {', '.join(EFFECTS)}; got {effect!r}")
+    fault = fault_of(effect, amplitude, shape)
+    if fault:
+        raise ValueError(fault)
     entry = EFFECTS[effect]
-    if not entry.low <= amplitude <= entry.high:
-        raise ValueError(
-            f"{effect}: amplitude must lie in [{entry.low:g}, {entry.high:g}]; got {amplitude:g}"
-        )
-    unknown = set(shape or {}) - set(entry.shape)
-    if unknown:
-        raise ValueError(
-            f"{effect}: shape has no {', '.join(sorted(unknown))}; it has {', '.join(entry.shape)}"
-        )
     shape = entry.middle() | (shape or {})
     changed = entry.apply(scene, amplitude, shape, gas)
     note = {"effect": effect, "amplitude": amplitude, "shape": shape}

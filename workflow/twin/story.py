@@ -1,6 +1,7 @@
 """The scene of a test of the main job, with the effects that its configuration hides."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -9,6 +10,32 @@ from twin.campaign import Scene
 
 BOLTZMANN = 1.380649e-23
 POWER = "power"  # hidden in the gas itself: its power over that of the simulation, less 1
+
+
+def faults_of(tests, folder):
+    """What is wrong with the effects that tests hide, by file and place; empty if nothing is.
+
+    Parameters
+    ----------
+    tests : mapping of test to its configuration
+    folder : str, where their files lie, for the words
+    """
+    lines = []
+    for name, case in tests.items():
+        found = []
+        for place, one in enumerate(case.get("twin", {}).get("effects", [])):
+            fault = power_fault if one["effect"] == POWER else partial(hidden.fault_of, one["effect"])
+            if words := fault(one["amplitude"], one.get("shape")):
+                found.append(f"  twin.effects.{place}: {words}")
+        lines += [f"{folder}/{name}.yaml:", *found] if found else []
+    return "\n".join(lines)
+
+
+def power_fault(change, shape=None):
+    """What is wrong with a power that is to be hidden, as `hidden.fault_of`."""
+    if shape:
+        return f"{POWER}: shape has no {', '.join(sorted(shape))}; it takes none"
+    return "" if change > -1 else f"{POWER}: amplitude must lie above -1, no power at all; got {change:g}"
 
 
 def true_gas(effects, weighted, beside=()):
