@@ -75,7 +75,7 @@ def test_the_slope_setting_is_undone():
 def test_what_cannot_be_corrected_is_said():
     least = correct(np.array([1500.0])).attrs["least_reading"]
     found = correct(np.array([np.nan, 1100.0, least - 5.0, least + 0.5, 1700.0]), floor=1200.0)
-    assert list(found.corrected_reading_status.values) == [3, 3, 2, 4, 1]
+    assert list(found.corrected_reading_status.values) == [6, 3, 2, 4, 1]
     assert np.isnan(found.surface_temperature.values[:4]).all()
     assert correct(np.array([4500.0])).corrected_reading_status.values[0] == 5
 

@@ -127,6 +127,15 @@ def test_commas_and_celsius_are_taken(tmp_path):
         ),
         ("time [s] Ts [K]\n2 1500\n1 1500\n", "the time does not rise"),
         ("time [s] Ts [K]\n", "holds no columns of numbers"),
+        ("", "is empty"),
+        ("time [s] Ts [K]\n1 1500\n1 1500\n", "the time does not rise"),
+        (
+            "time [s] Ts [K]\n1 1500\n2 0\n",
+            "column 'Ts' holds 0 K at 2 s, which no surface has (100 to 10000",
+        ),
+        ("time [s], Ts [K]\n1400, 1\n1559, 2\n", "holds 1 K at 1400 s, which no surface has"),
+        ("time [s]; Ts [K]\n1; 1.400\n2; 1.559\n", "see whether columns, unit and decimal sign are right"),
+        ("time [s], Ts [K]\n1,5, 1400,5\n2,5, 1559,2\n", "commas in the numbers as well?"),
     ],
 )
 def test_bad_tables_are_refused_in_one_sentence(results, capsys, table, message):
@@ -134,6 +143,16 @@ def test_bad_tables_are_refused_in_one_sentence(results, capsys, table, message)
     assert status == 2
     assert message in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_readings_that_the_instrument_cannot_show_are_doubted(results, capsys):
+    kelvin_as_celsius = "time [s] Ts [C]\n1 1400\n2 2559\n3 650\n"
+    assert run(results, kelvin_as_celsius, "--condition", "60kW")[0] == 0
+    assert "2 of 3 readings lie outside the 973 to 2073 K" in capsys.readouterr().err
+    assert run(results, "time [ms],Ts [K]\n1000,NaN\n2000,1559\n3000,OVER\n", "--condition", "60kW")[0] == 0
+    said = capsys.readouterr()
+    assert "outside" not in said.err
+    assert "2 without a reading" in said.out
 
 
 def test_an_unknown_condition_is_refused(results, capsys):

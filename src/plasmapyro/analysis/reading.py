@@ -18,6 +18,7 @@ STATUS = {
     3: "below_the_floor_of_the_instrument",
     4: "near_the_least_reading_of_the_gas",
     5: "above_the_surfaces_considered",
+    6: "without_a_reading",
 }
 
 
@@ -113,7 +114,8 @@ def correct_reading(
     status[np.isfinite(hot) & ~sure] = 4
     status[~np.isfinite(hot)] = 2
     status[reading > shown[-1]] = 5
-    status[np.isnan(reading) | (reading < floor)] = 3
+    status[reading < floor] = 3
+    status[np.isnan(reading)] = 6
     given = np.isin(status, (0, 1))
     return xr.Dataset(
         {

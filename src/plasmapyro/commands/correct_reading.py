@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro import io, shipped
+from plasmapyro import io, progress, shipped
 from plasmapyro.analysis.reading import STATUS, correct_reading
 from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
+from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.instrument.stage import band_response, ratio_curve
 from plasmapyro.readers import columns, guess, units
 from plasmapyro.readers.description import Section
@@ -30,6 +31,13 @@ def run(options):
     require_writable([options.out], [options.reading, options.results])
     gas, sources = gas_of(options.results, options.condition)
     time, reading = read_readings(options.reading)
+    lowest, highest = gas[2].instrument_range.values
+    beyond = int(((reading < lowest) | (reading > highest)).sum())
+    if beyond:
+        progress.warn(
+            f"{beyond} of {reading.size} readings lie outside the {lowest:g} to {highest:g} K that the"
+            " instrument can display: is their unit right?"
+        )
     made = settings(options, correct_reading) | {"time": time, "reading": reading}
     result = correct_reading(*gas, **made)
     skipped = {"run", "reading", "results", "out"}
@@ -114,6 +122,16 @@ def read_readings(path):
     values = columns.read_table(path, known, table.delimiter)
     if np.isnan(values["time"]).any() or (np.diff(values["time"]) <= 0).any():
         refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
+    low, high = VARIABLES["apparent_temperature"].low, VARIABLES["apparent_temperature"].high
+    odd = np.flatnonzero((values["temperature"] < low) | (values["temperature"] > high))
+    if odd.size:
+        found, moment = values["temperature"][odd[0]], values["time"][odd[0]]
+        refuse(
+            path,
+            f"column {quote(label)} holds {found:g} K at {moment:g} s, which no surface has"
+            f" ({low:g} to {high:g} K)",
+            "see whether columns, unit and decimal sign are right; leave cells without a reading empty",
+        )
     return values["time"], values["temperature"]
 
 
