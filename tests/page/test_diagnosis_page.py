@@ -267,6 +267,31 @@ def test_what_contradicts_itself_in_the_data_stands_before_the_verdict(page):
     assert "doubts about the data" in write_page(doubted, residual_map(), temperature())
 
 
+def test_what_was_taken_as_given_is_not_called_missed():
+    """On the page of an extended run all that was hidden was "not named", by its id."""
+    row = {"id": "drift", "name": "drift of the gas", "unit": "1", "amplitude": 0.19, "standard_error": 0.01}
+    known, hidden = report(given=[row]), truth()
+    assert (
+        "drift of the gas 0.2 0.190 ± 0.010 taken as given, 1.0 standard errors off"
+        in Reader(write_page(known, residual_map(), temperature(), hidden)).words
+    )
+    known["given"][0]["standard_error"] = 0.0
+    page = write_page(known, residual_map(), temperature(), hidden)
+    assert "drift of the gas 0.2 0.19 taken as given" in Reader(page).words
+    hidden.attrs["hidden"] = '[{"effect": "power", "amplitude": -0.07}]'
+    known["simulation"] |= {"power": 0.998, "power_error": 0.013}
+    page = write_page(known, residual_map(), temperature(), hidden)
+    assert "power −0.07 – nothing of it is left" in Reader(page).words
+
+
+def test_the_closest_change_of_the_gas_has_a_name():
+    known = report()
+    known["show"]["line_hump"] |= {"closest": known["show"]["line_hump"]["tracks"][0]["id"]}
+    track = known["show"]["line_hump"]["tracks"][0]
+    words = Reader(write_page(known, residual_map(), temperature())).words
+    assert f"within their priors: {track['name']}." in words
+
+
 def test_a_hidden_power_is_found_where_the_gas_tells_it():
     """The power is no effect of the catalogue: what was found of it stands with the simulation."""
     hidden = truth()

@@ -218,6 +218,7 @@ def diagnose_test(
         )
     result.report["posterior"]["with_priors"] = known is not None
     result.report["findings"] = list(findings)
+    result.report["given"] = [_entry(term) for term in given]
     result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])
     return result
 
@@ -238,6 +239,13 @@ def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
     settings["radiometer_calibration"] = inputs.radiometer_calibration
     with np.errstate(all="ignore"):
         return restore.without_given(test, inputs.radiation, varied, *instrument, **settings)
+
+
+def _entry(term):
+    """What is taken as given, as a row of the report."""
+    effect = {key: getattr(term.setting.effect, key) for key in ("id", "name", "unit")}
+    sigma = float(term.uncertainty.get(AMPLITUDE, 0.0))
+    return effect | {"amplitude": float(term.setting.amplitude), "standard_error": sigma}
 
 
 def _sentence(term):

@@ -46,13 +46,19 @@ def table(heads, rows, *, stacked=True):
 
 def names(report):
     """Readable name of each id the report uses."""
-    known = {row["id"]: row["name"] for row in (*report["limits"], *report["candidates"])}
-    return known | {
-        "none": "no cause is needed",
-        "unknown": "something unknown",
-        "path": "a longer path, or a mirror",
-        "calibration": "the calibration of an instrument",
-    }
+    rows = *report["limits"], *report.get("given", ()), *report["candidates"]
+    known = {row["id"]: row["name"] for row in rows}
+    of_gas = {row["id"]: row["name"] for row in (report["show"].get("line_hump") or {}).get("tracks", ())}
+    return (
+        of_gas
+        | known
+        | {
+            "none": "no cause is needed",
+            "unknown": "something unknown",
+            "path": "a longer path, or a mirror",
+            "calibration": "the calibration of an instrument",
+        }
+    )
 
 
 def named(report, ids):
@@ -121,16 +127,23 @@ def hidden(report, truth):
     """Of a synthetic test: what was hidden, what was found."""
     known, rows = names(report), []
     entries = {row["id"]: row for row in report["candidates"]}
+    given = {row["id"]: row for row in report.get("given", ())}
     planted = json.loads(truth.attrs.get("hidden", "[]"))
     for one in planted:
-        row = entries.get(one["effect"])
+        row, way = entries.get(one["effect"]), "found"
         found = one["effect"] in report["verdict"]["named"] and row is not None
+        if one["effect"] in given and not found:
+            row, way, found = given[one["effect"]], "taken as given", True
         if one["effect"] == POWER:
             row = _power(report["simulation"])
             found = abs(row["amplitude"]) > FAR * row["standard_error"]
         size = with_error(row["amplitude"], row["standard_error"], row["unit"]) if found else DASH
-        apart = abs(row["amplitude"] - one["amplitude"]) / row["standard_error"] if found else None
-        said = f"found, {apart:.1f} standard errors off" if found else "not named"
+        said = way if found else "not named"
+        if found and row["standard_error"]:
+            apart = abs(row["amplitude"] - one["amplitude"]) / row["standard_error"]
+            said = f"{way}, {apart:.1f} standard errors off"
+        if one["effect"] == POWER and given and not found:
+            said = "nothing of it is left"
         rows.append((known.get(one["effect"], one["effect"]), number(one["amplitude"]), size, said))
     ids = {one["effect"] for one in planted}
     for identity in report["verdict"]["named"]:
