@@ -16,7 +16,9 @@ MEMORY = 0.25  # [1], of the record: correlation time of the gains, and of half 
 GAS_TIME = 20.0  # [s] and of its other half
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
-SMOOTH = 0.008  # [1] of the scale of a spectrometer: lamps are certified to 1 to 2 % (k = 2); fit, orders
+# [1] of the scale of a spectrometer over each of two lengths, ASSUME: 1.1 % together. Lamps are certified to
+# 1 to 2 % (k = 2), 0.5 to 1 % as a standard uncertainty; the rest is for the fit, orders and the transfer.
+SMOOTH = 0.008
 SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 ROUGH_LENGTH = 10e-9  # [m]
 OF_SERIES = ROUGH_LENGTH, SMOOTH_LENGTHS[0]  # [m] over which that of a series changes
