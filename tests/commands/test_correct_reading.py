@@ -1,5 +1,7 @@
 """The command that corrects logged readings: one table in, one file out, faults in one sentence."""
 
+import re
+
 import numpy as np
 import pytest
 from gas_signals import gas
@@ -89,6 +91,16 @@ def test_commas_that_may_part_thousands_are_asked_about(tmp_path):
         read_readings(tmp_path / "log.csv")
 
 
+@pytest.mark.parametrize("mark", ["----", "<1264", "> 2073", "EEEE", ""])
+def test_a_mark_in_a_short_log_is_a_reading_that_is_missing(tmp_path, mark):
+    (tmp_path / "log.csv").write_text(f"time [s];T [K]\n0;1350\n1;{mark}\n2;1370\n3;1380\n")
+    if mark == "EEEE":  # could be anything
+        with pytest.raises(ValueError, match="'EEEE' in column 'T' is not a number"):
+            read_readings(tmp_path / "log.csv")
+        return
+    np.testing.assert_array_equal(read_readings(tmp_path / "log.csv")[1], [1350, np.nan, 1370, 1380])
+
+
 def test_a_condition_of_ones_own_is_found_and_only_its_ladder_says_what_power_does(results, capsys):
     nitrogen = gas({"60kW": (1.0, 0.2), "70kW": (1.5, 0.3), "71kW": (3.0, 0.6)})
     nitrogen = nitrogen.assign_coords(condition=["n60", "n70", "air71"])
@@ -120,6 +132,11 @@ def test_commas_and_celsius_are_taken(tmp_path):
     [
         ("1 2\n3 4\n", "no columns of numbers named time and temperature; it begins '1 2'"),
         ("time [s] Ts [F]\n1 2\n", "column 'Ts' is in 'F'; write K or °C"),
+        ("time [s],T [F]\n1,2300\n2,2310\n", "column 'T' is in 'F'; write K or °C"),
+        (
+            "t [s],T_1C [C],T_2C [C]\n1,1100,1150\n2,1110,1160\n",
+            "columns 'T_1C' and 'T_2C' are temperatures; call that of both colours 'reading'",
+        ),
         ("time,Ts [K]\n1,1500\n2,1500\n", "column 'time' has no unit"),
         (
             "time [s] Ts [K]\n" + "".join(f"{n} 1500\n" for n in range(15)) + "16 x\n",
@@ -153,6 +170,15 @@ def test_readings_that_the_instrument_cannot_show_are_doubted(results, capsys):
     said = capsys.readouterr()
     assert "outside" not in said.err
     assert "2 without a reading" in said.out
+
+
+def test_the_summary_says_what_it_does_not_know(results, capsys):
+    celsius_as_kelvin = "time [s] Ts [K]\n1 1400\n2 990\n"
+    assert run(results, celsius_as_kelvin, "--condition", "60kW")[0] == 0
+    said = capsys.readouterr().out
+    assert re.search(r"95 % intervals of the surface \+-\d+\.\d", said)
+    assert "ablating surface" in said
+    assert re.search(r"1 readings are below 1\d\d\d K, which no surface shows.*Celsius called kelvin", said)
 
 
 def test_an_unknown_condition_is_refused(results, capsys):

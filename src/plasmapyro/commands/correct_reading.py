@@ -23,7 +23,9 @@ CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "instrument_range": (973.0, 2073.0),
 }
 TEMPERATURE = re.compile(r"ts|t_?(app|disp).*|.*temp.*|reading|anzeige|messwert", re.IGNORECASE)
+LOOKS_LIKE_ONE = re.compile(r"t(?![a-z]).*", re.IGNORECASE)  # T1, T_2C
 HEADER = "write a header such as 'time [s], Ts [K]'"
+BELOW = next(code for code, words in STATUS.items() if words == "below_what_the_gas_allows")
 
 
 def run(options):
@@ -98,6 +100,11 @@ def read_readings(path):
     named = [place for place in free if TEMPERATURE.fullmatch(table.labels[place])]
     kelvin = [place for place in free if units.factor(table.units[place] or "", "temperature")]
     found = [place for place in named if place in kelvin] or (kelvin if len(kelvin) == 1 else named)
+    looks = [place for place in free if LOOKS_LIKE_ONE.fullmatch(table.labels[place])]
+    if not found and len(kelvin) > 1:
+        words = " and ".join(quote(table.labels[place]) for place in kelvin)
+        refuse(path, f"columns {words} are temperatures", "call that of both colours 'reading'")
+    found = found or looks[:1]
     if not found:
         first = quote(next(iter(read_lines(path, columns.LARGEST)[0]), ""))
         refuse(path, f"holds no columns of numbers named time and temperature; it begins {first}", HEADER)
@@ -146,5 +153,15 @@ def summary(result):
             f"the gas moves these readings by {np.nanmin(error):+.1f} to {np.nanmax(error):+.1f} K; "
             f"least reading behind it {result.attrs['least_reading']:.0f} K"
             f" (surface of {result.attrs['turning_temperature']:.0f} K)"
+        )
+        half = (result.surface_temperature_high - result.surface_temperature_low).values / 2
+        lines.append(
+            f"95 % intervals of the surface +-{np.nanmin(half):.1f} to {np.nanmax(half):.1f} K; what an"
+            " ablating surface itself adds to the light (CN, C2) is not among it"
+        )
+    if below := int((status == BELOW).sum()):
+        lines.append(
+            f"{below} readings are below {result.attrs['least_reading']:.0f} K, which no surface shows"
+            " through this gas: another condition, or Celsius called kelvin?"
         )
     return lines

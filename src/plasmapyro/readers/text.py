@@ -37,9 +37,9 @@ GROUPED = {
 }
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
 MISSING = re.compile(  # what meters and spreadsheets write in the place of a number, in lower case
-    r"|n/?a|[-+]?(nan|inf)(\(ind\))?|[-+]?\u221e|-{1,3}|\*{1,16}|\?|\(?null\)?|none|nil|err(or)?|bad|invalid|missing"
+    r"|n/?a|[-+]?(nan|inf)(\(ind\))?|[-+]?\u221e|-{1,16}|\*{1,16}|\?|\(?null\)?|none|nil|err(or)?|bad|invalid|missing"
     r"|over([- ]?(range|load|flow))?|ovl?d?|ovf|ovrng|o\.?l|under([- ]?range)?|sat(urated)?"
-    r"|#[\w/]+[!?]?|[-+]?1\.#(inf|ind|qnan|snan|j)"
+    r"|[<>] ?\d{1,15}([.,]\d{1,15})?|#[\w/]+[!?]?|[-+]?1\.#(inf|ind|qnan|snan|j)"
 )
 FILLS = (
     -999.0,
