@@ -248,6 +248,11 @@ def check_together(config, conditions, tests):
         for reason in ["cfd" in case and OF_ANOTHER_FLOW, "facility" not in config and NO_FACILITY]
         if "measured" in case and reason
     ]
+    faults += [
+        f"flow of {name}: says what a computed flow holds; that of this condition is another program's (cfd)"
+        for name, case in conditions.items()
+        if "cfd" in case and "flow" in case
+    ]
     if config["sightline"]["window_distance_mm"] >= config["sightline"]["instrument_distance_mm"]:
         faults.append("sightline: window_distance_mm must be less than instrument_distance_mm")
     if any(faults):
@@ -279,6 +284,8 @@ def _no_ladder(cases):
     for name, case in cases.items():
         if case.get("nitrogen_mole_fraction", AIR["N2"]) != AIR["N2"] or case.get("argon_mole_fraction"):
             yield f"claims.conditions: '{name}' is no air as the paper's; its figures and claims are"
+        if case.get("flow") != reference.get("flow"):
+            yield f"claims.conditions: '{name}' has another flow than '{first}'; only their power may differ"
         for key in ("chamber_pressure_mbar", "mass_flow_rate_g_s", "emittance"):
             if case[key] != reference[key]:
                 yield (

@@ -62,13 +62,15 @@ def test_conditions_of_ones_own_are_files_more_and_touch_nothing_of_the_paper(pr
 def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
     for name in ("nitrogen_70kW", "argon_60kW"):
         shutil.copy(project / f"config/more/{name}.yaml", project / "config/conditions")
+    warm = (project / "config/conditions/80kW.yaml").read_text() + "flow: {back_wall_temperature_k: 7200}\n"
+    (project / "config/conditions/warm.yaml").write_text(warm)
     whole = snakemake(project, "--dry-run")
     jobs = planned(whole)
     assert jobs["gas_table"] == jobs["flow_start"] == 3
-    assert jobs["radiance"] == jobs["probe_readings"] == 11
+    assert jobs["radiance"] == jobs["probe_readings"] == 12
     assert "results/gas/air11_Ar_0.0093.nc" in whole.stdout
     (pairs,) = re.findall(r"rule facility:\n    input: (.*)", whole.stdout)
-    assert "results/facility/70kW.nc" in pairs and "nitrogen" not in pairs
+    assert "results/facility/70kW.nc" in pairs and not re.search("nitrogen|warm", pairs)
     alone = snakemake(project, "--dry-run", "results/radiation_variations/nitrogen_70kW.nc")
     assert "results/flow/start/N2.nc" in alone.stdout
     assert not re.findall(r"air11|start/reference|/70kW", alone.stdout)
@@ -82,29 +84,50 @@ def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
 
 HANDED = """import json
 from pathlib import Path
-handed = {name: snakemake.params[name] for name in ("mixing", "numerical_power_kw")}
+names = ("mixing", "numerical_power_kw", "back_wall_temperature_k", "adiabatic_walls", "radiation_factor")
+handed = {name: snakemake.params[name] for name in names}
+handed["loss"] = list(snakemake.input.emission)
 Path(snakemake.output[0]).write_text(json.dumps(handed))
 """
 
 
+def handed_to_flows(project, *conditions):
+    """Settings of the flows of conditions: the rule's script is replaced by one that writes them down."""
+    (project / "workflow/scripts/flow.py").write_text(HANDED)
+    for name in ("gas/air11", "gas/emission/air11", "flow/start/reference"):
+        (project / f"results/{name}.nc").parent.mkdir(parents=True, exist_ok=True)
+        (project / f"results/{name}.nc").write_bytes(b"")
+    paths = [f"results/flow/{name}.nc" for name in conditions]
+    run = snakemake(project, *paths, "--allowed-rules", "flow")
+    assert run.returncode == 0, run.stderr
+    return [json.loads((project / path).read_text()) for path in paths]
+
+
 @pytest.mark.parametrize("model, common, both", [("best", 0.08, 0.1), ("paper", 0, 0.06)])
 def test_mixing_of_a_condition_adds_to_that_of_the_model_as_squares(project, model, common, both):
-    """Eddy viscosities add. The rule's script is replaced by one that writes down what it is handed."""
+    """Eddy viscosities add."""
     config, folder = project / "config/config.yaml", project / "config/conditions"
     head, best, rest = config.read_text().replace("model: paper", f"model: {model}").partition("  best:")
     config.write_text(head + best + rest.replace("mixing: 0", "mixing: 0.08", 1))
     effects = "effects: [{id: mixing, amplitude: 0.06}, {id: power, amplitude: -0.1}]\n"
     (folder / "mixed.yaml").write_text((folder / "90kW.yaml").read_text() + effects)
-    (project / "workflow/scripts/flow.py").write_text(HANDED)
-    for name in ("gas/air11", "gas/emission/air11", "flow/start/reference"):
-        (project / f"results/{name}.nc").parent.mkdir(parents=True, exist_ok=True)
-        (project / f"results/{name}.nc").write_bytes(b"")
-    paths = [f"results/flow/{name}.nc" for name in ("mixed", "90kW")]
-    run = snakemake(project, *paths, "--allowed-rules", "flow")
-    assert run.returncode == 0, run.stderr
-    mixed, plain = (json.loads((project / path).read_text()) for path in paths)
-    assert mixed == {"mixing": pytest.approx(both), "numerical_power_kw": pytest.approx(81)}
-    assert plain == {"mixing": common, "numerical_power_kw": 90}
+    mixed, plain = handed_to_flows(project, "mixed", "90kW")
+    assert (mixed["mixing"], mixed["numerical_power_kw"]) == pytest.approx((both, 81))
+    assert (plain["mixing"], plain["numerical_power_kw"]) == (common, 90)
+
+
+def test_a_condition_may_have_walls_and_a_model_of_its_own(project):
+    folder = project / "config/conditions"
+    for name, own in {
+        "walls": "{back_wall_temperature_k: 7200, adiabatic_walls: [tube_wall]}",
+        "full": "{model: best, mixing: 0.05}",
+    }.items():
+        (folder / f"{name}.yaml").write_text((folder / "90kW.yaml").read_text() + f"flow: {own}\n")
+    walls, full, plain = handed_to_flows(project, "walls", "full", "90kW")
+    assert (walls["back_wall_temperature_k"], walls["adiabatic_walls"]) == (7200, ["tube_wall"])
+    assert (plain["back_wall_temperature_k"], plain["adiabatic_walls"]) == (350, [])
+    assert walls["loss"] == plain["loss"] == [] and full["loss"] == ["results/gas/emission/air11.nc"]
+    assert (full["radiation_factor"], full["mixing"], plain["mixing"]) == (1, 0.05, 0)
 
 
 def test_the_diagnosis_reads_the_ladder_of_what_a_test_names(project):
@@ -334,6 +357,18 @@ def test_minimal_takes_two_conditions(project):
     ("file", "old", "new", "message"),
     [
         ("config/conditions/90kW.yaml", "emittance:", "emitance:", "did you mean 'emittance'?"),
+        (
+            "config/conditions/90kW.yaml",
+            "emittance:",
+            "flow: {mixing: 0.1}\nemittance:",
+            "'90kW' has another flow than '50kW'",
+        ),
+        (
+            "config/conditions/90kW.yaml",
+            "emittance:",
+            "flow: {adiabatic_walls: [roof]}\nemittance:",
+            "flow.adiabatic_walls.0: 'roof'",
+        ),
         ("config/config.yaml", "slit_fwhm_nm:", "slit_fwmh_nm:", "did you mean 'slit_fwhm_nm'?"),
         ("config/config.yaml", "angle_deg: 35", "angle_deg: 135", "sightline.angle_deg: 135"),
         ("config/tests/csic_160kW.yaml", "data_folder:", "datafolder:", "did you mean 'data_folder'?"),

@@ -56,7 +56,7 @@ rule extended_flow:
     input:
         gas=of_gas("results/gas/{gas}.nc"),
         start=of_gas(start_of),
-        emission=of_gas(emission_of),
+        emission=loss_of,
         terms=[f"results/diagnosis/{test}/terms.yaml" for test in EXTENDED[:1]],
         flow="results/flow/{condition}.nc",
     output:

@@ -1,11 +1,10 @@
 # What probes would read in each computed flow, beside measured pairs; only where the configuration asks for it.
-PAIRS_MBAR = (
-    50  # the pairs were measured in air at this pressure, and are held against flows of that gas only
-)
-PAIRED = [
+PAIRS_MBAR = 50  # the pairs were measured in air at this pressure, and are held against flows of that gas
+PAIRED = [  # without flows of other walls or more mixing, which lie on another curve
     name
     for name in COMPUTED
     if GAS_OF[name][0] == AIR["N2"] and CONDITIONS[name]["chamber_pressure_mbar"] == PAIRS_MBAR
+    if not {"flow", "mixing"} & set(CONDITIONS[name])
 ]
 if "facility" in config:
     RESULTS += expand("results/facility/{condition}.nc", condition=COMPUTED)

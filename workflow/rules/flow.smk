@@ -7,11 +7,24 @@ def start_of(gas):
     return f"results/flow/start/{'reference' if gas == 'air11' else gas}.nc"
 
 
-PHYSICS = config["flow"]["physics" if config["flow"]["model"] == "paper" else "best"]
+SECTION = {"paper": "physics", "best": "best"}
+PHYSICS = config["flow"][SECTION[config["flow"]["model"]]]
 
 
-def emission_of(gas):
-    return [f"results/gas/emission/{gas}.nc"] if PHYSICS["radiation_factor"] else []
+def physics_of(condition):
+    """What the flow of a condition holds; eddy viscosities, and so squares of mixing lengths, add."""
+    case = CONDITIONS[condition]
+    own = dict(case.get("flow", {}))
+    found = config["flow"][SECTION[own.pop("model", config["flow"]["model"])]] | own
+    return found | ({"mixing": hypot(found["mixing"], case["mixing"])} if case.get("mixing") else {})
+
+
+def emission_of(gas, physics):
+    return [f"results/gas/emission/{gas}.nc"] if physics["radiation_factor"] else []
+
+
+def loss_of(wildcards):
+    return emission_of(gas_key(*GAS_OF[wildcards.condition]), physics_of(wildcards.condition))
 
 
 def of_gas(path):
@@ -40,15 +53,13 @@ rule flow_start:
         "../scripts/flow_start.py"
 
 
-def mixing_of(wildcards):
-    """Mixing length of a condition; eddy viscosities, and so squares of mixing lengths, add."""
-    own = CONDITIONS[wildcards.condition].get("mixing")
-    return hypot(PHYSICS["mixing"], own) if own else PHYSICS["mixing"]
+def of_physics(name):
+    return lambda wildcards: physics_of(wildcards.condition)[name]
 
 
 FLOW = dict(  # settings of the flow of a condition
     **config["flow"]["convergence"],
-    **PHYSICS | {"mixing": mixing_of},
+    **{name: of_physics(name) for name in PHYSICS},
     coil_frequency_khz=config["flow"]["torch"]["coil_frequency_khz"],
     numerical_power_kw=lambda wildcards: CONDITIONS[wildcards.condition]["numerical_power_kw"],
     chamber_pressure_mbar=lambda wildcards: CONDITIONS[wildcards.condition]["chamber_pressure_mbar"],
@@ -62,7 +73,7 @@ rule flow:
         gas=of_gas("results/gas/{gas}.nc"),
         start=of_gas(start_of),
         neighbours=config["flow"]["neighbours"],
-        emission=of_gas(emission_of),
+        emission=loss_of,
     output:
         "results/flow/{condition}.nc",
     wildcard_constraints:

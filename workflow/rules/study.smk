@@ -13,7 +13,7 @@ rule study_flow:
         start="results/flow/start/reference.nc",
         known=lambda wildcards: expand("results/study/flow/{flow}.nc", flow=STUDY.chains[wildcards.flow]),
         neighbours=config["flow"]["neighbours"],
-        emission=emission_of("air11"),
+        emission=emission_of("air11", PHYSICS),
     output:
         "results/study/flow/{flow}.nc",
     log:
