@@ -2,11 +2,13 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from blind import board, draw, page, run, second
+from blind.simulation import at_pressure
 from small_job import sight_line
 from two_bands import RESPONSE
 
@@ -33,7 +35,13 @@ REPORT = {
 class Silent:
     """An analyser that finds something unknown in everything, at 1000 K."""
 
+    def __init__(self):
+        self.orders = []
+
     def ask(self, order):
+        self.orders.append(order)
+        if order["do"] == "simulate":
+            (Path(order["folder"]) / "radiation").mkdir(parents=True)
         if order["do"] == "diagnose":
             out, data = Path(order["out"]), Path(order["data"])
             assert sorted(path.name for path in data.iterdir()) == ["test.nc"]
@@ -97,3 +105,51 @@ def test_the_board_gives_rates_by_world_and_against_the_bars(finished):
     assert rows["unknown, with instrument and axis"]["value"] == sum(right) / len(right)
     assert rows["diagnoses that contradict themselves"]["value"] == 0
     assert "## By world" in page.text(both, "Both.") and "worlds" not in board.summary(other)
+
+
+@pytest.mark.parametrize("pressures", [(5e3, 2e3, 5e3, 2e4, 5e3, 1.5e3), (5e3, 2e4, 5e3, 8e3, 5e3, 5.2e3)])
+def test_gases_of_other_pressures_have_a_simulation_but_for_the_last(pressures):
+    said = second.simulations(SimpleNamespace(pressures=pressures))
+    away = [index for index, one in enumerate(pressures) if abs(one / 5e3 - 1) > 0.1]
+    assert [said[one] for one in away] == ["own"] * (len(away) - 1) + ["another pressure"]
+    assert {one for index, one in enumerate(said) if index not in away} == {"main job"}
+
+
+def test_a_simulation_is_made_once_and_only_where_it_is_one_of_the_pressure(tmp_path):
+    analyser, workbench = Silent(), SimpleNamespace(pressures=(5e3, 2e3, 1e4))
+
+    def spectra(world):
+        made = SimpleNamespace(base=SimpleNamespace(world=world, pressure=workbench.pressures[world]))
+        return run.spectra(made, workbench, tmp_path, "job", analyser)
+
+    own = tmp_path / "simulations/2000Pa/radiation"
+    assert spectra(1) == spectra(1) == (own, "own") and own.is_dir()
+    assert [(one["do"], one["pressure"]) for one in analyser.orders] == [("simulate", 2e3)]
+    assert spectra(0) == (Path("job/radiation"), "main job")
+    assert spectra(2) == (Path("job/radiation"), "another pressure") and len(analyser.orders) == 1
+
+
+def test_a_sight_line_of_another_pressure_keeps_its_temperatures_in_equilibrium():
+    line = sight_line(80e3)
+    same, more = (at_pressure(line, factor, 0.79, "") for factor in (1.0, 4.0))
+    np.testing.assert_allclose(same.number_density, line.number_density, rtol=1e-9)
+    assert more.number_density.dims == line.number_density.dims
+    np.testing.assert_array_equal(more.temperature, line.temperature)
+    np.testing.assert_allclose(
+        more.number_density.sum("species") * 1.380649e-23 * line.temperature, 4 * line.pressure, rtol=1e-6
+    )
+    hot = int(line.temperature.values.argmax())
+    share = [float(one.number_density.sel(species="e-")[hot] / one.pressure[hot]) for one in (line, more)]
+    assert share[1] < 0.9 * share[0]  # Le Chatelier: fewer free electrons per pressure
+
+
+def test_the_board_tells_what_a_gas_was_compared_with_apart(finished):
+    records, _ = finished
+    kinds = second.simulations(SimpleNamespace(pressures=(5e3, 2e3, 1e4)))
+    told = [one | {"case": f"{kind}-{one['case']}", "simulation": kind} for kind in kinds for one in records]
+    shown = board.summary(told)
+    assert set(shown["simulations"]) == {"main job", "own", "another pressure"}
+    assert sum(sum(one["cases"].values()) for one in shown["simulations"].values()) == sum(
+        shown["cases"].values()
+    )
+    assert "## By simulation" in page.text(shown, "Three.")

@@ -43,8 +43,11 @@ def statistic(values, function):
     return {"value": float(function(values)), "low": float(low), "high": float(high), "trials": len(values)}
 
 
-def summary(records):
-    """All scores of a set of finished cases (dicts of case, kind, effects, score, cost)."""
+def summary(records, apart=True):
+    """All scores of a set of finished cases (dicts of case, kind, effects, score, cost).
+
+    `apart`: by world and by simulation as well, where there are several.
+    """
     done = [one | one["score"] for one in records if one["outcome"] == "scored"]
     kinds = defaultdict(list)
     for one in done:
@@ -92,9 +95,13 @@ def summary(records):
         "confusion": _confusion(single),
     }
     board["bars"] = _bars(board, kinds, done)
-    worlds = _grouped(records, lambda one: one.get("world", "first"))
-    if len(worlds) > 1:
-        board["worlds"] = {name: summary(group) for name, group in sorted(worlds.items())}
+    told = [one for one in records if "simulation" in one]
+    for name, groups in (
+        ("worlds", _grouped(records, lambda one: one.get("world", "first"))),
+        ("simulations", _grouped(told, itemgetter("simulation"))),
+    ):
+        if apart and len(groups) > 1:
+            board[name] = {key: summary(group, apart=False) for key, group in sorted(groups.items())}
     return board
 
 

@@ -91,14 +91,39 @@ def laboratories(out, results, workbench, seed, analyser, world="first"):
                 shutil.copy(Path(results) / "instrument/response.nc", part / "response.nc")
             else:
                 second.calibration_files(workbench.laboratories[index], results, part)
-            answer = analyser.ask({"do": "prepare", "laboratory": str(part.resolve())})
-            if not answer["ok"]:
-                raise RuntimeError(f"no calibration: {answer['fault']}\n{answer.get('trace', '')}")
-            with contextlib.suppress(OSError):  # another share was faster
-                part.rename(folder)
-            shutil.rmtree(part, ignore_errors=True)
+            _asked(analyser, {"do": "prepare", "laboratory": str(part.resolve())})
+            _handed_over(part, folder)
         folders.append(folder)
     return folders
+
+
+def spectra(made, workbench, out, results, analyser):
+    """Folder of the spectra with which a case of the second laboratory is compared, and what they are.
+
+    Those that are not there yet are made, see `second.simulations`.
+    """
+    kind = second.simulations(workbench)[made.base.world]
+    folder = out / "simulations" / f"{made.base.pressure:.0f}Pa"
+    if kind != "own":
+        return Path(results) / "radiation", kind
+    if not folder.is_dir():
+        part = folder.with_name(f"{folder.name}-{os.getpid()}")  # other shares may be at it
+        order = {"results": str(Path(results).resolve()), "folder": str(part.resolve())}
+        _asked(analyser, order | {"do": "simulate", "pressure": made.base.pressure})
+        _handed_over(part, folder)
+    return folder / "radiation", kind
+
+
+def _asked(analyser, order):
+    answer = analyser.ask(order)
+    if not answer["ok"]:
+        raise RuntimeError(f"{order['do']}: {answer['fault']}\n{answer.get('trace', '')}")
+
+
+def _handed_over(part, folder):
+    with contextlib.suppress(OSError):  # another share was faster
+        part.rename(folder)
+    shutil.rmtree(part, ignore_errors=True)
 
 
 def run_case(case, workbench, folders, out, results, analyser):
@@ -110,6 +135,9 @@ def run_case(case, workbench, folders, out, results, analyser):
     except BeyondRange as reason:
         return record | {"outcome": "beyond range", "reason": str(reason)}
     record["effects"] = list(made.effects)
+    radiance = Path(results) / "radiation"
+    if case.world != "first":
+        radiance, record["simulation"] = spectra(made, workbench, out, results, analyser)
     folder = out / "cases" / case.name
     shutil.rmtree(folder, ignore_errors=True)
     (campaign.write if case.world == "first" else second.write)(made.test, folder / "data" / "test.nc")
@@ -117,7 +145,7 @@ def run_case(case, workbench, folders, out, results, analyser):
         "do": "diagnose",
         "data": str((folder / "data").resolve()),
         "out": str((folder / "out").resolve()),
-        "radiance": str((Path(results) / "radiation").resolve()),
+        "radiance": str(radiance.resolve()),
         "laboratory": str(folders[made.base.laboratory].resolve()),
         "without": list(case.without),
         "sabotage": case.sabotage,

@@ -14,6 +14,7 @@ from worlds.measure import Measure
 from blind.draw import LABORATORIES, number
 from blind.make import BeyondRange
 
+SAME_PRESSURE = 0.1  # [1] to which the main job's simulation is one of the pressure of a gas
 ATTEMPTS = 4  # tests drawn until one can show an effect
 UNITS = {
     "time": "s",
@@ -80,6 +81,19 @@ class Made:
 def bench(results, seed):
     """Worlds and laboratories of a seed word."""
     return worlds.load(results, number(seed, "second", "worlds"), LABORATORIES)
+
+
+def simulations(workbench):
+    """What each gas is compared with: the main job, its own simulation, or one of another pressure.
+
+    A laboratory that runs at a pressure simulates it; but for the last of the gases at other pressures.
+    """
+    away = [abs(one / worlds.PRESSURE - 1) > SAME_PRESSURE for one in workbench.pressures]
+    last = max((index for index, one in enumerate(away) if one), default=None)
+    return [
+        "another pressure" if index == last else "own" if one else "main job"
+        for index, one in enumerate(away)
+    ]
 
 
 def make(case, workbench):

@@ -1,6 +1,7 @@
 """The analyser's process: diagnoses data folders, one line of JSON in, one out; it never sees a truth.
 
-Run by `run.py`; prepares the calibration files of the laboratories too, as a user of the package would.
+Run by `run.py`; prepares the calibration files of the laboratories and simulates gases at other pressures
+too, as a user of the package would.
 """
 
 import json
@@ -46,16 +47,24 @@ def prepare(order):
     return {}
 
 
+def simulate(order):
+    """Spectra of the gas at another pressure."""
+    from blind.simulation import simulate
+
+    simulate(order["results"], order["folder"], order["pressure"])
+    return {}
+
+
 def diagnose(order, kept={}):  # noqa: B006  (spectra are read once, calibrations once per laboratory)
     """Diagnose the folder of one case."""
     from plasmapyro.diagnosis import command
 
     os.chdir(order["data"])
-    laboratory = order["laboratory"]
-    if not kept:
-        kept[laboratory] = command.load_inputs(Path(order["radiance"]), Path(laboratory))
-    if laboratory not in kept:
-        kept[laboratory] = command.with_instrument(next(iter(kept.values())), laboratory)
+    radiance, laboratory = order["radiance"], order["laboratory"]
+    if radiance not in kept:
+        kept[radiance] = command.gas_of(Path(radiance))
+    if (radiance, laboratory) not in kept:
+        kept[radiance, laboratory] = command.with_instrument(kept[radiance], laboratory)
     start, processor = time.monotonic(), time.process_time()
     more = {}
     if order["without"]:
@@ -64,7 +73,7 @@ def diagnose(order, kept={}):  # noqa: B006  (spectra are read once, calibration
         from blind.sabotage import sabotaged
 
         more["effects"] = sabotaged(order["sabotage"])
-    result = command.diagnose_test(Path("test.nc"), kept[laboratory], **more)
+    result = command.diagnose_test(Path("test.nc"), kept[radiance, laboratory], **more)
     cost = {"wall": time.monotonic() - start, "processor": time.process_time() - processor}
     out = Path(order["out"])
     out.mkdir(parents=True, exist_ok=True)
@@ -73,13 +82,16 @@ def diagnose(order, kept={}):  # noqa: B006  (spectra are read once, calibration
     return cost
 
 
+DO = prepare, simulate, diagnose
+
+
 def main():
     """Serve orders until the input ends."""
     answers, sys.stdout = sys.stdout, sys.stderr
     for line in sys.stdin:
         order = json.loads(line)
         try:
-            answer = {"ok": True} | {"prepare": prepare, "diagnose": diagnose}[order["do"]](order)
+            answer = {"ok": True} | {one.__name__: one for one in DO}[order["do"]](order)
         except Exception as fault:  # a fault of the analyser is a result of the test, not its end
             answer = {
                 "ok": False,

@@ -18,6 +18,7 @@ from worlds.laboratory import SMOOTH, Record, Scene, planck
 WORLDS = 6  # gases of one set of cases, half of them with the scatter of published accuracies
 MOST = 1.2e6  # spectra times pixels of one test
 POWER_ERROR, EMITTANCE_ERROR = 0.05, 0.03
+PRESSURE = 5000.0  # [Pa] of the main job
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ def load(results, seed, count):
     random = np.random.default_rng([seed % 2**63, 31])
     seeds = random.integers(2**31, size=WORLDS + count)
     pressures = [
-        5000.0
+        PRESSURE
         if index % 2 == 0
         else float(np.round(100 * np.exp(random.uniform(np.log(15), np.log(300))), -1))
         for index in range(WORLDS)
