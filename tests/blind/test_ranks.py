@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from blind.ranks import OTHER, amplitudes, in_catalogue, ranks
+from blind.ranks import OTHER, amplitudes, figure, in_catalogue, ranks
 from twin.hidden import CATALOGUE
 
 
@@ -39,6 +39,8 @@ def test_named_effects_of_a_folder_of_cases_are_ranked(tmp_path):
     assert told["coverage"] == 1.0 and told["histogram"][8] == 1
     assert ranks([])["number"] == 0
     assert list(amplitudes(tmp_path, "second")) == []
+    figure({"first": told, "second": ranks([])}, tmp_path / "ranks.svg")
+    assert "1 amplitudes, 100 % in their 95 % intervals" in (tmp_path / "ranks.svg").read_text()
 
 
 def test_amplitudes_are_counted_as_the_catalogue_counts():

@@ -1,9 +1,10 @@
 """Whether the stated laws of amplitudes hold as a whole: ranks of the truth in them, and their ECDF.
 
-    python workflow/blind/ranks.py OUT
+    python workflow/blind/ranks.py OUT [--figure FILE.svg]
 
-OUT is the folder of a blind set (`run.py --out`). Left out are effects whose amplitude counts something else
-in a laboratory than in the catalogue, listed here with what it counts.
+OUT is the folder of a blind set (`run.py --out`); the figure shows the ECDF less that of right laws. Left
+out are effects whose amplitude counts something else in a laboratory than in the catalogue, listed here with
+what it counts.
 """
 
 import argparse
@@ -38,6 +39,7 @@ OTHER = {
 GROWING = ("gas_drift", "winD", "winE", "winD_sl", "winE_sl")  # until the end; per 300 s in the second
 GRAINS, PIVOT = 2300.0, 0.95e-6  # [K], [m] of the black body that grains count in
 BINS = 10
+PLACES = np.arange(1, 40) / 40  # where an ECDF is held against its band
 LEVEL = 0.95
 DRAWS = 2000
 
@@ -97,8 +99,8 @@ def ranks(rows, seed=1):
     count = len(told)
     if not count:
         return {"number": 0, "histogram": [0] * BINS, "coverage": None, "band": None, "outside": None}
-    found = np.sort(ndtr((told[:, 0] - told[:, 1]) / told[:, 2]))
-    drawn = np.sort(np.random.default_rng(seed).uniform(size=(DRAWS, count)), axis=1)
+    found = ndtr((told[:, 0] - told[:, 1]) / told[:, 2])
+    drawn = np.random.default_rng(seed).uniform(size=(DRAWS, count))
     band = float(np.quantile(np.abs(_off(drawn)).max(axis=1), LEVEL))
     return {
         "number": count,
@@ -106,21 +108,59 @@ def ranks(rows, seed=1):
         "coverage": float(np.mean(np.abs(found - 0.5) < LEVEL / 2)),
         "band": band,
         "outside": float(np.mean(np.abs(_off(found)) > band)),
+        "ecdf": _share(found).tolist(),
     }
 
 
+def _share(values):
+    """ECDF (..., PLACES) of values (..., n)."""
+    return np.stack([np.mean(values <= place, axis=-1) for place in PLACES], axis=-1)
+
+
 def _off(values):
-    """ECDF of sorted values (..., n) at BINS - 1 places less the place, in its standard deviations."""
-    places = np.arange(1, BINS) / BINS
-    share = np.mean(values[..., None] <= places, axis=-2)
-    return (share - places) / np.sqrt(places * (1 - places) / values.shape[-1])
+    """ECDF of values (..., n) less that of right laws, in its standard deviations."""
+    return (_share(values) - PLACES) / np.sqrt(PLACES * (1 - PLACES) / values.shape[-1])
+
+
+def figure(told, path):
+    """Draw the ECDF of ranks less that of right laws, with its band: {title: `ranks`}, those with rows."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    told = {title: one for title, one in told.items() if one["number"]}
+    fig, row = plt.subplots(
+        1, max(len(told), 1), figsize=(8, 3), sharey=True, squeeze=False, layout="constrained"
+    )
+    for axes, (title, one) in zip(row[0], told.items(), strict=False):
+        half = one["band"] * np.sqrt(PLACES * (1 - PLACES) / one["number"])
+        axes.fill_between(PLACES, -half, half, color="0.85", label="95 % of right laws stay inside")
+        axes.plot(PLACES, np.array(one["ecdf"]) - PLACES, drawstyle="steps-mid", label="measured")
+        inside = f"{one['number']} amplitudes, {100 * one['coverage']:.0f} % in their 95 % intervals"
+        axes.set(title=f"{title}: {inside}", xlabel="rank of the true amplitude in its stated law")
+        axes.title.set_fontsize(8)
+    row[0, 0].set_ylabel("share below, less the rank")
+    row[0, 0].legend(fontsize=7, loc="lower left")
+    fig.savefig(path, metadata={"Date": None} if Path(path).suffix == ".svg" else None)
+    plt.close(fig)
+
+
+def main():
+    """Print the ranks of both laboratories, and draw them if asked to."""
+    top = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    top.add_argument("out", metavar="OUT", help="folder of a blind set")
+    top.add_argument("--figure", metavar="FILE", help="draw the ECDF with its band")
+    options = top.parse_args()
+    told = {f"{name} laboratory": ranks(amplitudes(options.out, name)) for name in OTHER}
+    for title, one in told.items():
+        sys.stdout.write(f"{title}\n")
+        for name, value in one.items():
+            if name != "ecdf":
+                sys.stdout.write(f"  {name}: {value}\n")
+    if options.figure:
+        figure(told, options.figure)
 
 
 if __name__ == "__main__":
-    top = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    top.add_argument("out", metavar="OUT", help="folder of a blind set")
-    folder = top.parse_args().out
-    for laboratory in OTHER:
-        sys.stdout.write(f"{laboratory} laboratory\n")
-        for name, value in ranks(amplitudes(folder, laboratory)).items():
-            sys.stdout.write(f"  {name}: {value}\n")
+    main()
