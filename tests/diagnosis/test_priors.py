@@ -1,8 +1,19 @@
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.fit.base import fit_base
-from plasmapyro.diagnosis.fit.prior import SMOOTH, Normal, posterior_of, prior_of, shared_rows, with_prior
+from plasmapyro.diagnosis.fit.prior import (
+    SMOOTH,
+    Normal,
+    posterior_of,
+    prior_of,
+    relative,
+    shared_rows,
+    with_prior,
+)
 
 
 def narrowed(model):
@@ -76,3 +87,20 @@ def test_a_prior_on_one_number_narrows_it_and_no_other_widens(model, kind):
     )
     assert told.of([kind]).sigma[0] == pytest.approx(0.1 * one.sigma[0])
     assert (told.sigma <= law.sigma * (1 + 1e-9)).all()
+
+
+def test_a_ratio_from_other_tests_leaves_the_slope_of_this_sample_open(model):
+    """A surface whose colour no spectra see: what a campaign knows of the instrument says nothing of it."""
+    law = Normal(("ratio", "tail"), np.array([0.004, 0.0]), np.diag([0.001, 0.01]) ** 2)
+    record = replace(model.record, emittance_slope=1.0, emittance_slope_uncertainty=0.01)
+    sloped = replace_record(model, record)
+    assert relative(law, sloped).sigma == pytest.approx([np.hypot(0.001, 0.01), 0.01])
+    told = replace_record(model, replace(record, emittance_slope_uncertainty=0.0))
+    assert relative(law, told).sigma == pytest.approx(law.sigma)
+
+
+def replace_record(model, record):
+    """The model of another record."""
+    other = copy(model)
+    other.record = record
+    return other

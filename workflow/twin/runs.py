@@ -23,8 +23,8 @@ LOSS_SCATTER = 0.0015
 CLEAN = 0.01  # scatter of the throughput of a clean window over that of the calibration
 RATIO = 0.004  # of the pyrometer since its calibration: standard deviation of what is drawn
 SCALE = 0.008  # of the spectrometer, half slope, half wave: standard deviation at the ends of the spectrum
-STATED = {"C/SiC": 0.85, "SiC": 0.90}  # emittance of the materials
-KNOWN = 0.05  # standard deviation of the true one
+STATED = {"C/SiC": (0.85, 0.05), "SiC": (0.90, 0.05), "cavity": (0.99, 0.01)}  # emittances, how well known
+BLACK = 0.999  # most of an emittance
 PIECE = 0.008  # scatter of samples
 ODD, OFF = 4, -0.15  # the fifth test: its torch ran at another mass flow than the laboratory believes
 NOMINAL = 0.5  # efficiency by which the laboratory chooses a simulation
@@ -39,7 +39,8 @@ def instrument(seed):
         "ratio": RATIO * ratio,
         "scale": (SCALE * slope / np.sqrt(2), SCALE * wave / np.sqrt(2), random.uniform(0, 2 * np.pi)),
         "emittance": {
-            name: value + KNOWN * one for (name, value), one in zip(STATED.items(), materials, strict=True)
+            name: min(value + known * one, BLACK)
+            for (name, (value, known)), one in zip(STATED.items(), materials, strict=True)
         },
     }
 
@@ -62,7 +63,7 @@ def truth(plan, seed):
         found.append(
             {
                 "power": electric * np.exp(law + OFF * (place == ODD)),
-                "emittance": shared["emittance"][test["material"]] * np.exp(PIECE * drawn[5]),
+                "emittance": min(shared["emittance"][test["material"]] * np.exp(PIECE * drawn[5]), BLACK),
                 "instrument": shared,
                 "clean": start,
                 "loss": loss,
@@ -75,12 +76,14 @@ def truth(plan, seed):
 def scene(test, true):
     """The scene of a test of a plan with what is true of it."""
     electric, off = 1e3 * test["electric_power_kw"], 120.0
+    stated, known = STATED[test["material"]]
     plain = Scene(
         condition=f"{round(NOMINAL * electric / 1e4) * 10}kW",
         end=170.0,
         plasma_off_time=off,
         electric_power=electric,
-        stated_emittance=STATED[test["material"]],
+        stated_emittance=stated,
+        stated_emittance_uncertainty=known,
         sample=Sample(emittance=true["emittance"], cold_wall_heat_flux=FLUX * electric / REFERENCE),
         centred_exposures=True,
     )

@@ -68,6 +68,14 @@ def scatter_of(name):
     return SCALE_SCATTER if name.startswith("scale_") else SCATTER[name]
 
 
+def slope_of(test, stated):
+    """Variance of the ratio of a test that no other shares: between the bands a slope of its emittance,
+    which a pyrometer by itself does not see, counts as ratio."""
+    own = _first([test.before] if test.before is not None and test.own_prior else [], "ratio")
+    sigmas = [_first([law], "ratio")[1] for law in stated if "ratio" in law.names]
+    return max(own[1] ** 2 - min(sigmas) ** 2, 0.0) if own else 0.0
+
+
 class Network:
     """Numbers, each normal about a linear function of those before it."""
 
@@ -152,7 +160,8 @@ def network(tests, reference_power):
                     {f"{name} {before.name}": 1.0, f"fouling {name}": -float(runs)},
                 )
         for name in instrument:
-            found.add(f"{name} {here}", 0.0, scatter_of(name) ** 2, {name: 1.0})
+            own = slope_of(test, stated) if name == "ratio" else 0.0
+            found.add(f"{name} {here}", 0.0, scatter_of(name) ** 2 + own, {name: 1.0})
     return found
 
 

@@ -272,12 +272,12 @@ def systems(report):
     """Measured over simulated light of the gas, by radiating system and multiplet."""
     heads = (
         "radiating system",
-        "#from to [nm]",
+        "#wavelengths [nm]",
         "#measured over simulated",
         "#by the best power",
         "#remains",
         "#stated by the simulation",
-        "beyond",
+        "beyond what it states",
     )
     rows = [
         (
@@ -422,7 +422,7 @@ def method(report):
         "channel",
         "#standard deviation at the median",
         "#correlation of neighbours",
-        "#tail, 1 is normal",
+        "#samples beyond 4 standard deviations, over those of a normal law",
     )
     made = (
         ("Tests", table(("test", "#statistic", "#threshold", "#p"), tests)),

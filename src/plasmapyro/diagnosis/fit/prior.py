@@ -47,6 +47,11 @@ class Normal:
         """The same law with constants {name: value} added to its numbers."""
         return replace(self, mean=self.mean + [by.get(name, 0.0) for name in self.names])
 
+    def wider(self, name, sigma):
+        """The same law, one of its numbers with an independent error more."""
+        at = np.array([one == name for one in self.names])
+        return replace(self, covariance=self.covariance + np.diag(at * sigma**2))
+
     def beside(self, other):
         """This law and an independent one as one."""
         total = np.zeros((len(self.names) + len(other.names),) * 2)
@@ -106,10 +111,14 @@ def stated(model):
 
 
 def relative(known, model):
-    """A law of numbers as one relative to what the test of a model states."""
-    at_hand = stated(model)
+    """A law of numbers as one relative to what the test of a model states.
+
+    Between the bands a slope of this sample's emittance and an error of the ratio are the same.
+    """
+    at_hand, record = stated(model), model.record
     names = [name for name in known.names if name not in ("emittance", POWER) or name in at_hand]
-    return known.of(names).moved({name: -value for name, value in at_hand.items()})
+    law = known.of(names).moved({name: -value for name, value in at_hand.items()})
+    return law.wider("ratio", record.emittance_slope_uncertainty / record.emittance_slope)
 
 
 def with_prior(model, known):
