@@ -7,14 +7,15 @@ from plasmapyro.record.status import VALID
 
 BLOCKS = 10  # of time or emittance, for the standard error of a root mean square
 BETTER = 2.0  # standard errors from which a change counts
+MATTERS = 0.01  # of what it was: a smaller change helps nobody, however sure
 ODDS = 3.0  # log score of a single number from which it counts: odds of 20
 CHANGED = {"power": "the flow is solved again", "T_exc": "the light is computed again"}
 NOTE = f"""A log score is the logarithm of the probability that a model gives to data: +3 are odds of 20.
-Standard errors come from blocks of the data; a change of less than {BETTER:g} of them is called none. Kelvin
-are root mean squares over valid samples. The gas is that of the reference window; "read with the simulated
-gas": it is taken from the signals in place of the measured one, and held against the temperature that the
-measured one gives. The error map is held against that of the measured gas, over all emittances and
-temperatures that the instrument reads."""
+Standard errors come from blocks of the data; a change of less than {BETTER:g} of them, or of
+{100 * MATTERS:g} %, is called none. Kelvin are root mean squares over valid samples. The gas is that of the
+reference window; "read with the simulated gas": it is taken from the signals in place of the measured one,
+and held against the temperature that the measured one gives. The error map is held against that of the
+measured gas, over all emittances and temperatures that the instrument reads."""
 SEEN = "The gas that the fit saw"
 READ = "read with the simulated gas, K"
 HEAD = "| measured on | base | extended | change ± standard error | |", "|---|---|---|---|---|"
@@ -105,7 +106,8 @@ def _summary(parts, verdicts):
 
 def _row(what, before, after, change, error, larger_is_better=False):
     gained = change if larger_is_better else -change
-    word = "better" if gained > BETTER * error else "worse" if gained < -BETTER * error else "no change"
+    least = max(BETTER * error, MATTERS * abs(float(before)))
+    word = "better" if gained > least else "worse" if gained < -least else "no change"
     digits = max(0, 1 - int(np.floor(np.log10(error)))) if error > 0 else 0
     return what, before, after, f"{change:+.{digits}f} ± {error:.{digits}f}", word
 
