@@ -95,7 +95,14 @@ def main():
     )
     alone = test.drop_dims([name for name in ("spectrum_time", "wavelength") if name in test.dims])
     joint = estimate(
-        alone, calibration, response, None, saturation_counts=65000.0, noise_block=50, **SETTINGS
+        alone,
+        calibration,
+        response,
+        None,
+        saturation_counts=65000.0,
+        noise_block=50,
+        throughput_chance=0.0,  # the filter takes it as stated
+        **SETTINGS,
     )
     both = [
         i for i, one in enumerate(answers) if one["temperature"] and np.isfinite(joint.surface_temperature[i])

@@ -177,3 +177,12 @@ def test_names_of_others_are_no_yaml(tmp_path):
     assert all(
         line.startswith("#") for line in describe(tmp_path / "t").text.split("attributes:\n")[0].splitlines()
     )
+
+
+@pytest.mark.parametrize("stamp", ["14:02:10.50", "2026-05-04 14:02:10.50", "10.5"])
+def test_the_zero_of_a_burst_log_is_asked_for_as_the_log_writes_it(tmp_path, stamp):
+    text = samples.log().replace("14:02:", stamp.removesuffix("10.50").removesuffix("10.5"))
+    test, _ = described(tmp_path / "t", a__log=text)
+    first = text.partition(" UC")[0] if ":" in stamp else stamp
+    assert f'  zero: "{first}"  # ? what shall be 0' in (tmp_path / "t" / "test.yaml").read_text()
+    assert test.time.values[0] == 0.0

@@ -106,8 +106,10 @@ def contents(test):
     if "spectrometer" in instruments(test):
         name = "spectral_radiance" if "spectral_radiance" in test.variables else "counts"
         values, pixels = test[name].values, test.wavelength.values * 1e9
+        moved = test.attrs.get("spectra_moved", 0.0)
+        within = f", moved by {moved:.2g} s within the second of their dates" if moved else ""
         lines += [
-            f"  spectrometer: {_clock(test.spectrum_time.values, 'spectra')}",
+            f"  spectrometer: {_clock(test.spectrum_time.values, 'spectra')}{within}",
             f"  wavelengths: {pixels.size} pixels, {pixels[0]:.2f} to {pixels[-1]:.2f} nm in vacuum",
             f"  {name}: {np.nanmin(values):.4g} to {np.nanmax(values):.4g} {test[name].attrs['units']},"
             f" {int(np.isnan(values).sum())} samples missing or saturated",

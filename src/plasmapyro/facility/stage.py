@@ -48,12 +48,12 @@ def probe_readings(
     edge, jet = edge_ahead(flow, radius), jet_ahead(flow, radius)
     whole = solve(edge, radius, wall_temperature=wall_temperature, recombination=1.0, chemistry="equilibrium")
     flux = np.empty((len(rates), len(recombination)))
-    for row, name in zip(flux, rates, strict=True):
-        line = None
-        for column, gamma in enumerate(recombination):
-            wall = {"wall_temperature": wall_temperature, "recombination": gamma}
-            line = solve(edge, radius, **wall, chemistry=name, start=line)
-            row[column] = line.heat_flux
+    lines = [None] * len(rates)
+    for column, gamma in enumerate(recombination):
+        wall = {"wall_temperature": wall_temperature, "recombination": gamma}
+        for row, name in enumerate(rates):  # other rates start from the first
+            lines[row] = solve(edge, radius, **wall, chemistry=name, start=lines[row] or lines[0])
+            flux[row, column] = lines[row].heat_flux
     pitot = [pitot_pressure(jet, one, wall_temperature=wall_temperature, start=whole) for one in pitot_radius]
     scalars = {
         "numerical_power": float(flow.numerical_power),

@@ -3,7 +3,8 @@
 import numpy as np
 
 from plasmapyro.quality.rule import rule
-from plasmapyro.quality.series import blocks, fall, lag
+from plasmapyro.quality.series import blocks, fall
+from plasmapyro.record.clock import lag
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
 FARTHEST = 12.0  # [s] clocks are compared up to this

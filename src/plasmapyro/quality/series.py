@@ -1,4 +1,4 @@
-"""Numbers that several rules take from a record: runs, steps, falls, lags."""
+"""Numbers that several rules take from a record: runs, steps, falls."""
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -122,41 +122,3 @@ def fall(time, values, length):
 
 
 LEAST_DROP, MANY = 0.03, 4.0  # of the logarithm in one step; over the usual change between such steps
-
-
-def lag(time, pair, moments, light, length, lags, bends=False):
-    """By how much spectra must be moved to fit the pyrometer best.
-
-    The light of a spectrum is taken as a sum of both bands, averaged over its exposure, and a constant: light
-    adds up. Its squares of relative residuals are compared for each lag. Where the light `bends` (counts of a
-    detector, as they are) a sum of it and of its square is.
-
-    Parameters
-    ----------
-    time : (t,) array [s]
-    pair : (2, t) array, without NaN
-    moments, light : (S,) arrays
-        Middles of the exposures [s]; light, > 0.
-    length : float [s], of an exposure
-    lags : (L,) array [s]
-    bends : bool
-
-    Returns
-    -------
-    (L,) ndarray, root mean square of the relative residuals; NaN where an exposure has no samples
-    """
-    total = np.concatenate(
-        [np.zeros((2, 1)), np.cumsum((pair[:, 1:] + pair[:, :-1]) / 2 * np.diff(time), axis=1)], axis=1
-    )
-    found = np.full(lags.size, np.nan)
-    for index, shift in enumerate(lags):
-        begin, end = moments + shift - length / 2, moments + shift + length / 2
-        if begin.min() < time[0] or end.max() > time[-1]:
-            continue
-        means = [(np.interp(end, time, row) - np.interp(begin, time, row)) / length for row in total]
-        design = np.stack([*means, np.ones_like(light), *([light**2] if bends else [])], axis=1)
-        design = design / light[:, None]
-        design = design / np.abs(design).max(axis=0)
-        rest = 1 - design @ np.linalg.lstsq(design, np.ones_like(light), rcond=None)[0]
-        found[index] = np.sqrt(np.sum(rest**2) / max(light.size - design.shape[1], 1))
-    return found

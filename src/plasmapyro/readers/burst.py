@@ -179,6 +179,13 @@ def _line(line):
     return stamp, row
 
 
+def first_line(line):
+    """Time stamp as it is written, or None, and items of one line; ValueError says what is wrong."""
+    stamp, row = _line(line)
+    clock = CLOCK.match(line.strip().strip("\"'"))
+    return clock[0] if clock else stamp if stamp is None else f"{stamp:.13g}", row
+
+
 def _value(letter, word):
     if not word[-1].isdigit() and not word[-1] == ".":
         return np.nan  # EHHH, EUUU, >, <: above or below range

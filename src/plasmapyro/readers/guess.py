@@ -23,6 +23,7 @@ USUAL = 0.9  # of the rows: cells of a column that must be numbers or dates
 LEAST_RUN = 10  # rows: of a table, not of the blocks of numbers above it
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
 OF_WINDOW = "kept for the record: calibrate through it, or state window_transmittance in calibration.yaml"
+OF_ZERO = "what shall be 0, best the injection"
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 NAMES = {  # label in lower case, without blanks, '_', '-' and '.', for those without a telling unit
     "time": r"t|ts|tms|time.*|\u6642.*|zeit.*|uhr.*|clock.*|datum.*|date.*|tiempo.*|temps.*|tempo|stamp.*"
@@ -385,8 +386,8 @@ def _kind(path):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
     try:
-        if data and {"Q", "R"} <= burst._line(data[0])[1].keys():
-            return "burst", burst._line(data[0])
+        if data and {"Q", "R"} <= burst.first_line(data[0])[1].keys():
+            return "burst", burst.first_line(data[0])
     except ValueError:
         pass
     if data and (matrix := _matrix(path, data)):
@@ -477,10 +478,8 @@ def _pyrometer(folder, kinds, questions):
         if stamp is None:
             found.append("  period: 0.1  # ? s between lines, the log has no times")
             questions.append("pyrometer.period: how many seconds lie between two lines of the log?")
-        elif len(paths) > 1:
-            questions.append(
-                "pyrometer.zero: several logs need the clock time that shall be 0, e.g. '14:02:10.5'"
-            )
+        else:
+            found.append(f"  zero: {_quoted(stamp)}  # ? {OF_ZERO}; here the first line")
         if items.get("S", 1.0) != 1.0 or items.get("B", 0.0) != 0.0:
             found.append("  undo: []  # ? whether Q and R contain slope or attenuation")
             questions.append(
@@ -528,9 +527,7 @@ def _table_lines(folder, paths, table, places, questions):
         form, zero, more = stamp_format(table, places["stamps"])
         questions += more
         names = [_quoted(table.labels[place]) for place in places["stamps"]]
-        found.append(
-            f"  zero: {_quoted(zero)}  # ? what shall be 0, best the injection; here the first sample"
-        )
+        found.append(f"  zero: {_quoted(zero)}  # ? {OF_ZERO}; here the first sample")
         name = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
         more = (
             f", milliseconds: {_quoted(table.labels[places['milliseconds']])}"
@@ -553,7 +550,7 @@ def _table_lines(folder, paths, table, places, questions):
             questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
         first = float(time[0]) * units.factor(unit, "time") * scale
         if first > 0:
-            found.append(f"  zero: {first:.13g}  # ? s, what shall be 0, best the injection; here the first")
+            found.append(f"  zero: {first:.13g}  # ? s, {OF_ZERO}; here the first")
         timing = f"    time: {{name: {_quoted(table.labels[places['time']])}" + (
             "}" if stated else f", unit: {unit}" + (f", scale: {scale:g}" if scale != 1 else "") + "}  # ?"
         )

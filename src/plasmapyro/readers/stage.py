@@ -9,7 +9,7 @@ import xarray as xr
 from plasmapyro import contracts, io
 from plasmapyro.readers import description, parts
 from plasmapyro.readers.text import Refusal, fault, refuse
-from plasmapyro.record import inputs
+from plasmapyro.record import clock, inputs
 
 DIMS = {key.rstrip("?"): dims for key, dims in contracts.DATASETS["test"].items()}
 OF_LAMP = {  # what need not be said of a record without plasma (`condition: none`)
@@ -189,7 +189,27 @@ def _raw(folder, path):
         dataset = contracts.check(contracts.label(dataset, "test"), "test")
     except contracts.ContractError as reason:
         return None, [f"{path}: {reason}"]
+    if {"time", "spectrum_time"} <= dataset.sizes.keys() and _whole_seconds(**files["spectrometer"]):
+        dataset = _within_second(dataset)
     return _sound(dataset, path, files)
+
+
+def _whole_seconds(dates=(None,), ordered=True, **_):
+    """Whether the spectra have their times from dates without decimals."""
+    return not ordered and None not in dates and not any(date.microsecond for date in dates)
+
+
+def _within_second(dataset):
+    """The spectra moved within the second that their dates leave open, to where they fit the pyrometer."""
+    try:
+        moved = clock.within_second(dataset)
+    except np.linalg.LinAlgError:
+        moved = 0.0
+    if not moved:
+        return dataset
+    axis = dataset.spectrum_time
+    dataset = dataset.assign_coords(spectrum_time=axis.copy(data=axis.values + moved))
+    return dataset.assign_attrs(spectra_moved=moved)
 
 
 def _of_attributes(path, attributes, present, faults):

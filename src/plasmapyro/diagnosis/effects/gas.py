@@ -164,7 +164,14 @@ def line_spectrum(species, library, temperature, light=None):
     """Lines (K,) behind the slit of the library, together a tenth of the O I triplet [W m-2 sr-1 m-1] of some
     light (K,), or of that of the library."""
     axis = library.wavelength
+    lines = _behind_slit(species, temperature, library.slit_fwhm, axis.tobytes())
+    return 0.1 * oxygen_triplet(axis, library.base if light is None else light) * lines
+
+
+@lru_cache(maxsize=64)
+def _behind_slit(species, temperature, slit_fwhm, axis):
+    """Lines (K,) of some species behind a slit [m-1], together 1; `axis`: the bytes of the wavelengths."""
     centre, strength = species_lines(species, temperature)
-    sigma = library.slit_fwhm / FWHM_PER_SIGMA
-    shape = np.exp(-(((axis - centre[:, None]) / sigma) ** 2) / 2) / (sigma * np.sqrt(2 * np.pi))
-    return 0.1 * oxygen_triplet(axis, library.base if light is None else light) * strength @ shape
+    sigma = slit_fwhm / FWHM_PER_SIGMA
+    shape = np.exp(-(((np.frombuffer(axis) - centre[:, None]) / sigma) ** 2) / 2)
+    return strength @ (shape / (sigma * np.sqrt(2 * np.pi)))

@@ -1,0 +1,81 @@
+"""Two clocks of one test: by how much spectra must be moved to fit the pyrometer."""
+
+import numpy as np
+
+SECOND = 1.0  # [s] that dates in whole seconds leave open
+FARTHEST, STEP = 1.5, 0.05  # [s]: up to where, and in which steps, it is looked for
+FRAMES, DIM = 8, 0.02  # fewer spectra, brighter than so much of the brightest, do not tell a lag
+CLEARER = 1.5  # times the residual at another lag; normal noise of 30 spectra makes it 1.3 once in 1000 cases
+SMALLEST = 0.003  # [1] residual that harms nothing
+
+
+def lag(time, pair, moments, light, length, lags, bends=False):
+    """By how much spectra must be moved to fit the pyrometer best.
+
+    The light of a spectrum is taken as a sum of both bands, averaged over its exposure, and a constant: light
+    adds up. Its squares of relative residuals are compared for each lag. Where the light `bends` (counts of a
+    detector, as they are) a sum of it and of its square is.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    pair : (2, t) array, without NaN
+    moments, light : (S,) arrays
+        Middles of the exposures [s]; light, > 0.
+    length : float [s], of an exposure
+    lags : (L,) array [s]
+    bends : bool
+
+    Returns
+    -------
+    (L,) ndarray, root mean square of the relative residuals; NaN where an exposure has no samples
+    """
+    total = np.concatenate(
+        [np.zeros((2, 1)), np.cumsum((pair[:, 1:] + pair[:, :-1]) / 2 * np.diff(time), axis=1)], axis=1
+    )
+    found = np.full(lags.size, np.nan)
+    for index, shift in enumerate(lags):
+        begin, end = moments + shift - length / 2, moments + shift + length / 2
+        if begin.min() < time[0] or end.max() > time[-1]:
+            continue
+        means = [(np.interp(end, time, row) - np.interp(begin, time, row)) / length for row in total]
+        design = np.stack([*means, np.ones_like(light), *([light**2] if bends else [])], axis=1)
+        design = design / light[:, None]
+        design = design / np.abs(design).max(axis=0)
+        rest = 1 - design @ np.linalg.lstsq(design, np.ones_like(light), rcond=None)[0]
+        found[index] = np.sqrt(np.sum(rest**2) / max(light.size - design.shape[1], 1))
+    return found
+
+
+def within_second(test):
+    """Seconds by which the spectra must be moved, 0 to 1, where their dates are whole seconds, cut off.
+
+    Parameters
+    ----------
+    test : Dataset, contract 'test', of a pyrometer and a spectrometer
+
+    Returns
+    -------
+    float [s]; 0 where the light does not tell it
+    """
+    exposure = float(test.attrs.get("spectrometer_integration_time", 0.0))
+    bends = "counts" in test
+    values = test["counts" if bends else "spectral_radiance"]
+    values = values - test.get("background_counts", 0.0) if bends else values
+    whole = values.notnull().all("spectrum_time").values  # pixels without a saturated moment
+    moments, light = test.spectrum_time.values, values.values[:, whole].mean(axis=1)
+    pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
+    known = np.isfinite(pair).all(axis=0)
+    time, pair = test.time.values[known], pair[:, known]
+    if time.size < FRAMES or not whole.any() or exposure <= 0:
+        return 0.0
+    held = (light > DIM * np.nanmax(light)) & (moments > time[0] + exposure)
+    held &= moments < time[-1] - exposure - FARTHEST
+    if held.sum() < FRAMES:
+        return 0.0
+    lags = np.arange(0.0, FARTHEST, STEP)
+    rest = lag(time, pair, moments[held], light[held], exposure, lags, bends)
+    if np.isnan(rest).all() or rest[0] < max(CLEARER * np.nanmin(rest), SMALLEST):
+        return 0.0
+    best = float(lags[np.nanargmin(rest)])
+    return best if best < SECOND else 0.0  # a clock that is off by more is for a person to see
