@@ -372,6 +372,20 @@ def test_adiabatic_walls_take_nothing_and_the_rest_takes_all(start, insulated):
         assert rise.max() > least and rise.max() < most
 
 
+def test_walls_along_cold_gas_are_as_cold_without_cooling(air, start, torch_lengths):
+    """Whatever temperature tube and chamber wall had, it would lie between the two."""
+    walls = {"adiabatic_walls": ["tube_wall", "chamber_wall"]}
+    found = condition(air, start, numerical_power=90e3, **CONDITION, **walls, **TOLERANCES)
+    heat = by_boundary(found, "boundary_heat_flow")
+    assert abs(heat["tube_wall"]) + abs(heat["chamber_wall"]) < 10.0
+    assert by_boundary(start, "boundary_heat_flow")["tube_wall"] > 30.0
+    z, r = found.node_z.values, found.node_r.values
+    tube = np.isclose(r, torch_lengths["radius"]) & (z < torch_lengths["length"])
+    wall = found.temperature.values[tube]
+    assert tube.sum() > 50 and 300.0 < wall.min() and 380.0 < wall.max() < 450.0
+    assert float(found.temperature.max()) == pytest.approx(float(start.temperature.max()), rel=2e-3)
+
+
 def _along_the_back_wall(flow):
     on = np.flatnonzero((flow.node_z.values == 0) & (flow.node_r.values < 0.075))
     on = on[np.argsort(flow.node_r.values[on])]

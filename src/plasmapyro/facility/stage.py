@@ -114,7 +114,8 @@ def _verdict(name, unit, value, uncertainty, low, high):
     if name == "electric_power":
         said = f"{low:g} of {value:g} +- {uncertainty:g} {unit} reach the gas: efficiency {low / value:.2f}"
         return said + (", which no torch has: less power is in this gas" if low > value else "")
-    known = f"measured {value:g} +- {uncertainty:g} {unit}, simulated {low:.4g} to {high:.4g}"
+    found = f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g} to {high:.4g}"
+    known = f"measured {value:g} +- {uncertainty:g} {unit}, simulated {found}"
     off = max(low - value, value - high, 0.0) / uncertainty
     way = "high" if low > value else "low"
     return f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
