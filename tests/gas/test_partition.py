@@ -149,3 +149,15 @@ def test_unknown_species_and_bad_temperature_are_refused():
         partition_function("Xe", 300.0)
     with pytest.raises(ValueError, match="temperature must be > 0 K; got 0 K"):
         partition_function("N", 0.0)
+
+
+@pytest.mark.parametrize("species", ["N2", "O2", "N2+", "NO", "CN", "N", "O"])
+def test_many_temperatures_at_once_have_the_sums_of_each(species):
+    many = np.geomspace(200.0, 15000.0, 240).reshape(12, 20)
+    few = np.array([partition_function(species, row) for row in many])
+    np.testing.assert_allclose(partition_function(species, many), few, rtol=3e-12)
+    colder = np.geomspace(5.0, 15000.0, 240)
+    few = np.concatenate([partition_function(species, part) for part in np.split(colder, 12)])
+    np.testing.assert_allclose(partition_function(species, colder), few, rtol=3e-12)
+    alike = partition_function(species, np.full(200, 3000.0))
+    np.testing.assert_allclose(alike, partition_function(species, 3000.0), rtol=3e-12)

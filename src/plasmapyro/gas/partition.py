@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 
 from plasmapyro import tables
 from plasmapyro.checks import positive
@@ -29,6 +30,8 @@ ODD_ONLY = ("X3Sigma_g-",)  # 16O2 has no nuclear spin: its ground state has odd
 HIGHEST_VIBRATION = 100
 HIGHEST_ROTATION = 400
 BLOCK = 2_000_000  # elements of one block of exponentials, 16 MB
+# ln Q of more temperatures than so many is a polynomial in ln T, 1e-12 from the sum over 200 to 15000 K.
+MANY, DEGREE, COLDEST = 100, 48, 200.0
 
 
 def partition_function(species, temperature):
@@ -67,14 +70,23 @@ def partition_function(species, temperature):
     temperature = positive("temperature", temperature, "K")
     if species == "e-":
         return np.full(temperature.shape, 2.0)
+    if temperature.size <= MANY or temperature.min() < COLDEST or not np.ptp(temperature):
+        return _sum_of_levels(species, temperature.ravel()).reshape(temperature.shape)
+    ends = np.log([temperature.min(), temperature.max()])
+    smooth = Chebyshev.interpolate(lambda x: np.log(_sum_of_levels(species, np.exp(x))), DEGREE, ends)
+    return np.exp(smooth(np.log(temperature)))
+
+
+def _sum_of_levels(species, temperature):
+    """Partition function at each temperature (n,), level by level."""
     energy, weight = atomic_levels(species) if species in ATOMS else diatomic_levels(species)
-    inverse = SECOND_RADIATION / temperature.ravel()
+    inverse = SECOND_RADIATION / temperature
     total = np.zeros(inverse.shape)
     step = max(1, BLOCK // max(1, inverse.size))
     for first in range(0, energy.size, step):
         part = slice(first, first + step)
         total += np.exp(-inverse[:, None] * energy[part]) @ weight[part]
-    return total.reshape(temperature.shape)
+    return total
 
 
 def two_temperature_partition_function(species, temperature, excitation_temperature):
