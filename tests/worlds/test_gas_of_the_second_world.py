@@ -203,3 +203,24 @@ def test_worlds_scatter_as_published_accuracies_allow():
     assert spread == pytest.approx(np.hypot(0.20, 0.04), rel=0.15)
     assert np.std([np.log(one["N I"][3]) for one in drawn]) == pytest.approx(0.08, rel=0.15)
     assert all(np.all(engine.World(1, scattered=False).factors[name] == 1) for name in drawn[0])
+
+
+def test_shares_of_strengths_are_those_of_the_light(world):
+    temperature = 6000.0
+    n = {name: one[0] for name, one in gas.composition(np.array([temperature]), 5000.0).items()}
+    rows = list(world.shares(temperature, 5000.0))
+
+    def light(factor):
+        plain = atoms.emission(engine.GRID, "N", 1.0, n["e-"], 1.0, temperature, factor)
+        return engine._bins(plain[None])[0]
+
+    whole, own = light(np.ones(200)), [share for place, _, share in rows if place == 0]
+    sizes = np.array([(share * whole).sum() for share in own]) / whole.sum()
+    assert sizes.sum() == pytest.approx(1.0, abs=1e-6)
+    numbers = np.unique(atoms.lines("N").multiplet).astype(int)
+    for brightest in np.argsort(sizes)[-3:]:
+        alone = light(np.eye(200)[numbers[brightest]]).sum() / whole.sum()
+        assert alone > 0.05 and sizes[brightest] == pytest.approx(alone, rel=0.05)
+    for place in (2, 3, 4, 5):
+        total = np.sum([share for at, _, share in rows if at == place], axis=0)
+        assert total.max() == pytest.approx(1.0, abs=1e-6)

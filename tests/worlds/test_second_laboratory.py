@@ -5,7 +5,7 @@ import pytest
 from two_bands import RESPONSE
 from worlds import case, engine, faults, laboratory, sample
 from worlds.faults import EFFECTS
-from worlds.measure import Measure
+from worlds.measure import Measure, within_stated
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +23,7 @@ def stage():
     made.__dict__["components"] = np.array(
         [5e-3 * lines, 5e-3 * lines[::-1], 2e7 * smooth, 5e6 * smooth, 1e6 * smooth, 1e6 + 0 * smooth]
     )
+    made.__dict__["strengths"] = lambda faint: ()
     tilt = (engine.CENTRES / 0.85e-6) ** 3
     made.__dict__["variant"] = lambda kind, a: made.components.sum(axis=0) * (1 + a * tilt * (1 + len(kind)))
     return made
@@ -139,6 +140,31 @@ def test_what_an_analysis_must_leave_free_is_no_signal(stage, measure):
     share = np.linalg.solve(root.T, np.linalg.solve(root, rows @ vector))
     left = np.concatenate([vector - share @ rows, share])
     assert np.linalg.norm(left) < 0.1 * np.linalg.norm(vector)
+
+
+@pytest.mark.parametrize(("name", "amplitude"), [("wshift", 0.02), ("lsf", 0.102), ("contin", 0.2)])
+def test_what_a_simulation_must_state_of_itself_is_free(stage, measure, name, amplitude):
+    # A scale a kelvin off, a slit of 1.029 nm that is stated as 1.0 nm, a fifth more continuum.
+    scene = stage.hidden([{"effect": name, "amplitude": amplitude}])
+    changed, rows = measure.flat(measure._difference(scene), True), measure.nuisance(True)[0]
+    assert np.linalg.norm(rows - changed, axis=1).min() < 0.03 * np.linalg.norm(changed)
+
+
+def test_a_scale_that_is_off_costs_no_more_than_its_steps(measure):
+    vector = np.full(400, 100.0)
+    moved, wider, other = (
+        np.linalg.norm(within_stated(vector, [{"effect": name, "amplitude": 0.2}], 1e-9))
+        for name in ("wshift", "lsf", "contin")
+    )
+    assert (moved, other) == (pytest.approx(10.0), pytest.approx(2000.0))
+    assert wider == pytest.approx((np.hypot(1, 2.3548 * 0.2) - 1) / 0.029, rel=1e-4)
+
+
+def test_light_of_the_gas_is_seen_as_in_a_scene_of_its_own(stage, measure):
+    (_, amplitude, _), light = stage.scene.gas[0], 0.1 * stage.components[2]
+    whole = measure._difference(stage.scene.copy(gas=[*stage.scene.gas, ("ps", amplitude, light)]))
+    for direct, one in zip(measure._glow(light), whole, strict=True):
+        np.testing.assert_allclose(direct, one, rtol=1e-6, atol=1e-9 * np.abs(one).max())
 
 
 def test_a_gas_of_another_shape_is_no_signal(stage, measure):

@@ -9,6 +9,9 @@ from scipy.special import erf
 from twin import campaign, hidden, light, sensors
 from twin.light import planck
 from twin.sensors import Pyrometer
+from worlds.case import PRESSURE
+from worlds.engine import CENTRES, COMPONENTS, SCATTER, World
+from worlds.measure import FAINT, SCALE, slit_error, within_stated
 
 from blind.bench import EMITTANCE_ERROR, LINE_ERROR, LINES, POWER_ERROR, SYSTEM_ERROR, apply
 
@@ -31,6 +34,9 @@ KNOTS = np.concatenate(
 )
 
 SYSTEMS = ("N I", "O I", "N2 1P", "N2+ Meinel", "NO 11000 A")  # each with a strength of its own
+# What a simulation must state, as the second laboratory has it from published sets: at least what nulls draw.
+SYSTEM_SIZES = {name: max(SYSTEM_ERROR, SCATTER.get(name, 0.0)) for name in (*SYSTEMS, "continuum")}
+LINE_SIZE = max(LINE_ERROR, SCATTER["multiplet"])
 GAS_ROWS = 1 + len(SYSTEMS) + 1 + len(LINES)  # power, systems, all others, multiplets: last in the nuisance
 LINEAR = 1.0  # standard deviations of a strength up to which its tangent serves
 STEPS = 12
@@ -41,7 +47,7 @@ def _no_glow(instrument, wavelength, temperature, time):
     return 0.0
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def slit(device):
     """Edges of bins (B+1,) [m] and the matrix (W, B) from their means to the pixels of a spectrometer."""
     edges, _ = light.bins(device.first - 4e-9, device.last + 4e-9, 0.02e-9)
@@ -61,9 +67,10 @@ class Metric:
 
     Free are: the temperature (piecewise linear through `KNOTS`), emittance, gain of each band and of the
     spectrometer and their wandering, the shape of its scale, brightness of the gas before and after injection
-    and in each frame, its power and the strengths of its systems and multiplets, all but the first with
-    their prior uncertainty. For all but `STEADY` effects, which are a spectrum of the gas and nothing else,
-    the gas is free in every pixel and band as well:
+    and in each frame, its power and the strengths of its systems, multiplets, bands and continua, the
+    wavelengths and slit of the spectrometer, all but the first with their prior uncertainty. For all but
+    `STEADY` effects, which are a spectrum of the gas and nothing else, the gas is free in every pixel and
+    band as well:
 
     .. math:: G = e^T (I - N (N^T N + 1)^{-1} N^T) e
 
@@ -162,6 +169,8 @@ class Metric:
                 start = np.clip(vector[-len(self.nuisance) :], -LINEAR, LINEAR)
             vector = self._beyond_tangents(change, start)
             self._shares[name] = vector[-len(self.nuisance) :]
+        if not self.free:
+            vector = within_stated(vector, effects, self.scene.spectrometer.fwhm)
         return vector, float(np.sqrt(vector @ vector))
 
     def _beyond_tangents(self, change, share):
@@ -205,9 +214,9 @@ class Metric:
         base = self.base
         strengths = dict(base.strengths)
         for name, more in zip((*SYSTEMS, "continuum"), systems, strict=True):
-            strengths[name] += SYSTEM_ERROR * more
+            strengths[name] += SYSTEM_SIZES[name] * more
         for name, more in zip(LINES, lines, strict=True):
-            strengths[name] += LINE_ERROR * more
+            strengths[name] += LINE_SIZE * more
         low, high = self.bench.spectra.power[[0, -1]]
         power = float(np.clip(base.power * np.exp(self.power_prior * power), low * 1.04, high / 1.04))
         return self.bench.gas(dataclasses.replace(base, power=power, strengths=strengths))
@@ -318,10 +327,12 @@ class Metric:
             )
         # Light of the gas is its strength in a band or pixel times a history that all changes share.
         lit, strength = self._of_gas(self.gas.radiance), self._strengths(self.gas.radiance)
-        for change in self._gas_changes(power_prior):
-            factors = [
-                n / s for n, s in zip(self._strengths(change - self.gas.radiance), strength, strict=True)
-            ]
+        changes = [one - self.gas.radiance for one in self._gas_changes(power_prior)]
+        if not self.free:  # which has them in its free gas
+            changes = [*self._local_changes(), *changes]
+            rows += [[none[0], lit[1] * one] for one in self._of_scale()]
+        for change in changes:
+            factors = [n / s for n, s in zip(self._strengths(change), strength, strict=True)]
             rows.append([lit[0] * factors[0][:, None], lit[1] * factors[1]])
         return np.stack([self._flat(row) for row in rows])
 
@@ -356,17 +367,54 @@ class Metric:
         names = gas.systems
         for system in SYSTEMS:
             changed = gas.radiance.copy()
-            changed[names.index(system)] *= 1 + SYSTEM_ERROR
+            changed[names.index(system)] *= 1 + SYSTEM_SIZES[system]
             yield changed
         others = [row for row, name in enumerate(names) if name not in self.base.strengths]
         changed = gas.radiance.copy()
-        changed[others] *= 1 + SYSTEM_ERROR
+        changed[others] *= 1 + SYSTEM_SIZES["continuum"]
         yield changed
         for system, first, last in LINES.values():
             inside = (gas.centres > first * 1e-9) & (gas.centres < last * 1e-9)
             changed = gas.radiance.copy()
-            changed[names.index(system), inside] *= 1 + LINE_ERROR
+            changed[names.index(system), inside] *= 1 + LINE_SIZE
             yield changed
+
+    def _local_changes(self):
+        """Changes of the light (C, B) of other multiplets than `LINES`, levels of bands, and continua."""
+        gas = self.gas
+        rest = gas.radiance.copy()
+        for system, low, high in LINES.values():
+            inside = (gas.centres > low * 1e-9) & (gas.centres < high * 1e-9)
+            rest[gas.systems.index(system), inside] = 0.0
+        known = [
+            (gas.systems.index(COMPONENTS[place]), size, np.interp(gas.centres, CENTRES, share))
+            for place, size, share in World(0).shares(float(np.max(gas.temperature)), PRESSURE)
+            if COMPONENTS[place] in SYSTEMS
+        ]
+        others = [row for row, name in enumerate(gas.systems) if name not in self.base.strengths]
+        for row, size, share in [*known, *((row, SCATTER["continuum"], 1.0) for row in others)]:
+            change = np.zeros_like(rest)
+            change[row] = size * rest[row] * share
+            if change.sum() > size * FAINT * gas.radiance.sum():
+                yield change
+
+    def _of_scale(self):
+        """Relative changes of the light in the pixels: scale moved, stretched, slit wider."""
+        device, total = self.scene.spectrometer, self.gas.radiance.sum(axis=0)
+        wider = device.fwhm + slit_error(device.fwhm)
+        plain, *changed = (
+            matrix @ light.bin_mean(self.gas.centres, total, edges)
+            for edges, matrix in (
+                slit(dataclasses.replace(device, **change))
+                for change in (
+                    {},
+                    {"first": device.first + SCALE, "last": device.last + SCALE},
+                    {"first": device.first - SCALE, "last": device.last + SCALE},
+                    {"fwhm": wider},
+                )
+            )
+        )
+        return [one / plain - 1 for one in changed]
 
 
 def _without(block, pattern, size, axis):

@@ -151,6 +151,17 @@ class Stage:
     def components(self):
         return self.light()
 
+    def strengths(self, faint):
+        """Changes of light (bins,) by a standard deviation of each strength that a world draws.
+
+        Left out are those of less than a share `faint` of the light.
+        """
+        hottest, whole = self.path(self.base.power)[1].max(), self.components.sum()
+        for place, size, share in self.world.shares(hottest, self.base.pressure):
+            light = share * self.components[place]
+            if light.sum() > faint * whole:
+                yield size * light
+
     def variant(self, kind, amplitude):
         """Total light (bins,) with one property of the gas off, from a parabola in ln of the light by
         component."""

@@ -4,9 +4,10 @@ accuracies."""
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from worlds import atoms, continuum, molecules
-from worlds.gas import composition, partition
+from worlds.gas import C2, composition, partition
 
 POINTS, SHORT, LONG = 100_000, 655.0, 1245.0  # grid of ln(wavenumber); wavelengths [nm]
 GRID = np.linspace(np.log(1e7 / LONG), np.log(1e7 / SHORT), POINTS)
@@ -81,6 +82,35 @@ class World:
         return np.concatenate(
             [light * np.array(per_sum)[:, None], np.interp(GRID, GRID[::100], smooth)[None]]
         )
+
+    def shares(self, temperature, pressure):
+        """What each strength contributes to the light of its component at a temperature [K].
+
+        Rows of (component, standard deviation, share (bins,)): multiplets by their lines with wings of
+        0.05 nm, progressions by theirs in 0.5 nm, continua.
+        """
+        n = {name: value[0] for name, value in composition(np.array([temperature]), pressure).items()}
+        for place, atom in enumerate("NO"):
+            found = atoms.lines(atom)
+            light = (
+                found.wavenumber * found.weight * found.probability * np.exp(-C2 * found.energy / temperature)
+            )
+            number, row = np.unique(found.multiplet, return_inverse=True)
+            wings = np.zeros((number.size, CENTRES.size))
+            for one, at, amount in zip(row, 1e-2 / found.wavenumber, light, strict=True):
+                wings[one] += amount / ((CENTRES - at) ** 2 + 0.05e-9**2)
+            yield from ((place, SCATTER["multiplet"], part) for part in wings / wings.sum(axis=0))
+        for place, system in enumerate(molecules.SYSTEMS, start=2):
+            found = molecules.lines(system)
+            power = molecules.strengths(system, 1.0, 1.0, temperature, np.ones(20), 1.0)
+            bins = np.clip(np.searchsorted(EDGES, 1e-2 / found.wavenumber) - 1, 0, CENTRES.size - 1)
+            upper = found.upper.astype(int)
+            light = np.bincount(upper * CENTRES.size + bins, power, (upper.max() + 1) * CENTRES.size)
+            light = uniform_filter1d(light.reshape(-1, CENTRES.size), 25, axis=1)
+            share = light / np.maximum(light.sum(axis=0), 1e-12 * light.max())
+            yield from ((place, PROGRESSION, part) for part in share)
+        light = continuum.families(1e-2 / CENTRES, temperature, n)
+        yield from ((len(COMPONENTS) - 1, SCATTER["continuum"], part) for part in light / light.sum(axis=0))
 
     def radiance(self, distance, temperature, pressure, excitation=1.0, vibration=1.0, depth=0.0):
         """Radiance (C, bins) [W m-2 sr-1 m-1] at the far end of a path that begins at the surface.

@@ -4,12 +4,17 @@ import numpy as np
 
 from worlds.engine import CENTRES
 from worlds.faults import EFFECTS
-from worlds.laboratory import SMOOTH, planck
+from worlds.laboratory import SMOOTH, gains, onto_smooth, planck, scale, sensitivity, through_slit
 
 FREE = 0.3  # relative prior of the light of the gas in every pixel and band, before and after injection apart
 STRENGTHS = (0.09, 0.05, 0.1, 0.3, 0.3, 0.2)  # of the components, where an effect acts on the gas alone
 WINDOW, LOCAL = 25e-9, 0.05  # further free factors of the simulated gas: by window of wavelength
 FRAMES, PIXELS, READINGS = 160, 220, 400
+FAINT = 1e-3  # of the light of the gas: strengths of less are not told apart
+# Scale of a spectrometer [m] and its stretch: 0.02 nm/K of a bench of aluminium (makers' data sheets).
+# ASSUME: a kelvin between line lamp and test. Its slit: of two stated digits the last is uncertain by 0.29
+# (JCGM 100:2008, F.2.2.1).
+SCALE, DIGIT = 0.02e-9, 0.29
 
 
 class Measure:
@@ -18,7 +23,8 @@ class Measure:
     Free are the temperature (hats over `knots`), emittance, gains and their wandering, the lamp, the shape
     of the spectral calibration, edges of the bands, brightness in each frame, and the gas: for effects of
     surface, path and instruments its light in each pixel and band, for those of the gas itself the
-    strengths of its components, windows of wavelength and the power. SNR is the length of what is left,
+    strengths of its components, multiplets, progressions and continua, windows of wavelength, the power, the
+    scale of the spectrometer and its slit. SNR is the length of what is left,
     :math:`\sqrt{e^T (I - N(N^TN+1)^{-1}N^T) e}`.
     """
 
@@ -147,19 +153,45 @@ class Measure:
             yield self._difference(EFFECTS[name].apply(stage.scene, size, {}, stage.context))
         if not gas:
             return
-        (_, amplitude, _), early = stage.scene.gas[0], stage.scene.time < 0
+        early = stage.scene.time < 0
         base = stage.components.sum(axis=0)
         changes = [size * light for size, light in zip(STRENGTHS, stage.components, strict=True)]
         changes += [stage.variant("P_eff", 0.05) - base, FREE * base]
+        changes += list(stage.strengths(FAINT))
         changes += [
             LOCAL * base * np.clip(1 - np.abs(CENTRES - at) / WINDOW, 0, 1)
             for at in np.arange(680e-9, 1200e-9, WINDOW)
         ]
         for change in changes:
-            yield self._difference(stage.scene.copy(gas=[*stage.scene.gas, ("ps", amplitude, change)]))
-        yield self._difference(
-            stage.scene.copy(gas=[*stage.scene.gas, ("ps", amplitude * early, FREE * base)])
-        )
+            yield self._glow(change)
+        yield self._glow(FREE * base, early)
+        for pixels in self._of_scale(base):
+            yield self._glow(0 * base, pixels=pixels)
+
+    def _glow(self, light, when=1.0, pixels=None):
+        """Outputs of more light (bins,), or of light in the pixels, with the history of the gas."""
+        scene, lab, record = self.stage.scene, self.lab, self.record
+        history, parts = scene.gas[0][1] * when, [np.zeros((2, 0)), np.zeros((0, 1))]
+        if lab.has_pyrometer:
+            seen = onto_smooth(light * scene.fine) * scene.path["p"][0]
+            strength = scene.bands @ seen * (SMOOTH[1] - SMOOTH[0]) * gains(lab)
+            parts[0] = strength[:, None] * np.interp(self.instants, scene.time, history)
+        if lab.has_spectrometer:
+            at = lab.wavelength
+            seen = through_slit(light * scene.fine, at, lab.fwhm) if pixels is None else pixels
+            seen = seen * np.interp(at, SMOOTH, scene.path["s"][0]) * sensitivity(lab) * scale(lab)
+            parts[1] = self._merged(record.mean(scene.time, history[:, None]) * seen)
+        return parts
+
+    def _of_scale(self, light):
+        """What the pixels see more where the scale is moved, stretched, and the slit wider, by a standard
+        deviation each."""
+        at, fwhm = self.lab.wavelength, self.lab.fwhm
+        light, across = light * self.stage.scene.fine, np.linspace(-1, 1, at.size)
+        plain = through_slit(light, at, fwhm)
+        yield through_slit(light, at + SCALE, fwhm) - plain
+        yield through_slit(light, at + SCALE * across, fwhm) - plain
+        yield through_slit(light, at, fwhm + slit_error(fwhm)) - plain
 
     def _difference(self, scene):
         return [new - old for new, old in zip(self.output(scene), self.reference, strict=True)]
@@ -179,7 +211,7 @@ class Measure:
         rows, root = self.nuisance(gas)
         vector = self.flat(self._difference(self.stage.hidden(effects)), gas)
         share = np.linalg.solve(root.T, np.linalg.solve(root, rows @ vector))
-        left = np.concatenate([vector - share @ rows, share])
+        left = within_stated(np.concatenate([vector - share @ rows, share]), effects, self.lab.fwhm)
         return left, float(np.sqrt(left @ left))
 
     def angle(self, one, other, known):
@@ -217,6 +249,24 @@ class Measure:
         if not entry.low <= amplitude <= entry.high:
             return None
         return {"effect": name, "amplitude": amplitude, "shape": shape, "snr": snr}
+
+
+def within_stated(vector, effects, fwhm):
+    """A signature, no longer than the steps of its stated error where a scale is off or a slit [m] wider.
+
+    Rows are tangents: of a shift of a third of the slit they leave what a moved scale explains.
+    """
+    (one, *more), most = effects, np.inf
+    if one["effect"] == "wshift" and not more:
+        most = abs(one["amplitude"]) * 1e-9 / SCALE
+    elif one["effect"] == "lsf" and not more:
+        most = (np.hypot(fwhm, 2.3548e-9 * one["amplitude"]) - fwhm) / slit_error(fwhm)
+    return vector * min(1.0, most / max(np.linalg.norm(vector), 1e-30))
+
+
+def slit_error(fwhm):
+    """Standard deviation of a width of two stated digits."""
+    return DIGIT * 10.0 ** (np.floor(np.log10(fwhm) + 1e-9) - 1)
 
 
 def _without(rows, pattern, prior, axis):
