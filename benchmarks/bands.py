@@ -17,7 +17,7 @@ import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels, infer, smooth_prior
-from plasmapyro.estimate.emissivity_stage import FREER, estimate_emissivity
+from plasmapyro.estimate.emissivity_stage import FREER, _freedom, estimate_emissivity
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -123,18 +123,16 @@ def surfaces(kind, random, spread, count, kelvin=1700.0):
     course = np.array([surface(kind, random, spread)[0](CENTRES) for _ in range(count)])
     seen = course * blackbody_radiance(CENTRES, kelvin) * (1 + NOISE * random.standard_normal(course.shape))
     prior = {"level": spread, "length": SETTINGS["length"]}
-    fits = [
-        infer(
-            Channels(CENTRES),
-            smooth_prior(CENTRES, EMITTANCE, shape=one * SETTINGS["shape"], **prior),
-            seen,
-            NOISE * seen,
-        )
-        for one in FREER
-    ]
-    for best in np.zeros(count, int), np.argmax([fit.evidence for fit in fits], axis=0):
+
+    def fitted(factor, rows=slice(None)):
+        one = smooth_prior(CENTRES, EMITTANCE, shape=factor * SETTINGS["shape"], **prior)
+        return infer(Channels(CENTRES), one, seen[rows], NOISE * seen[rows])
+
+    told = np.array([fitted(one).evidence for one in FREER]).T
+    freed = [fitted(_freedom(one), slice(n, n + 1)) for n, one in enumerate(told)]
+    for fits in [fitted(1.0)], freed:
         found, error = (
-            np.array([getattr(fit, name) for fit in fits])[best, np.arange(count)]
+            np.concatenate([getattr(fit, name) for fit in fits])
             for name in ("temperature", "relative_uncertainty")
         )
         inside = np.abs(np.log(found / kelvin)) < 1.959964 * error

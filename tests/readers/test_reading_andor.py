@@ -111,6 +111,19 @@ def test_faint_light_of_the_room_asks_for_an_impossible_emissivity(place, tmp_pa
     assert "of its stated uncertainties off at" in capsys.readouterr().err
 
 
+def test_fainter_light_of_the_room_is_said_and_taken_out(place, tmp_path, capsys):
+    """40 counts of a diode's phosphor: no impossible emissivity, but 18 K where 7 K are stated."""
+    kept = (place / "test/light.asc").read_text()
+    lamp = 40 * np.exp(-(((AIR - 560) / 60) ** 2))
+    series(place / "test/light.asc", furnace(973.15) + lamp, 1.0, seed=3)
+    assert correct(place, tmp_path / "t.nc") == 0
+    (place / "test/light.asc").write_text(kept)
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate")
+    assert (found.spectral_status == 0).all() and abs(found.attrs["lamp_cost"]) > 10.0
+    assert np.abs(found.spectral_temperature - 973.15).max() < 5.0
+    assert "other light, most like that of a white diode" in capsys.readouterr().err
+
+
 @pytest.fixture
 def under_a_lamp(place, tmp_path):
     """Corrects the test with a lamp's light of some width [nm] on it."""

@@ -5,6 +5,7 @@ import xarray as xr
 
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.estimate.emissivity import follow, infer, log_emissivity, smooth_prior
+from plasmapyro.estimate.lamps import ALIKE, SURE, lamp
 from plasmapyro.estimate.light import of_bands, of_spectra
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
@@ -16,7 +17,7 @@ from plasmapyro.record.record import record_of
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface:
 # five of chi-squared for five bands; real furnaces show 0.3 to 1.2, room light on them 2 to 14
-FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course: what the clearest samples say for
+FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course, told by the clearest samples
 LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
 PULLED = (
     5.0  # stated uncertainties of the emissivity: real furnaces ask for 0.1 to 1.4 of them, a fifth of the
@@ -115,7 +116,8 @@ def estimate_emissivity(
 
     rows = np.flatnonzero(used)[np.argsort(-clearest[used])[:TRIED]]
     told = [np.nanmedian(fitted(one, rows)[2].evidence) for one in FREER] if rows.size else 0
-    prior, smooth, alone = fitted(FREER[int(np.argmax(told))])
+    prior, smooth, alone = fitted(_freedom(told))
+    room = None if record.window or name == "radiometer" else _lamp(record, light, prior, alone, data, noise)
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
     state[used & ~alone.converged] = status.NO_SIGNAL
     unlike = used & (misfit > MISFIT)
@@ -134,16 +136,55 @@ def estimate_emissivity(
         kept = np.exp(-np.diff(frames.time)[:, None] / memories)
     rough = slice(prior.basis.shape[1], whole.basis.shape[1])
     kept[:, rough] *= np.exp(-_change(frames.time, alone)[:, None] / LASTS)
-    found = follow(light.channels, whole, kept, data, noise, linear)
+    bare = found = follow(light.channels, whole, kept, data, noise, linear)
+    if room is not None:
+        of_room = np.broadcast_to(room.columns, (len(data), *room.columns.shape))
+        stays = np.pad(kept, ((0, 0), (0, room.columns.shape[1])), constant_values=1.0)
+        found = follow(light.channels, whole, stays, data, noise, np.concatenate([linear, of_room], axis=-1))
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
     state[lost] = status.NO_SIGNAL
-    pull = log_emissivity(found, 0.0, prior.basis[:, :smooth])[0] / np.hypot(level, shape)
+    # Judged without a lamp, whose free spectrum takes up much that is none.
+    pull = log_emissivity(bare, 0.0, prior.basis[:, :smooth])[0] / np.hypot(level, shape)
     pulled = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     pulled &= np.abs(np.nan_to_num(pull)).max(axis=1) > PULLED
     state[pulled] = status.CONTRADICTED
     said = _contradictions(record.clock(frames.time), light, alone.residual, np.flatnonzero(unlike))
     said = said or _asked_for(record.clock(frames.time), wavelength, pull, np.flatnonzero(pulled))
-    return _dataset(test, record, light, prior, smooth, found, alone.residual, state, said)
+    made = _dataset(test, record, light, prior, smooth, found, alone.residual, state, said)
+    if room is None:
+        return made
+    return made.assign_attrs(_of_lamp(room, bare.temperature - made.spectral_temperature.values))
+
+
+def _lamp(record, light, prior, alone, data, noise):
+    """The `lamps.Lamp` beside the light of the coldest samples, which it moves most; None: unlikely."""
+    told = np.isfinite(alone.state[:, 0])
+    if not told.any():
+        return None
+    told &= np.nan_to_num(alone.temperature) < (1 + ALIKE) * alone.temperature[told].min()
+    seen = data[told].mean(axis=0)
+    error = np.hypot(np.sqrt((noise[told] ** 2).mean(axis=0) / told.sum()), light.independent * seen)
+    slit = float(record.attributes["spectrometer_fwhm"])
+    linear = light.linear[told].mean(axis=0)
+    found = lamp(light.channels, prior, light.middle, seen, error, linear, slit)
+    return found if found is not None and found.odds > SURE else None
+
+
+def _of_lamp(room, cost):
+    """What a file says of light of a lamp: kind, logarithm of the odds, where [m], `cost` (S,) [K]."""
+    named = {"lamp": room.kind, "lamp_odds": room.odds, "lamp_wavelength": room.most}
+    return named | ({"lamp_cost": float(np.nanmedian(cost))} if np.isfinite(cost).any() else {})
+
+
+def _freedom(told):
+    """Times the stated course that light of such evidence (logarithms, one of each of `FREER`) speaks for.
+
+    The root mean square over all that may be, each as likely beforehand as it is little: five bands alone
+    often do not tell, and the likeliest of all would be stated too surely.
+    """
+    odds = np.nan_to_num(told - np.log(FREER), nan=-np.inf)
+    weight = np.exp(odds - odds.max()) if np.isfinite(odds).any() else np.ones(1)
+    return float(np.sqrt(np.average(np.square(FREER[: weight.size]), weights=weight)))
 
 
 def _change(time, alone):

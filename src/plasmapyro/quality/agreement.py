@@ -92,6 +92,16 @@ def throughput_in_doubt(case, limit):
 
 
 @rule()
+def lamp_in_view(case, limit):
+    about = case.estimate.attrs
+    if about.get("lamp_odds", 0.0) <= limit:
+        return None
+    cost = about.get("lamp_cost")
+    words = "" if cost is None else f"; without it the temperature would be {cost:+.1f} K off this one"
+    return {"kind": about["lamp"], "place": about["lamp_wavelength"] * 1e9, "cost": words}
+
+
+@rule()
 def ratio_outside_calibration(case, limit):
     signal, state = case.result.corrected_signal.values, case.result.corrected_status.values
     share = case.result.surface_share.values
