@@ -81,6 +81,18 @@ def test_the_end_state_is_that_of_the_joint_estimate(shelf, told):
     assert last["high"] - last["low"] == pytest.approx(high - low, rel=0.1)
 
 
+def test_a_plasma_that_ends_a_moment_before_its_stated_end_moves_no_surface(shelf, told, monkeypatch):
+    """The sample at the stated end without gas: taken for a surface that fell, it left all later ones low."""
+    off = read_test(shelf / "my_test").attrs["plasma_off_time"]
+    samples = rows(shelf)
+    after = next(one for one in samples if one["time"] > off + 0.05)
+    early = [one if abs(one["time"] - off) > 0.15 else after | {"time": one["time"]} for one in samples]
+    assert early != samples
+    found = streamed(shelf, monkeypatch, early)
+    spread = told[-1]["high"] - told[-1]["low"]
+    assert found[-1]["temperature"] == pytest.approx(told[-1]["temperature"], abs=spread / 4)
+
+
 def test_it_says_what_is_there_and_what_is_not(told):
     time = np.array([line["time"] for line in told])
     assert {line["status"] for line in told if line["time"] < 0} == {"not_injected"}

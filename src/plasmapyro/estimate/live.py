@@ -125,7 +125,7 @@ class Filter:
             self._predict(time)
         self._time = time
         shining = time <= self.off
-        if not shining and time <= self.off + self._settings["plasma_off_time_span"]:
+        if abs(time - self.off) <= self._settings["plasma_off_time_span"]:
             signal = np.full(2, np.nan)  # the gas dies: neither there nor gone
         spread = np.maximum(self._floor, self._relative * np.abs(np.nan_to_num(signal)))
         data = dataclasses.replace(
