@@ -11,14 +11,28 @@ from plasmapyro.diagnosis.fit.noise import Noise
 from plasmapyro.diagnosis.select import leftover
 
 SAMPLES, CHANNELS = 100, 150
+FRAME_LIGHT = 2000.0  # standard deviations of one channel of one frame
 
 
 @pytest.fixture
-def left():
-    """`left_over` of residuals (n, C) that are white already."""
+def left(monkeypatch):
+    """`left_over` of residuals (n, C) of bins that are white already, of light of 1, and of residuals of
+    frames, one a bin, of light of `FRAME_LIGHT` half of which is gas."""
 
-    def of(z, channels=CHANNELS):
-        instrument = SimpleNamespace(channels=channels, value=z, time=np.arange(len(z)) - 10.0)
+    def of(z, channels=CHANNELS, frames=None):
+        frames, half = (z if frames is None else frames), np.full(z.shape, FRAME_LIGHT / 2)
+        half = half * (1 + np.arange(z.shape[1]) % 2)  # the gas shines in every other channel alone
+        monkeypatch.setattr(
+            leftover, "raw_residuals", lambda *_: [(frames, np.full(z.shape, FRAME_LIGHT), half)]
+        )
+        instrument = SimpleNamespace(
+            channels=channels,
+            value=z,
+            time=np.arange(len(z)) - 10.0,
+            raw_moment=np.arange(len(z))[:, None] - 10.0,
+            raw_bin=np.arange(len(z)),
+            number=np.ones(z.shape),
+        )
         weigher = Weigher(Noise(np.ones(z.shape), np.zeros(len(z)), np.zeros(len(z))), np.zeros(z.shape))
         model, solution = (
             SimpleNamespace(instruments=[instrument], off=70.0),
@@ -38,6 +52,22 @@ def test_lines_that_shine_for_some_seconds_are_a_moment(left):
     z = np.random.default_rng(3).standard_normal((SAMPLES, CHANNELS))
     z[60:64, [40, 41, 90]] += 9.0  # four samples, three channels
     assert left(z) == leftover.MOMENT
+
+
+@pytest.mark.parametrize("size", [(2, 2), (4, 1), (1, 4)])
+def test_a_line_that_flashes_is_a_moment_though_no_pattern_leads(left, size):
+    """Eight and a half standard deviations together: the largest singular value stays that of noise."""
+    z = np.random.default_rng(3).standard_normal((SAMPLES, CHANNELS))
+    _, _, plain, _ = leftover.leading(z)
+    z[60 : 60 + size[0], 40 : 40 + size[1]] += 8.5 / np.sqrt(np.prod(size))
+    assert leftover.leading(z)[2] < 1.02 * plain
+    assert left(z) == leftover.MOMENT
+
+
+def test_one_hit_is_no_flash(left):
+    z = np.random.default_rng(3).standard_normal((SAMPLES, CHANNELS))
+    z[60, 40] = 9.0
+    assert left(z) is None
 
 
 def test_a_pattern_that_comes_and_goes_is_one(left):
@@ -65,6 +95,46 @@ def test_frames_that_are_too_bright_stand_out_of_any_common_noise(shaken):
     brighter[[3, 11, 20, 34, 41, 57, 58, 66, 83, 91]] = True
     found = leftover.standing_out(usual + 11.0 * (1 + shaken) * brighter[:, None], value, weigher, phase)
     assert not found[~brighter].any() and found.sum() >= (10 if not shaken else leftover.FEWEST)
+
+
+def frames_with(seed, *, step=0.0, gas=0.0, wander=0.0):
+    """Residuals of frames: noise, gains that walk, a flicker of the gas, and a step of all light half-way."""
+    random = np.random.default_rng(seed)
+    z = random.standard_normal((SAMPLES, CHANNELS))
+    gain = wander * np.cumsum(random.standard_normal(SAMPLES)) + step * (np.arange(SAMPLES) > 45)
+    shine = gas * random.standard_normal(SAMPLES)
+    light = FRAME_LIGHT * np.ones(CHANNELS)
+    return z + gain[:, None] * light + shine[:, None] * light / 2 * (1 + np.arange(CHANNELS) % 2)
+
+
+def test_a_step_of_the_frames_is_seen_where_the_bins_do_not_show_it(left):
+    """A step of 0.3 % beside gas that flickers by 1 % and gains that walk by 0.01 % from frame to frame."""
+    flat = np.random.default_rng(1).standard_normal((SAMPLES, CHANNELS))
+    assert left(flat, frames=frames_with(2, step=3e-3, gas=0.01, wander=1e-4)) == leftover.STEP
+    assert left(flat, frames=frames_with(2, gas=0.01, wander=1e-4)) is None
+
+
+def test_a_step_is_held_against_usual_ones(left):
+    """Gains that walk by 0.3 % from frame to frame have no step of 0.3 %."""
+    flat = np.random.default_rng(1).standard_normal((SAMPLES, CHANNELS))
+    assert left(flat, frames=frames_with(2, step=3e-3, wander=3e-3)) is None
+
+
+def test_the_end_of_the_plasma_is_no_step(left):
+    flat = np.random.default_rng(1).standard_normal((SAMPLES, CHANNELS))
+    frames = frames_with(2)
+    frames[80:] += 0.01 * FRAME_LIGHT  # from 70 s on
+    assert left(flat, frames=frames) is None
+
+
+def test_a_ramp_is_no_step():
+    time, error = np.arange(100.0), np.full(100, 1e-4)
+    noise = 1e-4 * np.random.default_rng(3).standard_normal(100)
+    phase = np.ones(100, dtype=int)
+    ramp, step = 1e-3 * np.clip((time - 40) / 10, 0, 1), 1e-3 * (time > 40)
+    assert leftover.largest_step(noise + ramp, error, phase, 1.0)[0] < leftover.STEP_STANDS
+    size, place = leftover.largest_step(noise + step, error, phase, 1.0)
+    assert size > leftover.STEP_STANDS and abs(place - 41) <= 1
 
 
 def test_two_bands_have_no_patterns(left):

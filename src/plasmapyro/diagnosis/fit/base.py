@@ -102,26 +102,27 @@ def phase_of(time, off):
     return (time >= 0).astype(int) + (time >= off).astype(int)
 
 
-def renoised(model, solution):
-    """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
-    raw = raw_model(model)
-    found, instruments = [], []
-    flicker = None
+def raw_residuals(model, solution):
+    """Residuals, predictions and light of the gas (t, C) of the samples of each instrument; residuals are
+    NaN where no bin holds them."""
+    raw, state = raw_model(model), solution.state
     for which, instrument in enumerate(model.instruments):
-        state = solution.state
-        value = raw.evaluate(
-            which, state.knots, state.values, solution.settings, gas_error=state.error_of_gas(which)
-        )
-        plain = value
+        error = state.error_of_gas(which)
+        plain = raw.evaluate(which, state.knots, state.values, solution.settings, gas_error=error)
         more = state.values.copy()
         more[model.index["gas"]] += 1e-3
-        gas = (
-            raw.evaluate(which, state.knots, more, solution.settings, gas_error=state.error_of_gas(which))
-            - plain
-        ) / 1e-3
-        gas = np.maximum(gas, 0.0)
+        gas = raw.evaluate(which, state.knots, more, solution.settings, gas_error=error) - plain
         value = plain * (1 + state.pattern[which]) + state.dark[which]
         residual = np.where((instrument.raw_bin >= 0)[:, None], instrument.raw - value, np.nan)
+        yield residual, value, np.maximum(gas / 1e-3, 0.0)
+
+
+def renoised(model, solution):
+    """Noise from the residuals of a fit, and the model with outliers left out of its bins."""
+    found, instruments = [], []
+    flicker = None
+    samples = raw_residuals(model, solution)
+    for instrument, (residual, value, gas) in zip(model.instruments, samples, strict=True):
         time = instrument.raw_moment.mean(axis=1)
         series = binning.series(time)
         phase, own = phase_of(time, model.off) + 3 * series, None if model.plasma else series

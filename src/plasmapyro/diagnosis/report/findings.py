@@ -11,7 +11,7 @@ from plasmapyro.diagnosis.fit.base import Base
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
 from plasmapyro.diagnosis.select.held_out import Gain
-from plasmapyro.diagnosis.select.leftover import whitened
+from plasmapyro.diagnosis.select.leftover import STEP, whitened
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, PRIOR_UNKNOWN, honest, prior_share
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, best_by_id, linear_evidence
 from plasmapyro.diagnosis.select.search import PULL
@@ -26,6 +26,7 @@ BY_CHANCE = 5.0  # and standard deviations of it by which it must exceed 1
 BESIDE_NAMES = -5.0  # log weight of something unknown below that of what is named
 EVEN = 0.5  # probability of nothing beyond which no extension is applied
 OF_GAS = "gas"  # row of the table of stated probabilities where the gas alone has a name
+ONE_STEP = "one_walk_spectrometer"  # structure that moves the temperature as a step of frames does
 AHEAD = 1.0  # log weight of what the verdict says above all others
 
 
@@ -108,6 +109,7 @@ class Findings:
         """Change (K,) [K] of the knots if what no effect explains were in the model."""
         last, left = self.selection.steps[-1], self.selection.unknown_class
         names = [structure.id for structure in last.screen.structures]
+        left = ONE_STEP if left == STEP else left
         if left not in names:
             return np.zeros(self.model.size)
         return Unknowns(last.screen).shift(last.screen, names.index(left))

@@ -1,19 +1,32 @@
 """What a final fit leaves in many channels at once, whatever it looks like."""
 
-import numpy as np
+import itertools
+import warnings
 
-from plasmapyro.diagnosis.fit.base import phase_of
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from plasmapyro.diagnosis.fit.base import phase_of, raw_residuals
 from plasmapyro.diagnosis.fit.noise import slow_part
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
 LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 1.05
 LEAST = 10  # channels of an instrument that has patterns
 SHORT = 0.1  # [1] of the record: what lasts no longer is a moment
+BOXES = (1, 2, 4), (1, 2, 3)  # bins of time, and channels, that a line may light for a moment
+HIT = 4.0  # standard deviations: what one bin of one channel shows beyond counts as no more
+LEAST_USUAL = 0.5  # standard deviations: a fit that follows its noise leaves half of it
+LINE_STANDS = 6.5  # usual sums of such boxes: of tests without a fault they stay below 5
 STANDS = 6.0, 2.5  # usual distances, and standard deviations of the noise, by which frames stand out
 FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal law 0.012 lie so far
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
-FRAMES, MOMENT, PATTERN = "left_frames", "left_moment", "left_pattern"
+GAS_OF_FRAME, CLEAR = 0.02, 0.01  # [1]: how far the gas of one frame may flicker; error of a gain that tells
+SIDES, LONGEST_SIDE = (3, 6, 12), 12.0  # frames before and after a step, and how long they may last [s]
+USUAL_REACH = 20  # frames to both sides, at least, whose steps are the usual ones
+STEP_STANDS = 6.0  # standard deviations of the frames, or of usual steps
+FRAMES, MOMENT, PATTERN, STEP = "left_frames", "left_moment", "left_pattern", "left_step"
 NAMES = {
+    STEP: "a step of the gain of the spectrometer from one frame to the next",
     FRAMES: "frames of the spectrometer that are brighter or fainter than their neighbours",
     MOMENT: "what the spectrometer saw for a moment",
     PATTERN: "a pattern over wavelength that comes and goes",
@@ -47,6 +60,22 @@ def leading(z):
     return u[:, 0], v[0], float(s[0]), float(np.max(draws))
 
 
+def brightest_box(z, phase):
+    """Largest sum of residuals (n, C) over a few bins of a phase and a few channels, over usual ones: lines
+    that flash are too few to be the leading pattern."""
+    best, z = 0.0, np.clip(np.nan_to_num(z), -HIT, HIT)
+    for size in itertools.product(*BOXES):
+        if size[0] > z.shape[0] or size[1] > z.shape[1]:
+            continue
+        sums = np.abs(sliding_window_view(z, size).sum(axis=(2, 3)))
+        phases = sliding_window_view(phase, size[0])
+        sums = sums[phases[:, 0] == phases[:, -1]]
+        if sums.size:
+            usual = max(1.4826 * np.median(sums), LEAST_USUAL * np.sqrt(np.prod(size)))
+            best = max(best, float(sums.max() / usual))
+    return best
+
+
 def standing_out(residual, prediction, weigher, phase):
     """Frames (n,) bool whose light as a whole is brighter or fainter than that of their neighbours.
 
@@ -63,8 +92,56 @@ def standing_out(residual, prediction, weigher, phase):
     return apart > np.maximum(max(STANDS[0] * scatter, STANDS[1]) * expected, LEAST_APART)
 
 
+def gains_of_frames(instrument, residual, value, gas, weight):
+    """Gain (t,) [1] of all light of each frame and its standard deviation, the brightness of its gas free.
+
+    Residuals, predictions and light of the gas (t, C) of the frames; `weight` (n, C) of their bins. NaN where
+    a frame was not used.
+    """
+    own = weight[np.maximum(instrument.raw_bin, 0)]
+    own = own / np.maximum(instrument.number, 1)[np.maximum(instrument.raw_bin, 0)]
+    own = np.where(np.isfinite(residual), own, 0.0)
+    left = np.nan_to_num(residual)
+    of_gas = np.sum(own * gas**2, axis=1) + GAS_OF_FRAME**-2.0
+    both, of_all = np.sum(own * gas * value, axis=1), np.sum(own * value**2, axis=1)
+    information = np.where(own.any(axis=1), of_all - both**2 / of_gas, np.nan)
+    score = np.sum(own * value * left, axis=1) - both / of_gas * np.sum(own * gas * left, axis=1)
+    return score / information, information**-0.5
+
+
+def largest_step(gain, error, phase, period):
+    """Largest step of a gain (t,) within a phase, over its standard deviation, and the frame it begins with.
+
+    Straight lines through the frames on both sides end apart by it; what bends slowly shows none. Where steps
+    of noise are usually larger than by the errors (t,) alone, they count by that.
+    """
+    best, place = 0.0, None
+    for side in SIDES:
+        if side > SIDES[0] and side * period > LONGEST_SIDE or gain.size < 2 * side + USUAL_REACH:
+            continue
+        away = np.arange(side) + 0.5
+        bent = away - away.mean()
+        end = 1 / side - away.mean() * bent / np.sum(bent**2)  # of a line, at the middle
+        law = np.concatenate([-end[::-1], end])
+        gains, errors, phases = (sliding_window_view(one, 2 * side) for one in (gain, error, phase))
+        steps = np.abs(gains @ law) / np.sqrt(errors**2 @ law**2)
+        steps[(phases[:, 0] != phases[:, -1]) | ~(errors.max(axis=1) < CLEAR)] = np.nan
+        if not np.isfinite(steps).any():
+            continue
+        reach = max(USUAL_REACH, 4 * side)
+        about = sliding_window_view(np.pad(steps, reach, constant_values=np.nan), 2 * reach + 1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # nothing there
+            usual = 1.4826 * np.nanmedian(about, axis=1)
+        steps = np.nan_to_num(steps / np.maximum(usual, 1.0))
+        if steps.max() > best:
+            best, place = float(steps.max()), int(steps.argmax()) + side
+    return best, place
+
+
 def left_over(model, solution):
-    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, `FRAMES` if some stand out, else None.
+    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, `FRAMES` if some stand out, `STEP` if
+    its gain has one, else None.
 
     Notes
     -----
@@ -78,6 +155,8 @@ def left_over(model, solution):
         if size > LARGER * expected:
             lasting = 1 / np.sum(time**4)  # samples that share the pattern, about
             return MOMENT if lasting < SHORT * time.size else PATTERN
+        if brightest_box(z, phase_of(instrument.time, model.off)) > LINE_STANDS:
+            return MOMENT
     for instrument, residual, value, weigher in zip(
         model.instruments, solution.residual, solution.prediction, solution.weighers, strict=True
     ):
@@ -85,4 +164,18 @@ def left_over(model, solution):
             count = standing_out(residual, value, weigher, phase_of(instrument.time, model.off)).sum()
             if count >= max(FEWEST, LEAST_SHARE * len(value)):
                 return FRAMES
-    return None
+    return STEP if _steps(model, solution) else None
+
+
+def _steps(model, solution):
+    """Whether the gain of a spectrometer has a step: bins and gains that wander would swallow it."""
+    samples = raw_residuals(model, solution)
+    for instrument, weigher, found in zip(model.instruments, solution.weighers, samples, strict=True):
+        if instrument.channels < LEAST:
+            continue
+        time = instrument.raw_moment.mean(axis=1)
+        gain, error = gains_of_frames(instrument, *found, weigher.weight)
+        period = float(np.median(np.diff(time)))
+        if largest_step(gain, error, phase_of(time, model.off), period)[0] > STEP_STANDS:
+            return True
+    return False

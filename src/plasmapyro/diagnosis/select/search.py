@@ -9,12 +9,14 @@ from plasmapyro.diagnosis.fit.inference import Fitter, Solution, log_evidence
 from plasmapyro.diagnosis.fit.model import Model
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
 from plasmapyro.diagnosis.select.screen import Screen, best_by_id, linear_evidence, screen
+from plasmapyro.diagnosis.select.structures import SMOOTH_MAP
 from plasmapyro.diagnosis.select.thresholds import Thresholds
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
 AT_END = 1e-3  # [1], of the range of an amplitude
 AT_END_PRICE = 10.0  # log evidence by which an effect at the end of its range must beat one that is not
+NEARLY = 3.0  # log Bayes factor within which a smooth map says no more than a structure of one axis
 REFITTED = 3  # effects that are fitted anew, of those that explain about as much as the best
 
 
@@ -36,8 +38,10 @@ class Step:
 
     @property
     def structure(self):
-        """Id of the most likely unknown structure."""
-        return self.screen.structures[int(self.unknown.argmax())].id
+        """Id of the most likely unknown structure; of those nearly as likely, one along a single axis."""
+        order = np.argsort(-self.unknown, kind="stable")
+        near = [self.screen.structures[i].id for i in order if self.unknown[i] > self.unknown.max() - NEARLY]
+        return next((one for one in near if one != SMOOTH_MAP), near[0])
 
     def gained(self, solution):
         """Chi-squared that another fit gains."""

@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
 
+SMOOTH_MAP = "smooth"  # id of the class that has two axes
 MAP_WAVES = 8
 WALK_STEPS = 40
 ZERO = 0.01  # [1], of the usual signal: unit of a zero that wanders
@@ -86,11 +87,11 @@ def seen_by(identity):
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
-    if words & {"walk", "wave", "moment", "frames"}:
+    if words & {"walk", "wave", "moment", "frames", "step"}:
         return {"instrument": "spectrometer", "axis": "time"}
     if words & {"surface", "released"}:
         return {"instrument": "spectrometer", "axis": "temperature"}
-    if identity == "smooth":
+    if identity == SMOOTH_MAP:
         return {"instrument": "spectrometer", "axis": "time and wavelength"}
     return {"instrument": "spectrometer", "axis": "wavelength"}
 
@@ -135,11 +136,7 @@ def structures_of(model, solution):
                 )
             tick = products.row(CLOCK * _slope(value - gas, time, model.off))
             classes.add_products("walk_clock", "wandering clock of the pyrometer", {place: [(tick, walk)]})
-            each = zip(kinds[-instrument.channels :], bands, value.T, strict=True)
-            for (identity, name, _), band, signal in each:
-                classes.add_products(
-                    f"signal_{identity}", f"gain of the {name}", {place: [(band, _codes(signal))]}
-                )
+            _add_codes(classes, place, bands, value, kinds[-instrument.channels :])
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -147,9 +144,9 @@ def structures_of(model, solution):
     brightness = {place: [pair] for place, pair in enumerate(zip(gas_rows, walks, strict=True))}
     classes.add_products("walk_gas", "wandering brightness of the gas", brightness)
     if smooth:
-        classes.add_products("smooth", "smooth map over time and wavelength", smooth)
+        classes.add_products(SMOOTH_MAP, "smooth map over time and wavelength", smooth)
     spectral = [(place, classes.add(identity, name, row.shape[1])) for place, identity, name, row in patterns]
-    structures = [one for one in classes.found if not one.id.startswith(("wave", "signal", "walk_gas"))]
+    structures = [one for one in classes.found if not one.id.startswith(("wave", "walk_gas"))]
     structures += _singles(model, classes.found, spectral)
     products = [products.whole() for products in classes.products]
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
@@ -178,6 +175,19 @@ def _add_bands(classes, place, bands, walk, wave, kinds):
                 classes.add_products(f"{kind}_{identity}", f"{word} {name}", {place: parts})
 
 
+def _add_codes(classes, place, bands, value, kinds):
+    """Gains of the bands along their signals (n, C): of each, and of all where one converter reads them, or
+    amplifiers change their ranges together, by the first."""
+    codes = [_codes(signal) for signal in value.T]
+    for (identity, name, _), band, gains, signal in zip(kinds, bands, codes, value.T, strict=True):
+        parts = [(band, np.hstack([gains, _ranges(signal)]))]
+        classes.add_products(f"signal_{identity}", f"gain of the {name}", {place: parts})
+    if len(kinds) > 1:
+        steps = _ranges(value[:, 0])
+        parts = [(band, np.hstack([gains, steps])) for band, gains in zip(bands, codes, strict=True)]
+        classes.add_products("signal_pyrometer", "gain of the pyrometer", {place: parts})
+
+
 def _singles(model, found, spectral):
     """Structures of one column: a step, a wave, a channel, a line, fringes."""
     singles = [
@@ -199,7 +209,7 @@ def _singles(model, found, spectral):
 SINGLE_NAMES = {
     "walk": "one step: {name}",
     "wave": "{name}",
-    "signal": "{name} that comes and goes along the signal",
+    "signal": "{name} that changes along the signal",
     "pattern": "one channel: {name}",
     "gas": "one channel: {name}",
     "released": "one channel: {name}",
@@ -239,6 +249,13 @@ def _codes(signal):
     """Gains (n, m) that come and go along a signal (n,), as those of a converter with unequal steps do."""
     angle = 2 * np.pi * (signal / signal.max())[:, None, None] * CODES[:, None] + PHASES
     return np.sin(angle).reshape(signal.size, -1)
+
+
+def _ranges(signal):
+    """Gains (n, m) that are another one above a level of the signal (n,), at most `WALK_STEPS` levels."""
+    order = np.sort(signal)
+    places = np.unique(np.linspace(0, order.size - 2, min(WALK_STEPS, order.size - 1)).astype(int))
+    return (signal[:, None] > (order[places] + order[places + 1]) / 2).astype(float)
 
 
 def _fringes(model, place):
