@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded, half_width
-from plasmapyro.diagnosis.report.temperature import other_clock
+from plasmapyro.diagnosis.report.temperature import doubtful, other_clock
 
 
 def test_each_error_alone_has_its_own_interval():
@@ -63,3 +63,24 @@ def test_one_bin_has_no_other_clock():
     """A lamp seen in one exposure."""
     solution = SimpleNamespace(settings=(), state=SimpleNamespace(knots=np.array([1500.0])))
     assert other_clock(solution, np.eye(1), np.zeros(1)) == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("applied", "status", "kept"),
+    [
+        (False, "named", 1.0),
+        (True, "named", 0.0),
+        (True, "named+unknown", 0.6),
+        (False, "named+unknown", 1.0),
+    ],
+)
+def test_a_name_with_reserve_widens_the_interval_by_the_chance_that_it_is_wrong(applied, status, kept):
+    """Of two names 0.5 and 0.14 likely, one of which moves the temperature, 0.36 is the chance of neither."""
+    settings = [SimpleNamespace(id="clock"), SimpleNamespace(id="winE")]
+    findings = SimpleNamespace(
+        applied=applied,
+        status=status,
+        final=SimpleNamespace(settings=settings),
+        probability=({"clock": 0.5, "winE": 0.14, "unknown": 0.3, "none": 0.06}, 0.5),
+    )
+    np.testing.assert_allclose(doubtful(findings, np.array([10.0, -5.0])), kept * np.array([10.0, -5.0]))

@@ -97,6 +97,22 @@ def test_frames_that_are_too_bright_stand_out_of_any_common_noise(shaken):
     assert not found[~brighter].any() and found.sum() >= (10 if not shaken else leftover.FEWEST)
 
 
+def test_two_kinds_of_frames_stand_out_of_the_noise_that_they_were_taken_for():
+    """A tenth of the frames are 2 % brighter, less than two deviations of the common noise that is stated."""
+    random = np.random.default_rng(6)
+    value = np.full((SAMPLES, CHANNELS), 400.0)
+    weigher = Weigher(
+        Noise(np.ones(value.shape), np.zeros(SAMPLES), np.full(SAMPLES, 0.012**2)), 0 * value, value
+    )
+    brighter = np.zeros(SAMPLES, dtype=bool)
+    brighter[[13, 20, 34, 41, 57, 66, 73, 81, 88, 94]] = True
+    phase = (np.arange(SAMPLES) >= 10).astype(int)
+    left = random.standard_normal(value.shape) + value * (
+        0.001 * random.standard_normal((SAMPLES, 1)) + 0.02 * brighter[:, None]
+    )
+    np.testing.assert_array_equal(leftover.standing_out(left, value, weigher, phase), brighter)
+
+
 def frames_with(seed, *, step=0.0, gas=0.0, wander=0.0):
     """Residuals of frames: noise, gains that walk, a flicker of the gas, and a step of all light half-way."""
     random = np.random.default_rng(seed)

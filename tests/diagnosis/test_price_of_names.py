@@ -111,3 +111,16 @@ def test_a_window_of_an_instrument_that_the_test_lacks_is_no_other_one(search):
     asked = tuple(one for one in clearer.screen.candidates if "pyrometer" in one.effect.instruments)
     clearer = replace(clearer, screen=replace(clearer.screen, candidates=asked))
     assert by_other_window(search, [clearer], None)[0][-1] is clearer
+
+
+@pytest.mark.parametrize(("map_gains", "said"), [(1.0, "pattern"), (4.0, "smooth")])
+def test_a_map_of_two_axes_must_say_more_than_a_pattern_of_one(map_gains, said):
+    """A step between two halves of a sensor is both, and nothing that changes."""
+    classes = tuple(Structure(one, one, slice(0, 0)) for one in ("pattern", "walk_pyrometer", "smooth"))
+    found = step(solution(0.0))
+    found = replace(
+        found,
+        screen=replace(found.screen, structures=classes),
+        unknown=np.array([80.0, 70.0, 80.0 + map_gains]),
+    )
+    assert found.structure == said

@@ -29,8 +29,7 @@ def temperatures(findings, against=()):
     """
     times, base, final = findings.times, findings.base.solution, findings.final
     basis = findings.model.history.basis(times)
-    # Effects that the data ask for but held-out data do not confirm: their shift is an uncertainty.
-    shift = 0.0 if findings.applied else basis @ (final.state.knots - base.state.knots)
+    shift = doubtful(findings, basis @ (final.state.knots - base.state.knots))
     fit, moved = (final if findings.applied else base), other_clock(final, basis, times)
     rows = {
         "base": _interval(findings, base),
@@ -79,6 +78,22 @@ def temperatures(findings, against=()):
             **recommended.attributes(choice),
         }
     )
+
+
+def doubtful(findings, shift):
+    r"""Part (t,) [K] of the shift (t,) of the temperature by the named effects that is an uncertainty.
+
+    All of it where held-out data do not confirm them. Where names that are applied stand with reserve, the
+    root of the mean square about the extended temperature, :math:`\sqrt{1 - p}\,\Delta T`: with the
+    probability 1 - p it is another cause, and the temperature as likely that without them. Else none.
+    """
+    if not findings.applied:
+        return shift
+    if findings.status != "named+unknown":
+        return np.zeros_like(shift)
+    answers = findings.probability[0]
+    right = sum(answers.get(setting.id, 0.0) for setting in findings.final.settings)
+    return np.sqrt(max(1.0 - right, 0.0)) * shift
 
 
 def _interval(findings, solution, unsure=0.0):
@@ -175,7 +190,11 @@ def _inputs(findings, solution, shift):
     excess = np.sqrt(max(solution.objective / freedom - 1, 0.0) * variance)
     misfit = "unnamed misfit"
     if np.any(shift):
-        rows.append(budget.Input("what was named and is not confirmed", "named effects", shift))
+        rows.append(
+            budget.Input(
+                "what was named and is not confirmed, or stands with reserve", "named effects", shift
+            )
+        )
     return [
         *rows,
         budget.Input("misfit beyond the noise", misfit, excess, freedom=float(freedom)),
