@@ -21,6 +21,7 @@ STANDS = 6.0, 1.5  # usual distances, and standard deviations of the noise, by w
 FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal law 0.012 lie so far
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
 GAS_OF_FRAME, CLEAR = 0.02, 0.01  # [1]: how far the gas of one frame may flicker; error of a gain that tells
+UNFOLLOWED = 0.05  # [1], of what light changes by from frame to frame
 SIDES, LONGEST_SIDE = (3, 6, 12), 12.0  # frames before and after a step, and how long they may last [s]
 USUAL_REACH = 20  # frames to both sides, at least, whose steps are the usual ones
 STEP_STANDS = 6.0  # standard deviations of the frames, or of usual steps
@@ -96,7 +97,7 @@ def gains_of_frames(instrument, residual, value, gas, weight):
     """Gain (t,) [1] of all light of each frame and its standard deviation, the brightness of its gas free.
 
     Residuals, predictions and light of the gas (t, C) of the frames; `weight` (n, C) of their bins. NaN where
-    a frame was not used.
+    a frame was not used. Where light changes fast, a fit misses some of it.
     """
     own = weight[np.maximum(instrument.raw_bin, 0)]
     own = own / np.maximum(instrument.number, 1)[np.maximum(instrument.raw_bin, 0)]
@@ -106,7 +107,8 @@ def gains_of_frames(instrument, residual, value, gas, weight):
     both, of_all = np.sum(own * gas * value, axis=1), np.sum(own * value**2, axis=1)
     information = np.where(own.any(axis=1), of_all - both**2 / of_gas, np.nan)
     score = np.sum(own * value * left, axis=1) - both / of_gas * np.sum(own * gas * left, axis=1)
-    return score / information, information**-0.5
+    change = np.gradient(np.log(np.maximum(value.sum(axis=1), 1e-300)))
+    return score / information, np.hypot(information**-0.5, UNFOLLOWED * change)
 
 
 def largest_step(gain, error, phase, period):
