@@ -1,6 +1,7 @@
 """What a pyrometer of one or more bands reads, and every error of it that a design can change."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -91,8 +92,8 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
     """
     middle, size = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     weight = responses * (ELEMENTARY_CHARGE / (PLANCK * LIGHT_SPEED) * receiver.throughput * middle * size)
-    black = blackbody_radiance(middle[:, None], TEMPERATURE_GRID)
-    reference = weight * blackbody_radiance(middle, reference_temperature)
+    black, reference = _black_bodies(middle.tobytes(), reference_temperature)
+    reference = weight * reference
     total = np.maximum(reference.sum(-1), np.finfo(float).tiny)
     johnson = 4 * BOLTZMANN * ROOM_TEMPERATURE * receiver.area / np.asarray(resistance_area, dtype=float)
     return Currents(
@@ -101,6 +102,16 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
         (reference @ middle) / total,
         (reference @ air) / total,
         johnson + receiver.amplifier_noise**2,
+    )
+
+
+@lru_cache(maxsize=4)
+def _black_bodies(middle, reference_temperature):
+    """Radiance at the grid of temperatures (B, T) and at the reference (B,); `middle`: bytes of the bins."""
+    middle = np.frombuffer(middle)
+    return (
+        blackbody_radiance(middle[:, None], TEMPERATURE_GRID),
+        blackbody_radiance(middle, reference_temperature),
     )
 
 
