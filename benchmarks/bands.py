@@ -129,7 +129,7 @@ def surfaces(kind, random, spread, count, kelvin=1700.0):
         return infer(Channels(CENTRES), one, seen[rows], NOISE * seen[rows])
 
     told = np.array([fitted(one).evidence for one in FREER]).T
-    freed = [fitted(_freedom(one), slice(n, n + 1)) for n, one in enumerate(told)]
+    freed = [fitted(_freedom(one, CENTRES.size), slice(n, n + 1)) for n, one in enumerate(told)]
     for fits in [fitted(1.0)], freed:
         found, error = (
             np.concatenate([getattr(fit, name) for fit in fits])

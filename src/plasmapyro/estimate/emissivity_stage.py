@@ -18,6 +18,7 @@ NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface:
 # five of chi-squared for five bands; real furnaces show 0.3 to 1.2, room light on them 2 to 14
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course, told by the clearest samples
+LEAST_TELLING = 4  # channels
 LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
 PULLED = (
     5.0  # stated uncertainties of the emissivity: real furnaces ask for 0.1 to 1.4 of them, a fifth of the
@@ -116,7 +117,7 @@ def estimate_emissivity(
 
     rows = np.flatnonzero(used)[np.argsort(-clearest[used])[:TRIED]]
     told = [np.nanmedian(fitted(one, rows)[2].evidence) for one in FREER] if rows.size else 0
-    prior, smooth, alone = fitted(_freedom(told))
+    prior, smooth, alone = fitted(_freedom(told, light.middle.size))
     room = None if record.window or name == "radiometer" else _lamp(record, light, prior, alone, data, noise)
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
     state[used & ~alone.converged] = status.NO_SIGNAL
@@ -176,12 +177,15 @@ def _of_lamp(room, cost):
     return named | ({"lamp_cost": float(np.nanmedian(cost))} if np.isfinite(cost).any() else {})
 
 
-def _freedom(told):
+def _freedom(told, channels):
     """Times the stated course that light of such evidence (logarithms, one of each of `FREER`) speaks for.
 
     The root mean square over all that may be, each as likely beforehand as it is little: five bands alone
-    often do not tell, and the likeliest of all would be stated too surely.
+    often do not tell, and the likeliest of all would be stated too surely. Fewer than four never do:
+    temperature and level take two, and the course is as stated.
     """
+    if channels < LEAST_TELLING:
+        return 1.0
     odds = np.nan_to_num(told - np.log(FREER), nan=-np.inf)
     weight = np.exp(odds - odds.max()) if np.isfinite(odds).any() else np.ones(1)
     return float(np.sqrt(np.average(np.square(FREER[: weight.size]), weights=weight)))
