@@ -35,7 +35,7 @@ def left(monkeypatch):
         )
         weigher = Weigher(Noise(np.ones(z.shape), np.zeros(len(z)), np.zeros(len(z))), np.zeros(z.shape))
         model, solution = (
-            SimpleNamespace(instruments=[instrument], off=70.0),
+            SimpleNamespace(instruments=[instrument], off=70.0, plasma=True),
             SimpleNamespace(residual=[z], prediction=[np.ones(z.shape)], weighers=[weigher]),
         )
         return leftover.left_over(model, solution)

@@ -157,7 +157,7 @@ def left_over(model, solution):
         if size > LARGER * expected:
             lasting = 1 / np.sum(time**4)  # samples that share the pattern, about
             return MOMENT if lasting < SHORT * time.size else PATTERN
-        if brightest_box(z, phase_of(instrument.time, model.off)) > LINE_STANDS:
+        if model.plasma and brightest_box(z, phase_of(instrument.time, model.off)) > LINE_STANDS:
             return MOMENT
     for instrument, residual, value, weigher in zip(
         model.instruments, solution.residual, solution.prediction, solution.weighers, strict=True
@@ -166,7 +166,7 @@ def left_over(model, solution):
             count = standing_out(residual, value, weigher, phase_of(instrument.time, model.off)).sum()
             if count >= max(FEWEST, LEAST_SHARE * len(value)):
                 return FRAMES
-    return STEP if _steps(model, solution) else None
+    return STEP if model.plasma and _steps(model, solution) else None
 
 
 def _steps(model, solution):
