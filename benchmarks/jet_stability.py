@@ -16,10 +16,11 @@ radiation. Chebyshev collocation in r, folded at the axis by parity (Trefethen, 
 MATLAB, ch. 11); at the outer boundary a cold wall at rest.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eig, lu_factor, lu_solve
+from scipy.linalg import LinAlgWarning, eig, lu_factor, lu_solve
 
 POINTS = 120
 UNKNOWNS = 5  # velocities u_z, u_r, u_theta, temperature, pressure
@@ -125,7 +126,12 @@ class Waves:
         right = np.ones(len(a), complex) if start is None else start
         left = self._b @ right
         for _ in range(LARGEST_COUNT):
-            factors = lu_factor(a - omega * (1 + ASIDE) * self._b)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", LinAlgWarning)
+                try:
+                    factors = lu_factor(a - omega * (1 + ASIDE) * self._b)
+                except LinAlgWarning:  # a pivot of nought: a little further aside
+                    factors = lu_factor(a - omega * (1 + 3 * ASIDE) * self._b)
             right = lu_solve(factors, self._b @ right)
             left = lu_solve(factors, self._b.conj().T @ left, trans=2)
             right, left = right / np.abs(right).max(), left / np.abs(left).max()
