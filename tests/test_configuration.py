@@ -54,6 +54,14 @@ def test_hidden_files_that_systems_leave_behind_are_no_configurations(tmp_path):
     assert set(found) == {"90kW"}
 
 
+def test_a_rule_of_a_condition_that_stands_in_the_schema_beside_it_holds():
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.check({**GOOD, "flow": {"probe_temperature_k": 5000}}, CONDITION, "90kW.yaml")
+    assert "flow.probe_temperature_k: 5000 is greater than the maximum of 3500 (Temperature of" in str(
+        caught.value
+    )
+
+
 def shipped():
     config = configuration.load(ROOT / "config/config.yaml", ROOT / "config/schema.yaml")
     conditions = configuration.load_folder(config["conditions"], CONDITION, order="numerical_power_kw")
@@ -235,6 +243,17 @@ def every_level(schema, path=""):
         yield from every_level(rule, f"{path}.{key}")
 
 
+def referred(rule):
+    """The rule itself, or the one in the file beside it that it refers to."""
+    if "$ref" not in rule:
+        return rule
+    name, _, path = rule["$ref"].partition("#/")
+    found = yaml.safe_load((ROOT / "config" / name).read_text())
+    for key in path.split("/"):
+        found = found[key]
+    return found
+
+
 @pytest.mark.parametrize("name", ["schema.yaml", "schema_condition.yaml", "schema_test.yaml"])
 def test_schemas_are_closed_and_described(name):
     schema = yaml.safe_load((ROOT / "config" / name).read_text())
@@ -242,6 +261,7 @@ def test_schemas_are_closed_and_described(name):
         assert isinstance(level.get("additionalProperties"), bool | dict), f"{name}{path} is open"
         assert level["additionalProperties"] is not True, f"{name}{path} is open"
         for key, rule in level.get("properties", {}).items():
+            rule = referred(rule)
             assert "description" in rule or rule.get("type") == "object", (
                 f"{name}{path}.{key} lacks a description"
             )

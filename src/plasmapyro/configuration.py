@@ -2,12 +2,15 @@
 
 import re
 from difflib import get_close_matches
+from functools import cache
 from math import inf, isfinite
 from pathlib import Path
 
 import yaml
 from jsonschema import Draft202012Validator, ValidationError
 from jsonschema.validators import extend
+from referencing import Registry
+from referencing.jsonschema import DRAFT202012
 
 from plasmapyro.foreign import printable, quote, unfit
 from plasmapyro.gas.species import AIR
@@ -156,15 +159,17 @@ def ladder(conditions, name):
 
 
 def check(values, schema, source):
-    """Return `values` if they fit the JSON schema in the YAML file `schema`.
+    """Return `values` if they fit the JSON schema in the YAML file `schema`; it may refer to files beside it.
 
     Raises
     ------
     ConfigurationError
         Names the source, and for each fault the key, its value, the rule and the nearest valid key.
     """
-    rules = yaml.safe_load(Path(schema).read_text(encoding="utf-8"))
-    faults = sorted(_Validator(rules).iter_errors(values), key=lambda fault: list(map(str, fault.path)))
+    rules = _rules(schema)
+    others = Registry(retrieve=lambda name: DRAFT202012.create_resource(_rules(Path(schema).with_name(name))))
+    found = _Validator(rules, registry=others).iter_errors(values)
+    faults = sorted(found, key=lambda fault: list(map(str, fault.path)))
     lines = [line for fault in faults for line in _explain(fault)]
     lines += [f"{where}: {number} is not a finite number" for where, number in _endless(values)]
     if lines:
@@ -173,6 +178,11 @@ def check(values, schema, source):
         words = "\n  ".join([f"{source} does not fit {schema}:", *said[:MOST_FAULTS], *more])
         raise ConfigurationError(printable(words))
     return values
+
+
+@cache
+def _rules(schema):
+    return yaml.safe_load(Path(schema).read_text(encoding="utf-8"))
 
 
 def _endless(values, where=""):
