@@ -29,3 +29,21 @@ def test_dark_of_another_instrument_is_refused(tmp_path, capsys):
         np.savetxt(tmp_path / name, np.stack([axis * 1e9 * scale, counts], axis=1), fmt="%.4f", delimiter=",")
     assert cli.main(["identify", str(tmp_path / "s.csv"), "--dark", str(tmp_path / "d.csv")]) == 2
     assert "other wavelengths" in capsys.readouterr().err
+
+
+def test_wavelengths_beyond_all_lines_are_refused(tmp_path, capsys):
+    """Angstrom of which nothing says so: in nanometres there would be no known line."""
+    axis, counts = made.spectrum(made.LITHIUM)
+    table = np.stack([axis * 1e10, counts], axis=1)
+    np.savetxt(tmp_path / "s.csv", table[axis < 450e-9], fmt="%.4f", delimiter=",")
+    assert cli.main(["identify", str(tmp_path / "s.csv")]) == 2
+    assert "Angstrom" in capsys.readouterr().err
+
+
+def test_channels_without_a_number_hide_no_line_elsewhere(tmp_path, capsys):
+    axis, counts = made.spectrum(made.SODIUM + made.POTASSIUM)
+    counts = np.where(np.abs(axis - 700e-9) < 2e-9, np.nan, counts)
+    np.savetxt(tmp_path / "s.csv", np.stack([axis * 1e9, counts], axis=1), fmt="%.2f", delimiter=",")
+    assert cli.main(["identify", str(tmp_path / "s.csv")]) == 0
+    page = capsys.readouterr().out
+    assert "Na I" in page and "K I" in page

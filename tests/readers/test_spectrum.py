@@ -37,14 +37,45 @@ def test_decimal_commas(tmp_path):
     ("content", "words"),
     [
         ("only words\nand more\n", "no row of two"),
-        ("".join(f"{a},{b}\n" for a, b, _ in ROWS[::-1]), "no scale of wavelengths"),
-        ("".join(f"{a / 1000},{b}\n" for a, b, _ in ROWS), "in nm"),
+        (
+            "".join(f"{a},{b}\n" for a, b, _ in ROWS[5:20] + ROWS[:5] + ROWS[20:]),
+            "and 400 does not lie beyond 409.5",
+        ),
+        ("".join(f"{10 * a},{b}\n" for a, b, _ in ROWS[::9]), "if its name says so"),
+        ("Raman shift (cm-1),I\n" + "".join(f"{a},{b}\n" for a, b, _ in ROWS), "over wavelength"),
         ("".join(f"{a},{b}\n" for a, b, _ in ROWS) + "412.1,x\n", "line 26"),
     ],
-    ids=["words", "falling", "micrometres", "a word in a row"],
+    ids=["words", "out of order", "few and unnamed", "Raman shift", "a word in a row"],
 )
 def test_refusals_name_what_is_wrong(tmp_path, content, words):
     path = tmp_path / "s.txt"
     path.write_text(content)
     with pytest.raises(Refusal, match=words):
         read_frames(path)
+
+
+@pytest.mark.parametrize(
+    ("head", "line", "rows"),
+    [
+        ("", "{0},{1},{2}\n", ROWS[::-1]),
+        ("", "{0:.7g},{1},{2}\n", [(a / 1000, b, c) for a, b, c in ROWS]),
+        ("Wavelength [Angstrom],I,J\n", "{0},{1},{2}\n", [(10 * a, b, c) for a, b, c in ROWS]),
+        ("", "{3},{0},{1},{2}\n", ROWS),
+        ("wavelength,light,dark,more light\n", "{0},{4},3,{5}\n", ROWS),
+    ],
+    ids=["falling", "micrometres", "Angstrom", "numbered pixels", "dark beside it"],
+)
+def test_scales_of_programs(tmp_path, head, line, rows):
+    path = tmp_path / "s.txt"
+    lines = (line.format(a, b, c, k, b + 3, c + 3) for k, (a, b, c) in enumerate(rows))
+    path.write_text(head + "".join(lines))
+    wavelength, frames = read_frames(path)
+    np.testing.assert_allclose(wavelength, [row[0] * 1e-9 for row in ROWS], rtol=1e-12)
+    np.testing.assert_array_equal(frames, np.array(ROWS).T[1:])
+
+
+@pytest.mark.parametrize("word", ["", "NaN"])
+def test_a_cell_without_a_number_is_no_light(tmp_path, word):
+    path = tmp_path / "s.txt"
+    path.write_text("".join(f"{a},{word if k == 3 else b}\n" for k, (a, b, _) in enumerate(ROWS)))
+    assert np.flatnonzero(np.isnan(read_frames(path)[1][0])).tolist() == [3]

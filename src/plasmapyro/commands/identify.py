@@ -10,7 +10,7 @@ from plasmapyro import io
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.identification.identify import identify
 from plasmapyro.readers.spectrum import read_frames
-from plasmapyro.refraction import air_wavelength
+from plasmapyro.refraction import HIGHEST, air_wavelength
 
 NANOMETRE = 1e-9
 LEAST_FRAMES = 5  # that tell their own noise
@@ -30,10 +30,18 @@ def run(options):
             raise ValueError(f"{options.dark}: has other wavelengths than {options.spectrum}; take it again")
         noise = np.hypot(noise, _noise(dark)) if noise is not None and len(dark) >= LEAST_FRAMES else noise
         frames = frames - dark.mean(axis=0)
+    if axis[-1] > HIGHEST:
+        raise ValueError(
+            f"{options.spectrum}: wavelengths {axis[0] / NANOMETRE:.0f} to {axis[-1] / NANOMETRE:.0f} nm, but"
+            f" lines are known to {HIGHEST / NANOMETRE:.0f} nm; cut it, or say the unit above its column:"
+            " 'wavelength [Angstrom]'"
+        )
     if options.vacuum:
         axis = air_wavelength(axis)
+    signal = _without_gaps(frames.mean(axis=0))
+    noise = None if noise is None else _without_gaps(noise)
     answer = identify(
-        axis, frames.mean(axis=0), noise, options.fwhm_nm and options.fwhm_nm * NANOMETRE, options.calibrated
+        axis, signal, noise, options.fwhm_nm and options.fwhm_nm * NANOMETRE, options.calibrated
     )
     rows = [row(one, answer) for one in answer.named if one.probability >= options.least_probability]
     if options.out:
@@ -50,7 +58,13 @@ def run(options):
 def _noise(frames):
     """Standard deviation (N,) of the mean of frames, from their scatter; at least the median."""
     noise = frames.std(axis=0, ddof=1) / np.sqrt(len(frames))
-    return np.maximum(noise, np.median(noise))
+    return np.maximum(noise, np.nanmedian(noise))
+
+
+def _without_gaps(signal):
+    """A signal (N,), straight across channels that hold no number: no line is found there."""
+    held, place = np.isfinite(signal), np.arange(signal.size)
+    return np.interp(place, place[held], signal[held]) if held.any() else np.zeros(signal.size)
 
 
 def row(one, answer):

@@ -60,9 +60,14 @@ def read_series(path):
 
 
 def mean_spectrum(path):
-    """The mean of the frames of a file (see `read_series`), as an `ocean.Spectrum` of 'counts'."""
+    """The mean of the frames of a file (see `read_series`), as an `ocean.Spectrum` of 'counts'.
+
+    Of a pixel that some frames lack it is that of the others.
+    """
     series = read_series(path)
-    columns = {"counts": series.counts.mean(axis=0)}
+    held = np.isfinite(series.counts)
+    with np.errstate(invalid="ignore"):
+        columns = {"counts": np.where(held, series.counts, 0.0).sum(axis=0) / held.sum(axis=0)}
     return Spectrum(series.wavelength, columns, None, None, series.exposure, None, None, None, None)
 
 
@@ -77,7 +82,7 @@ def _seconds(path, header, key):
     """A duration [s] of the header, or None."""
     for name, value in header.items():
         if name.startswith(key):
-            found = number(value)
+            found = number(value, "," if "," in value else ".")
             if found is None or not found > 0:
                 refuse(path, f"{name} is {quote(value)}, no number > 0", "correct the header")
             return found

@@ -85,7 +85,7 @@ def _curve(band):
             return None
         wavelength, frames = read_frames(band.path.parent / name)
         peak = frames[0].max()
-        if (frames[0] < 0).any() or not peak > 0:
+        if not (frames[0] >= 0).all() or not peak > 0:
             band.faults.append(fault(band.path.parent / name, "a response must be >= 0", "correct it"))
             return None
         return wavelength, frames[0] / peak

@@ -13,6 +13,7 @@ from plasmapyro.readers.text import number, quote, read_lines, refuse
 LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
 LEAST_PIXELS = 20  # of a spectrum without a header
+SHORTEST, LONGEST = 1.5e-7, 5e-6  # [m]
 DARK = re.compile(
     r"dark|background|dunkel|hintergrund|noir|oscur|fondo|buio|\u6697|(^|[\W_])(bg|bkgd?)([\W_\d]|$)",
     re.IGNORECASE,
@@ -134,7 +135,7 @@ def block_of(lines, least=LEAST_PIXELS):
                 for place, line in enumerate(lines[first + 1 :], first + 1):
                     if not line.strip():
                         continue
-                    row = _numbers(line, mark, decimal)
+                    row = _numbers(line, mark, decimal, len(rows[0]))
                     if row is None or len(row) != len(rows[0]):
                         stop = place
                         break
@@ -149,10 +150,36 @@ def block_of(lines, least=LEAST_PIXELS):
     return None
 
 
-def _numbers(line, mark, decimal):
-    cells = line.split() if mark == " " else columns.without_empty_end(columns.split(line, mark))
+def _numbers(line, mark, decimal, width=0):
+    """Numbers in a line, or None; of a `width` cells an empty one at the end is a missing number."""
+    cells = line.split() if mark == " " else columns.split(line, mark)
+    cells = cells if len(cells) == width else columns.without_empty_end(cells)
     values = [number(cell, decimal) for cell in cells]
     return None if None in values else values
+
+
+def names_above(lines, block):
+    """Cells of the lines above a `Block`, and the names of its columns ([] if none is one of wavelengths)."""
+    above = [line for line in lines[: block.lines[0]] if line.strip()][-3:]
+    above = [columns.split(line.lstrip("#%! "), block.mark) for line in above]
+    width = block.table.shape[1]
+    named = [row for row in above if len(row) >= width and any(map(columns.WAVES.search, row))]
+    if not named:
+        return above, []
+    return above, next((row for row in reversed(named) if not columns.units_below(row)), named[-1])[:width]
+
+
+def rising(table, name=""):
+    """A table with its rows in the order of rising wavelengths, those of its first column, and these [m].
+
+    In nm, or in um if all are below 10; in Angstrom if their name says so. None in their place where they
+    do not rise or fall throughout, or reach beyond 150 nm to 5 um.
+    """
+    table = table[::-1] if table[0, 0] > table[-1, 0] else table
+    unit = 1e-10 if columns.ANGSTROM.search(name) else 1e-6 if table[-1, 0] < 10 else 1e-9
+    wavelength = table[:, 0] * unit
+    sound = (np.diff(wavelength) > 0).all() and SHORTEST < wavelength[0] < wavelength[-1] < LONGEST
+    return table, wavelength if sound else None
 
 
 def plain_spectrum(lines):
@@ -166,12 +193,8 @@ def plain_spectrum(lines):
     if block is None or block.stop is not None:
         return None
     table, first = block.table, block.lines[0]
-    above = [line for line in lines[:first] if line.strip()][-3:]
-    above = [columns.split(line.lstrip("#%! "), block.mark) for line in above]
-    named = [row for row in above if len(row) >= table.shape[1] and any(map(columns.WAVES.search, row))]
-    if named:
-        names = next((row for row in reversed(named) if not columns.units_below(row)), named[-1])
-        names = names[: table.shape[1]]
+    above, names = names_above(lines, block)
+    if names:
         place = next((i for i, name in enumerate(names) if columns.WAVES.search(name)), table.shape[1])
         if any(columns.TIMES.match(name) for name in names[: place + 1]):
             return None
@@ -188,11 +211,8 @@ def plain_spectrum(lines):
         return None
     if table.shape[1] > 2 and all(columns.is_value(columns.moment(name)) for name in names[1:]):
         return None  # spectra below their times
-    table = table[::-1] if table[0, 0] > table[-1, 0] else table
-    wavelength = table[:, 0] * (
-        1e-10 if columns.ANGSTROM.search(names[0]) else 1e-6 if table[-1, 0] < 10 else 1e-9
-    )
-    if not (np.diff(wavelength) > 0).all() or not 1.5e-7 < wavelength[0] < wavelength[-1] < 5e-6:
+    table, wavelength = rising(table, names[0])
+    if wavelength is None:
         return None
     kinds = ["D" if DARK.search(name) and not DERIVED.search(name) else name for name in names[1:]]
     light = [i for i, name in enumerate(kinds) if name != "D" and not NO_LIGHT.search(name)]

@@ -1,26 +1,38 @@
-"""One spectrum in a text file: wavelengths in nanometres and one or more frames of signal beside them."""
+"""One spectrum in a text file: wavelengths and one or more frames of signal beside them."""
+
+import re
 
 import numpy as np
 
-from plasmapyro.readers.ocean import FENCE, block_of, read_spectrum
-from plasmapyro.readers.text import read_lines, refuse
+from plasmapyro.readers import columns
+from plasmapyro.readers.ocean import (
+    DARK,
+    DERIVED,
+    FENCE,
+    LEAST_PIXELS,
+    block_of,
+    names_above,
+    read_spectrum,
+    rising,
+)
+from plasmapyro.readers.text import quote, read_lines, refuse
 
 LARGEST = 32_000_000  # [byte]
 HEADER_LINES = 100
-SHORTEST, LONGEST = 100.0, 30000.0  # [nm]
-LEAST = 20  # channels
+NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs?\b", re.IGNORECASE)
 
 
 def read_frames(path):
     """Wavelengths (N,) [m] as the instrument gives them and frames (F, N) of a spectrum.
 
     A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength
-    [nm], then the signal, or several frames of it (as Andor Solis exports them).
+    [nm] ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it
+    (as Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands.
 
     Raises
     ------
     Refusal
-        No such file; no wavelengths in nanometres that rise; a line that is no row of numbers.
+        No such file; no wavelengths that rise or fall; a line that is no row of numbers.
     """
     lines, _ = read_lines(path, LARGEST)
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):
@@ -31,20 +43,39 @@ def read_frames(path):
     block = block_of(lines, least=1)
     if block is None:
         refuse(path, "holds no row of two or more numbers", "it needs wavelength [nm] and signal in columns")
-    table = block.table
-    if block.stop is not None or np.isnan(table).any():
-        at = block.lines[int(np.isnan(table).any(axis=1).argmax())] if np.isnan(table).any() else block.stop
+    table, names = block.table, names_above(lines, block)[1]
+    above = lines[block.lines[0] - 1] if block.lines[0] else ""
+    if block.stop is not None or np.isnan(table[:, 0]).any():
+        bad = np.isnan(table[:, 0])
+        at = block.lines[int(bad.argmax())] if bad.any() else block.stop
         refuse(path, "is no row of as many numbers as those above", "correct or remove the line", at + 1)
-    wavelength = table[:, 0]
-    if len(table) < LEAST or not (np.diff(wavelength) > 0).all() or not _in_range(wavelength):
+    if not names and NO_WAVELENGTH.search(above):
+        refuse(path, f"{quote(above.strip())} is no column of wavelengths", "export it over wavelength")
+    place = next((i for i, name in enumerate(names) if columns.WAVES.search(name)), 0)
+    if table.shape[1] > 2 and not names and table[0, 0] in (0, 1) and (np.diff(table[:, 0]) == 1).all():
+        place = 1  # behind the number of the pixel
+    names, own = names[place:] or [""], table[:, place:]
+    own, wavelength = rising(own, names[0])
+    if len(own) < LEAST_PIXELS or wavelength is None or own.shape[1] < 2:
         refuse(
             path,
-            "the first column is no scale of wavelengths:"
-            f" {len(table)} rows from {wavelength[0]:g} to {wavelength[-1]:g}",
-            f"it must hold {LEAST} or more, rising, in nm",
+            f"the first column is no scale of wavelengths: {_why(table[:, place])}",
+            f"it must hold {LEAST_PIXELS} or more, rising or falling, in nm (or um; or Angstrom, if its name"
+            " says so)",
         )
-    return wavelength * 1e-9, table[:, 1:].T
+    dark = [bool(DARK.search(name) and not DERIVED.search(name)) for name in names[1:]]
+    dark += [False] * (own.shape[1] - 1 - len(dark))
+    frames = own[:, 1:].T
+    if any(dark) and not all(dark):
+        frames = frames[~np.array(dark)] - frames[dark].mean(axis=0)
+    return wavelength, frames
 
 
-def _in_range(wavelength):
-    return wavelength[0] >= SHORTEST and wavelength[-1] <= LONGEST
+def _why(values):
+    """What is wrong with a column of wavelengths, in words."""
+    words = f"{values.size} rows from {values[0]:g} to {values[-1]:g}"
+    steps = np.diff(values) * np.sign(values[-1] - values[0])
+    if values.size > 1 and (steps <= 0).any() and (steps > 0).mean() > 0.5:
+        place = int(np.argmax(steps <= 0)) + 1
+        return f"{words}, and {values[place]:g} does not lie beyond {values[place - 1]:g}"
+    return words
