@@ -91,6 +91,16 @@ def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(
     )  # modes of 1 % of the variance are left out
 
 
+def test_the_scale_has_as_many_modes_whatever_the_bins_of_the_spectra(spectrometer):
+    """Else two tests of one campaign state it at other wavelengths, and share nothing of it but its ends."""
+    counts = set()
+    for channels in (27, 53, 160):  # by its own bins the eighth mode is 1.01e-4 or 0.8e-4 of the first
+        spectrometer.channels, spectrometer.wavelength = channels, np.linspace(7.6e-7, 1.02e-6, channels)
+        errors = persistent.persistent(spectrometer, 0.0, 360.0)
+        counts.add(sum(one.id == "smooth_spectrometer" for one in errors.parameters))
+    assert len(counts) == 1
+
+
 def test_bands_wander_together_and_apart():
     errors = persistent.persistent(SimpleNamespace(kind="pyrometer", channels=2, known=None), -20.0, 340.0)
     sizes = np.array([parameter.sigma for parameter in errors.parameters])

@@ -29,6 +29,7 @@ LEAST_WANDER = 1e-2  # variance of shapes over wavelength that are left out, of 
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
 # as sure, because what is left out is what a wrong temperature looks like.
 LEAST = 1e-4
+SCALE_STEP = 10e-9  # [m]: the scale of a spectrometer is stated between the first and last multiple of it
 
 
 @dataclass(frozen=True)
@@ -87,9 +88,11 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
         parts = [(one, 1.0) for one in SMOOTH_LENGTHS] + [(ROUGH_LENGTH, (rough / SMOOTH) ** 2)]
-        value, vector = np.linalg.eigh(sum(part * np.exp(-0.5 * (apart / one) ** 2) for one, part in parts))
+        value, vector = np.linalg.eigh(_alike(apart, parts))
         name = "scale of the spectrometer over wavelength"
         kept = value > LEAST * value.max()
+        if not rough:  # as many in every test of a laboratory, whatever the bins of its spectra
+            kept = np.argsort(np.argsort(-value)) < _modes(instrument.wavelength, parts)
         time.append(np.ones((knots.size, kept.sum())))
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
         parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
@@ -118,6 +121,26 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
                     channel.append(vector[:, kept] * np.sqrt(value[kept]))
                     parameters += [Parameter(identity, words, sigma)] * int(kept.sum())
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
+
+
+def scale_ends(wavelength):
+    """First and last multiple (2,) [m] of `SCALE_STEP` within the wavelengths of some channels [m]."""
+    return SCALE_STEP * np.array(
+        [np.ceil(wavelength.min() / SCALE_STEP), np.floor(wavelength.max() / SCALE_STEP)]
+    )
+
+
+def _alike(apart, parts):
+    """Covariance of the scale at channels that lie `apart` (C, C) [m], from lengths [m] and their shares."""
+    return sum(share * np.exp(-0.5 * (apart / length) ** 2) for length, share in parts)
+
+
+def _modes(wavelength, parts):
+    """Number of modes of the scale above `LEAST` on even steps over the wavelengths of some channels [m]."""
+    first, last = scale_ends(wavelength)
+    even = np.arange(first, last + SCALE_STEP / 2, SCALE_STEP)
+    value = np.linalg.eigvalsh(_alike(np.subtract.outer(even, even), parts))
+    return int(np.sum(value > LEAST * value.max()))
 
 
 def _stray_share(instrument, chosen):

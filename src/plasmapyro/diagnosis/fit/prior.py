@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.diagnosis.fit.persistent import scale_ends
 
 SHARED = (
     "emittance",
@@ -17,7 +18,6 @@ SHARED = (
     "tail",
 )
 POWER = "power"
-SCALE_STEP = 10e-9  # [m]: the scale of a spectrometer is stated between the first and last multiple of it
 SMOOTH = "smooth_spectrometer"
 
 
@@ -79,8 +79,7 @@ def shared_rows(model):
             continue
         order = np.argsort(instrument.wavelength)
         axis, curves = instrument.wavelength[order], errors.channel[order]
-        ends = SCALE_STEP * np.array([np.ceil(axis[0] / SCALE_STEP), np.floor(axis[-1] / SCALE_STEP)])
-        for wavelength in np.round(np.linspace(*ends, sum(smooth)), 9):
+        for wavelength in np.round(np.linspace(*scale_ends(axis), sum(smooth)), 9):
             row = np.zeros(len(model.parameters))
             row[place] = [
                 np.interp(wavelength, axis, one) * own for one, own in zip(curves.T, smooth, strict=True)
