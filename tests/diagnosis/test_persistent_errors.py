@@ -101,6 +101,27 @@ def test_the_scale_has_as_many_modes_whatever_the_bins_of_the_spectra(spectromet
     assert len(counts) == 1
 
 
+def test_pixels_that_a_test_lost_leave_the_scale_between_them_as_open_as_it_is(spectrometer):
+    """Saturated from 800 to 910 nm: three places of the stated scale lie between two channels."""
+    every = np.linspace(7.55e-7, 1.025e-6, 160)
+    points = persistent.scale_ends(every)[0] + np.linspace(0, 2.6e-7, 8)
+    laws = []
+    for channels in (every, every[(every < 8e-7) | (every > 9.1e-7)]):
+        spectrometer.channels, spectrometer.wavelength = channels.size, channels
+        errors = persistent.persistent(spectrometer, 0.0, 360.0)
+        smooth = [one.id == "smooth_spectrometer" for one in errors.parameters]
+        modes = errors.channel[:, smooth]
+        np.testing.assert_allclose(
+            persistent.scale_at(channels, channels, modes, errors.lengths), modes, atol=1e-9
+        )
+        there = persistent.scale_at(points, channels, modes, errors.lengths)
+        laws.append(there @ there.T)
+    assert np.linalg.eigvalsh(laws[1])[0] > 0.1 * np.linalg.eigvalsh(laws[0])[0]
+    np.testing.assert_allclose(
+        laws[1], laws[0], atol=0.02
+    )  # of 2: modes below 1e-4 of the first are left out
+
+
 def test_bands_wander_together_and_apart():
     errors = persistent.persistent(SimpleNamespace(kind="pyrometer", channels=2, known=None), -20.0, 340.0)
     sizes = np.array([parameter.sigma for parameter in errors.parameters])

@@ -44,6 +44,7 @@ class Persistent:
     time: np.ndarray
     channel: np.ndarray
     parameters: tuple
+    lengths: tuple = ()  # ((length [m], share), ...) over which the scale of a spectrometer persists
 
     def basis(self, time):
         """T (n, m) at the times (n,) [s] and S (C, m)."""
@@ -71,7 +72,7 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
         del kinds["ratio"]
     if instrument.kind == "spectrometer":
         kinds = {"spectrometer": np.ones(instrument.channels)}
-    time, channel, parameters = [], [], []
+    time, channel, parameters, lengths = [], [], [], ()
     for kind, row in kinds.items():
         time.append(root)
         channel.append(np.outer(row, np.ones(knots.size)))
@@ -88,6 +89,7 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
         parts = [(one, 1.0) for one in SMOOTH_LENGTHS] + [(ROUGH_LENGTH, (rough / SMOOTH) ** 2)]
+        lengths = tuple(parts)
         value, vector = np.linalg.eigh(_alike(apart, parts))
         name = "scale of the spectrometer over wavelength"
         kept = value > LEAST * value.max()
@@ -120,7 +122,32 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
                     time.append(np.repeat((series == one)[:, None].astype(float), kept.sum(), axis=1))
                     channel.append(vector[:, kept] * np.sqrt(value[kept]))
                     parameters += [Parameter(identity, words, sigma)] * int(kept.sum())
-    return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters))
+    return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters), lengths)
+
+
+def scale_at(wavelength, channels, modes, lengths):
+    r"""Modes of the scale at other wavelengths.
+
+    .. math:: S_j(\lambda) = \sum_c K(\lambda, c)\,S_j(c) / |S_j|^2
+
+    Parameters
+    ----------
+    wavelength : (n,) [m]
+    channels : (C,) [m]
+        Where the modes (C, m) stand; there they come back, and pixels that a test lost leave no gap.
+    modes : (C, m)
+    lengths : tuple
+        Of `Persistent`, which K is made of.
+
+    Returns
+    -------
+    array, (n, m)
+
+    Notes
+    -----
+    Source: Rasmussen and Williams (2006), eq. 4.44 (Nystroem's method).
+    """
+    return _alike(np.subtract.outer(wavelength, channels), lengths) @ (modes / np.sum(modes**2, axis=0))
 
 
 def scale_ends(wavelength):

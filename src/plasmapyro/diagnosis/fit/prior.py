@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.model import Model
-from plasmapyro.diagnosis.fit.persistent import scale_ends
+from plasmapyro.diagnosis.fit.persistent import scale_at, scale_ends
 
 SHARED = (
     "emittance",
@@ -74,17 +74,17 @@ def shared_rows(model):
             names.append(name)
             rows.append(np.eye(1, len(model.parameters), place)[0])
     for instrument, errors, place in zip(model.instruments, model.persistent, model.places, strict=True):
-        smooth = [one.id == SMOOTH for one in errors.parameters]
-        if not any(smooth):
+        smooth = np.array([one.id == SMOOTH for one in errors.parameters])
+        if not smooth.any():
             continue
-        order = np.argsort(instrument.wavelength)
-        axis, curves = instrument.wavelength[order], errors.channel[order]
-        for wavelength in np.round(np.linspace(*scale_ends(axis), sum(smooth)), 9):
+        axis = instrument.wavelength
+        points = np.round(np.linspace(*scale_ends(axis), smooth.sum()), 9)
+        for point, modes in zip(
+            points, scale_at(points, axis, errors.channel[:, smooth], errors.lengths), strict=True
+        ):
             row = np.zeros(len(model.parameters))
-            row[place] = [
-                np.interp(wavelength, axis, one) * own for one, own in zip(curves.T, smooth, strict=True)
-            ]
-            names.append(f"scale_{wavelength * 1e9:.0f}")
+            row[np.arange(len(model.parameters))[place][smooth]] = modes
+            names.append(f"scale_{point * 1e9:.0f}")
             rows.append(row)
     return tuple(names), np.array(rows)
 
