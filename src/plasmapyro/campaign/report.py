@@ -1,6 +1,7 @@
 """The campaign in words: laws, tests and their pulls, and what each test gave to the next."""
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from plasmapyro.campaign.stage import law_numbers
 
@@ -11,6 +12,7 @@ HEADS = {
     "emittance": "emittance",
     "ratio": "ratio",
 }
+SHARES = "emittance of", "efficiency at"  # which no more than 1 can be
 
 
 def page(found):
@@ -39,7 +41,10 @@ def page(found):
         "|---|---|---|",
     ]
     for name, mean, sigma in law_numbers(found):
-        ends = f"{mean - 1.96 * sigma:.3g} to {mean + 1.96 * sigma:.3g}" if np.isfinite(sigma) else ""
+        ends = ""
+        if np.isfinite(sigma):
+            low, high = interval(mean, sigma, 1.0 if name.startswith(SHARES) else np.inf)
+            ends = f"{low:.3g} to {high:.3g}"
         lines.append(f"| {name} | {mean if abs(mean) > 1e-6 else 0:.3g} | {ends} |")
     lines += [
         "",
@@ -72,6 +77,11 @@ def page(found):
         lines.append(f"| {' | '.join([row.test.name, *cells, *(f'{one:.2f}' for one in row.sigma)])} |")
     lines.append(f"| next | {' | '.join(_percent(found.next, name) for name in HEADS)} | | | |")
     return "\n".join(lines) + "\n"
+
+
+def interval(mean, sigma, most):
+    """Ends (2,) of the 95 % interval of a normal law, cut at the `most` that can be."""
+    return mean + sigma * ndtri(np.array([0.025, 0.975]) * ndtr((most - mean) / sigma))
 
 
 def _percent(law, name):
