@@ -12,7 +12,8 @@ from twin import drawn
 from twin.drawn import REFERENCE, plan_and_reports
 
 from plasmapyro import cli, io
-from plasmapyro.campaign import report, stage
+from plasmapyro.campaign import report as in_words
+from plasmapyro.campaign import stage
 from plasmapyro.campaign.applied import applied
 from plasmapyro.campaign.hierarchy import Campaign
 from plasmapyro.commands.priors import read_priors
@@ -183,11 +184,11 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_an_emittance_has_no_interval_above_one():
-    low, high = report.interval(0.99, 0.01, 1.0)
+    low, high = in_words.interval(0.99, 0.01, 1.0)
     law = norm(0.99, 0.01)
     assert high < 1.0
     assert (law.cdf(high) - law.cdf(low)) / law.cdf(1.0) == pytest.approx(0.95)
-    assert report.interval(0.0, 1.0, np.inf) == pytest.approx(norm.interval(0.95))
+    assert in_words.interval(0.0, 1.0, np.inf) == pytest.approx(norm.interval(0.95))
 
 
 def test_the_command_writes_a_prior_that_reads_back(folder):
