@@ -276,10 +276,17 @@ def test_every_fault_of_one_table_comes_in_one_round(tmp_path):
     assert len(found) == 6
 
 
-def test_a_forgotten_zero_is_asked_for(tmp_path):
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        (lambda i: 10776 + i, "the record runs from 10776 to 10795 s; is `zero` missing?"),
+        (lambda i: 3600 + i, "or a clock an hour off (summer time)?"),
+        (lambda i: 1000 * i, "one per 1000 s; is the `unit` of the time right?"),
+    ],
+)
+def test_why_the_reference_window_is_empty_is_asked(tmp_path, time, words):
     text = samples.table().splitlines()
     shifted = "\n".join(
-        [text[0], *(f"{10776 + i}.0" + line[line.index(",") :] for i, line in enumerate(text[1:]))]
+        [text[0], *(f"{time(i)}.0" + line[line.index(",") :] for i, line in enumerate(text[1:]))]
     )
-    found = faults(tmp_path, shifted + "\n")
-    assert "the record runs from 10776 to 10795 s; is `zero` missing?" in found[0]
+    assert words in faults(tmp_path, shifted + "\n")[0]

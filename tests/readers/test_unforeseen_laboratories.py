@@ -69,6 +69,9 @@ TABLES = {
     "thousands in quotes": table(
         "Time [s],S1 [pA],S2 [pA]", lambda t, *p: (t, *(f'"{value * 1e3:,.1f}"' for value in p))
     ),
+    "thousands between semicolons": table(
+        "Time [s];S1 [pA];S2 [pA]", lambda t, *p: (f"{t:.2f}", *(f"{v * 1e3:,.1f}" for v in p)), ";"
+    ),
     "thousands by points": table(
         "Zeit [s];S1 [pA];S2 [pA]",
         lambda t, *p: (t, *(f"{value * 1e3:,.1f}".replace(",", "!") for value in p)),
@@ -347,6 +350,7 @@ def test_what_cannot_be_read_is_told_with_what_to_do(tmp_path, case):
         (lambda i: i % 10, "goes back to the begin (was the logger restarted?)"),
         (lambda i: i // 4, "is given in steps of 1 s only"),
         (lambda i: ROWS - i, "the time runs backwards"),
+        (lambda i: i ^ 4 if i > 7 else i, "sort the lines by their time"),
         (lambda i: f"{i},0,1", "commas in the numbers as well?"),
     ],
 )

@@ -128,7 +128,11 @@ def look_at_table(path):
     if best is None:
         return None
     _, name, labels, cells = best
-    commas = any("," in word and not clock.looks_like_stamp(word) for words in cells for word in words)
+    commas = any(
+        "," in word and number(word) is None and not clock.looks_like_stamp(word)
+        for words in cells
+        for word in words
+    )
     decimal = "," if commas and name != "," else "."
     return Table(name, decimal, [label for label, _ in labels], [unit for _, unit in labels], cells)
 

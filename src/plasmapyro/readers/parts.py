@@ -254,6 +254,8 @@ def rising(path, time):
         elif steps[first] < 0 and time[first + 1] <= time[0] + np.median(steps):
             what += " to the begin (was the logger restarted?)"
             remedy = "keep the part that holds the test, or log with one clock"
+        elif steps[first] < 0:
+            remedy = "sort the lines by their time, and remove those that stand twice"
         elif (steps == 0).mean() > 0.3:
             what = f"is given in steps of {steps[steps > 0].min() if (steps > 0).any() else 0:g} s only"
             remedy = (

@@ -28,6 +28,7 @@ OF_INSTRUMENT = {
     ),
     "radiometer": ("window_transmittance_radiometer", "radiometer_integration_time"),
 }
+HOUR = 3600.0  # [s]
 LEAST_REFERENCE_SAMPLES = 3  # fewer give no scatter to judge the mean by
 
 
@@ -168,8 +169,18 @@ def _faults_of_window(test, present):
             count = int(np.isfinite(test[name].values[inside]).sum())
             if count < LEAST_REFERENCE_SAMPLES:
                 first, last = test.time.values[[0, -1]]
-                hint = "; is `zero` missing?" if first > window[1] or last < window[0] else ""
+                hint = _why_no_sample(test.time.values, window)
                 yield (
                     f"{name}: {count} samples in the reference window {window[0]:g} to {window[1]:g} s,"
                     f" {LEAST_REFERENCE_SAMPLES} needed; the record runs from {first:g} to {last:g} s{hint}"
                 )
+
+
+def _why_no_sample(time, window):
+    """What may be wrong with times (t,) [s] of which hardly one is in a window that tests have."""
+    (first, last), step = time[[0, -1]], np.median(np.diff(time))
+    if step * LEAST_REFERENCE_SAMPLES > window[1] - window[0]:
+        return f", one per {step:g} s; is the `unit` of the time right?"
+    if any(first + hour <= window[0] and last + hour >= window[1] for hour in (-HOUR, HOUR)):
+        return "; is `zero` missing, or a clock an hour off (summer time)?"
+    return "; is `zero` missing?" if first > window[1] or last < window[0] else ""
