@@ -10,7 +10,9 @@ from plasmapyro.commands.outputs import require_folder
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
+from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.quality.catalogue import of_test
+from plasmapyro.quality.rule import Case
 from plasmapyro.readers.stage import read_with_files
 from plasmapyro.record.inputs import instruments
 
@@ -79,6 +81,9 @@ def _diagnosed(options, folder):
         given=given,
         known=known,
     )
+    if (doubt := throughput_in_doubt(Case(Path(options.test), estimate=result.temperature))) is not None:
+        progress.warn(doubt.words)
+        result.report["findings"].append(doubt.entry)
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
     return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]

@@ -9,6 +9,11 @@ PIVOT = 0.95e-6  # [m] ASSUME: where the stated emittance holds
 UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncertainty
 UNTOLD_SLOPE = 0.01  # [1] of the emittance in the wide band over that in the narrow one: 0.1 per um
 ANY_LEVEL = 3.0  # of the logarithm of a level that is not known
+# ASSUME: dirt, a misplaced sample, a field that is not filled, a window left out of the calibration.
+THROUGHPUT_CHANCE = (
+    0.2  # [1] that a pyrometer alone does not see the light that calibration and emittance say
+)
+THROUGHPUT_WIDTH = 0.3  # [1] standard deviation of its logarithm then
 HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 

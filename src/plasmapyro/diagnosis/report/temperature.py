@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.report.kelvin import COLDEST, SURFACE, paper_temperatu
 from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.experiment.correction import budget_of
 from plasmapyro.record import budget, recommended, status
+from plasmapyro.record.emittance import THROUGHPUT_CHANCE, THROUGHPUT_WIDTH
 
 OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light that is measured
 LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
@@ -76,6 +77,7 @@ def temperatures(findings, against=()):
             "terms": " ".join(setting.id for setting in final.settings),
             "origin": str(findings.record.attributes.get("origin", "measured")),
             **recommended.attributes(choice),
+            **unlike_throughput(findings.model, fit, basis)[1],
         }
     )
 
@@ -102,6 +104,7 @@ def _interval(findings, solution, unsure=0.0):
     basis, size, lamp = model.history.basis(times), model.size, model.index["lamp"]
     mean, covariance = basis @ solution.state.knots, solution.covariance
     unsure = np.hypot(np.hypot(unsure, strained(model, solution, basis)), basis @ findings.unknown_shift)
+    unsure = np.hypot(unsure, unlike_throughput(model, solution, basis)[0])
     variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
     # What the model leaves of the data beyond their noise is in the interval as well.
     misfit = max(solution.objective / max(solution.count - findings.fitted, 1), 1.0)
@@ -130,6 +133,48 @@ def strained(model, solution, basis):
             slope = basis @ solution.covariance[: model.size, at] / solution.covariance[at, at]
             total += (slope * change) ** 2
     return np.sqrt(total)
+
+
+def unlike_throughput(model, solution, basis):
+    r"""What it costs not to know whether a pyrometer alone sees the light that its calibration tells.
+
+    .. math:: p(g) = (1 - c)\,N(0, s_0^2) + c\,N(0, s_0^2 + w^2), \qquad
+              \frac{w_1}{w_0} = \frac{c}{1 - c}\,\frac{s_0}{s_1\sqrt{1 + h v}}\,
+              \exp\Bigl(-\frac{h m^2}{2 (1 + h v)}\Bigr), \quad h = s_1^{-2} - s_0^{-2}
+
+    with the mean m and the variance v that the fit gives the logarithm g of the throughput with its narrow
+    prior; the wide one makes them :math:`m' = m / (1 + h v), v' = v / (1 + h v)`.
+
+    Returns
+    -------
+    shift : (t,) ndarray [K], root of the mean square about the temperature of the fit; 0 where a second
+        instrument or other tests contradict such a throughput
+    facts : dict, as those of `estimate.throughput.in_doubt`; empty where the shift is 0
+
+    Notes
+    -----
+    The linear case of `estimate.throughput`, which takes the path along with the level.
+    """
+    if [one.kind for one in model.instruments] != ["pyrometer"] or not model.plasma:
+        return np.zeros(len(basis)), {}
+    place = model.index["gain_pyrometer"]
+    own, at, size = model.parameters[place], model.size + place, model.size
+    if model.precision[place, place] != own.sigma**-2.0:  # other tests tell
+        return np.zeros(len(basis)), {}
+    wide = own.sigma**2 + THROUGHPUT_WIDTH**2
+    mean, variance = solution.state.values[place] - own.centre, solution.covariance[at, at]
+    change = 1 / wide - own.sigma**-2.0
+    freed = 1 + change * variance
+    odds = THROUGHPUT_CHANCE / (1 - THROUGHPUT_CHANCE) * own.sigma / np.sqrt(wide * freed)
+    odds *= np.exp(-change * mean**2 / (2 * freed))
+    chance = odds / (1 + odds)
+    slope = basis @ solution.covariance[:size, at] / variance
+    square = chance * (variance / freed - variance + (mean / freed - mean) ** 2)
+    return slope * np.sqrt(square), {
+        "throughput_chance": float(chance),
+        "throughput": float(np.exp(own.centre + mean / freed)),
+        "throughput_uncertainty": float(np.sqrt(variance / freed)),
+    }
 
 
 def other_clock(solution, basis, times):
@@ -195,6 +240,10 @@ def _inputs(findings, solution, shift):
                 "what was named and is not confirmed, or stands with reserve", "named effects", shift
             )
         )
+    throughput = unlike_throughput(model, solution, basis)[0]
+    if throughput.any():
+        words = "throughput of the pyrometer, were it not as stated"
+        rows.append(budget.Input(words, "calibration", throughput, THROUGHPUT_WIDTH, "1"))
     return [
         *rows,
         budget.Input("misfit beyond the noise", misfit, excess, freedom=float(freedom)),
