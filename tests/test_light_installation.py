@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-COMMANDS = "init check calibrate correct correct_reading diagnose radiance trust".split()
+COMMANDS = "init check calibrate correct correct_reading diagnose identify live radiance serve trust".split()
 LIGHT = ["plasmapyro.cli", *(f"plasmapyro.commands.{name}" for name in COMMANDS)]
 NOT_ON_WINDOWS = set(
     "crypt curses fcntl grp nis posix pty pwd readline resource spwd syslog termios tty".split()

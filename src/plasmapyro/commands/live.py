@@ -11,6 +11,8 @@ import numpy as np
 from plasmapyro import io
 from plasmapyro.commands.joint import SETTINGS
 from plasmapyro.estimate.live import Filter
+from plasmapyro.estimate.renewal import Renewal
+from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.readers import description, follow, parts
 from plasmapyro.readers.text import Refusal
 from plasmapyro.record import status
@@ -41,13 +43,14 @@ def run(options):
         samples = follow.samples_of_table(log, section, follow.growing(log, options.stop_after_s))
     calibration = io.read(folder / "calibration.nc", "calibration")
     response = io.read(folder / "response.nc", "response")
-    dynamics = None
-    if options.like:
-        earlier = io.read(options.like, "joint_estimate").attrs
-        dynamics = {name: float(earlier[f"dynamics_{name}"]) for name in ("quiet", "bending", "memory")}
     record = record_of(facts)
     filtered = Filter(
-        record, calibration, response, SETTINGS, dynamics, tilt(record.emittance_slope, response)
+        record,
+        calibration,
+        response,
+        SETTINGS,
+        tilt(record.emittance_slope, response),
+        Renewal(stated.attrs, calibration, response, SETTINGS),
     )
     limits = [facts.get(f"signal_saturation_{band}", np.inf) for band in ("wide", "narrow")]
     for line in readings(samples, filtered, record.injection, limits, options):
@@ -119,7 +122,8 @@ def readings(samples, filtered, injection, limits, options):
                 "above_limit": reading.temperature > options.alarm_above_k,
                 "saturated": saturated,
                 "stuck": equal >= STUCK,
-                "contradiction": bool(apart),
+                "contradiction": bool(apart or filtered.contradictions),
+                "throughput_in_doubt": filtered.throughput_chance > throughput_in_doubt.limit,
             }
             low, high = reading.interval
             yield {

@@ -6,20 +6,23 @@ from functools import cache
 
 import numpy as np
 
-from plasmapyro.estimate import noise, prepare
-from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE, Dynamics, transition
-from plasmapyro.estimate.observations import robust_sum, robust_weight
+from plasmapyro.estimate import noise, prepare, throughput
+from plasmapyro.estimate.dynamics import FLICKER, GAS, SIZE, TEMPERATURE, Dynamics, transition
+from plasmapyro.estimate.observations import constants, robust_sum, robust_weight
 from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, NORMAL_95, START_DYNAMICS, TELLING
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import status
+from plasmapyro.record.binning import groups
 
 LONGEST = 20_000  # samples before the surface shines that tell the flicker
-STEPS, FALL = 8, 1e-9  # Gauss-Newton steps of a sample, and the fall of the objective that ends them
+STEPS, FALL = 8, 1e-6  # Gauss-Newton steps of a sample, and the fall of the objective that ends them
 HALVINGS = 6
 MEMORY = 4 * prepare.NOISE_BLOCK  # samples from which noise is read, the least that tell it ...
 AGAIN = 25  # ... every so many samples
 USUAL = 300.0  # [s] of an exposure whose end is not known yet
 FIRST_NOISE = 0.01  # [1] of a signal, until its own scatter tells
+PAUSE, OFTEN = 5.0, 0.1  # [s] and [1] of the time so far: between two joint estimates
+MEANS = 5  # of the samples that came while one was made
 SIGHT = 3.0  # standard deviations of more light than the gas explains: a surface may be there
 
 
@@ -63,31 +66,38 @@ class Filter:
               P^+ = \bigl[(P^-)^{-1} + H_k\bigr]^{-1}
 
     with the prediction x^-, P^- of `dynamics.transition` and, of `observations.PyrometerData` for one
-    sample, half the robust sum of squares J_k and the Gauss-Newton matrix H_k. The constants then move
-    against the slope of half the log-determinant that the sample adds, as in `smoother.marginalised`.
+    sample, half the robust sum of squares J_k and the Gauss-Newton matrix H_k. From time to time the state
+    becomes that of the joint estimate of all samples (`renewal.State`): with its throughput in doubt, its
+    dynamics and its drift of the level. From then on samples tell nothing of the constants, but of the gas:
+    their uncertainty and its correlation with the state stay, the gain of the constants is nought.
 
     Notes
     -----
     Sources: Bell & Cathey, IEEE Trans. Autom. Control 38, 294 (1993): the iterated update is a Gauss-Newton
-    step. Deviation from the joint estimate: samples before injection only tell the noise; how fast the
-    temperature may bend is given, not fitted; the noise is that of the samples so far. Each step starts from
+    step; Schmidt, Adv. Control Syst. 3, 293 (1966): constants that are considered, not estimated. Samples
+    linearised one by one would tell of a level that none of them sees (10 K in a minute at 1600 K).
+    Deviation from the joint estimate: the noise is that of the samples so far. Each step starts from
     the prediction and, where there is more light than the gas explains, also from the temperature that would
     explain it: a cold surface has no slope to follow.
     """
 
-    def __init__(self, record, calibration, response, settings, dynamics=None, slope=0.0):
-        """`record`: facts of the test (a Record, its instruments unused); `settings`: keywords of `estimate`;
-        `dynamics`: the three numbers of `START_DYNAMICS`, where an earlier estimate found others."""
+    def __init__(self, record, calibration, response, settings, slope=0.0, renewal=None):
+        """`record`: facts of the test, its instruments unused; `settings`: keywords of `posterior`;
+        `renewal`: `renewal.Renewal`, or None: it then goes on from its first sample alone."""
         self.off, self._window, self._record = record.off, record.window, record
+        self._renewal, self._asked, self._due = renewal, None, PAUSE
+        self._rows, self._number = np.empty((LONGEST, 3)), 0  # all samples so far
+        self.contradictions, self.throughput_chance = (), 0.0
         one = np.array([True])
         empty = prepare.Samples(
             np.zeros(1), np.zeros((2, 1)), np.ones((2, 1)), one, one, np.zeros(1, int), np.nan, np.nan
         )
         data = prepare.pyrometer_data(empty, response, calibration, slope)
-        self._data = dataclasses.replace(data, table=_Kept(data.table), shifted=_Kept(data.shifted))
+        kept = {name: _Kept(getattr(data, name)) for name in ("table", "shifted")}
+        self._data = dataclasses.replace(data, drift=np.ones((1, 1)), **kept)
         self._calibration, self._settings = calibration, settings
         self._dynamics = Dynamics(
-            **(START_DYNAMICS | (dynamics or {})),
+            **START_DYNAMICS,
             kick=KICK,
             gas=settings["gas_drift"] ** 2 / (record.off if np.isfinite(record.off) else USUAL),
             gas_start=GAS_START,
@@ -116,6 +126,10 @@ class Filter:
         """
         signal = np.asarray(signal, dtype=float)
         self._learn(time, signal)
+        if self._renewal is not None and time >= self._due and self._mean is not None:
+            if self._asked is None or self._renewal.ready(time - self._asked):
+                self._renew(time)
+        self._keep(time, signal)
         if time < 0 or (self._mean is None and not (signal > 0).all()):
             nothing = (np.nan, np.nan)
             return Reading(time, np.nan, np.nan, status.NOT_INJECTED, nothing, nothing)
@@ -123,19 +137,56 @@ class Filter:
             self._begin(signal)
         else:
             self._predict(time)
+        return self._reading(time, *self._taken(time, signal, 1))
+
+    def _taken(self, time, signal, count):
+        """Move the state to the mean of so many samples; that mean as data, and its matrix of the states."""
         self._time = time
-        shining = time <= self.off
         if abs(time - self.off) <= self._settings["plasma_off_time_span"]:
             signal = np.full(2, np.nan)  # the gas dies: neither there nor gone
         spread = np.maximum(self._floor, self._relative * np.abs(np.nan_to_num(signal)))
+        spread = np.maximum(spread, prepare.LEAST_NOISE * np.abs(self._mean[self._gas]))
         data = dataclasses.replace(
             self._data,
             signal=signal[:, None],
-            noise=np.maximum(spread, prepare.LEAST_NOISE * np.abs(self._mean[self._gas]))[:, None],
-            shining=np.array([shining]),
+            noise=spread[:, None] / np.sqrt(count),
+            shining=np.array([time <= self.off]),
         )
-        matrix = self._update(data)
-        return self._reading(time, data, matrix)
+        return data, self._update(data)
+
+    def _keep(self, time, signal):
+        if self._number == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._rows[self._number] = time, *signal
+        self._number += 1
+
+    def _renew(self, time):
+        """Go on from the joint estimate that was asked for, if there is one, and ask for the next."""
+        if self._asked is not None and (state := self._renewal.answer()) is not None:
+            self.contradictions, self.throughput_chance = state.contradictions, state.throughput_chance
+            if not state.contradictions:
+                self._resume(state)
+        end = max(USUAL, 2 * time) if np.isinf(self.off) else self.off  # of a plasma that burns
+        self._renewal.ask(self._rows[: self._number], end)
+        self._asked, self._due = time, time + max(PAUSE, OFTEN * time)
+
+    def _resume(self, state):
+        """Go on from a state of the past; what came since is taken as a few means."""
+        self._time, self._mean, self._covariance = state.time, state.mean, state.covariance
+        self._held = np.setdiff1d(np.arange(SIZE, self._mean.size), self._gas)
+        own = {name: getattr(self._dynamics, name) for name in ("flicker", "flicker_time")}
+        self._dynamics = dataclasses.replace(state.dynamics, **own)  # there of means, perhaps
+        rows = self._rows[: self._number]
+        since = rows[np.searchsorted(rows[:, 0], state.time, "right") :].copy()
+        since[np.abs(since[:, 0] - self.off) <= self._settings["plasma_off_time_span"], 1:] = np.nan
+        group = groups(since[:, 0], (0.0, self.off), MEANS)[: len(since)]
+        for one in np.unique(group):
+            rows = since[group == one]
+            good = rows[np.isfinite(rows).all(axis=1)]
+            if len(good):
+                time, *signal = good.mean(axis=0)
+                self._predict(time)
+                self._taken(time, np.array(signal), len(good))
 
     def _begin(self, signal):
         settings = self._settings
@@ -147,18 +198,19 @@ class Filter:
             settings["gas_change"],
             settings["band_shift_uncertainty"],
         )
+        fixed = fixed + constants(throughput.NAME, 0.0, np.sqrt(throughput.CHANCE) * throughput.WIDTH)
+        fixed = fixed + constants("band_drift", 0.0, throughput.DRIFT)
         first = [settings["initial_temperature_uncertainty"], np.hypot(FIRST_RATE, KICK), GAS_START]
         self._of, self._gas = cache(fixed.where), SIZE + fixed.where("gas_signal")
         self._mean = np.concatenate([[settings["initial_temperature"], 0.0, 0.0, 0.0], fixed.mean])
         # Entries differ by twenty powers of ten: matrices are inverted in units of these deviations.
         self._scale = np.concatenate([first, [self._dynamics.flicker], fixed.deviation])
-        self._first = self._mean.copy()
+        self._first, self._held = self._mean.copy(), np.zeros(0, int)
         self._forget()
 
     def _forget(self):
         self._mean = self._first.copy()
         self._covariance = np.diag(self._scale**2)
-        self._by_constants = np.zeros((self._mean.size - SIZE, SIZE, SIZE))  # of the chain's covariance
 
     def _predict(self, time):
         moved, added = transition(self._dynamics, np.array([self._time, time]), (0.0, self.off), 0.0)
@@ -167,7 +219,6 @@ class Filter:
         self._mean = matrix @ self._mean
         self._covariance = matrix @ self._covariance @ matrix.T
         self._covariance[:SIZE, :SIZE] += added[0]
-        self._by_constants = moved[0] @ self._by_constants @ moved[0].T
 
     def _inverse_of(self, matrix, scale):
         outer = np.outer(scale, scale)
@@ -192,58 +243,26 @@ class Filter:
 
     def _moved(self, data):
         weight = self._inverse_of(self._covariance, self._scale)
-        ends = [self._descend(start, weight, data) for start in self._starts(data)]
+        ends = []
+        for start in self._starts(data):
+            ends.append(self._descend(start, weight, data))
+            if ends[-1][0] < 0.5 * SIGHT**2:  # explained
+                break
         _, mean = min(ends, key=lambda end: end[0])
         # The matrix belongs to where the sample leads, not to the prediction: else thousands of them drift.
         rows, residual = data.of_sample(mean[None, :SIZE], mean[SIZE:], self._of)
         weighted = rows.T * robust_weight(residual)
         total = weight + weighted @ rows
-        self._mean = mean
-        self._covariance = self._inverse_of(total, 1 / self._scale)
-        slope = self._slope_of_determinant(weight, total, data)
-        self._mean = mean - self._covariance[:, SIZE:] @ slope
-        self._mean[TEMPERATURE] = np.clip(self._mean[TEMPERATURE], *data.table.temperatures)
+        covariance = self._inverse_of(total, 1 / self._scale)
+        if self._held.size:
+            gain = covariance @ weighted
+            gain[self._held] = 0.0
+            left = np.eye(mean.size) - gain @ rows
+            noise = gain / np.sqrt(np.maximum(robust_weight(residual), np.finfo(float).tiny))
+            covariance = left @ self._covariance @ left.T + noise @ noise.T
+            mean[self._held] = self._mean[self._held]
+        self._mean, self._covariance = mean, covariance
         return weighted[:SIZE] @ rows[:, :SIZE]
-
-    def _slope_of_determinant(self, weight, total, data):
-        r"""Slope (p,) by the constants of what the sample adds to half ln det A, the state following them.
-
-        .. math:: \tfrac12\,\mathrm{tr}\,C^+ (W' + H') - \tfrac12\,\mathrm{tr}\,C^- W', \qquad
-                  W' = -W C^{-\prime} W, \quad C^{+\prime} = -C^+ (W' + H') C^+
-
-        with C the covariance of the chain's state given the constants, W its inverse before the sample.
-        """
-        own = weight[:SIZE, :SIZE]
-        before, after = np.linalg.inv(own), np.linalg.inv(total[:SIZE, :SIZE])
-        follows = -after @ total[:SIZE, SIZE:]
-        old = -own @ self._by_constants @ own
-        both = old + self._matrix_by_constants(follows, data)
-        self._by_constants = -after @ both @ after
-        return 0.5 * (np.einsum("ij,pji->p", after, both) - np.einsum("ij,pji->p", before, old))
-
-    def _matrix_by_constants(self, follows, data):
-        """Derivative (p, 4, 4) of the sample's matrix by the constants; `follows` (4, p): of the state."""
-        of, path, values = self._of, self._mean[None, :SIZE], self._mean[SIZE:]
-        surface, gas, slope = data.predict(path, values, of)
-        weight = robust_weight((data.signal - surface - gas) / data.noise)[:, 0]
-        _, first, second = data.table(path[:, TEMPERATURE])
-        leverage, result = data.leverage(path[:, TEMPERATURE]), 0.0
-        for band in (0, 1):
-            row = np.zeros(SIZE)
-            row[TEMPERATURE] = slope[band, 0] / data.noise[band, 0]
-            row[[GAS, FLICKER]] = gas[band, 0] / data.noise[band, 0]
-            body, light = np.zeros((2, values.size))  # logarithmic derivatives of its two parts
-            body[of("log_emittance")] = body[of("gain_error")[band]] = 1.0
-            body[of("source_error")] = -data.source_slope[band]
-            body[of("band_shift")[band]] = leverage[band, 0]
-            body += second[0, band] / first[0, band] * follows[TEMPERATURE]
-            light[of("gas_signal")[band]] = 1 / values[of("gas_signal")[band]]
-            light += follows[GAS] + follows[FLICKER]
-            change = light[:, None] * row
-            change[:, TEMPERATURE] = body * row[TEMPERATURE]
-            outer = change[:, :, None] * row
-            result = result + weight[band] * (outer + np.swapaxes(outer, 1, 2))
-        return result
 
     def _starts(self, data):
         """The prediction, and the temperature that would explain the light beyond that of the gas."""
@@ -337,6 +356,8 @@ class Filter:
             state = status.GAS_DOMINATED
         else:
             state = EXTRAPOLATED if not low <= temperature <= high else VALID
+        if self.contradictions:
+            state = status.CONTRADICTED
         if state not in status.WITH_VALUE:
             temperature = deviation = np.nan
         residual = data.residual(path, self._mean[SIZE:], self._of)[:, 0]
@@ -346,8 +367,3 @@ class Filter:
     def started(self):
         """Whether a sample after the injection has come."""
         return self._mean is not None
-
-    @property
-    def rate(self):
-        """How fast the temperature changes now [K/s], and its standard uncertainty."""
-        return float(self._mean[RATE]), float(np.sqrt(self._covariance[RATE, RATE]))

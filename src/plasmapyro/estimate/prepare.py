@@ -46,13 +46,15 @@ def leading(record):
     return record.instrument("pyrometer") or record.instrument("radiometer")
 
 
-def samples_of(record, spans, most=MOST_SAMPLES):
+def samples_of(record, spans, least=None, most=MOST_SAMPLES):
     """Samples of a test with their noise; those in which the probe moves in or the plasma dies are left out.
 
     Parameters
     ----------
     record : Record, with the pyrometer or a radiometer
     spans : (2,) floats [s], left out before injection and after the end of the plasma
+    least : int
+        Of each band, in which the noise is seen; `LEAST_SAMPLES` of the instrument if None.
     most : int
         A longer record is averaged over groups of neighbours, which never straddle a switch.
 
@@ -64,7 +66,7 @@ def samples_of(record, spans, most=MOST_SAMPLES):
     time, off = bands.time, record.off
     moving = ((time >= -spans[0]) & (time < 0)) | ((time > off) & (time <= off + spans[1]))
     signal = np.where(moving, np.nan, bands.sound.T)
-    least = LEAST_SAMPLES[bands.name]
+    least = least or LEAST_SAMPLES[bands.name]
     for band, row in zip(bands.band, signal, strict=True):
         if np.isfinite(row).sum() < least:
             raise ValueError(

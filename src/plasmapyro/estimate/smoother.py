@@ -53,6 +53,7 @@ class Spread:
     constants: np.ndarray  # (p, p) covariance
     across: np.ndarray  # (n, p) covariance of each temperature with the constants
     told: np.ndarray  # (n,) [K-2] what each sample by itself says of its temperature, gas marginalised
+    last: np.ndarray  # (4 + p, 4 + p) covariance of the last state and the constants
 
 
 def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
@@ -179,7 +180,9 @@ def spread_of(chain, observations, prior_constants, found):
     own = prior.spread(gathered.state_matrix)
     own = own + effect @ covariance @ np.swapaxes(effect, 1, 2)
     told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
-    return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, told)
+    across = -effect[-1] @ covariance
+    last = np.block([[own[-1], across], [across.T, covariance]])
+    return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, told, last)
 
 
 def _told(matrix, gas_variance):

@@ -1,6 +1,7 @@
 """Stage of the joint estimate: a test and the calibrations in, surface temperature and gas out."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import wraps
 
 import numpy as np
 import xarray as xr
@@ -9,14 +10,14 @@ from plasmapyro.estimate import prepare, radiometer
 from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
-from plasmapyro.estimate.observations import constants
-from plasmapyro.estimate.smoother import Chain, fit, marginalised, misfit, spread_of
+from plasmapyro.estimate.observations import Constants, constants
+from plasmapyro.estimate.smoother import Chain, Fit, Spread, fit, marginalised, misfit, spread_of
 from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import UNTOLD, tilt
-from plasmapyro.record.record import record_of
+from plasmapyro.record.record import Record, record_of
 
 NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
@@ -56,7 +57,7 @@ INPUTS = (  # name of constants, words, group, unit
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
-def estimate(
+def posterior(
     test,
     calibration,
     response,
@@ -83,8 +84,10 @@ def estimate(
     emissivity_shape=0.1,
     emissivity_length=200e-9,
     throughput_chance=CHANCE,
+    least_samples=None,
+    most_samples=prepare.MOST_SAMPLES,
 ):
-    """Surface temperature of a test from its bands in absolute units and, if present, the spectra.
+    """All that the bands of a test in absolute units and, if present, its spectra tell of its surface.
 
     Parameters
     ----------
@@ -124,10 +127,14 @@ def estimate(
         through the test, and over which length it is smooth. Without one the surface is grey, or as stated.
     throughput_chance : float [1]
         That a pyrometer alone sees another share of the light than calibration and emittance say.
+    least_samples : int, or None
+        In which the noise of bands must be seen; None: of a pyrometer 200, of a radiometer 60.
+    most_samples : int
+        Neighbours of a longer record are averaged.
 
     Returns
     -------
-    Dataset, contract 'joint_estimate'
+    Posterior
 
     Raises
     ------
@@ -155,7 +162,7 @@ def estimate(
         level = emissivity_level or record.emittance_uncertainty / record.emittance or UNTOLD
         record = replace(record, emittance_uncertainty=level * record.emittance)
     spans = injection_time_span, plasma_off_time_span
-    samples = prepare.samples_of(record, spans)
+    samples = prepare.samples_of(record, spans, least_samples, most_samples)
     told = np.isfinite(samples.flicker)
     deviation = samples.flicker if told else gas_flicker
     correlation = samples.flicker_time if told else gas_flicker_time
@@ -227,8 +234,8 @@ def estimate(
     # A second instrument contradicts a throughput that is not as stated; a pyrometer alone must doubt it.
     doubted = course is None and len(observations) == 1 and throughput_chance > 0
     if doubted:
-        fixed = fixed + constants(NAME, 0.0, prepare.NOTHING)
         observations[0] = replace(leading, drift=prepare.ramps(samples.time))
+        fixed = fixed + constants(NAME, 0.0, prepare.NOTHING)
         fixed = fixed + constants("band_drift", np.zeros(prepare.RAMPS), prepare.NOTHING)
     if course is not None:
         observations = [replace(one, **_inverse(one)) for one in observations]
@@ -271,13 +278,38 @@ def estimate(
         found, spread, fixed, doubts = in_doubt(chain, observations, fixed, found, throughput_chance)
     else:
         spread = spread_of(chain, observations, fixed, found)
-    limits = least_surface_share, largest_uncertainty
-    fit_range = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
-    made = _dataset(record, test, fit_range.values, samples, observations, fixed, found, spread, limits)
-    made = made.assign_attrs(doubts)
-    if lost and not made.attrs["contradictions"]:  # what contradicts itself has no marginal density
+    made = Posterior(record, test, samples, observations, fixed, found, spread, doubts)
+    if lost and not made.contradicted()[1]:  # what contradicts itself has no marginal density
         raise ValueError(f"the joint estimate did not converge in {steps} steps")
     return made
+
+
+@wraps(posterior, assigned=())
+def estimate(test, calibration, *given, **settings):
+    """Surface temperature of a test: what `posterior` finds, as Dataset of contract 'joint_estimate'."""
+    found = posterior(test, calibration, *given, **settings)
+    bands = (
+        settings["radiometer_calibration"].instrument_range if calibration is None else calibration.fit_range
+    )
+    return _dataset(found, bands.values, settings["least_surface_share"], settings["largest_uncertainty"])
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Path and constants that a test leaves, with their uncertainty."""
+
+    record: Record
+    test: xr.Dataset
+    samples: prepare.Samples
+    observations: list
+    fixed: Constants  # prior
+    found: Fit
+    spread: Spread
+    doubts: dict  # of the throughput
+
+    def contradicted(self):
+        """Samples (n,) that contradict one another, and why."""
+        return contradicted(self.samples.time, self.observations, self.fixed, self.found)
 
 
 def _refined(chain, observations, fixed, found):
@@ -343,9 +375,12 @@ def _of_slope(record, fixed, rows):
     return [budget.Input(words, "emittance", row.contribution * share, own, "1")]
 
 
-def _dataset(record, test, fit_range, samples, observations, fixed, found, spread, limits):
+def _dataset(posterior, fit_range, least_share, largest):
+    test, record, samples, observations = (
+        getattr(posterior, name) for name in ("test", "record", "samples", "observations")
+    )
+    fixed, found, spread = posterior.fixed, posterior.found, posterior.spread
     of, group = fixed.where, samples.group
-    least_share, largest = limits
     middle, scale = found.path[:, TEMPERATURE], np.ones(samples.time.size)
     if isinstance(observations[0].table, InverseTable):
         middle, scale = from_straight(middle)
@@ -357,7 +392,7 @@ def _dataset(record, test, fit_range, samples, observations, fixed, found, sprea
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     # Where there is no light of a gas, noise may make what is fitted of it negative.
     share, injected = np.clip(surface / (surface + gas), 0, 1)[:, group], samples.injected[group]
-    against, words = contradicted(samples.time, observations, fixed, found)
+    against, words = posterior.contradicted()
     known = injected & told & (deviation < largest * temperature)
     low, high = fit_range
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
@@ -416,5 +451,6 @@ def _dataset(record, test, fit_range, samples, observations, fixed, found, sprea
         | {
             f"dynamics_{name}": float(getattr(found.dynamics, name))
             for name in ("quiet", "bending", "memory")
-        },
+        }
+        | posterior.doubts,
     )

@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.estimate.smoother import Fit, Spread, cost, marginalised, spread_of
+from plasmapyro.record.emittance import THROUGHPUT_CHANCE as CHANCE
+from plasmapyro.record.emittance import THROUGHPUT_WIDTH as WIDTH
 
 NAME = "band_level"  # the constant: logarithm of the light that the bands see over what is stated
-# ASSUME: dirt, a misplaced sample, a field that is not filled, a window left out of the calibration.
-CHANCE = 0.2  # [1] that the throughput of a test is not as stated
-WIDTH = 0.3  # [1] standard deviation of its logarithm then
 DRIFT = 0.02  # [1] ASSUME standard deviation of the level at the end of the record
 STEP, STEPS = 0.15, 5  # [1] between the levels that are tried, and how many to each side
 HOPELESS = 16.0  # logarithm of a probability over that of the best level below which none follows
@@ -102,6 +101,12 @@ def in_doubt(chain, observations, fixed, found, prior=CHANCE):
             mean([one.constants + np.outer(by, by) for one, (_, by) in zip(spreads, off, strict=True)]),
             across,
             mean([one.told for one in spreads]),
+            mean(
+                [
+                    one.last + np.outer(by, by)
+                    for one, by in zip(spreads, [np.append(moved[-1], by) for moved, by in off], strict=True)
+                ]
+            ),
         ),
         replace(fixed, deviation=deviation),
         facts,

@@ -1,0 +1,108 @@
+"""The joint estimate of all samples so far, made by another process, from which a filter goes on."""
+
+import multiprocessing
+import signal
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro.estimate.dynamics import SIZE, Dynamics
+from plasmapyro.estimate.stage import posterior
+from plasmapyro.radiation.bandsignal import BANDS
+
+FASTER = 0.8  # [1] of the time between samples in which they come: they were taken before
+LEAST, MOST = 100, 2000  # samples of the chain; more take more than some seconds
+OF_LIVE = {"saturation_counts": np.inf, "noise_block": 1, "least_samples": LEAST, "most_samples": MOST}
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a filter may go on: the last state and the constants of a joint estimate."""
+
+    time: float  # [s] from the injection
+    names: tuple  # of the constants
+    mean: np.ndarray  # (4 + p,)
+    covariance: np.ndarray  # (4 + p, 4 + p)
+    dynamics: Dynamics
+    contradictions: tuple  # words
+    throughput_chance: float  # [1] that it is not as stated
+
+
+def state_of(test, calibration, response, settings):
+    """State at the end of a test; None where its samples tell nothing yet.
+
+    The ramps of a drift are one constant: where they have led.
+    """
+    try:
+        made = posterior(test, calibration, response, None, **settings | OF_LIVE)
+    except ValueError:
+        return None
+    names, ramps = made.fixed.names, made.fixed.where("band_drift")
+    kept = [at for at in range(len(names)) if at not in ramps]
+    whole = np.zeros((SIZE + len(kept) + 1, SIZE + len(names)))
+    whole[np.arange(SIZE), np.arange(SIZE)] = 1.0
+    whole[SIZE + np.arange(len(kept)), SIZE + np.array(kept)] = 1.0
+    whole[-1, SIZE + ramps] = 1.0
+    against, words = made.contradicted()
+    return State(
+        float(made.samples.time[-1]),
+        (*(names[at] for at in kept), "band_drift"),
+        whole @ np.concatenate([made.found.path[-1], made.found.values]),
+        whole @ made.spread.last @ whole.T,
+        made.found.dynamics,
+        tuple(words) if against[-1] else (),
+        made.doubts["throughput_chance"],
+    )
+
+
+class Renewal:
+    """Another process that is asked for a `State`, and answers when it has one."""
+
+    def __init__(self, attributes, *instrument_and_settings):
+        """`attributes`: of the test; the rest: as `state_of` takes it."""
+        self._attributes = attributes
+        context = multiprocessing.get_context("spawn")
+        self._pipe, other = context.Pipe()
+        context.Process(target=_serve, args=(other, *instrument_and_settings), daemon=True).start()
+        other.close()
+
+    def ask(self, samples, off):
+        """`samples` (n, 3): time [s] and both signals [A]; `off`: end of the plasma; from the injection."""
+        self._begun = time.monotonic()
+        with suppress(OSError):
+            self._pipe.send(test_of(samples, off, self._attributes))
+
+    def ready(self, span):
+        """Whether the answer is there, or may be waited for: `span` [s] have passed for the samples since.
+
+        Samples that come as they are taken never wait; those of a record that is read through do, so that
+        what is said of them does not depend on how fast that is.
+        """
+        return self._pipe.poll() or time.monotonic() - self._begun < FASTER * span
+
+    def answer(self):
+        """What was asked for, waited for; None where samples tell nothing yet, or the process is gone."""
+        try:
+            return self._pipe.recv()
+        except (EOFError, OSError):
+            return None
+
+
+def test_of(samples, off, attributes):
+    """A test as Dataset of samples (n, 3) and the end of the plasma as `Renewal.ask` takes them."""
+    moment, *pair = np.asarray(samples).T
+    injection = attributes["injection_time"]
+    ampere = {"units": "A"}
+    signals = {f"signal_{band}": ("time", row, ampere) for band, row in zip(BANDS, pair, strict=True)}
+    axis = ("time", moment + injection, {"units": "s"})
+    return xr.Dataset(signals, {"time": axis}, attributes | {"plasma_off_time": off + injection})
+
+
+def _serve(pipe, *instrument_and_settings):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who stops `live` stops this process with it
+    with suppress(EOFError, OSError):  # `live` has ended
+        while True:
+            pipe.send(state_of(pipe.recv(), *instrument_and_settings))
