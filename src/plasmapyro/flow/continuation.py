@@ -36,7 +36,7 @@ STALL_STEPS, STALL_SHARE = 8, 0.3
 CYCLE_SHARE, CYCLE_COURANT, LEAST_SHARE = 0.7, 1000.0, 0.25
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
 # A plasma that shrinks conducts less, and at prescribed Joule power the coil current then runs away.
-RUNAWAY = 2.2  # coil current over that of the first step; while a discharge forms in nitrogen it takes 1.9
+RUNAWAY = 2.2  # coil current over that of the first step
 
 
 class NotConverged(RuntimeError):

@@ -19,6 +19,7 @@ from plasmapyro.flow.follow import (
     LINEAR_TOLERANCE,
     PATIENCE,
     RESTART_COURANT,
+    UNDER_WAY,
     follow,
 )
 from plasmapyro.flow.geometry import Torch
@@ -34,12 +35,15 @@ from plasmapyro.flow.levels import (
     state_variables,
 )
 from plasmapyro.flow.meshes import Meshes, mesh_variables, meshes_of
+from plasmapyro.gas.species import AIR, argon_of, nitrogen_of
+from plasmapyro.gas.stage import gas_table
 
 log = logging.getLogger(__name__)
 
 START_LIMITERS = (0.2, 0.1)  # viscosity limiter of the two parts of the start on linear elements
-# Of the start mesh, where that one has no steady flow: nitrogen, and N2 and O2 in equal parts.
-FINER_START = 0.75
+# Of the mole fraction of N2, from one gas to the next on the way from air to that of a cold start; in
+# oxygen itself the march of linear elements diverges, in nitrogen it finds no flow on the start mesh.
+GAS_STEP = 0.1
 # Formation of the torch vortex: above CFL 6 the frozen Joule heating overheats single spots.
 FORMATION = Schedule(1.0, 6.0, 60, relaxation=0.5, converged_courant=np.inf)
 SETTLING = Schedule(
@@ -78,7 +82,8 @@ def cold_start(
     """Steady flow at a reference condition, from a hot first guess; no swirl, no radiation loss.
 
     Linear elements on a mesh of their own first (cheap, forgiving), then Taylor-Hood elements, from the
-    coarsest mesh of the error estimate to the final one.
+    coarsest mesh of the error estimate to the final one. Another gas than air is reached on that coarsest
+    mesh, from air, by steps of its composition.
 
     Parameters
     ----------
@@ -119,7 +124,7 @@ def cold_start(
     reference = Condition(**reference, back_wall_temperature=setup.wall_temperature)
     power = reference.numerical_power
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
-    air = Air(gas, None, setup.wall_temperature)
+    air, *others = (Air(one, None, setup.wall_temperature) for one in _from_air(gas, reference))
     label = f"cold start {power / 1e3:g} kW"
     meshes = Meshes(setup.torch)
     factors = level_factors(setup.mesh_factor, _checked_ratio(error_mesh_ratio))
@@ -138,28 +143,41 @@ def cold_start(
         problem = problem_of(meshes(factors[level]), setup, air, reference, 2, limiter)
         where = f"{label}, mesh factor {factors[level]:.3g}"
         result = march(problem, transfer(state, source, problem), power, final, where)
-        source, state, solutions[level] = problem, result.state, Solution(problem, result.state)
         final = replace(final, first_courant=RESTART_COURANT)
+        for air in others:  # the finer meshes begin in the last of them
+            problem = moved(problem, air, reference)
+            guess = np.where(problem.fixed, problem.values, result.state)
+            schedule, named = final if air is others[-1] else UNDER_WAY, _named(air.gas)["gas"]
+            result = march(problem, guess, power, schedule, f"{where}, {named}")
+        others = ()
+        source, state, solutions[level] = problem, result.state, Solution(problem, result.state)
     found = to_dataset(problem, setup, reference, result, _balanced(problem, result, label))
     levels = {**mesh_variables(meshes, factors), **state_variables(solutions)}
     return found.assign(levels).assign_attrs(_named(gas))
 
 
+def _from_air(gas, reference):
+    """Gas tables from that of air to `gas`, the last; that one alone where it is air."""
+    own, argon, air = nitrogen_of(gas), argon_of(gas), AIR["N2"]
+    if own == air and not argon:
+        return [gas]
+    axes = {"temperature": gas.temperature.values, "pressure": [reference.chamber_pressure]}
+    steps = max(int(np.ceil(abs(own - air) / GAS_STEP)), 1)
+    shares = np.linspace(0.0, 1.0, steps + 1)[:-1]
+    return [
+        *(gas_table(nitrogen=air + share * (own - air), argon=share * argon, **axes) for share in shares),
+        gas,
+    ]
+
+
 def _on_linear_elements(meshes, start_factor, setup, air, reference, label):
-    """Problem on linear elements and its steady state, on a finer start mesh where none is found."""
-    for factor in (start_factor, FINER_START * start_factor):
-        coarse = problem_of(meshes(factor), setup, air, reference, 1)
-        state = hot_torch(coarse)
-        try:
-            for limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
-                limited, where = coarse.with_limiter(limiter), f"{label}, linear elements"
-                state = march(limited, state, reference.numerical_power, schedule, where).state
-        except NotConverged as fault:
-            if factor != start_factor:
-                raise
-            log.info("%s; again on cells %g times as large", fault, FINER_START)
-        else:
-            return coarse, state
+    """Problem on linear elements and its steady state."""
+    coarse = problem_of(meshes(start_factor), setup, air, reference, 1)
+    state = hot_torch(coarse)
+    for limiter, schedule in zip(START_LIMITERS, (FORMATION, SETTLING), strict=True):
+        limited, where = coarse.with_limiter(limiter), f"{label}, linear elements"
+        state = march(limited, state, reference.numerical_power, schedule, where).state
+    return coarse, state
 
 
 def condition(
