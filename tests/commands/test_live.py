@@ -3,6 +3,7 @@
 import io as text_io
 import json
 import sys
+import time
 from types import SimpleNamespace
 
 import laboratory
@@ -11,10 +12,14 @@ import pytest
 
 from plasmapyro import cli, io
 from plasmapyro.commands.joint import SETTINGS
+from plasmapyro.commands.live import record_of
+from plasmapyro.estimate.live import Filter
+from plasmapyro.estimate.renewal import Renewal
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.readers import follow
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
+from plasmapyro.record import status
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +88,25 @@ def test_the_end_state_is_that_of_the_joint_estimate(shelf, told, monkeypatch, u
     assert last["high"] - last["low"] == pytest.approx(high - low, rel=0.1)
 
 
+def test_a_running_test_never_waits_for_the_estimate():
+    """Five seconds of samples in five: it goes on without; the same read through in one: it waits."""
+    asked = Renewal.__new__(Renewal)
+    asked._pipe, asked._begun = SimpleNamespace(poll=lambda: False), time.monotonic() - 5.0
+    assert not asked.ready(5.0) and asked.ready(25.0)
+
+
+def test_without_an_answer_the_filter_goes_on_and_asks_once(shelf):
+    test, asked = read_test(shelf / "my_test"), []
+    late = SimpleNamespace(
+        ask=lambda samples, off: asked.append((len(samples), off)), ready=lambda span: False
+    )
+    instrument = [io.read(shelf / "lab" / f"{name}.nc", name) for name in ("calibration", "response")]
+    filtered = Filter(record_of(test.attrs), *instrument, SETTINGS, renewal=late)
+    pairs = np.stack([test.time.values, test.signal_wide.values, test.signal_narrow.values], axis=1)
+    found = [filtered.step(moment, pair) for moment, *pair in pairs[pairs[:, 0] < 20]]
+    assert asked == [(int((pairs[:, 0] < 5).sum()), 50.0)] and found[-1].state == status.VALID
+
+
 def test_a_band_that_lost_light_is_said_and_the_interval_holds_it(shelf, monkeypatch):
     """3 % less in one band is 60 K by the ratio, 7 K by the level: which of them is right nobody knows."""
     lost = [row | {"signal_narrow": 0.97 * row["signal_narrow"]} for row in rows(shelf, until=45.0)]
@@ -104,7 +128,7 @@ def test_a_plasma_that_ends_a_moment_before_its_stated_end_moves_no_surface(shel
 
 
 def test_it_says_what_is_there_and_what_is_not(told):
-    time = np.array([line["time"] for line in told])
+    moments = np.array([line["time"] for line in told])
     assert {line["status"] for line in told if line["time"] < 0} == {"not_injected"}
     assert {line["status"] for line in told if 0 <= line["time"] < 6} == {"no_signal"}
     hot = [line for line in told if line["time"] > 30 and line["status"] == "valid"]
@@ -114,7 +138,7 @@ def test_it_says_what_is_there_and_what_is_not(told):
     assert (np.abs(middle - truth) < 4 * spread).all() and (spread < 12).all()
     rung = [line["time"] for line in told if "above_limit" in line["alarms"]]
     assert 27 < rung[0] < 29.5 and rung[-1] < 56  # 1500 K at 28.0 s and at 54.4 s
-    assert len(told) == len(read_times := np.unique(time)) and (np.diff(read_times) > 0).all()
+    assert len(told) == len(np.unique(moments)) and (np.diff(moments) > 0).all()
 
 
 def test_a_log_and_a_stream_say_the_same(shelf, told, monkeypatch):
