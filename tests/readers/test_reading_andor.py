@@ -83,6 +83,13 @@ def correct(place, out):
     return cli.main([str(word) for word in words])
 
 
+def diagnosed(place, out):
+    words = ["diagnose", place / "test", "--instrument", place / "lab", "--out", out]
+    assert cli.main([str(word) for word in words]) == 0
+    report = json.loads((out / "diagnosis.json").read_text())
+    return report["verdict"], io.read(out / "temperature.nc", "diagnosis_temperature")
+
+
 def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
     assert check_test(place / "test") == []
     assert cli.main(["check", str(place / "test"), "--instrument", str(place / "lab")]) == 0
@@ -105,10 +112,12 @@ def test_faint_light_of_the_room_asks_for_an_impossible_emissivity(place, tmp_pa
     lamp = blackbody_radiance(VACUUM, 2800.0) / blackbody_radiance(VACUUM, 2800.0).max()
     series(place / "test/light.asc", furnace(973.15) + WHITE * furnace(973.15).max() * lamp, 1.0, seed=3)
     assert correct(place, tmp_path / "t.nc") == 0
+    _, temperature = diagnosed(place, tmp_path / "out")
     (place / "test/light.asc").write_text(kept)
     found = io.read(tmp_path / "t.nc", "emissivity_estimate")
     assert (found.spectral_status == 9).all() and np.isnan(found.spectral_temperature).all()
     assert "of its stated uncertainties off at" in capsys.readouterr().err
+    assert (temperature.recommended_status == 9).all() and temperature.attrs["recommended"] == "none"
 
 
 def test_fainter_light_of_the_room_is_said_and_taken_out(place, tmp_path, capsys):
@@ -117,7 +126,10 @@ def test_fainter_light_of_the_room_is_said_and_taken_out(place, tmp_path, capsys
     lamp = 40 * np.exp(-(((AIR - 560) / 60) ** 2))
     series(place / "test/light.asc", furnace(973.15) + lamp, 1.0, seed=3)
     assert correct(place, tmp_path / "t.nc") == 0
+    verdict, temperature = diagnosed(place, tmp_path / "out")
     (place / "test/light.asc").write_text(kept)
+    assert "which holds light like that of a white diode in the view" in verdict["sentences"][0]
+    np.testing.assert_allclose(temperature.recommended_temperature, 973.15, atol=5.0)
     found = io.read(tmp_path / "t.nc", "emissivity_estimate")
     assert (found.spectral_status == 0).all() and abs(found.attrs["lamp_cost"]) > 10.0
     assert np.abs(found.spectral_temperature - 973.15).max() < 5.0

@@ -3,6 +3,8 @@
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
@@ -10,11 +12,16 @@ from plasmapyro.commands.outputs import require_folder
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
+from plasmapyro.diagnosis.fit.no_plasma import OtherLight
+from plasmapyro.estimate.lamps import shapes_of
 from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.quality.rule import Case
 from plasmapyro.readers.stage import read_with_files
-from plasmapyro.record.inputs import instruments
+from plasmapyro.record import status
+from plasmapyro.record.inputs import has_plasma, instruments
+
+LAMP_STEP = 3e-9  # [m] of the light of a lamp
 
 
 def run(options):
@@ -61,7 +68,8 @@ def _diagnosed(options, folder):
         progress.warn("the diagnosis takes the pyrometer; the radiometer is left aside")
     warn_of_absent(given, instruments(data))
     others = [_read(one) for one in options.also]
-    findings = of_test(options.test, reading, **_tried(data, folder))
+    tried = _tried(data, folder)
+    findings = of_test(options.test, reading, **tried)
     for finding in findings:
         progress.warn(finding.words)
     inputs = diagnosis.load_inputs(options.radiance, folder, options.variations)
@@ -80,6 +88,7 @@ def _diagnosed(options, folder):
         saturation_counts=options.saturation_counts,
         given=given,
         known=known,
+        **_unlike_a_surface(data, tried),
     )
     if (doubt := throughput_in_doubt(Case(Path(options.test), estimate=result.temperature))) is not None:
         progress.warn(doubt.words)
@@ -87,6 +96,21 @@ def _diagnosed(options, folder):
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
     return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]
+
+
+def _unlike_a_surface(test, tried):
+    """What the correction of a test without a plasma saw that no hot surface gives: a lamp, odd spectra."""
+    found = next((one for one in tried.get("results", ()) if "spectral_status" in one), None)
+    if has_plasma(test) or found is None:
+        return {}
+    odd = found["spectral_status"].values == status.CONTRADICTED
+    known = {"contradicted": (found["spectrum_time"].values[odd], found.attrs["contradictions"])}
+    if "lamp" in found.attrs:
+        about, axis = found.attrs, test["wavelength"].values
+        axis = np.linspace(axis.min(), axis.max(), int(np.ptp(axis) / LAMP_STEP) + 2)
+        light = shapes_of(about["lamp"], axis, float(test.attrs["spectrometer_fwhm"]))
+        known["room"] = OtherLight(about["lamp"], axis, about["lamp_radiance"] * light)
+    return known
 
 
 def _read(word):

@@ -149,6 +149,8 @@ def diagnose_test(
     findings=(),
     given=(),
     known=None,
+    room=None,
+    contradicted=((), ""),
 ):
     """Diagnose a test, from a file or a dataset.
 
@@ -173,6 +175,7 @@ def diagnose_test(
         Effects that are taken as given.
     known : Normal, optional
         Prior of what tests share, as `plasmapyro campaign` finds it.
+    room, contradicted : see `stage.diagnose`
 
     Returns
     -------
@@ -215,6 +218,8 @@ def diagnose_test(
             against=[entry["saw"] for entry in findings if entry["rule"] in CONTRADICTIONS],
             known=known,
             radiometer_calibration=inputs.radiometer_calibration,
+            room=room,
+            contradicted=contradicted,
         )
     result.report["posterior"]["with_priors"] = known is not None
     result.report["findings"] = list(findings)

@@ -63,6 +63,8 @@ def diagnose(
     against=(),
     known=None,
     radiometer_calibration=None,
+    room=None,
+    contradicted=((), ""),
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -98,6 +100,10 @@ def diagnose(
         What other tests say about the instruments, the emittance and the power: the prior of this one.
     radiometer_calibration : Dataset or None
         Bands that take the place of the pyrometer's in a test without these; `response` may be None then.
+    room : OtherLight that was found beside the surface of a test without a plasma, or None
+        The base model holds it.
+    contradicted : times [s] on the clock of the test, and a sentence
+        Of spectra that are no light of a hot surface: no temperature unless a confirmed cause says why.
 
     Returns
     -------
@@ -129,7 +135,7 @@ def diagnose(
         if calibration is None or not plasma or "pyrometer" not in instruments(test)
         else Reading.of(calibration, slope, **limits)
     )
-    base = fitted(test, variations, given=tuple(given), known=known)
+    base = fitted(test, variations, given=tuple(given), known=known, room=room)
     questions = [
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
@@ -163,7 +169,7 @@ def diagnose(
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     rest = gained, crossed, reading, provenance or {}, digest_of(test)
     findings = Findings(base, selection, comparison, effects, *rest)
-    temperature = temperatures(findings, against)
+    temperature = temperatures(findings, against, contradicted)
     found = Diagnosis(
         report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)
     )

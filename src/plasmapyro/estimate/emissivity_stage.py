@@ -172,8 +172,9 @@ def _lamp(record, light, prior, alone, data, noise):
 
 
 def _of_lamp(room, cost):
-    """What a file says of light of a lamp: kind, logarithm of the odds, where [m], `cost` (S,) [K]."""
+    """What a file says of light of a lamp: kind, logarithm of the odds, where [m], size, `cost` (S,) [K]."""
     named = {"lamp": room.kind, "lamp_odds": room.odds, "lamp_wavelength": room.most}
+    named["lamp_radiance"] = room.radiance
     return named | ({"lamp_cost": float(np.nanmedian(cost))} if np.isfinite(cost).any() else {})
 
 

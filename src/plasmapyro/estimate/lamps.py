@@ -33,12 +33,14 @@ DIODE = (450, 20, 1.0), (560, 130, 0.5)
 
 
 class Lamp(NamedTuple):
-    """Light of a lamp: its kind, the logarithm of its odds, its shapes (C, K) per coefficient."""
+    """Light of a lamp: its kind, the logarithm of its odds, its shapes (C, K) per coefficient, in units of
+    which it is normal with variance 1, and the `radiance` [W m-2 sr-1 m-1] that they were made with."""
 
     kind: str
     odds: float
     columns: np.ndarray
     most: float  # [m] where it stands out most of noise
+    radiance: float
 
 
 def spectra(wavelength, slit):
@@ -57,6 +59,13 @@ def spectra(wavelength, slit):
     return {name: one / one.max() for name, one in found.items()}
 
 
+def shapes_of(kind, wavelength, slit):
+    """Light (C, K) of a kind of lamp at wavelengths (C,) [m] through a slit [m], per coefficient: each is
+    normal with variance 1."""
+    changed = smooth_prior(wavelength, 1.0, level=1.0, shape=CHANGED, length=LENGTH).basis
+    return spectra(wavelength, slit)[kind][:, None] * changed
+
+
 def lamp(channels, prior, middle, seen, error, linear, slit):
     """The likeliest `Lamp` beside the light of a surface, or None if the light speaks against any.
 
@@ -70,16 +79,15 @@ def lamp(channels, prior, middle, seen, error, linear, slit):
     slit : float [m]
     """
     plain = infer(channels, prior, seen[None], error[None], linear[None])
-    shapes = smooth_prior(middle, 1.0, level=1.0, shape=CHANGED, length=LENGTH).basis
     good, tried = np.isfinite(seen), []
     for kind, spectrum in spectra(middle, slit).items():
         unit = 1 / np.sqrt(np.sum((spectrum / error)[good] ** 2))
-        columns = unit * spectrum[:, None] * shapes
+        columns = unit * shapes_of(kind, middle, slit)
         own = np.stack([np.column_stack([linear, size * columns]) for size in SIZES])
         rows = (np.repeat(one[None], SIZES.size, axis=0) for one in (seen, error))
         both = infer(channels, prior, *rows, own)
-        state, covariance = (one[..., -shapes.shape[1] :] for one in (both.state, both.covariance))
-        covariance = covariance[:, -shapes.shape[1] :]
+        state, covariance = (one[..., -columns.shape[1] :] for one in (both.state, both.covariance))
+        covariance = covariance[:, -columns.shape[1] :]
         size = state @ columns.T
         spread = np.sqrt(np.einsum("ck,nkl,cl->nc", columns, covariance, columns))
         # Where the light is least likely positive tells how much of the prior, half of which is, is left.
@@ -88,7 +96,7 @@ def lamp(channels, prior, middle, seen, error, linear, slit):
         odds = np.where(both.converged, odds, -np.inf)
         best = int(np.argmax(odds))
         brightest = np.argmax(np.where(good, size[best] / error, -np.inf))
-        found = SIZES[best] * columns, float(middle[brightest])
+        found = SIZES[best] * columns, float(middle[brightest]), float(SIZES[best] * unit)
         tried.append(Lamp(kind, float(logsumexp(odds) - np.log(SIZES.size)), *found))
     likeliest = max(tried, key=lambda one: one.odds)
     whole = logsumexp([one.odds for one in tried]) - np.log(len(tried))

@@ -1,6 +1,7 @@
 """A lamp or a furnace: no gas, and a surface that is in view and warm from the first sample on."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -25,7 +26,17 @@ FAR = 1000.0  # of a pixel's noise: no baseline is so far off
 WIDEST = 100.0  # [nm] standard deviation of a slit
 MOST_KNOTS = 12
 BEYOND = 1.0  # [s] after the last sample, where the end of the plasma is put
+LAMP = "lamp_in_view"
 NOT_ASKED = ("refl", "torchglow", "scat", stray.id)  # effects that need a plasma, or are in the model anyway
+
+
+class OtherLight(NamedTuple):
+    """Light of a lamp beside that of the surface: its kind in words, and its radiance (N, K) at wavelengths
+    (N,) [m] per coefficient, each of these normal with variance 1 before the data."""
+
+    kind: str
+    wavelength: np.ndarray
+    columns: np.ndarray
 
 
 def timed(record):
@@ -66,17 +77,20 @@ def dark_library(fwhm, kelvin):
     )
 
 
-def of_instrument(given, record, calibration):
+def of_instrument(given, record, calibration, room=None):
     """What is taken as given, and besides it what every spectrometer does: stray light, a slit, a baseline.
 
     Parameters
     ----------
     given : sequence of Term
     record : Record
+    room : OtherLight that was found in the spectra, or None
     calibration : Dataset, contract 'spectrometer_calibration', or None if the spectra are radiances
         Stray light is of either sign then, and nothing is known of slit and baseline.
     """
     frames = record.instrument("spectrometer")
+    if frames is not None and room is not None:
+        given = *given, _lamp(room)
     if frames is None or any(term.setting.id == stray.id for term in given):
         return tuple(given)
     if calibration is None or frames.factor is None:
@@ -123,6 +137,19 @@ def _slit(axis, rate, kelvin, width):
         return scene.but(glow=scene.glow * (1 + change))
 
     return replace(wider_slit, light=formula, amplitude="standard deviation", bounds=(0.0, WIDEST))
+
+
+def _lamp(room):
+    """Light of a lamp that shines alike at all times."""
+    names = [f"coefficient {place}" for place in range(room.columns.shape[1])]
+
+    def formula(output, amplitude, **numbers):
+        light = room.columns @ [numbers[name] for name in names]
+        return output.value + np.interp(output.wavelength, room.wavelength, light)
+
+    one = {"id": LAMP, "name": f"light like that of {room.kind}", "unit": "1"}
+    shown = replace(dark_counts, output=formula, shape_bounds=dict.fromkeys(names, (-FAR, FAR)), **one)
+    return Term(Setting(shown, 0.0, dict.fromkeys(names, 0.0)), dict.fromkeys(names, 1.0))
 
 
 def _baseline(frames):

@@ -27,6 +27,7 @@ def fit_test(
     given=(),
     known=None,
     radiometer_calibration=None,
+    room=None,
 ):
     """Base fit of a test; parameters as of `stage.diagnose`."""
     if spectrometer_calibration is not None and "spectrometer" in instruments(test):
@@ -47,7 +48,7 @@ def fit_test(
     plasma = has_plasma(test)
     if not plasma:
         record = no_plasma.timed(without_narrow_light(record))
-        given = no_plasma.of_instrument(given, record, spectrometer_calibration)
+        given = no_plasma.of_instrument(given, record, spectrometer_calibration, room)
     gas = [term for term in given if of_gas(term)]
     given = tuple(term for term in given if not of_gas(term))
     rest = calibration, response, spectrometer_calibration, given, radiometer_calibration

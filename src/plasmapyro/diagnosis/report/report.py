@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import expit
 
 from plasmapyro.diagnosis.fit.inference import log_evidence
+from plasmapyro.diagnosis.fit.no_plasma import LAMP
 from plasmapyro.diagnosis.fit.noise import period_of
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits, missing_evidence
@@ -226,6 +227,7 @@ def _verdict(findings, entries, hidden, shift):
             findings.gained,
             hidden,
             unsure,
+            [term.setting.effect.name for term in findings.model.given if term.setting.id == LAMP],
         ),
         "missing_evidence": missing_evidence(findings),
     }

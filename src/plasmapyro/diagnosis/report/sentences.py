@@ -5,9 +5,12 @@ from plasmapyro.record.recommended import listed
 
 LEAST = 0.5  # [K] below which a cost is not worth a sentence
 NOTHING = "0 K"
+AGREE, NOTHING_NEEDED = "The data agree with the base model", "nothing that the program knows of is needed"
 
 
-def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, gained, limits, unsure):
+def verdict_sentences(
+    status, candidates, named, of_gas, p_value, unknown_name, gained, limits, unsure, held=()
+):
     """Sentences of a verdict; the first stands alone.
 
     Parameters
@@ -23,6 +26,8 @@ def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, 
     limits : list of entries of the report, worst first
     unsure : list of str
         Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
+    held : list of str
+        Light in the view that the base model holds besides.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
     names, gas = (
@@ -35,9 +40,13 @@ def verdict_sentences(status, candidates, named, of_gas, p_value, unknown_name, 
     elif unknown_name:
         lines = [f"Something is wrong ({p}) that no single cause of the catalogue explains: {unknown_name}."]
     else:
-        lines = ["The data agree with the base model: nothing that the program knows of is needed."]
+        lines = [f"{AGREE}: {NOTHING_NEEDED}."]
         if gas:
             lines = [f"Surface, path and instruments agree with the base model; the gas differs: {gas}."]
+    if held and lines == [f"{AGREE}: {NOTHING_NEEDED}."]:
+        lines = [f"{AGREE}, which holds {listed(held)} in the view: nothing else is needed."]
+    elif held:
+        lines[0] = f"{lines[0][:-1]}; the base model holds {listed(held)} in the view."
     if gas and (named or unknown_name) and status != "not-adequate":
         lines.append(f"The spectrum of the gas differs from the simulated one as if by: {gas}.")
     if status != "not-adequate":

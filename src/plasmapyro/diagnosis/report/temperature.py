@@ -15,7 +15,7 @@ OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light th
 LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
 
 
-def temperatures(findings, against=()):
+def temperatures(findings, against=(), contradicted=((), "")):
     """Temperatures with 95 % intervals at the middles of all bins, and the one to take away.
 
     Parameters
@@ -23,11 +23,15 @@ def temperatures(findings, against=()):
     findings : Findings
     against : sequence of str
         What says that instruments contradict each other, see `record.recommended`.
+    contradicted : times [s] and a sentence, see `stage.diagnose`
 
     Returns
     -------
     Dataset, contract 'diagnosis_temperature'
     """
+    unlike, words = _unlike(findings, *contradicted)
+    if unlike.all():
+        against = (*against, words)
     times, base, final = findings.times, findings.base.solution, findings.final
     basis = findings.model.history.basis(times)
     shift = doubtful(findings, basis @ (final.state.knots - base.state.knots))
@@ -61,7 +65,8 @@ def temperatures(findings, against=()):
             inputs.append(budget.Input("which of two clocks is right", "named effects", moved))
         state = _status(findings, fit, middle[0], budget.combined(inputs))
         if choice.estimate is None:
-            state = np.where(np.isin(state, status.WITH_VALUE), status.CONTRADICTED, state)
+            unlike[:] = True
+        state = np.where(unlike & np.isin(state, status.WITH_VALUE), status.CONTRADICTED, state)
         series = recommended.series(times, middle[0], state, inputs, middle[2] - middle[0], "time_bin")
     return series.assign(
         {"paper_temperature": ("time_bin", paper[0])}
@@ -80,6 +85,16 @@ def temperatures(findings, against=()):
             **unlike_throughput(findings.model, fit, basis)[1],
         }
     )
+
+
+def _unlike(findings, moments, words):
+    """Which times (t,) are next to a contradicted moment and no confirmed cause says why; the sentence."""
+    times = findings.times
+    unlike = np.zeros(times.size, dtype=bool)
+    if len(moments) and not findings.applied:
+        own = np.asarray(moments) - findings.record.clock(0.0)
+        unlike[np.abs(times[:, None] - own).argmin(axis=0)] = True
+    return unlike, words
 
 
 def doubtful(findings, shift):
