@@ -180,3 +180,17 @@ def test_a_path_follows_what_a_flux_does_to_thick_and_thin_samples(power):
 
     # A spline over the time itself errs by 6 K where the root begins; a kelvin is 0.6 % of the light.
     assert np.abs(history.basis(time) @ path(knots) - path(time)).max() < 1.0
+
+
+def test_a_thick_sample_may_near_its_end_slowly_but_not_wiggle():
+    """A rise with 80 s bends by six deviations of the floor for minutes; a surface 7 K colder bent less."""
+    off = 280.0
+    knots = np.concatenate([np.arange(20.0), np.arange(20.0, 60.0, 2.0), np.arange(60.0, off, 8.0), [off]])
+    history = History(knots, off)
+    slow = 350 + 1000 * -np.expm1(-knots / 80.0)
+
+    def penalty(path):
+        return np.sum((history.roughness()[:-1] @ (path - 350.0)) ** 2)
+
+    assert penalty(slow) < 5.0
+    assert penalty(slow + np.where(knots == knots[-8], 1.0, 0.0)) > 100.0

@@ -168,6 +168,24 @@ def test_brightness_before_and_after_the_injection_is_guessed(fitted, record):
     assert values[base.model.index["gas"]] == pytest.approx(0.0, abs=0.05)
 
 
+def test_a_surface_that_shines_at_once_is_not_taken_for_the_gas():
+    """An ablator outshines the gas a second after the injection, in one band the more. All was taken for the
+    gas, and the fit stayed in a hole 1e5 times as deep as the noise."""
+    time = np.array([-3.0, -1.0, 0.25, 0.75, 1.25, 1.75, 2.25, 2.75])
+    light = np.array([[1.5, 1.2]] * 2 + [[1.0, 0.8]] + [[1.0 + 9 * k, 0.8 + 30 * k] for k in range(1, 6)])
+    instrument = SimpleNamespace(moment=time[:, None], value=light, channels=2)
+    parameters = [SimpleNamespace(first=0.0)] * 2
+    model = SimpleNamespace(
+        parameters=parameters,
+        index={"gas": 0, "before_injection": 1},
+        instruments=[instrument],
+        gas_level=lambda _: (np.array([1.0, 0.8]), np.array([1.0, 0.8])),
+    )
+    values, errors = first_gas.guess(model)
+    assert values == pytest.approx([0.0, np.log(1.5)])
+    assert errors[0] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
 def test_a_free_jet_of_another_shape_moves_no_temperature(fitted, record):
     """Before the injection the light differs by waves of 6 % over wavelength, as at no other power."""
     test = record()

@@ -67,6 +67,22 @@ def test_a_noisy_band_hides_no_memory_of_the_gas(random):
     assert 0.5 < np.median(bins) / true < 2.5
 
 
+def test_a_gas_that_flickers_hides_no_gain_of_the_time_after_it(random):
+    """Both bands wander together by 0.1 % within seconds; a gas that has flickered more than it does now
+    explains too much of it."""
+    period, phase = 0.02, np.repeat([0, 1, 2], [1000, 4500, 1500])
+    time = period * np.arange(phase.size)
+    together = 1e-3 * np.interp(time, np.arange(0, 141, 0.7), random.standard_normal(202))
+    share = np.choose(phase, [1.0, np.linspace(0.29, 0.2, time.size), 0.0])[:, None] * np.ones(2)
+    flicker = 0.02 * np.interp(time, np.arange(0, 141, 1.0), random.standard_normal(141))
+    relative = together + share[:, 0] * flicker * np.choose(phase, [2.0, 1.0, 0.0])
+    relative = relative[:, None] + 3e-4 * random.standard_normal(share.shape)
+    level, used = np.ones(share.shape) * [1.0, 0.5], np.ones(time.size, dtype=bool)
+    gain = noise._of_bands(relative * level, level, share * level, used, phase, period)[3]
+    # 30 s hold some forty memories.
+    assert np.sqrt(gain.between(1.0)) == pytest.approx(0.8e-3, rel=0.35)
+
+
 def test_faint_frames_do_not_hide_the_gain_of_bright_ones(random):
     """Errors stated 15 % too large, as they are while the law of the noise holds the gain: faint frames
     would take all of it away."""

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-EARLY = 3.0  # [s] after injection: the surface does not shine yet; or the first exposure, if that is longer
+EARLY = 3.0  # [s] after injection: few surfaces shine yet; or the first exposure, if that is longer
+RISEN = 1.5  # times the faintest light of that time: an ablator shines after a second
 SHAPE = 0.3  # [1] by which the simulated light of a channel errs, for its weight
 LEAST, MOST = 1e-3, 1e3  # of a brightness over the simulated one
 
@@ -19,9 +20,8 @@ def guess(model):
         time = one.moment.mean(axis=1)
         level, simulated = model.gas_level(which)
         first = min(time[time > 0], default=EARLY)
-        before, after = (
-            _mean(one.value[rows]) for rows in (time < 0, (time > 0) & (time <= max(EARLY, first)))
-        )
+        before = _mean(one.value[time < 0])
+        after = _mean(_dark(one.value[(time > 0) & (time <= max(EARLY, first))]))
         known = np.isfinite(before) & np.isfinite(after)
         if ratio is None and known.any():
             weight = _weight(one, after)[known]
@@ -56,6 +56,13 @@ def _weight(one, light):
     """Weights (C,) of the channels of an instrument: inverse variances of noise and of a wrong shape."""
     step = np.nanmedian(np.abs(np.diff(one.value, axis=0)), axis=0) if len(one.value) > 1 else 0.0
     return 1 / np.maximum(np.nan_to_num(step) ** 2 + (SHAPE * np.nan_to_num(light)) ** 2, 1e-300)
+
+
+def _dark(rows):
+    """Those of the rows (n, C) in which light has not risen yet."""
+    whole = _mean(rows.T)
+    least = np.nanmin(whole, initial=np.inf)
+    return rows[whole <= max(RISEN * least, least)]
 
 
 def _mean(rows):

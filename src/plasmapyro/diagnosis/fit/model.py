@@ -22,6 +22,7 @@ CURVATURE = 20.0  # [K s-2] prior of the second derivative of the temperature ju
 CURVATURE_OFF = 6.0  # [K s-2] and just after the end: T' = -35 K/s of a cooling surface bends by 4 T'^2/T
 CURVATURE_TIME = 15.0  # [s] which falls off with this time
 CURVATURE_FLOOR = 0.002  # [K s-2] to this
+SLOW_TIMES, SLOW_HEIGHT = (40.0, 120.0, 400.0), 500.0  # [s], [K] besides, of a sample slow to its end
 ROOT = 100.0  # [K s-1/2] besides, a quarter of T over the root of the time: 400 K in 1 s, as what loses
 # 175 kW/m2 and has an effusivity of 500 W s1/2 m-2 K-1, between light ablators (300) and ceramics (5000),
 ROOT_TIME = 60.0  # [s] until its back feels it,
@@ -71,8 +72,12 @@ class History:
         return list(zip((self.before, self.after), splines, strict=True))
 
     def roughness(self):
-        """Rows (R, K) of second differences over their prior [1]: heating and cooling are smooth."""
-        rows = []
+        r"""Rows (R, K) of second differences over their prior [1]: heating and cooling are smooth.
+
+        While it heats, the second derivative is :math:`\sum_k c_k e^{-t/\tau_k}` besides, with the standard
+        deviations :math:`H/\tau_k^2` of the c, `SLOW_HEIGHT` and `SLOW_TIMES`.
+        """
+        rows, slow = [], []
         for chosen, start, bend in (
             (self.before, self.knots[0], CURVATURE),
             (self.after, self.off, CURVATURE_OFF),
@@ -86,6 +91,12 @@ class History:
                 root = ROOT * max(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
                 falls = bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR
                 rows.append(row / (falls if self.cold else bend))
+                heats = self.cold and start == self.knots[0]
+                slow.append([heats * SLOW_HEIGHT / t**2 * np.exp(-since / t) / falls for t in SLOW_TIMES])
+        if rows:  # the root of (1 + M M^T)^-1
+            mode, size, _ = np.linalg.svd(np.array(slow), full_matrices=False)
+            share = 1 - 1 / np.sqrt(1 + size**2)
+            rows = rows - (mode * share) @ (mode.T @ np.array(rows))
         first = np.zeros(self.knots.size)
         first[0] = 1 / (INITIAL_UNCERTAINTY if self.cold else ANY_TEMPERATURE)
         return np.array([*rows, first])

@@ -184,7 +184,10 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     both = _halves(share).prod(axis=1)
     gain = Coloured()
     if not alone:
-        gain = coloured(*_halves(logarithm).T, (both, light), little, phase, period, LONGEST_LAG)
+        for chosen in (clear, little):  # a gas that flickers hides what light without it shows
+            gain = coloured(*_halves(logarithm).T, (both, light), chosen, phase, period, LONGEST_LAG)
+            if gain.remembers:
+                break
     # What bands share is a gain, or a temperature that falls faster than the knots can follow.
     apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
     rounded = np.broadcast_to(rounded, relative.shape) / np.maximum(prediction, 1e-30) ** 2
