@@ -113,6 +113,17 @@ def test_two_kinds_of_frames_stand_out_of_the_noise_that_they_were_taken_for():
     np.testing.assert_array_equal(leftover.standing_out(left, value, weigher, phase), brighter)
 
 
+def test_a_gas_that_flickers_does_not_stand_out_of_a_surface_that_does_not():
+    """Fifteen of a hundred frames show the gas alone, which flickers by as much as is known: 1 %."""
+    random = np.random.default_rng(6)
+    value, gas = np.full((SAMPLES, CHANNELS), 400.0), np.arange(SAMPLES) < 15
+    flicker, phase = np.where(gas, 0.01, 1e-4) ** 2, np.zeros(SAMPLES, dtype=int)
+    weigher = Weigher(Noise(np.ones(value.shape), flicker, np.zeros(SAMPLES)), value)
+    for _ in range(20):
+        whole = np.where(gas, 0.01, 2e-5) * random.standard_normal(SAMPLES)
+        assert leftover.standing_out(value * whole[:, None], value, weigher, phase).sum() < leftover.FEWEST
+
+
 def frames_with(seed, *, step=0.0, gas=0.0, wander=0.0):
     """Residuals of frames: noise, gains that walk, a flicker of the gas, and a step of all light half-way."""
     random = np.random.default_rng(seed)

@@ -19,6 +19,7 @@ LEAST_USUAL = 0.5  # standard deviations: a fit that follows its noise leaves ha
 LINE_STANDS = 6.5  # usual sums of such boxes: of tests without a fault they stay below 5
 STANDS = 6.0, 1.5  # usual distances, and standard deviations of the noise, by which frames stand out
 FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal law 0.012 lie so far
+ALIKE, LEAST_ALIKE = 0.4, 8  # logarithm of the noise of frames that are held against each other, how many
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
 GAS_OF_FRAME, CLEAR = 0.02, 0.01  # [1]: how far the gas of one frame may flicker; error of a gain that tells
 UNFOLLOWED = 0.05  # [1], of what light changes by from frame to frame
@@ -90,8 +91,11 @@ def standing_out(residual, prediction, weigher, phase):
     expected = np.sqrt(1 / information + np.sum(shared**2, axis=1))
     usual = slow_part(whole[:, None], np.ones(whole.size, dtype=bool), phase)[:, 0]
     apart = np.abs(whole - usual)
-    scatter = 1.4826 * np.median(apart / expected)
-    return apart > np.maximum(max(STANDS[0] * scatter, STANDS[1]) * expected, LEAST_APART)
+    # Frames of a gas that flickers are not held against those of a surface that does not.
+    near = np.abs(np.log(expected[:, None] / expected)) < ALIKE
+    scatter = np.array([1.4826 * np.median((apart / expected)[own]) for own in near])
+    scatter = np.where(near.sum(axis=1) < LEAST_ALIKE, np.maximum(scatter, 1.0), scatter)
+    return apart > np.maximum(np.maximum(STANDS[0] * scatter, STANDS[1]) * expected, LEAST_APART)
 
 
 def gains_of_frames(instrument, residual, value, gas, weight):
