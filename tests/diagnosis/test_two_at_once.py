@@ -73,4 +73,4 @@ def test_both_are_named_where_the_first_alone_leads_to_others(base):
     # the band after its calibration, the hidden shift and the base model's are in the calibration too.
     base_shift = found.final.state.values[base.model.index["edge_wide"]]
     assert amplitude["edge1"] + base_shift == pytest.approx(SHIFT * 1e9, rel=0.1)
-    assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.1)
+    assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.12)  # its standard error is 8 %

@@ -24,9 +24,9 @@ LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quit
 GAS_OF_FRAME, CLEAR = 0.02, 0.01  # [1]: how far the gas of one frame may flicker; error of a gain that tells
 UNFOLLOWED = 0.05  # [1], of what light changes by from frame to frame
 SIDES, LONGEST_SIDE = (3, 6, 12), 12.0  # frames before and after a step, and how long they may last [s]
-USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual ones (of 20, 0.5 % of nulls
-LEAST_USUAL_STEPS = 20  # passed), as far as there are; and how many there must be
-STEP_STANDS = 6.0  # standard deviations of frames, or usual steps: 0.1 % of simulated gains that wander pass
+USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual ones, as far as there
+LEAST_USUAL_STEPS = 20  # are; and how many there must be
+STEP_STANDS = 6.0  # standard deviations of frames, or usual steps: 0.2 % of simulated gains that wander pass
 FRAMES, MOMENT, PATTERN, STEP = "left_frames", "left_moment", "left_pattern", "left_step"
 NAMES = {
     STEP: "a step of the gain of the spectrometer from one frame to the next",
