@@ -17,7 +17,7 @@ import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels, infer, smooth_prior
-from plasmapyro.estimate.emissivity_stage import FREER, _freedom, estimate_emissivity
+from plasmapyro.estimate.emissivity_stage import FREER, course_freedom, estimate_emissivity
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -129,7 +129,7 @@ def surfaces(kind, random, spread, count, kelvin=1700.0):
         return infer(Channels(CENTRES), one, seen[rows], NOISE * seen[rows])
 
     told = np.array([fitted(one).evidence for one in FREER]).T
-    freed = [fitted(_freedom(one, CENTRES.size), slice(n, n + 1)) for n, one in enumerate(told)]
+    freed = [fitted(course_freedom(one, CENTRES.size), slice(n, n + 1)) for n, one in enumerate(told)]
     for fits in [fitted(1.0)], freed:
         found, error = (
             np.concatenate([getattr(fit, name) for fit in fits])

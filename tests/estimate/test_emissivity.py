@@ -6,7 +6,7 @@ import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels, Prior, follow, infer, log_emissivity, smooth_prior
-from plasmapyro.estimate.emissivity_stage import FREER, _freedom, estimate_emissivity
+from plasmapyro.estimate.emissivity_stage import FREER, course_freedom, estimate_emissivity
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -176,10 +176,10 @@ def test_surfaces_say_how_freely_their_emissivity_runs(true):
 def test_light_that_does_not_tell_leaves_more_than_the_likeliest_course():
     """Chances 1, 1/1.5, 1/2 and 1/3 beforehand: their mean square is (1 + 1.5 + 2 + 3)/(5/2)."""
     assert FREER == (1.0, 1.5, 2.0, 3.0)
-    assert _freedom(np.full(4, -7.0), 5) == pytest.approx(np.sqrt(3.0))
-    assert _freedom(np.array([-60.0, -30.0, -20.0, 90.0]), 5) == pytest.approx(3.0)
-    assert _freedom(np.full(4, -7.0), 3) == 1.0  # a ratio, or three bands, hold the stated course
-    assert _freedom(np.full(4, np.nan), 5) == 1.0  # no sample is clear
+    assert course_freedom(np.full(4, -7.0), 5) == pytest.approx(np.sqrt(3.0))
+    assert course_freedom(np.array([-60.0, -30.0, -20.0, 90.0]), 5) == pytest.approx(3.0)
+    assert course_freedom(np.full(4, -7.0), 3) == 1.0  # a ratio, or three bands, hold the stated course
+    assert course_freedom(np.full(4, np.nan), 5) == 1.0  # no sample is clear
 
 
 def test_constants_of_many_bands_do_not_learn_from_noise():

@@ -117,7 +117,7 @@ def estimate_emissivity(
 
     rows = np.flatnonzero(used)[np.argsort(-clearest[used])[:TRIED]]
     told = [np.nanmedian(fitted(one, rows)[2].evidence) for one in FREER] if rows.size else 0
-    prior, smooth, alone = fitted(_freedom(told, light.middle.size))
+    prior, smooth, alone = fitted(course_freedom(told, light.middle.size))
     room = None if record.window or name == "radiometer" else _lamp(record, light, prior, alone, data, noise)
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
     state[used & ~alone.converged] = status.NO_SIGNAL
@@ -178,7 +178,7 @@ def _of_lamp(room, cost):
     return named | ({"lamp_cost": float(np.nanmedian(cost))} if np.isfinite(cost).any() else {})
 
 
-def _freedom(told, channels):
+def course_freedom(told, channels):
     """Times the stated course that light of such evidence (logarithms, one of each of `FREER`) speaks for.
 
     The root mean square over all that may be, each as likely beforehand as it is little: five bands alone
