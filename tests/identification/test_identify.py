@@ -33,6 +33,11 @@ def test_elements_are_named_and_no_others(lines, elements, offset):
     assert float(answer.scale(620e-9)) == pytest.approx(offset * 1e-9, abs=0.05e-9)
 
 
+def test_a_lamp_without_a_common_element_tells_its_own_scale():
+    """Half a line's width off, nothing but the lamp's own lines says so."""
+    assert names(identify(*made.spectrum(made.NEON, offset=0.15))) == {"Ne"}
+
+
 def test_a_little_of_another_element_is_found_beside_much_of_one():
     faint = [(place, 0.05 * strength) for place, strength in made.COPPER]
     assert names(identify(*made.spectrum(made.CALCIUM + faint, peak=2e4))) == {"Ca", "Cu"}

@@ -26,6 +26,7 @@ ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for ste
 RAREST = 1.0  # log evidence, the most that this may speak for a species
 CERTAIN = 30.0  # log evidence from which chance is not asked
 SEEN = 1.5  # log evidence from which a species tells the scale
+TELLING = 6.9  # log evidence of the species that tells it best: a thousand to one, else all species are asked
 NEIGHBOURS = 40e-9  # [m] over which the error of a wavelength scale changes
 
 
@@ -95,10 +96,9 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     inside = [one.between(axis[0] + margin, axis[-1] - margin) for one in catalogue()]
     inside = [one for one in inside if one is not None]
     anchors = [one for one in inside if one.element in COMMON + AIR]
-    scale = _offset(peaks, response, anchors)
-    for place in PLACES:
-        scene = Scene(peaks, response, scale, place, QUICK)
-        scale = scale.refined(scene, _named(scene, anchors, _evidence, least=SEEN))
+    scale, told = _scale(peaks, response, anchors)
+    if not told:  # a lamp, say: none of the common species shines
+        scale, _ = _scale(peaks, response, inside)
     scene = Scene(peaks, response, scale, PLACE)
     known = together(fit.explained for fit in _named(scene, inside).values())
     # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
@@ -146,6 +146,16 @@ class Scale:
             close = np.abs(off - found(at)) < 3 * error
             at, off, error = at[close], off[close], error[close]
         return found
+
+
+def _scale(peaks, response, species):
+    """The scale that suits the lines of species, and whether any of them told it."""
+    scale, told = _offset(peaks, response, species), {}
+    for place in PLACES:
+        scene = Scene(peaks, response, scale, place, QUICK)
+        told = _named(scene, species, _evidence, least=SEEN)
+        scale = scale.refined(scene, told)
+    return scale, max((fit.log_bayes for fit in told.values()), default=0.0) > TELLING
 
 
 def _offset(peaks, response, species):
