@@ -178,7 +178,8 @@ def _faults_of_window(test, present):
 
 def _why_no_sample(time, window):
     """What may be wrong with times (t,) [s] of which hardly one is in a window that tests have."""
-    (first, last), step = time[[0, -1]], np.median(np.diff(time))
+    first, last = time[[0, -1]]
+    step = np.median(np.diff(time)) if time.size > 1 else 0.0
     if step * LEAST_REFERENCE_SAMPLES > window[1] - window[0]:
         return f", one per {step:g} s; is the `unit` of the time right?"
     if any(first + hour <= window[0] and last + hour >= window[1] for hour in (-HOUR, HOUR)):
