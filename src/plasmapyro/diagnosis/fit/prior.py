@@ -83,7 +83,7 @@ def shared_rows(model):
             points, scale_at(points, axis, errors.channel[:, smooth], errors.lengths), strict=True
         ):
             row = np.zeros(len(model.parameters))
-            row[np.arange(len(model.parameters))[place][smooth]] = modes
+            row[place][smooth] = modes
             names.append(f"scale_{point * 1e9:.0f}")
             rows.append(row)
     return tuple(names), np.array(rows)
