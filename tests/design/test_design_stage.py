@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro.analysis.transient import step_response
-from plasmapyro.design import stage, trust
+from plasmapyro.design import judge, stage, trust
 from plasmapyro.design.settings import design_tables, settings_from
 
 KEYS = {
@@ -82,7 +82,7 @@ def spectra():
         },
         {
             "condition": ["60kW", "70kW", "80kW"],
-            "state": list(stage.STATES),
+            "state": list(judge.STATES),
             "component": ["N I", "N2 1P"],
             "reflection": ["specular", "diffuse"],
             "wavelength": middle,
@@ -145,7 +145,7 @@ def test_the_same_seed_gives_the_same_designs(designs, spectra, response):
 
 
 def test_no_gas_at_all_leaves_no_gas_error(spectra, response):
-    bench = stage.make_bench(spectra, TABLES, SETTINGS)
+    bench = judge.make_bench(spectra, TABLES, SETTINGS)
     dark = replace(bench, gas=np.zeros_like(bench.gas))
     signal = dark.currents("silicon", np.array([[0.9e-6, 1.0e-6]]), np.full((1, 2), 20e-9), "box")
     error = dark.gas_error(signal, dark.weights(signal), np.array([1000.0, 2000.0]), [0.3])
@@ -201,9 +201,9 @@ def test_the_reference_may_have_any_bands(designs, spectra, response, count):
     limit = found.trust_temperature.isel(trust_level=0)
     # The gas shines from 700 nm to where it ends; its own light taken out, a reading is right from colder on.
     assert (limit.isel(setup=1) <= limit.isel(setup=0)).all() and np.isfinite(limit[:, :, :2]).all()
-    bench = stage.make_bench(spectra, TABLES, SETTINGS)
-    judge = stage._Judge(bench, spectra.numerical_power.values, bands, SETTINGS)
-    assert judge.reference_weights.shape == (1, count)
+    bench = judge.make_bench(spectra, TABLES, SETTINGS)
+    scores = judge.Judge(bench, spectra.numerical_power.values, bands, SETTINGS)
+    assert scores.reference_weights.shape == (1, count)
     moved = bands.assign_coords(wavelength=wavelength - 100e-9)
     if count > 1:
         with pytest.raises(ValueError, match="must cover the b0 band"):

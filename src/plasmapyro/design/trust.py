@@ -10,7 +10,7 @@ from plasmapyro.analysis.error import error_limit
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.design import budget
 from plasmapyro.design.bench import REFERENCE_TEMPERATURE
-from plasmapyro.design.stage import FINE_STEP, STATES, covered, make_bench, reference_name
+from plasmapyro.design.judge import FINE_STEP, STATES, covered, make_bench, reference_name
 
 SURFACES = {"mirror": 0.0, "matt": 1.0}  # share of diffuse reflection
 LATEST = 1e5  # [s]
