@@ -142,8 +142,10 @@ def problem_of(setup, case, gas, change):
         frequency=case.coil_frequency,
         mass_flow_rate=case.mass_flow_rate,
         wall_temperature=setup.wall_temperature,
-        probe_temperature=case.probe_temperature,
-        back_wall_temperature=change.get("back_wall", setup.wall_temperature),
+        walls={
+            "probe": case.probe_temperature,
+            "back_wall": change.get("back_wall", setup.wall_temperature),
+        },
         limiter=bench.TOLERANCES["viscosity_limiter"],
     )
 

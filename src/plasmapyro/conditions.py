@@ -20,6 +20,8 @@ OF_FLOW = (  # attributes of a flow that fix its field besides the condition
     "radiation_factor",
     "mixing",
     "back_wall_temperature",
+    "tube_wall_temperature",
+    "chamber_wall_temperature",
     "adiabatic_walls",
     "mesh_factor",
     "viscosity_limiter",

@@ -370,7 +370,6 @@ def test_adiabatic_walls_take_nothing_and_the_rest_takes_all(start, insulated):
 
 
 def test_walls_along_cold_gas_are_as_cold_without_cooling(air, start, torch_lengths):
-    """Whatever temperature tube and chamber wall had, it would lie between the two."""
     walls = {"adiabatic_walls": ["tube_wall", "chamber_wall"]}
     found = condition(air, start, numerical_power=90e3, **CONDITION, **walls, **TOLERANCES)
     heat = by_boundary(found, "boundary_heat_flow")
@@ -381,6 +380,31 @@ def test_walls_along_cold_gas_are_as_cold_without_cooling(air, start, torch_leng
     wall = found.temperature.values[tube]
     assert tube.sum() > 50 and 300.0 < wall.min() and 380.0 < wall.max() < 450.0
     assert float(found.temperature.max()) == pytest.approx(float(start.temperature.max()), rel=2e-3)
+
+
+def test_each_wall_has_its_own_temperature(air, start, torch_lengths):
+    """What a hot tube gives away is what the gas has of it; the chamber wall stays its own."""
+    walls = {"tube_wall_temperature": 900.0, "chamber_wall_temperature": 500.0}
+    found = condition(air, start, numerical_power=90e3, **CONDITION, **walls, **TOLERANCES)
+    contracts.check(contracts.label(found, "flow"), "flow")
+    assert {name: found.attrs[name] for name in walls} == walls and not set(walls) & set(start.attrs)
+    z, r, wall = found.node_z.values, found.node_r.values, found.temperature.values
+    length, radius = torch_lengths["length"], torch_lengths["radius"]
+    tube, chamber = np.isclose(r, radius) & (z <= length), np.isclose(z, length) & (r > radius + 1e-6)
+    np.testing.assert_allclose(wall[tube & (z < 1e-9)], [350.0], rtol=1e-12)  # beside the inlet
+    np.testing.assert_allclose(wall[tube & (z > length / 2)], 900.0, rtol=1e-3)
+    np.testing.assert_allclose(wall[chamber], 500.0, rtol=1e-12)
+    np.testing.assert_allclose(wall[(z < 1e-9) & (r < 0.075)], 350.0, rtol=1e-12)
+    heat = by_boundary(found, "boundary_heat_flow")
+    assert heat["tube_wall"] < -500.0 and heat["chamber_wall"] < 0.0
+    assert abs(float(found.energy_imbalance)) < 2e-2
+    assert Condition.of(found).walls == {
+        "back_wall": 350,
+        "tube_wall": 900,
+        "chamber_wall": 500,
+        "probe": 350,
+    }
+    assert "tube wall 900 K, chamber wall 500 K" in Condition.of(found).describe()
 
 
 def _along_the_back_wall(flow):

@@ -85,6 +85,7 @@ def test_each_gas_has_a_table_a_start_and_ladders_of_its_own(project):
 HANDED = """import json
 from pathlib import Path
 names = ("mixing", "numerical_power_kw", "back_wall_temperature_k", "adiabatic_walls", "radiation_factor")
+names += ("tube_wall_temperature_k", "chamber_wall_temperature_k")
 handed = {name: snakemake.params[name] for name in names}
 handed["loss"] = list(snakemake.input.emission)
 Path(snakemake.output[0]).write_text(json.dumps(handed))
@@ -119,12 +120,13 @@ def test_mixing_of_a_condition_adds_to_that_of_the_model_as_squares(project, mod
 def test_a_condition_may_have_walls_and_a_model_of_its_own(project):
     folder = project / "config/conditions"
     for name, own in {
-        "walls": "{back_wall_temperature_k: 7200, adiabatic_walls: [tube_wall]}",
+        "walls": "{back_wall_temperature_k: 7200, chamber_wall_temperature_k: 600, adiabatic_walls: [probe]}",
         "full": "{model: best, mixing: 0.05}",
     }.items():
         (folder / f"{name}.yaml").write_text((folder / "90kW.yaml").read_text() + f"flow: {own}\n")
     walls, full, plain = handed_to_flows(project, "walls", "full", "90kW")
-    assert (walls["back_wall_temperature_k"], walls["adiabatic_walls"]) == (7200, ["tube_wall"])
+    assert (walls["back_wall_temperature_k"], walls["adiabatic_walls"]) == (7200, ["probe"])
+    assert [one["chamber_wall_temperature_k"] for one in (walls, plain)] == [600, 350]
     assert (plain["back_wall_temperature_k"], plain["adiabatic_walls"]) == (350, [])
     assert walls["loss"] == plain["loss"] == [] and full["loss"] == ["results/gas/emission/air11.nc"]
     assert (full["radiation_factor"], full["mixing"], plain["mixing"]) == (1, 0.05, 0)

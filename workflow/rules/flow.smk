@@ -8,14 +8,18 @@ def start_of(gas):
 
 
 SECTION = {"paper": "physics", "best": "best"}
-PHYSICS = config["flow"][SECTION[config["flow"]["model"]]]
+COLD = {  # walls of which a section need not speak
+    name: config["flow"]["torch"]["wall_temperature_k"]
+    for name in ("tube_wall_temperature_k", "chamber_wall_temperature_k")
+}
+PHYSICS = COLD | config["flow"][SECTION[config["flow"]["model"]]]
 
 
 def physics_of(condition):
     """What the flow of a condition holds; eddy viscosities, and so squares of mixing lengths, add."""
     case = CONDITIONS[condition]
     own = dict(case.get("flow", {}))
-    found = config["flow"][SECTION[own.pop("model", config["flow"]["model"])]] | own
+    found = COLD | config["flow"][SECTION[own.pop("model", config["flow"]["model"])]] | own
     return found | ({"mixing": hypot(found["mixing"], case["mixing"])} if case.get("mixing") else {})
 
 

@@ -2,9 +2,9 @@
 
 * inlet slot: plug profile u_z = U (1 - s^8), s from -1 to 1 over the slot, u_r = 0, wall temperature; U
   makes the discrete mass flow exact;
-* walls: no slip; wall temperature, probe and back wall their own, or adiabatic: no heat is conducted, the
-  natural condition of the weak form. ASSUME: one temperature for all other walls, as in the CF-ICP cases
-  (350 K);
+* walls: no slip; each its own temperature (350 K in the CF-ICP cases), or adiabatic: no heat is conducted,
+  the natural condition of the weak form. A warm wall is as cold as the feed where it meets the inlet; the
+  lip of the torch is the tube's;
 * axis: u_r = 0;
 * top of the chamber: no axial velocity, so that entrained gas comes in radially (free tangential inflow lets
   vortices cross the boundary, and the solution diverges);
@@ -17,20 +17,11 @@ from plasmapyro.flow.geometry import WALLS
 from plasmapyro.flow.physics import AXIAL, LOG_TEMPERATURE, RADIAL, REFERENCE_VELOCITY
 
 OPEN = ("top", "outlet")
-COLD_EDGE = 12  # power of r with which a hot back wall falls to the temperature of the inlet at its edge
+COLD_EDGE = 12  # power with which a hot back or tube wall falls to the temperature of the inlet beside it
 PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the slot
 
 
-def fixed_values(
-    space,
-    torch,
-    properties,
-    mass_flow_rate,
-    wall_temperature,
-    probe_temperature,
-    back_wall_temperature,
-    adiabatic_walls=(),
-):
+def fixed_values(space, torch, properties, mass_flow_rate, feed_temperature, walls, adiabatic_walls=()):
     """Dirichlet conditions of the four fields.
 
     Parameters
@@ -39,8 +30,8 @@ def fixed_values(
     torch : Torch
     properties : GasProperties
     mass_flow_rate : float [kg s-1]
-    wall_temperature, probe_temperature, back_wall_temperature : float [K]
-        The back wall has its own up to where it meets the inlet.
+    feed_temperature : float [K]
+    walls : mapping of `geometry.WALLS` -> temperature [K]
     adiabatic_walls : sequence of str, of `geometry.WALLS`
         Their temperature is free but where they meet the inlet or a wall that is not among them.
 
@@ -60,16 +51,15 @@ def fixed_values(
     held = tuple(name for name in (*WALLS, "inlet") if name not in adiabatic_walls)
     fix(LOG_TEMPERATURE, held)
     values[space.field(LOG_TEMPERATURE)] = np.where(
-        fixed[space.field(LOG_TEMPERATURE)], np.log(wall_temperature), 0.0
+        fixed[space.field(LOG_TEMPERATURE)], np.log(feed_temperature), 0.0
     )
-    if "back_wall" in held:
-        back = space.boundary_dofs(LOG_TEMPERATURE, ("back_wall",))
-        share = 1 - (space.points(LOG_TEMPERATURE)[1, back] / torch.slot_inner_radius) ** COLD_EDGE
-        excess = np.maximum(share, 0.0) * (back_wall_temperature - wall_temperature)
-        values[space.offsets[LOG_TEMPERATURE] + back] = np.log(wall_temperature + excess)
-    if torch.has_probe and "probe" in held:
-        probe = space.offsets[LOG_TEMPERATURE] + space.boundary_dofs(LOG_TEMPERATURE, ("probe",))
-        values[probe] = np.log(probe_temperature)
+    z, r = space.points(LOG_TEMPERATURE)
+    beside_inlet = {"back_wall": r / torch.slot_inner_radius, "tube_wall": 1 - z / torch.length}
+    for name in ("back_wall", "chamber_wall", "tube_wall", "probe"):
+        if name in held and len(dofs := space.boundary_dofs(LOG_TEMPERATURE, (name,))):
+            share = 1 - beside_inlet[name][dofs] ** COLD_EDGE if name in beside_inlet else 1.0
+            excess = np.maximum(share, 0.0) * (walls[name] - feed_temperature)
+            values[space.offsets[LOG_TEMPERATURE] + dofs] = np.log(feed_temperature + excess)
     slot = space.boundary_dofs(AXIAL, ("inlet",))
     across = (
         2
@@ -81,7 +71,7 @@ def fixed_values(
     profile[np.isin(slot, space.boundary_dofs(AXIAL, WALLS))] = 0.0
     values[space.offsets[AXIAL] + slot] = profile
     inlet = space.facets(("inlet",))
-    density, _ = properties.density(wall_temperature)
+    density, _ = properties.density(feed_temperature)
     flux = float((inlet.weight * REFERENCE_VELOCITY * space.inputs(inlet, values)[3 * AXIAL]).sum() * density)
     values[space.offsets[AXIAL] + slot] *= mass_flow_rate / flux
     return fixed, values

@@ -64,9 +64,8 @@ def moved(problem, air, condition):
 
 def _besides_gas(condition):
     """What a Problem takes of a Condition besides the properties of the gas and the power."""
-    names = ("mass_flow_rate", "probe_temperature", "swirl_angle", "mixing")
-    walls = ("back_wall_temperature", "adiabatic_walls")
+    names = ("mass_flow_rate", "swirl_angle", "mixing", "walls", "adiabatic_walls")
     return {
         "frequency": condition.coil_frequency,
-        **{name: getattr(condition, name) for name in (*names, *walls)},
+        **{name: getattr(condition, name) for name in names},
     }

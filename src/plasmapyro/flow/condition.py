@@ -16,10 +16,13 @@ UNITS = {
     "radiation_factor": "1",
     "mixing": "1",
     "back_wall_temperature": "K",
+    "tube_wall_temperature": "K",
+    "chamber_wall_temperature": "K",
 }
 WALLS = ("back_wall", "tube_wall", "chamber_wall", "probe")
+BESIDE_COLD_GAS = ("tube_wall_temperature", "chamber_wall_temperature")
 MAY_BE_ZERO = ("swirl_angle", "radiation_factor", "mixing")
-COLD_BACK_WALL = 350.0  # [K]
+COLD_WALL = 350.0  # [K]
 # On the way to an adiabatic wall, and from one: it is held at WARM [K], reached after `WARMED` of the way,
 # before its temperature is free. From 350 K Newton's method overshoots.
 WARM, WARMED = 6000.0, 0.8
@@ -37,6 +40,8 @@ STEP = {
     "radiation_factor": 0.5,
     "mixing": 0.03,
     "back_wall_temperature": 1.0,
+    "tube_wall_temperature": 1.0,
+    "chamber_wall_temperature": 1.0,
 }
 
 
@@ -46,7 +51,8 @@ class Condition:
 
     `numerical_power`: Joule power; `probe_temperature`: of the probe wall; `swirl_angle`: between the gas
     that enters and the axis; `radiation_factor`: multiplies the net emission of the gas, 0 for no loss;
-    `mixing`: mixing length over the torch radius, see `physics`; `back_wall_temperature`: of the torch;
+    `mixing`: mixing length over the torch radius, see `physics`; `back_wall_temperature`,
+    `tube_wall_temperature`: of the torch; `chamber_wall_temperature`: around the torch exit;
     `adiabatic_walls`: those of `WALLS` that no heat enters, whatever temperature is given for them.
     """
 
@@ -58,7 +64,9 @@ class Condition:
     swirl_angle: float = 0.0
     radiation_factor: float = 0.0
     mixing: float = 0.0
-    back_wall_temperature: float = COLD_BACK_WALL
+    back_wall_temperature: float = COLD_WALL
+    tube_wall_temperature: float = COLD_WALL
+    chamber_wall_temperature: float = COLD_WALL
     adiabatic_walls: tuple = ()
 
     def __post_init__(self):
@@ -77,13 +85,19 @@ class Condition:
     @classmethod
     def of(cls, dataset):
         """The condition of a flow dataset; ValueError if it does not say."""
-        known = {name: dataset[name] for name in UNITS if name in dataset}
+        known = {name: dataset.attrs.get("wall_temperature", COLD_WALL) for name in BESIDE_COLD_GAS}
+        known |= {name: dataset[name] for name in UNITS if name in dataset}
         known |= {name: dataset.attrs[name] for name in UNITS if name in dataset.attrs}
         missing = [one.name for one in fields(cls) if one.default is MISSING and one.name not in known]
         if missing:
             raise ValueError(f"the flow solution lacks {', '.join(missing)}; compute it again")
         adiabatic = tuple(dataset.attrs.get("adiabatic_walls", "").split())
         return cls(**{name: float(value) for name, value in known.items()}, adiabatic_walls=adiabatic)
+
+    @property
+    def walls(self):
+        """Temperature [K] of each of `WALLS`."""
+        return {name: getattr(self, f"{name}_temperature") for name in WALLS}
 
     def parts_to(self, other, power_step):
         """Number of parts (a real number) of the way to `other`, the largest over the quantities."""
@@ -121,7 +135,7 @@ class Condition:
 
     def describe(self):
         """The condition in a few words, in the units of the configuration."""
-        power, pressure, flow, frequency, probe, swirl, radiation, mixing, back, adiabatic = astuple(self)
+        power, pressure, flow, frequency, probe, swirl, radiation, mixing, *_, adiabatic = astuple(self)
         text = f"{power / 1e3:.4g} kW, {pressure / 100:.4g} mbar, {flow * 1e3:.4g} g/s"
         extra = [f"{frequency / 1e3:.4g} kHz", f"probe {probe:.4g} K"]
         if swirl:
@@ -130,8 +144,9 @@ class Condition:
             extra.append(f"radiation x {radiation:.3g}")
         if mixing:
             extra.append(f"mixing {mixing:.3g}")
-        if back != COLD_BACK_WALL and "back_wall" not in adiabatic:
-            extra.append(f"back wall {back:.4g} K")
+        for name in ("back_wall", "tube_wall", "chamber_wall"):
+            if self.walls[name] != COLD_WALL and name not in adiabatic:
+                extra.append(f"{name.replace('_', ' ')} {self.walls[name]:.4g} K")
         if adiabatic:
             extra.append(f"adiabatic {', '.join(adiabatic)}".replace("_", " "))
         return f"{text} ({', '.join(extra)})"

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.flow.boundary import inlet_mach_number
-from plasmapyro.flow.condition import UNITS
+from plasmapyro.flow.condition import BESIDE_COLD_GAS, UNITS
 from plasmapyro.flow.geometry import BOUNDARIES, Torch
 from plasmapyro.flow.meshes import meshes_of
 from plasmapyro.flow.physics import AXIAL
@@ -70,6 +70,10 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
         options["azimuthal_velocity"] = ("node", problem.azimuthal_velocity(result.state)[0])
     if error is not None:
         options["temperature_error"] = ("node", error[0])
+    # Walls as cold as the feed go without saying: ladders compare what the files say.
+    stated = {name: getattr(condition, name) for name in UNITS if name not in scalars}
+    cold = {name for name in BESIDE_COLD_GAS if stated[name] == setup.wall_temperature}
+    stated = {name: value for name, value in stated.items() if name not in cold}
     # An attribute of NaN would not compare equal to itself.
     found = {} if error is None or np.isnan(error[1]) else {"mesh_order": error[1]}
     return xr.Dataset(
@@ -96,7 +100,7 @@ def to_dataset(problem, setup, condition, result, balance, error=None):
         attrs={
             "title": "Axisymmetric LTE plasma torch and jet",
             "torch": json.dumps(asdict(setup.torch), sort_keys=True),
-            **{name: getattr(condition, name) for name in UNITS if name not in scalars},
+            **stated,
             **({"adiabatic_walls": " ".join(condition.adiabatic_walls)} if condition.adiabatic_walls else {}),
             "wall_temperature": setup.wall_temperature,
             "mesh_factor": setup.mesh_factor,

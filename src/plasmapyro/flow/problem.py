@@ -3,6 +3,7 @@
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial
+from types import MappingProxyType
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from plasmapyro.flow.boundary import OPEN, fixed_values
 from plasmapyro.flow.conduction import Conduction
 from plasmapyro.flow.coupled import coupled_solution
 from plasmapyro.flow.elements import Space
-from plasmapyro.flow.geometry import flow_mesh
+from plasmapyro.flow.geometry import WALLS, flow_mesh
 from plasmapyro.flow.gradient import Graded, derivatives, gradient
 from plasmapyro.flow.induction import Induction, ring_potential
 from plasmapyro.flow.linear import Factorised, dissection
@@ -48,14 +49,12 @@ class Problem:
     frequency : float [Hz]
     mass_flow_rate : float [kg s-1]
     wall_temperature : float [K]
-    probe_temperature : float [K]
-        Of the probe wall; `wall_temperature` if not given.
+        Of the gas that enters, and of the walls that are not among `walls`.
+    walls : mapping of `geometry.WALLS` -> temperature [K]
     swirl_angle : float [rad]
         Between the gas that enters and the axis.
     mixing : float [1]
         Mixing length over the radius of the torch (`physics`); 0 for a laminar flow.
-    back_wall_temperature : float [K]
-        Of the torch; `wall_temperature` if not given.
     adiabatic_walls : sequence of str, of `geometry.WALLS`
     limiter : float [1]
         Coefficient C of the viscosity limiter in the chamber (`physics.limited_viscosity`); 0 for none.
@@ -75,10 +74,9 @@ class Problem:
         wall_temperature,
         order,
         limiter=0.0,
-        probe_temperature=None,
+        walls=MappingProxyType({}),
         swirl_angle=0.0,
         mixing=0.0,
-        back_wall_temperature=None,
         adiabatic_walls=(),
     ):
         self.torch, self.order, self.limiter = torch, order, limiter
@@ -87,12 +85,7 @@ class Problem:
         self.space = Space(self.mesh, (order, order, order, 1))
         coil = partial(ring_potential, ring_radius=torch.coil_radius, ring_positions=torch.coil_positions)
         self.induction = Induction(mesh, frequency, coil, order)
-        self.swirl_angle = swirl_angle
-        self.probe_temperature = wall_temperature if probe_temperature is None else probe_temperature
-        self.mixing = mixing
-        self.back_wall_temperature = (
-            wall_temperature if back_wall_temperature is None else back_wall_temperature
-        )
+        self.swirl_angle, self.mixing, self.walls = swirl_angle, mixing, walls
         self.adiabatic_walls = adiabatic_walls
         self._rank = dissection(self.mesh)
         self._set_gas(properties, mass_flow_rate)
@@ -116,8 +109,7 @@ class Problem:
             properties,
             mass_flow_rate,
             self.wall_temperature,
-            self.probe_temperature,
-            self.back_wall_temperature,
+            {name: self.wall_temperature for name in WALLS} | dict(self.walls),
             self.adiabatic_walls,
         )
         self._outside = (
@@ -133,7 +125,7 @@ class Problem:
     def at(self, properties, *, mass_flow_rate, frequency, **others):
         """The same problem at another condition; mesh, bases and orderings are shared.
 
-        `others`: swirl angle, mixing, temperatures of probe and back wall, adiabatic walls that change.
+        `others`: swirl angle, mixing, temperatures of walls, adiabatic walls that change.
         """
         other = copy(self)
         other.induction = self.induction.at_frequency(frequency)

@@ -9,7 +9,7 @@ from plasmapyro.checks import non_negative, positive
 from plasmapyro.flow.balances import balances
 from plasmapyro.flow.boundary import inlet_mach_number
 from plasmapyro.flow.case import Air, Case, moved, problem_of
-from plasmapyro.flow.condition import Condition
+from plasmapyro.flow.condition import BESIDE_COLD_GAS, Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, Unbalanced, march
 from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from, to_dataset
 from plasmapyro.flow.evaluate import transfer
@@ -121,7 +121,8 @@ def cold_start(
         float(positive("wall_temperature", wall_temperature, "K")),
         float(positive("mesh_factor", mesh_factor, "1")),
     )
-    reference = Condition(**reference, back_wall_temperature=setup.wall_temperature)
+    walls = ("back_wall_temperature", *BESIDE_COLD_GAS)
+    reference = Condition(**reference, **dict.fromkeys(walls, setup.wall_temperature))
     power = reference.numerical_power
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     air, *others = (Air(one, None, setup.wall_temperature) for one in _from_air(gas, reference))
@@ -220,7 +221,8 @@ def condition(
     others : as in `cold_start`
     target : fields of `condition.Condition` [SI]
         Power, pressure, mass flow, frequency and temperature of the probe; swirl, loss by radiation, mixing
-        and temperature of the back wall where there is any.
+        and temperatures of other walls where there is any; tube and chamber wall are as cold as those of
+        `start` without.
 
     Returns
     -------
@@ -234,7 +236,8 @@ def condition(
         No way led to a steady state; the message says for each how far it led, and where the plasma went
         out if it did.
     """
-    target = Condition(**target)
+    setup = setup_of(start)
+    target = Condition(**(dict.fromkeys(BESIDE_COLD_GAS, setup.wall_temperature) | target))
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
     power_step = float(positive("power_step", power_step, "W"))
     mesh_ratio = _checked_ratio(error_mesh_ratio)
@@ -246,7 +249,6 @@ def condition(
         least_courant=LEAST_RESTART_COURANT,
         patience=PATIENCE,
     )
-    setup = setup_of(start)
     air = Air(gas, emission, setup.wall_temperature)
     meshes = meshes_of(start, setup.torch)
     mesh = mesh_of(start, setup, meshes)
