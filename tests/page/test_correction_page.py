@@ -90,7 +90,10 @@ def test_contradictions_come_first_and_foreign_words_are_no_markup(shelf):
     assert "<script" not in page and "anna" not in page
     places = [page.index(words) for words in ("[stuck]", "temperature to take away", "samples with a")]
     assert places == sorted(places)
-    assert "Findings in the data" not in write_page(read_test(shelf / "my_test"), result, [])
+    assert "one temperature to take away, but the data are in doubt" in page
+    assert 'class="verdict fine"' not in page
+    alone = write_page(read_test(shelf / "my_test"), result, [])
+    assert "Findings in the data" not in alone and 'class="verdict fine"' in alone
 
 
 def test_same_input_same_page(shelf):

@@ -11,7 +11,8 @@ import pytest
 from reader import Reader
 from sample_report import candidate, report, residual_map, temperature, truth
 
-from plasmapyro.page.stage import write_page
+from plasmapyro.page.recommended import BESIDE, headline
+from plasmapyro.page.stage import STATUS, write_page
 from plasmapyro.page.words import kelvin, number, probability, with_error, without_folders
 
 
@@ -179,12 +180,24 @@ def test_no_status_contradicts_what_stands_above_it():
     nothing = nothing.assign_attrs(recommended="none", recommended_because="No temperature: x.")
     page = write_page(report(verdict=verdict, findings=[said]), residual_map(), nothing)
     words = Reader(page).words
-    assert "nothing wrong was found, but the data contradict themselves" in words
+    assert "the model explains the data, but the data contradict themselves" in words
     assert 'class="verdict fine"' not in page and "Before anything else: look." in words
     assert "0 of 6 samples with a temperature to take away" in words
     unknown = verdict | {"status": "unknown", "probability": {"none": 0.6}}
     words = Reader(write_page(report(verdict=unknown), residual_map(), temperature())).words
     assert "nothing is wrong" not in words and "probability: no cause is needed" not in words
+
+
+@pytest.mark.parametrize("best", ["base", "none"])
+@pytest.mark.parametrize("severity", [None, *BESIDE])
+@pytest.mark.parametrize("status", STATUS)
+def test_green_stands_alone(status, severity, best):
+    """A doubted pyrometer had "nothing wrong was found" in green below the doubt."""
+    words, edge = headline(*STATUS[status], [{"severity": severity}] if severity else [], best)
+    assert (edge == "fine") == ((status, severity, best) == ("null", None, "base"))
+    assert words.startswith(STATUS[status][0]) and "nothing wrong" not in words
+    amiss = severity is not None or best == "none"
+    assert (", but " in words) == (amiss and STATUS[status][1] != "open")
 
 
 def test_refused_extension_keeps_the_base_temperature():
@@ -210,7 +223,7 @@ def test_nothing_wrong_needs_no_extension():
         temperature(),
     )
     words = Reader(page).words
-    assert "nothing wrong was found" in words and "★" not in words
+    assert "the model explains the data" in words and "★" not in words
     assert "extended model" not in words
 
 
@@ -263,8 +276,10 @@ def test_what_contradicts_itself_in_the_data_stands_before_the_verdict(page):
     assert words in Reader(shown).words and "<b>stay" not in shown
     assert shown.index("the data contradict") < shown.index('aria-label="Verdict"')
     assert "contradict themselves" not in page
-    doubted = report(findings=[{**said, "saw": "x", "severity": "doubt"}])
-    assert "doubts about the data" in write_page(doubted, residual_map(), temperature())
+    named = report()["verdict"] | {"status": "named"}
+    doubted = report(verdict=named, findings=[{**said, "saw": "x", "severity": "doubt"}])
+    shown = write_page(doubted, residual_map(), temperature())
+    assert "doubts about the data" in shown and " named, but the data are in doubt" in shown
 
 
 def test_what_was_taken_as_given_is_not_called_missed():

@@ -38,7 +38,10 @@ def write_page(test, result, findings):
         off; the same inputs give the same text.
     """
     words = without_folders(dict(result.attrs) | {"findings": findings})
-    pictures = panels(test, result)
+    pictures, best = panels(test, result), result.attrs["recommended"]
+    status, edge = "no temperature is recommended", "open"
+    if best != "none":
+        status, edge = recommended.headline("one temperature to take away", "fine", words["findings"], best)
 
     def draw(name, alternative, data=None):
         if name == "taken":
@@ -54,6 +57,8 @@ def write_page(test, result, findings):
         version=words["plasmapyro_version"],
         attributes=words,
         findings=words["findings"],
+        status=status,
+        edge=edge,
         key_numbers=key_numbers(result),
         result=result,
         recommended=recommended,

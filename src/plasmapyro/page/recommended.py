@@ -12,6 +12,28 @@ from plasmapyro.record.status import EXTRAPOLATED, VALID
 LEAST = 0.005  # [1] of the whole uncertainty: inputs that never add more are counted, not listed
 MANY = 500  # points, from which they are drawn small and faint
 ROOM = 1.5  # of what nine tenths of the differences fill
+BESIDE = {  # severity of a finding, the worst first: what it adds to the verdict
+    "contradiction": "but the data contradict themselves",
+    "doubt": "but the data are in doubt",
+}
+
+
+def headline(words, edge, findings, best):
+    """Verdict of a page and colour of its edge (str, str), which nothing that stands beside it contradicts.
+
+    Parameters
+    ----------
+    words, edge : str
+        As they would stand alone; an edge 'open' says itself that something is amiss.
+    findings : list of dict
+        What the rules said of the data, as `quality.rule.Finding.entry`.
+    best : str
+        The recommended estimate, 'none' for no recommendation.
+    """
+    against = [said for severity, said in BESIDE.items() if severity in {one["severity"] for one in findings}]
+    if best == "none":
+        against.append("but no temperature is recommended")
+    return (f"{words}, {against[0]}", "open") if against and edge != "open" else (words, edge)
 
 
 def axis_of(result):

@@ -6,7 +6,7 @@ from plasmapyro.page.words import for_figures, without_folders
 
 FORMAT = "plasmapyro-diagnosis-1"
 STATUS = {  # status: (words, colour of the verdict's edge)
-    "null": ("nothing wrong was found", "fine"),
+    "null": ("the model explains the data", "fine"),
     "named": ("{causes} named", "finding"),
     "one-of": ("one of several causes", "finding"),
     "named+unknown": ("{causes} named, and something else may be wrong", "open"),
@@ -51,8 +51,7 @@ def write_page(diagnosis, residual_map, temperature, truth=None):
         return spoken(svg, alternative)
 
     status, edge = STATUS.get(report["verdict"]["status"], (report["verdict"]["status"], "open"))
-    if any(one["severity"] == "contradiction" for one in report["findings"]):
-        status, edge = f"{status}, but the data contradict themselves", "open"
+    status, edge = recommended.headline(status, edge, report["findings"], temperature.attrs["recommended"])
     count, sentences = len(report["verdict"]["named"]), report["verdict"]["sentences"]
     return rendered(
         "diagnosis.html",

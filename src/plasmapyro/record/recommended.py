@@ -118,7 +118,7 @@ def _of_diagnosis(facts, given):
     else:
         best = "base"
         why = {
-            "null": "nothing wrong was found",
+            "null": "it explains the data",
             "unknown": "what is wrong has no name; what it may cost is in the interval",
         }.get(facts.verdict, "held-out data do not confirm what was named; its cost is in the interval")
     if best not in given:
