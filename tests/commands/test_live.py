@@ -10,7 +10,7 @@ import laboratory
 import numpy as np
 import pytest
 
-from plasmapyro import cli, io
+from plasmapyro import cli, commands, io
 from plasmapyro.commands.joint import SETTINGS
 from plasmapyro.commands.live import record_of
 from plasmapyro.estimate.live import Filter
@@ -91,6 +91,7 @@ def test_the_end_state_is_that_of_the_joint_estimate(shelf, told, monkeypatch, u
 def test_a_running_test_never_waits_for_the_estimate():
     """Five seconds of samples in five: it goes on without; the same read through in one: it waits."""
     asked = Renewal.__new__(Renewal)
+    asked._process = SimpleNamespace(is_alive=lambda: True)
     asked._pipe, asked._begun = SimpleNamespace(poll=lambda: False), time.monotonic() - 5.0
     assert not asked.ready(5.0) and asked.ready(25.0)
 
@@ -105,6 +106,22 @@ def test_without_an_answer_the_filter_goes_on_and_asks_once(shelf):
     pairs = np.stack([test.time.values, test.signal_wide.values, test.signal_narrow.values], axis=1)
     found = [filtered.step(moment, pair) for moment, *pair in pairs[pairs[:, 0] < 20]]
     assert asked == [(int((pairs[:, 0] < 5).sum()), 50.0)] and found[-1].state == status.VALID
+
+
+def test_a_lost_estimate_is_said_and_the_filter_goes_on(shelf, monkeypatch):
+    class Killed(Renewal):
+        def ask(self, samples, off):
+            super().ask(samples, off)
+            if samples[-1][0] > 15:
+                self._process.kill()
+                self._process.join()
+
+    monkeypatch.setattr(commands.live, "Renewal", Killed)
+    said = streamed(shelf, monkeypatch, rows(shelf, until=35.0))
+    lost = ["estimate_lost" in line["alarms"] for line in said]
+    assert said[lost.index(True)]["time"] == pytest.approx(20, abs=3) and lost == sorted(lost)
+    assert said[-1]["status"] == "valid"
+    assert said[-1]["low"] < laboratory.temperature(said[-1]["time"]) < said[-1]["high"]
 
 
 def test_a_band_that_lost_light_is_said_and_the_interval_holds_it(shelf, monkeypatch):

@@ -123,6 +123,7 @@ def readings(samples, filtered, injection, limits, options):
                 "saturated": saturated,
                 "stuck": equal >= STUCK,
                 "contradiction": bool(apart or filtered.contradictions),
+                "estimate_lost": filtered.alone,
                 "throughput_in_doubt": filtered.throughput_chance > throughput_in_doubt.limit,
             }
             low, high = reading.interval

@@ -364,6 +364,11 @@ class Filter:
         return Reading(time, temperature, deviation, state, tuple(share), tuple(residual))
 
     @property
+    def alone(self):
+        """Whether the joint estimate, from which it should go on, has no process any more."""
+        return self._renewal is not None and self._renewal.lost
+
+    @property
     def started(self):
         """Whether a sample after the injection has come."""
         return self._mean is not None

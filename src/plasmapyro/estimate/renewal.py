@@ -66,8 +66,14 @@ class Renewal:
         self._attributes = attributes
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
-        context.Process(target=_serve, args=(other, *instrument_and_settings), daemon=True).start()
+        self._process = context.Process(target=_serve, args=(other, *instrument_and_settings), daemon=True)
+        self._process.start()
         other.close()
+
+    @property
+    def lost(self):
+        """Whether the process has ended: nothing answers any more."""
+        return not self._process.is_alive()
 
     def ask(self, samples, off):
         """`samples` (n, 3): time [s] and both signals [A]; `off`: end of the plasma; from the injection."""
@@ -81,7 +87,7 @@ class Renewal:
         Samples that come as they are taken never wait; those of a record that is read through do, so that
         what is said of them does not depend on how fast that is.
         """
-        return self._pipe.poll() or time.monotonic() - self._begun < FASTER * span
+        return self.lost or self._pipe.poll() or time.monotonic() - self._begun < FASTER * span
 
     def answer(self):
         """What was asked for, waited for; None where samples tell nothing yet, or the process is gone."""
