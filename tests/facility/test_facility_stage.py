@@ -9,8 +9,8 @@ from half_disc import POINT, flow
 
 from plasmapyro import configuration, contracts
 from plasmapyro.facility.jet import Jet, edge_ahead, jet_ahead, own_heat_flux, own_pressure
-from plasmapyro.facility.probes import Calorimeter, heat_flux
-from plasmapyro.facility.stage import facility, probe_readings
+from plasmapyro.facility.probes import Calorimeter, heat_flux, pitot_pressure
+from plasmapyro.facility.stage import _together, _verdict, facility, probe_readings
 from plasmapyro.facility.verdict import as_markdown
 from plasmapyro.gas.stage import gas_table
 from plasmapyro.quantities import in_si
@@ -89,7 +89,8 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
         caplog.messages
     )
     assert any(
-        line.endswith("simulated 1e+04: 2.0 standard uncertainties too low") for line in caplog.messages
+        line == "water_heat: measured 12 +- 1 kW, simulated 10: 2.0 standard uncertainties too low"
+        for line in caplog.messages
     )
     wide = "a probe of 25 mm behind a torch of 40 mm; the jet is taken as uniform around it"
     assert sum(line.endswith(wide) for line in caplog.messages) == 2
@@ -100,6 +101,30 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
     assert low == pytest.approx(high, rel=1e-3)
     sphere, _ = heat_flux(Jet(950.0, 5000.0, 200.0, 2.0), Calorimeter(RADIUS), "equilibrium")
     assert 0.55 < low / sphere < 0.7
+
+
+def test_a_pair_that_the_jet_itself_gives_asks_for_that_jet():
+    jet = Jet(4800.0, 5000.0, 95.0, 0.7)
+    wall = {"radius": 0.02, "shape": "blunt", "wall_temperature": 400.0, "recombination": [0.03, 0.03]}
+    flux, _ = heat_flux(jet, Calorimeter(0.02, "blunt", 400.0, 0.03), "kossyi")
+    read = pitot_pressure(jet, 0.008, wall_temperature=400.0)
+    measured = {"pitot_pressure": {"value": read}, "heat_flux": wall | {"value": flux}}
+    said = _together(measured, [("Pa", 0, 0, read, read), None], jet, jet, "kossyi")
+    numbers = [float(word.strip("(),")) for word in said.split() if word.strip("(),")[0].isdigit()]
+    assert len(numbers) == 6 and numbers[1::2] == pytest.approx(numbers[::2], rel=2e-3)
+    assert (numbers[1], numbers[5]) == (4800.0, 95.0)
+
+
+@pytest.mark.parametrize(
+    "name, row, ends",
+    [
+        ("heat_flux", ("W m-2", 50e3, 5e3, 4e5, 5e5), "too high, 8 times; was it written in kW/m2?"),
+        ("pitot_pressure", ("Pa", 5015, 1, 15, 15), "written in Pa and not with the chamber's pressure?"),
+        ("coil_current", ("A", 400, 20, 566, 566), "8.3 standard uncertainties too high"),
+    ],
+)
+def test_what_is_far_off_asks_for_its_unit(name, row, ends):
+    assert _verdict(name, *row).endswith(ends)
 
 
 def test_an_unknown_measurement_is_refused():

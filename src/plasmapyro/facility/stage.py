@@ -10,7 +10,8 @@ import xarray as xr
 from plasmapyro import tables
 from plasmapyro.checks import positive
 from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pressure
-from plasmapyro.facility.probes import Calorimeter, enthalpy, heat_flux, pitot_pressure
+from plasmapyro.facility.probes import Calorimeter, density, enthalpy, heat_flux, pitot_pressure
+from plasmapyro.facility.rebuild import Rebuilt, rebuild
 from plasmapyro.facility.stagnation_line import solve
 from plasmapyro.facility.verdict import judge
 
@@ -18,6 +19,8 @@ log = logging.getLogger(__name__)
 
 TORCH_WALLS = ("back_wall", "tube_wall")
 WIDE = 0.5  # of the radius of the torch: the hot core has that
+ODD = 3.0  # ratio of what was measured and what was computed that asks for a second look
+TOLD = {"W m-2": (1e3, "kW/m2"), "W": (1e3, "kW")}  # as the configuration says it
 
 
 def probe_readings(
@@ -78,6 +81,8 @@ def probe_readings(
     rows = [_beside(name, one, flow, edge, jet, rates[0]) for name, one in measured.items()]
     for name, row in zip(measured, rows, strict=True):
         log.info("%s: %s", name, _verdict(name, *row))
+    if {"heat_flux", "pitot_pressure"} <= set(measured):
+        log.info("heat_flux and pitot_pressure: %s", _together(measured, rows, edge, jet, rates[0]))
     names = ("measured_value", "measured_uncertainty", "simulated_low", "simulated_high")
     values = np.array([row[1:] for row in rows], dtype=float).T
     return found.assign(
@@ -94,9 +99,8 @@ def _beside(name, measured, flow, edge, jet, rates):
         words = "%s: a probe of %g mm behind a torch of %g mm; the jet is taken as uniform around it"
         log.warning(words, name, 1e3 * measured["radius"], 1e3 * torch)
     if name == "heat_flux":
-        there, probe = replace(jet, temperature=edge.temperature), ("radius", "shape", "wall_temperature")
-        walls = [Calorimeter(*map(measured.get, probe), one) for one in measured["recombination"]]
-        ends = [heat_flux(there, wall, rates)[0] for wall in walls]
+        there = replace(jet, temperature=edge.temperature)
+        ends = [heat_flux(there, wall, rates)[0] for wall in _faces(measured)]
         return "W m-2", *known, min(ends), max(ends)
     if name == "pitot_pressure":
         reading = pitot_pressure(jet, measured["radius"], wall_temperature=measured["wall_temperature"])
@@ -109,8 +113,16 @@ def _beside(name, measured, flow, edge, jet, rates):
     return "W", *known, *2 * [float(flow.numerical_power)]
 
 
-def _verdict(name, unit, value, uncertainty, low, high):
+def _faces(measured):
+    """The calorimeter of a measured heat flux at both ends of its recombination."""
+    probe = [measured[name] for name in ("radius", "shape", "wall_temperature")]
+    return [Calorimeter(*probe, one) for one in measured["recombination"]]
+
+
+def _verdict(name, unit, *values):
     """One measured quantity beside what the flow gives, in one sentence."""
+    factor, unit = TOLD.get(unit, (1.0, unit))
+    value, uncertainty, low, high = (one / factor for one in values)
     if name == "electric_power":
         said = f"{low:g} of {value:g} +- {uncertainty:g} {unit} reach the gas: efficiency {low / value:.2f}"
         return said + (", which no torch has: less power is in this gas" if low > value else "")
@@ -118,7 +130,44 @@ def _verdict(name, unit, value, uncertainty, low, high):
     known = f"measured {value:g} +- {uncertainty:g} {unit}, simulated {found}"
     off = max(low - value, value - high, 0.0) / uncertainty
     way = "high" if low > value else "low"
-    return f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
+    said = f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
+    ratio = max(low / value, value / max(high, 1e-300))
+    if ratio > ODD:
+        whole = " and not with the chamber's pressure" if name == "pitot_pressure" else ""
+        said += f", {ratio:.3g} times; was it written in {unit}{whole}?"
+    return said
+
+
+def _together(measured, rows, edge, jet, rates):
+    """The jet that both measured values ask for, beside that of the flow, in one sentence.
+
+    The Pitot probe reads as much more than the dynamic pressure as it does in the flow.
+    """
+    flux, pitot = measured["heat_flux"], measured["pitot_pressure"]["value"]
+    reading = rows[list(measured).index("pitot_pressure")][-1]
+    factor = (reading - jet.gauge_pressure) / (0.5 * density(jet) * jet.speed**2)
+    try:
+        found = [
+            rebuild(
+                flux["value"],
+                pitot - jet.gauge_pressure,
+                jet.pressure,
+                face,
+                chemistry=rates,
+                pitot_factor=factor,
+            )
+            for face in _faces(flux)
+        ]
+    except ValueError as fault:
+        return str(fault)
+    found.sort(key=lambda one: one.temperature)
+    here = Rebuilt(edge.temperature, enthalpy(edge), jet.speed)
+    asked = [
+        " to ".join(dict.fromkeys(f"{getattr(one, name) / scale:.4g}" for one in found))
+        + f" {unit} (this flow {getattr(here, name) / scale:.4g})"
+        for name, scale, unit in (("temperature", 1, "K"), ("enthalpy", 1e6, "MJ/kg"), ("speed", 1, "m/s"))
+    ]
+    return "together they ask for a jet of " + ", ".join(asked)
 
 
 def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_uncertainty):
