@@ -91,6 +91,17 @@ def test_commas_that_may_part_thousands_are_asked_about(tmp_path):
         read_readings(tmp_path / "log.csv")
 
 
+def test_a_column_of_slope_settings_is_held_against_the_one_that_is_told(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time [s];Slope;Ts [K]\n0;1,05;1350\n1;1,05;1360\n2;1,05;1370\n")
+    np.testing.assert_array_equal(read_readings(path, 1.05)[1], [1350, 1360, 1370])
+    with pytest.raises(ValueError, match="'Slope' says 1.05, the slope setting is 1; correct the rows"):
+        read_readings(path)
+    path.write_text(path.read_text().replace("2;1,05", "2;0,98"))
+    with pytest.raises(ValueError, match="'Slope' says 0.98 and 1.05, the slope setting is 1.05"):
+        read_readings(path, 1.05)
+
+
 @pytest.mark.parametrize("mark", ["----", "<1264", "> 2073", "EEEE", ""])
 def test_a_mark_in_a_short_log_is_a_reading_that_is_missing(tmp_path, mark):
     (tmp_path / "log.csv").write_text(f"time [s];T [K]\n0;1350\n1;{mark}\n2;1370\n3;1380\n")

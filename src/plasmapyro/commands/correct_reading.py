@@ -24,6 +24,7 @@ CURVE = {  # of the modelled pyrometer, as in config/config.yaml
 }
 TEMPERATURE = re.compile(r"ts|t_?(app|disp).*|.*temp.*|reading|anzeige|messwert", re.IGNORECASE)
 LOOKS_LIKE_ONE = re.compile(r"t(?![a-z]).*", re.IGNORECASE)  # T1, T_2C
+SLOPE = re.compile(r".*slope.*|.*steigung.*|pente", re.IGNORECASE)
 HEADER = "write a header such as 'time [s], Ts [K]'"
 BELOW = next(code for code, words in STATUS.items() if words == "below_what_the_gas_allows")
 
@@ -32,7 +33,7 @@ def run(options):
     """Run `plasmapyro correct-reading`: a table and the results of a workflow in, one netCDF out."""
     require_writable([options.out], [options.reading, options.results])
     gas, sources = gas_of(options.results, options.condition)
-    time, reading = read_readings(options.reading)
+    time, reading = read_readings(options.reading, options.slope)
     lowest, highest = gas[2].instrument_range.values
     beyond = int(((reading < lowest) | (reading > highest)).sum())
     if beyond:
@@ -74,7 +75,7 @@ def gas_of(results, condition):
     return tuple(io.read(path, contract) for contract, path in paths.items()), [*paths.values()]
 
 
-def read_readings(path):
+def read_readings(path, slope=1.0):
     """Time [s] and displayed temperature [K] of a text table whose header names them, in any usual form.
 
     The time may be that of day, or a date; it counts from the first reading then.
@@ -82,6 +83,8 @@ def read_readings(path):
     Parameters
     ----------
     path : path
+    slope : float [1]
+        Setting of the instrument.
 
     Returns
     -------
@@ -91,7 +94,7 @@ def read_readings(path):
     ------
     ValueError
         No header with both columns and the unit of the temperature, a cell that is no number, a time that
-        does not rise.
+        does not rise, a column of another slope setting.
     """
     table = guess.look_at_table(path)
     places = guess.assign(table) if table else {}
@@ -120,15 +123,21 @@ def read_readings(path):
         said = {"name": names[0]}
     else:
         refuse(path, f"column {quote(names[0])} has no unit", "write [s], [ms] or [min] behind its name")
-    known = {
-        name: columns.Column(name, Section(section, path, name, []))
-        for name, section in (("time", said), ("temperature", {"name": label}))
-    }
+    settings = [table.labels[place] for place in free if SLOPE.fullmatch(table.labels[place])]
+    said = {"time": said, "temperature": {"name": label}}
+    if settings:
+        said["sensitivity_ratio"] = {"name": settings[0]}  # that is what the slope corrects
+    known = {name: columns.Column(name, Section(one, path, name, [])) for name, one in said.items()}
     if "stamps" in places:
         known["time"].zero = zero
     values = columns.read_table(path, known, table.delimiter)
     if np.isnan(values["time"]).any() or (np.diff(values["time"]) <= 0).any():
         refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
+    told = np.unique(values.get("sensitivity_ratio", slope))
+    if np.any(~np.isclose(told, slope)):
+        words = " and ".join(f"{one:g}" for one in told[~np.isnan(told)])
+        remedy = "correct the rows of each setting alone, with --slope (readings: slope)"
+        refuse(path, f"column {quote(settings[0])} says {words}, the slope setting is {slope:g}", remedy)
     low, high = VARIABLES["apparent_temperature"].low, VARIABLES["apparent_temperature"].high
     odd = np.flatnonzero((values["temperature"] < low) | (values["temperature"] > high))
     if odd.size:
