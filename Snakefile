@@ -75,6 +75,7 @@ try:
     DIAGNOSED = [test for test in COMPARED if test in WORKED]
     SETTINGS = [config, CONDITIONS, TESTS]
     if workflow.is_main_process:
+        configuration.check_targets(sys.argv[1:], CONDITIONS, config["conditions"])
         DAMAGED, BUSY = workspace.begin("results", SETTINGS)
         workspace.digest_once()
         for path in DAMAGED:

@@ -197,6 +197,17 @@ def test_a_twin_of_an_unknown_condition_is_refused():
         configuration.check_together(config, conditions, tests)
 
 
+def test_a_file_of_a_condition_that_the_run_leaves_out_says_how_to_have_it(tmp_path):
+    (tmp_path / "mine.yaml").write_text("")
+    known, selection = {"60kW": {}, "80kW": {}}, {"folder": tmp_path, "only": ["60kW", "80kW"]}
+    sound = ["results/flow/60kW.nc", "results/flow/start/reference.nc", "results/figures/fig8c.svg", "all"]
+    configuration.check_targets(sound, known, selection)
+    left_out = r"add --config 'conditions=\{only: \[60kW, 80kW, mine\]\}'"
+    for target, message in (("mine", left_out), ("80kw", "no file for '80kw'; did you mean '80kW'")):
+        with pytest.raises(configuration.ConfigurationError, match=message):
+            configuration.check_targets([f"results/radiation/{target}.nc"], known, selection)
+
+
 def test_broken_yaml_names_the_file(tmp_path):
     (tmp_path / "x.yaml").write_text("a: [1\n")
     with pytest.raises(configuration.ConfigurationError, match=r"x\.yaml: not readable as YAML"):

@@ -17,6 +17,9 @@ from plasmapyro.gas.species import AIR
 
 LARGEST_FILE = 250_000  # [byte]
 MOST_FAULTS, LONGEST_LINE, LONGEST_VALUE = 40, 500, 200  # that a message shows; the others in characters
+OF_CONDITION = re.compile(
+    r"results/(?:flow|sightline|radiation|radiation_variations|surface_view|reflection|facility)/([^/]+)\.nc"
+)
 # Of what becomes part of file names and of patterns of the workflow.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 
@@ -308,6 +311,29 @@ def _no_ladder(cases):
         twin = next(one for one in cases if cases[one].get("numerical_power_kw") == power)
         if twin != name and power is not None:
             yield f"claims.conditions: '{twin}' and '{name}' have the same numerical_power_kw"
+
+
+def check_targets(targets, conditions, selection):
+    """Refuse files that are asked for of a condition which is not among those of the run.
+
+    Parameters
+    ----------
+    targets : paths that were asked for
+    conditions : mapping as from `load_folder`
+    selection : as for `load_folder`
+    """
+    faults = []
+    for match in filter(None, map(OF_CONDITION.fullmatch, map(str, targets))):
+        path, name = match[0], match[1]
+        if name not in conditions and (Path(selection["folder"]) / f"{name}.yaml").exists():
+            only = f"[{', '.join([*selection['only'], name])}]"
+            faults.append(
+                f"{path}: conditions.only leaves '{name}' out; add --config 'conditions={{only: {only}}}'"
+            )
+        else:
+            faults.append(_unknown(path, name, conditions))
+    if faults := [fault for fault in faults if fault]:
+        raise ConfigurationError("\n".join(faults))
 
 
 def _unknown(key, name, known):
