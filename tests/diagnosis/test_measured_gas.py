@@ -28,9 +28,11 @@ from plasmapyro.diagnosis.simulation.compare import (
     Comparison,
     Fit,
     Fitter,
+    admissible,
     compare,
     raise_errors,
     settled,
+    spectroscopy,
 )
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
@@ -265,6 +267,48 @@ def test_a_gas_that_the_simulation_does_not_know_changes_no_name(fitted, record,
     assert names == (["winE"] if hidden else []) and found.unknown_class is None
     assert np.sqrt(np.mean(temperature_error(base, found.final) ** 2)) < STRAY
     assert compared(base, found.final).rivals == {}
+
+
+def test_two_groups_of_lines_together_may_stand_for_an_effect(monkeypatch):
+    """Two multiplets 13 and 20 % fainter than simulated were lines that absorb themselves: each alone
+    explained half of it."""
+    gains = {"a": 20.0, "b": 18.0, "c": 3.0, "ab": 39.0, "ac": 22.0, "bc": 20.0}
+
+    def freed(simulated, settings, wrong, kept, *, groups):
+        for one in sorted({"a", "b", "c"} - {*wrong, *kept}) if groups else ():
+            free = (*wrong, one)
+            yield SimpleNamespace(wrong=free), SimpleNamespace(objective=-gains["".join(sorted(free))])
+
+    monkeypatch.setattr(compare_module, "_freed", freed)
+    assert spectroscopy(None) == -39.0
+    assert spectroscopy(None, ("a",)) == -20.0
+
+
+@pytest.mark.parametrize(
+    ("identity", "amplitude", "depth", "holds"),
+    [
+        (
+            "selfabs",
+            1.3,
+            0.06,
+            False,
+        ),  # of a gas at 106 mbar whose O I 777 nm was 13 % fainter than simulated
+        ("selfabs", 0.25, 0.06, True),
+        ("selfabs", 1.3, 1.0, True),
+        ("selfabs", 1.3, np.nan, True),  # the simulation says nothing of it
+        ("contin", -20.0, 0.06, False),  # there is no continuum to take away
+        ("contin", 20.0, 0.06, True),
+        ("T_exc", 0.05, 0.06, True),
+        ("T_exc", 0.12, 0.06, False),  # the end of its range
+    ],
+)
+def test_a_cause_of_the_gas_is_one_that_this_gas_could_have(
+    radiation, variations, identity, amplitude, depth, holds
+):
+    varied = variations.assign_attrs(optical_depth_simulated=depth)
+    library = gas_library("80kW", radiation, varied, fwhm=0.75e-9)
+    fit = Fit(0.0, 0.0, (Setting(CATALOGUE[identity], amplitude, {}),), 0.0, np.eye(3))
+    assert admissible(fit, library) is holds
 
 
 def test_bands_that_are_too_strong_are_listed_with_sign_and_size(fitted, record, radiation, axis):

@@ -9,7 +9,11 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.fit.inference import Fitter, Noise
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.select.reserve import reserve
-from plasmapyro.diagnosis.select.screen import screen
+from plasmapyro.diagnosis.select.screen import Candidate, Screen, screen
+from plasmapyro.diagnosis.select.search import Step
+from plasmapyro.diagnosis.select.selection import Selection
+from plasmapyro.diagnosis.select.structures import Structure, seen_by
+from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 THIRD = 18.0  # chi-squared that one more term must gain
 STRENGTH = 20.0  # standard deviations of what is hidden
@@ -144,3 +148,34 @@ def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
     gains = [screen(model, one, CATALOGUE, structures=False).gains() for one in (early, late)]
     strong = gains[1] > 0.1 * gains[1].max()
     assert gains[0][strong] == pytest.approx(gains[1][strong], rel=EARLY)
+
+
+@pytest.mark.parametrize(
+    ("limit", "status", "left", "expected"),
+    [
+        (9.0, "named+unknown", None, "walk_wide"),  # what the loss would be taken for, were it large
+        (-9.0, "named+unknown", None, "gas_pattern"),  # what the data themselves speak for
+        (9.0, "named+unknown", "left_step", "left_step"),
+        (9.0, "named", None, None),
+    ],
+)
+def test_names_with_reserve_say_where_another_cause_would_be(limit, status, left, expected):
+    """A cause outside the catalogue that was taken for one of it had neither instrument nor axis."""
+    rows = np.zeros((6, 4))
+    rows[:2, 0], rows[0, 1], rows[1, 2], rows[5, 3] = 10.0, 40.0, 40.0, 40.0
+    data = 0.2 * rows[:, 0] + np.array([0, 0, 0, 0, 0, 4.0])
+    structures = (Structure("walk_wide", "", slice(0, 2)), Structure("gas_pattern", "", slice(2, 3)))
+    candidates = (Candidate(CATALOGUE["winD"], {}),)
+    screen = Screen(candidates, structures, rows.T @ data, rows.T @ rows, np.ones(4), None)
+    fit = SimpleNamespace(settings=(Setting(CATALOGUE["winD"], 0.2, {}),))
+    step = Step(fit, screen, screen.gains(), Unknowns(screen)(screen.score), None)
+    limits = SimpleNamespace(unknown=limit)
+    found = Selection((step,), fit, (("winD",),), {}, status, left, limits, CATALOGUE)
+    assert found.suspect == expected
+
+
+def test_a_pattern_that_comes_and_goes_lies_along_time_too():
+    axes = {
+        one: seen_by(one)["axis"] for one in ("left_pattern", "left_moment", "surface_pattern", "pattern")
+    }
+    assert list(axes.values()) == ["time and wavelength", "time", "wavelength and temperature", "wavelength"]

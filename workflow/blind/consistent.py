@@ -8,6 +8,7 @@ OPENINGS = {  # how the first sentence begins: of names of the thermometer, of t
     "unknown": "Something is wrong",
     "not-adequate": "The base model does not fit",
 }
+UNKNOWN = ("unknown", "named+unknown")
 SURE = 3.0  # standard errors of held-out gain
 
 
@@ -29,8 +30,8 @@ def contradictions(report):
         f"{terms} in the model, {named} in the verdict": status == "not-adequate" or set(terms) <= set(named),
         "sets of other causes than those named": [group[0] for group in verdict["set"]] == named,
         "a name without an entry": set(named) <= {row["id"] for row in report["candidates"]},
-        "something unknown without an axis, or an axis of nothing": (verdict["unknown"] is None)
-        == (report["discrepancy"]["class"] is None),
+        "something unknown without an axis": status not in UNKNOWN or verdict["unknown"] is not None,
+        "an axis of nothing": status in (*UNKNOWN, "not-adequate") or verdict["unknown"] is None,
         f"{status} of {report['discrepancy']['class']}": status not in ("null", "named", "one-of")
         or report["discrepancy"]["class"] is None,
         f"not-adequate, and adequate {report['base']['adequate']}": (status == "not-adequate")

@@ -15,6 +15,7 @@ from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH, STRENGTHS
 
 OF_POSITION = 2e-5  # [1] ASSUME of a wavelength: Stark shifts, and a scale that warms by a kelvin (0.02 nm)
+DEPTH = "optical_depth_simulated"  # attribute of the variations
 OF_SLIT = 0.05  # [1] ASSUME of the square of the width of the slit: 2.5 % of its width, or another shape
 
 
@@ -76,6 +77,7 @@ def gas_library(condition, radiation, variations, *, fwhm):
         shape_modes=widened(axis, np.concatenate([shape, scale]), sigma),
         bands=widened(axis, _of_bands(own), sigma),
         weakest=seen(radiation[names[0]]["gas_radiance_slit"].values),
+        depth=np.nan if variations is None else variations.attrs.get(DEPTH, np.nan),
         core=None
         if variations is None
         else (

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from plasmapyro.radiation.path import CONTINUA
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 
 ATOMIC_GAP = 1.0e-9  # [m] of darkness: lines of an atom with less between them share a strength (a multiplet)
@@ -21,9 +22,13 @@ LARGEST_POWER = 0.4  # of ln P, five prior standard deviations: beyond, the gas 
 WARMTH_OF_POWER = 0.3
 """Relative change of the temperature of the gas per relative change of the power, where no other power is
 simulated. ASSUME: as the spectra of the default torch have it, 0.29 at 80 kW and 0.37 to 0.46 at 60 kW."""
+DEPTH_ERROR = 0.6
+"""Of ln of an optical depth. ASSUME: 4 % of the temperature times 13, the exponent of the lower level of
+O I 777 nm (9.1 eV) at 8000 K, and 0.3 of a Stark width (H. R. Griem, Spectral Line Broadening (1974))."""
+BEYOND = 3.0  # standard deviations to which the simulated gas may be stretched
 WARMTHS = 61  # changes of the temperature that are tried for a power
 TINY = 1e-9  # [1] of the light: a system that does not shine
-SMALL = 1.5e-3  # [1], of the light: smaller groups of lines join the rest
+SMALL, REST = 1.5e-3, "other"  # [1], of the light: smaller groups of lines join the rest, and its name
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,7 @@ class GasLibrary:
     shape_causes: tuple  # of the shape modes: see `radiation.uncertainty`; '' as above
     bands: np.ndarray | float = 0.0  # (K,) light of the systems whose rotational structure may err
     core: tuple | None = None
+    depth: float = np.nan  # [1] optical depth of the strongest line, as simulated
     share: dict = field(default_factory=dict)
     given: tuple = ()  # effects of the condition that it holds, as terms
 
@@ -86,6 +92,16 @@ class GasLibrary:
     def power_of_warmth(self, change):
         """Logarithm of the power ratio that a relative change of the gas temperature stands for."""
         return np.log1p(change) / WARMTH_OF_POWER
+
+    def admitted(self, identity):
+        """Least and largest amplitude of an effect that this gas could have; infinite where it says nothing:
+        lines may be as much deeper as their optical depth may err, no continuum lacks that is not there."""
+        if identity == "selfabs" and np.isfinite(self.depth):
+            return 0.0, self.depth * np.expm1(BEYOND * DEPTH_ERROR)
+        if identity == "contin":
+            own = [name in CONTINUA or name == REST for name in self.group_name]
+            return -100 * self.group[own].sum() / self.group.sum(), np.inf
+        return -np.inf, np.inf
 
     def varies(self, name):
         """Whether the library holds what `factor` needs."""
@@ -237,7 +253,7 @@ def line_groups(wavelength, component, radiance):
             rows.append(light)
         else:
             rest = rest + light
-    return (*names, "other"), np.array([*rows, rest])
+    return (*names, REST), np.array([*rows, rest])
 
 
 def _clusters(wavelength, light):

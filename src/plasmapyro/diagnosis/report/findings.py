@@ -116,8 +116,8 @@ class Findings:
 
     @cached_property
     def unknown(self):
-        """Instrument and axis of what no effect explains, None where nothing is left."""
-        return None if self.selection.unknown_class is None else seen_by(self.selection.unknown_class)
+        """Instrument and axis of what no effect explains, or of what names with reserve do; else None."""
+        return None if self.selection.suspect is None else seen_by(self.selection.suspect)
 
     @cached_property
     def times(self):

@@ -12,10 +12,11 @@ from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
-from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
+from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
+CLEAR, TINY = 20.0, 1e-300  # standard deviations of an effect that no structure is taken for by chance
 SAME_ANGLE, ALIKE_ANGLE = 15.0, 45.0  # [degree] below which two are one class, or may explain the same
 
 
@@ -38,10 +39,8 @@ class Selection:
         """The same without names: something is wrong, and the effects found are not what it is; or nothing
         is, if they are little more than chance may reach and no structure is there either."""
         first, limits, unknown = self.steps[0], self.thresholds, self.unknown_class
-        if unknown is None and first.unknown.max() > limits.unknown:
-            unknown = first.structure
-        elif unknown is None and np.max(first.gains, initial=0.0) > limits.third:
-            unknown = _likeliest(first, {one for setting in self.final.settings for one in _seers(setting)})
+        if first.unknown.max() > limits.unknown or np.max(first.gains, initial=0.0) > limits.third:
+            unknown = unknown or self._behind()
         return replace(
             self,
             steps=(first,),
@@ -52,6 +51,32 @@ class Selection:
             reserve="",
             evidence=0.0,
         )
+
+    @property
+    def suspect(self):
+        """Id of the structure that says where something unknown is: of what is left, or of what names with
+        reserve explain; None where nothing is unknown."""
+        if self.status == "named+unknown" and not self.unknown_class:
+            return self._behind()
+        return self.unknown_class
+
+    def _behind(self):
+        """Id of the structure that a cause behind the effects that were found is.
+
+        The most likely one in the data; where none is beyond chance, the one that the effects would be taken
+        for if they were `CLEAR` standard deviations large: of less the likeliest is what says the least.
+        """
+        first = self.steps[0]
+        if first.unknown.max() > self.thresholds.unknown or not self.final.settings:
+            return first.structure
+        screen, named = first.screen, {one.id: one for one in self.final.settings}
+        places = [i for i in best_by_id(screen.candidates, first.gains) if screen.candidates[i].id in named]
+        numbers = [
+            screen.candidates[i].effect.linear_of(named[screen.candidates[i].id].amplitude) for i in places
+        ]
+        score = screen.information[:, places] @ numbers
+        size = np.sqrt(max(score[places] @ numbers, TINY))
+        return screen.structures[int(np.argmax(Unknowns(screen)(CLEAR / size * score)))].id
 
     def doubted(self, reason):
         """The same, its names with reserve: a key of `reserve.SENTENCES`; what is doubtful already stays."""
@@ -108,19 +133,6 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         doubt,
         search.evidence(final) - search.evidence(first.solution),
     )
-
-
-def _seers(setting):
-    """Kinds of the instruments that see an effect, as of structures: "both" for an effect that all see."""
-    kinds = setting.effect.instruments
-    return kinds if len(kinds) == 1 else (*kinds, "both")
-
-
-def _likeliest(step, instruments):
-    """The most likely structure in the data of some instruments, or of all if there is none."""
-    order = np.argsort(-step.unknown)
-    mine = [i for i in order if seen_by(step.screen.structures[i].id)["instrument"] in instruments]
-    return step.screen.structures[(mine or order)[0]].id
 
 
 def _likelier(search, first, last):

@@ -90,8 +90,8 @@ def seen_by(identity):
     if words & {"walk", "wave", "moment", "frames", "step"}:
         return {"instrument": "spectrometer", "axis": "time"}
     if words & {"surface", "released"}:
-        return {"instrument": "spectrometer", "axis": "temperature"}
-    if identity == SMOOTH_MAP:
+        return {"instrument": "spectrometer", "axis": "wavelength and temperature"}
+    if identity == SMOOTH_MAP or "left" in words:  # a pattern that comes and goes
         return {"instrument": "spectrometer", "axis": "time and wavelength"}
     return {"instrument": "spectrometer", "axis": "wavelength"}
 

@@ -25,8 +25,10 @@ LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it 
 KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
+AT_END = 1e-3  # [1], of the range of an amplitude
 MOST_WRONG = 3  # systems
-MOST_GROUPS = 10  # the brightest, one of which of another strength may stand for an effect
+MOST_GROUPS = 10  # the brightest, which may be of another strength,
+MOST_FREE = 2  # and how many of them or of the systems together may stand for an effect
 CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
 RARE = 7.4  # of the objective: an effect is one of forty, and before the data less probable than such errors
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
@@ -122,14 +124,17 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     fitter, base = settled(simulated)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
-    final, tried, rivals = base, alone, {}
+    final, tried, rivals, free = base, alone, {}, None
     same = CONTINUA if CONTINUUM in effects else ()  # the effect itself, by another name
-    free = min(fit.objective for _, fit in _freed(simulated, (), (), same, groups=True))
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     while tried and len(final.settings) < MOST_EFFECTS:
         best = min(tried, key=lambda identity: tried[identity].objective)
         price = wanted * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
-        if not final.objective - tried[best].objective > price or tried[best].objective > free - CLEARER:
+        if not final.objective - tried[best].objective > price:
+            break
+        if free is None:
+            free = spectroscopy(simulated, same)
+        if tried[best].objective > free - CLEARER or not admissible(tried[best], model.library):
             break
         least = tried[best].objective
         near = least + ALIKE + KIN * (base.objective - least)
@@ -250,6 +255,26 @@ def _likeliest(simulated, name, sizes):
 def least_likely(simulated, settings, wrong, kept=()):
     """The best of the fits in which one more radiating system may have any strength, with its fitter."""
     return min(_freed(simulated, settings, wrong, kept), key=lambda one: one[1].objective)
+
+
+def spectroscopy(simulated, kept=()):
+    """The objective of the best fit without effects in which up to `MOST_FREE` systems or groups of lines may
+    have any strength, each the best beside those before it; those `kept` have what is stated."""
+    wrong, best = (), np.inf
+    for _ in range(MOST_FREE):
+        fits = _freed(simulated, (), wrong, kept, groups=True)
+        fitter, fit = min(fits, key=lambda one: one[1].objective)
+        wrong, best = fitter.wrong, min(best, fit.objective)
+    return best
+
+
+def admissible(fit, library):
+    """Whether the gas that is simulated could have the newest amplitude of a fit: within what the simulation
+    itself allows, and not at the end of the range, where something else wants more."""
+    one = fit.settings[-1]
+    low, high = library.admitted(one.id)
+    number = free_numbers((one,))[0]
+    return bool(low <= one.amplitude <= high) and not number.at_end(one.amplitude, AT_END)
 
 
 def _freed(simulated, settings, wrong, kept=(), groups=False):
