@@ -256,7 +256,7 @@ def table_radiance(table, path):
     ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
     """
     radiance, _, depth, _, bound = _solved(table, path)
-    return radiance, depth, bound
+    return radiance, depth, bound + _cold_bound(table, path)
 
 
 def table_total(table, path):
@@ -291,7 +291,7 @@ def table_path_radiance(table, path):
         depth,
         [(lines, _thin_lines(path, lines)) for lines in table.lines],
         np.einsum("s,scw,sw->w", path.thickness[warm], smooth, light),
-        bound,
+        bound + _cold_bound(table, path),
     )
 
 
@@ -310,7 +310,7 @@ def _thin_lines(path, lines):
 
 def _solved(table, path, apart=True):
     """Radiance by component, thin radiance, optical depth, absorption of the continua on their axis,
-    and the bound of `table_radiance`."""
+    and the part of the bound of `table_radiance` that is warm."""
     if not path.equilibrium:
         raise ValueError("path must be in equilibrium for a table; use path_radiance for two temperatures")
     within("path temperature", path.temperature.max(), 0.0, table.temperature[-1], "K")
@@ -336,8 +336,7 @@ def _solved(table, path, apart=True):
     if bound[~kept].sum() > -NEGLIGIBLE * np.trapezoid(behind.sum(axis=0), grid.wavelength):
         kept[:] = True  # so opaque that little of the thin radiance emerges
         behind, thin, depth = cross()
-    cold = np.flatnonzero(path.temperature < table.temperature[0])
-    return behind, thin, depth, smooth, _cold_bound(table, path, cold) + float(bound[~kept].sum())
+    return behind, thin, depth, smooth, float(bound[~kept].sum())
 
 
 def _at_layers(rows, first, weights):
@@ -432,8 +431,9 @@ def _cross(table, path, layers, first, weights, whole, kept, smooth, part, rows)
     return found, optical_depth, thin
 
 
-def _cold_bound(table, path, cold):
+def _cold_bound(table, path):
     """Light that gas below the table could emit or absorb at most [W m-2 sr-1], taken at its lowest node."""
+    cold = np.flatnonzero(path.temperature < table.temperature[0])
     column = {
         name: np.sum(values[cold] * path.thickness[cold]) for name, values in path.number_density.items()
     }
