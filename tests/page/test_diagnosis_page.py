@@ -186,6 +186,7 @@ def test_no_status_contradicts_what_stands_above_it():
     unknown = verdict | {"status": "unknown", "probability": {"none": 0.6}}
     words = Reader(write_page(report(verdict=unknown), residual_map(), temperature())).words
     assert "nothing is wrong" not in words and "probability: no cause is needed" not in words
+    assert "Look at the light of the spectrometer along wavelength: something unknown is seen there." in words
 
 
 @pytest.mark.parametrize("best", ["base", "none"])

@@ -105,8 +105,9 @@ def next_steps(report):
         f"{_capital(row['measurement'])}: it decides between {named(report, row['decides'])}."
         for row in verdict["missing_evidence"]
     ]
-    if verdict["status"] in ("unknown", "named+unknown"):
-        steps.append("Look at what is left of signals and spectra: when it begins, in which instrument.")
+    if seen := verdict["unknown"]:
+        who = {"both": "both instruments"}.get(seen["instrument"], f"the {seen['instrument']}")
+        steps.append(f"Look at the light of {who} along {seen['axis']}: something unknown is seen there.")
     if verdict["status"] == "not-adequate":
         steps.append("See first whether condition, clock, emittance and calibration are those of this test.")
     unseen = [row for row in report["limits"] if row["invisible"] and row["temperature_prior"] >= LEAST_COST]
