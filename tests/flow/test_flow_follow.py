@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plasmapyro.flow import continuation, follow
+from plasmapyro.flow import continuation, follow, stage
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule
 from plasmapyro.flow.follow import HELD_LIMITER, LEAST_PART
@@ -239,7 +239,8 @@ def test_no_step_leaves_the_table(gas_at_50_mbar):
     ("temperature", "words"),
     [
         ((400.0, 9000.0), ""),
-        ((400.0, 14999.0), "hottest gas.* 15000 K"),
+        ((400.0, 14200.0), ""),
+        ((400.0, 14500.0), "hottest gas, 14500 K, .* 15000 K: is the mesh too coarse"),
         ((200.1, 9000.0), "coldest gas.* 200 K"),
     ],
 )
@@ -251,3 +252,58 @@ def test_a_temperature_held_at_an_end_of_the_table_is_said(temperature, words):
     state = np.array([0.0, *np.log(temperature)])
     assert re.search(words, continuation._at_an_end(problem, state))
     assert bool(words) == bool(continuation._at_an_end(problem, state))
+
+
+def test_a_march_that_fails_is_gone_once_more_in_smaller_steps(monkeypatch):
+    tried = []
+
+    def march(problem, state, power, schedule, label):
+        tried.append(schedule.first_courant)
+        if schedule.first_courant > 5:
+            raise NotConverged(f"lost at {schedule.first_courant:g}")
+        return "found"
+
+    monkeypatch.setattr(continuation, "march", march)
+    assert continuation.march_or_slower(None, None, 9e4, Schedule(10.0, 100.0, 9), "start") == "found"
+    with pytest.raises(NotConverged, match="lost at 30"):
+        continuation.march_or_slower(None, None, 9e4, Schedule(200.0, 1e5, 9), "start")
+    assert tried == [10.0, 2.0, 200.0, 30.0]
+
+
+@pytest.mark.parametrize(
+    ("longest", "sixths"),
+    [((1.0, 1.0), [2, 4, 6]), ((0.3, 1.0), range(1, 7)), ((0.4, 0.2), [2, 4, 5, 6]), ((0.05, 1), None)],
+)
+def test_a_step_of_composition_that_fails_is_halved(monkeypatch, longest, sixths):
+    """From air to nitrogen by thirds of the way, or less; the longest step in the first half and beyond."""
+    gone = [0.0]
+
+    def march(trial, guess, power, schedule, label):
+        if trial.share - gone[-1] > longest[gone[-1] > 0.5]:
+            raise NotConverged("no acceptable step")
+        gone.append(trial.share)
+        return SimpleNamespace(state=guess)
+
+    monkeypatch.setattr(stage, "march_or_slower", march)
+    monkeypatch.setattr(stage, "_mixed", lambda gas, share, reference: named(gas, share))
+    monkeypatch.setattr(stage, "moved", lambda problem, air, reference: at(air.gas.share))
+
+    def named(gas, share):
+        return SimpleNamespace(attrs={"gas": f"{share:.3f}"}, share=share)
+
+    def at(share):
+        values = np.array([share, 9.0])
+        return SimpleNamespace(
+            share=share, fixed=np.array([True, False]), values=values, wall_temperature=350.0
+        )
+
+    gas = SimpleNamespace(attrs={"gas": "N2"})
+    problem, state = SimpleNamespace(wall_temperature=350.0), np.array([0.0, 5.0])
+    reference, final = SimpleNamespace(numerical_power=9e4), Schedule(200.0, 1e5, 9)
+    if sixths is None:
+        with pytest.raises(NotConverged, match="mesh 2: the flow is lost between air and 0.083: no acc"):
+            stage._in_gas(gas, problem, state, reference, final, "mesh 2")
+        return
+    found, result = stage._in_gas(gas, problem, state, reference, final, "mesh 2")
+    assert gone[1:] == pytest.approx([one / 6 for one in sixths])
+    assert found.share == 1 and list(result.state) == [1.0, 5.0]

@@ -27,6 +27,7 @@ RMS_LOG_TEMPERATURE, RMS_VELOCITY = 0.25, 2.0
 LARGEST_LOG_TEMPERATURE, LARGEST_VELOCITY = 0.5, 4.0
 REJECTED_LOG_TEMPERATURE, REJECTED_VELOCITY = 0.5, 4.0
 HALVINGS = 6
+HOT_SPOT = 0.95  # of the highest temperature of the property table, at a node
 TABLE_MARGIN = 1.002  # iterates stay this factor inside the property table
 # From here on a step is Newton's for a frozen coupling, and Anderson's method takes over from
 # under-relaxation.
@@ -34,6 +35,7 @@ ACCELERATED_COURANT = 500.0
 ACCELERATION_DEPTH = 5
 STALL_STEPS, STALL_SHARE = 8, 0.3
 CYCLE_SHARE, CYCLE_COURANT, LEAST_SHARE = 0.7, 1000.0, 0.25
+SLOW_COURANT = 30.0  # the largest with which a march begins again
 EXTINGUISHED = 3000.0  # [K]: no air plasma below; its conductivity is under 0.1 S/m
 # A plasma that shrinks conducts less, and at prescribed Joule power the coil current then runs away.
 RUNAWAY = 2.2  # coil current over that of the first step
@@ -233,14 +235,30 @@ def march(problem, state, power, schedule, label):
     return _result(problem, state, power, steps)
 
 
+def march_or_slower(problem, state, power, schedule, label):
+    """As `march`; where that fails once more from the same state, in smaller steps."""
+    try:
+        return march(problem, state, power, schedule, label)
+    except NotConverged as fault:
+        first = min(SLOW_COURANT, schedule.first_courant / 5)
+        log.info("%s; again from CFL %g", fault, first)
+    return march(problem, state, power, replace(schedule, first_courant=first), label)
+
+
 def _at_an_end(problem, state):
-    """What to add to a message where the temperature is held at an end of the property table; else ''."""
-    low, high = problem.properties.low * TABLE_MARGIN, problem.properties.high / TABLE_MARGIN
+    """What to add to a message where the temperature is held at an end of the property table; else ''.
+
+    Between nodes that are somewhat below its end a quadratic element reaches it: a hot spot on coarse cells.
+    """
+    low, high = problem.properties.low, problem.properties.high
     temperature = np.exp(state[problem.space.field(LOG_TEMPERATURE)])
-    if temperature.max() > high * (1 - 1e-9):
-        return f"; the hottest gas reaches the end of the gas table, {problem.properties.high:g} K"
-    if temperature.min() < low * (1 + 1e-9):
-        return f"; the coldest gas reaches the end of the gas table, {problem.properties.low:g} K"
+    if temperature.max() > HOT_SPOT * high:
+        return (
+            f"; the hottest gas, {temperature.max():.0f} K, reaches the end of the gas table, {high:g} K: "
+            "is the mesh too coarse?"
+        )
+    if temperature.min() < low * TABLE_MARGIN * (1 + 1e-9):
+        return f"; the coldest gas reaches the end of the gas table, {low:g} K"
     return ""
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro.flow.case import moved, problem_of
-from plasmapyro.flow.continuation import NotConverged, Schedule, march
+from plasmapyro.flow.continuation import NotConverged, Schedule, march, march_or_slower
 from plasmapyro.flow.evaluate import carried, transfer
 from plasmapyro.flow.follow import LARGEST_COURANT, LINEAR_TOLERANCE, PATIENCE, RESTART_COURANT, follow
 from plasmapyro.flow.mesh_error import mesh_error
@@ -31,7 +31,6 @@ COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
 # Start and growth of the Courant number from a guess that the next coarser mesh corrected: Newton's method at
 # once; and from one that only the coarsest did.
 NEAR, FAR = {"first_courant": 2000.0, "growth": 6.0}, {"first_courant": RESTART_COURANT, "growth": 2.25}
-SLOW_COURANT = 30.0  # where a coarse mesh is not reached at the first try
 COARSEST = 2  # level of the coarsest mesh
 
 
@@ -107,12 +106,7 @@ def solved_on(level, known, case, condition, schedule=COARSER):
     problem = problem_of(mesh, case.setup, case.air, condition, 2, known.problem.limiter)
     guess = transfer(known.state, known.problem, problem)
     label, power = case.on_level(level), condition.numerical_power
-    try:
-        return Solution(problem, march(problem, guess, power, schedule, label).state)
-    except NotConverged as fault:
-        log.info("%s; again from CFL %g", fault, SLOW_COURANT)
-    schedule = replace(schedule, first_courant=SLOW_COURANT)
-    return Solution(problem, march(problem, guess, power, schedule, label).state)
+    return Solution(problem, march_or_slower(problem, guess, power, schedule, label).state)
 
 
 def estimated_error(known, coarser, case, condition):

@@ -10,7 +10,14 @@ from plasmapyro.flow.balances import balances
 from plasmapyro.flow.boundary import inlet_mach_number
 from plasmapyro.flow.case import Air, Case, moved, problem_of
 from plasmapyro.flow.condition import BESIDE_COLD_GAS, Condition
-from plasmapyro.flow.continuation import Extinguished, NotConverged, Schedule, Unbalanced, march
+from plasmapyro.flow.continuation import (
+    Extinguished,
+    NotConverged,
+    Schedule,
+    Unbalanced,
+    march,
+    march_or_slower,
+)
 from plasmapyro.flow.dataset import Setup, mesh_of, setup_of, state_from, to_dataset
 from plasmapyro.flow.evaluate import transfer
 from plasmapyro.flow.follow import (
@@ -42,8 +49,9 @@ log = logging.getLogger(__name__)
 
 START_LIMITERS = (0.2, 0.1)  # viscosity limiter of the two parts of the start on linear elements
 # Of the mole fraction of N2, from one gas to the next on the way from air to that of a cold start; in
-# oxygen itself the march of linear elements diverges, in nitrogen it finds no flow on the start mesh.
-GAS_STEP = 0.1
+# oxygen itself the march of linear elements diverges, in nitrogen it finds no flow on the start mesh. A step
+# that fails is halved, so often.
+GAS_STEP, GAS_HALVINGS = 0.1, 2
 # Formation of the torch vortex: above CFL 6 the frozen Joule heating overheats single spots.
 FORMATION = Schedule(1.0, 6.0, 60, relaxation=0.5, converged_courant=np.inf)
 SETTLING = Schedule(
@@ -125,7 +133,7 @@ def cold_start(
     reference = Condition(**reference, **dict.fromkeys(walls, setup.wall_temperature))
     power = reference.numerical_power
     limiter = float(non_negative("viscosity_limiter", viscosity_limiter, "1"))
-    air, *others = (Air(one, None, setup.wall_temperature) for one in _from_air(gas, reference))
+    air = Air(_mixed(gas, 0.0, reference), None, setup.wall_temperature)
     label = f"cold start {power / 1e3:g} kW"
     meshes = Meshes(setup.torch)
     factors = level_factors(setup.mesh_factor, _checked_ratio(error_mesh_ratio))
@@ -143,32 +151,52 @@ def cold_start(
     for level in reversed(range(len(factors))):
         problem = problem_of(meshes(factors[level]), setup, air, reference, 2, limiter)
         where = f"{label}, mesh factor {factors[level]:.3g}"
-        result = march(problem, transfer(state, source, problem), power, final, where)
+        result = march_or_slower(problem, transfer(state, source, problem), power, final, where)
         final = replace(final, first_courant=RESTART_COURANT)
-        for air in others:  # the finer meshes begin in the last of them
-            problem = moved(problem, air, reference)
-            guess = np.where(problem.fixed, problem.values, result.state)
-            schedule, named = final if air is others[-1] else UNDER_WAY, _named(air.gas)["gas"]
-            result = march(problem, guess, power, schedule, f"{where}, {named}")
-        others = ()
-        source, state, solutions[level] = problem, result.state, Solution(problem, result.state)
+        if air.gas is not gas:  # the finer meshes begin in it
+            try:
+                problem, result = _in_gas(gas, problem, result.state, reference, final, where)
+                air = Air(gas, None, setup.wall_temperature)
+            except NotConverged as fault:
+                if not level:
+                    raise
+                log.info("%s; on the next finer mesh", fault)
+        source, state = problem, result.state
+        if air.gas is gas:
+            solutions[level] = Solution(problem, state)
     found = to_dataset(problem, setup, reference, result, _balanced(problem, result, label))
     levels = {**mesh_variables(meshes, factors), **state_variables(solutions)}
     return found.assign(levels).assign_attrs(_named(gas))
 
 
-def _from_air(gas, reference):
-    """Gas tables from that of air to `gas`, the last; that one alone where it is air."""
+def _mixed(gas, share, reference):
+    """Gas table at `share` of the way from air to the composition of `gas`; that itself where it is there."""
     own, argon, air = nitrogen_of(gas), argon_of(gas), AIR["N2"]
-    if own == air and not argon:
-        return [gas]
+    if share == 1 or (own == air and not argon):
+        return gas
     axes = {"temperature": gas.temperature.values, "pressure": [reference.chamber_pressure]}
-    steps = max(int(np.ceil(abs(own - air) / GAS_STEP)), 1)
-    shares = np.linspace(0.0, 1.0, steps + 1)[:-1]
-    return [
-        *(gas_table(nitrogen=air + share * (own - air), argon=share * argon, **axes) for share in shares),
-        gas,
-    ]
+    return gas_table(nitrogen=round(air + share * (own - air), 6), argon=share * argon, **axes)
+
+
+def _in_gas(gas, problem, state, reference, final, where):
+    """Problem and Result in `gas` from a state in air; a step of composition that fails is halved."""
+    count, done = max(int(np.ceil(abs(nitrogen_of(gas) - AIR["N2"]) / GAS_STEP)), 1), 0
+    most, before = count * 2**GAS_HALVINGS, "air"
+    while done < count:
+        air = Air(_mixed(gas, (done + 1) / count, reference), None, problem.wall_temperature)
+        trial, name = moved(problem, air, reference), air.gas.attrs["gas"]
+        guess = np.where(trial.fixed, trial.values, state)
+        schedule = final if done + 1 == count else UNDER_WAY
+        try:
+            result = march_or_slower(trial, guess, reference.numerical_power, schedule, f"{where}, {name}")
+        except NotConverged as fault:
+            done, count = 2 * done, 2 * count
+            if count > most:
+                raise type(fault)(f"{where}: the flow is lost between {before} and {name}: {fault}") from None
+            log.info("%s; by smaller steps of the composition", fault)
+            continue
+        problem, state, done, before = trial, result.state, done + 1, name
+    return problem, result
 
 
 def _on_linear_elements(meshes, start_factor, setup, air, reference, label):
