@@ -68,6 +68,7 @@ def test_pressures_are_told_where_they_differ_and_have_lines_of_their_own():
     curves = style.curves(["a", "b", "c"], [90e3, 90e3, 95e3], [5e3, 2e3, 5e3])
     assert [curve.label for curve in curves] == ["90 kW, 50 mbar", "90 kW, 20 mbar", "95 kW, 50 mbar"]
     assert curves[0].dash == curves[2].dash != curves[1].dash
+    assert [style.curves("a", [75e3], [one])[0].label for one in (3e3, 5e3)] == ["75 kW, 30 mbar", "75 kW"]
 
 
 def test_names_stand_where_power_and_pressure_do_not_tell():

@@ -255,7 +255,7 @@ def _at_an_end(problem, state):
     if temperature.max() > HOT_SPOT * high:
         return (
             f"; the hottest gas, {temperature.max():.0f} K, reaches the end of the gas table, {high:g} K: "
-            "is the mesh too coarse?"
+            "is the mesh too coarse (flow.start.mesh_factor)?"
         )
     if temperature.min() < low * TABLE_MARGIN * (1 + 1e-9):
         return f"; the coldest gas reaches the end of the gas table, {low:g} K"

@@ -69,15 +69,16 @@ def curves(names, power, pressure):
     Returns
     -------
     list of Curve
-        Labels such as '90 kW', or '90 kW, 20 mbar' where pressures differ; the name where that does not tell
-        a condition from another, or its power is not known.
+        Labels such as '90 kW', or '90 kW, 20 mbar' where pressures differ or are not the paper's; the name
+        where that does not tell a condition from another, or its power is not known.
     """
     pressures = list(dict.fromkeys("" if np.isnan(p) else f"{p / 100:g} mbar" for p in pressure))
     several = len(pressures) > 1
+    told = several or pressures[:1] not in (["50 mbar"], [""])
     labels, dashes = [], []
     for k, (watt, pascal) in enumerate(zip(power, pressure, strict=True)):
         at = "" if np.isnan(pascal) else f"{pascal / 100:g} mbar"
-        labels.append(", ".join([f"{watt / 1e3:g} kW"] + [at] * (several and bool(at))))
+        labels.append(", ".join([f"{watt / 1e3:g} kW"] + [at] * (told and bool(at))))
         dashes.append(DASHES[pressures.index(at) % len(DASHES)] if several else DASHES[k % 2])
     return [
         Curve(str(name) if labels.count(label) > 1 or np.isnan(watt) else label, tuple(colour), dash)
