@@ -369,7 +369,8 @@ def _balanced(problem, result, label):
     if abs(balance.mass_imbalance) > MASS_BAR or abs(balance.energy_imbalance) > ENERGY_BAR:
         raise Unbalanced(
             f"{label}: converged, but mass is off by {balance.mass_imbalance:.2%} and energy by "
-            f"{balance.energy_imbalance:.2%} (limits {MASS_BAR:.1%}, {ENERGY_BAR:.1%}); refine the mesh (flow.start.mesh_factor)"
+            f"{balance.energy_imbalance:.2%} (limits {MASS_BAR:.1%}, {ENERGY_BAR:.1%}); "
+            "refine the mesh (flow.start.mesh_factor)"
         )
     log.info(
         "%s: %d steps, mass imbalance %.3f %%, energy imbalance %.3f %%",
