@@ -131,12 +131,15 @@ def test_hostile_descriptions_end_in_words(served, content):
 
 
 @pytest.mark.parametrize("width", [PHONE, DESKTOP])
-def test_in_a_browser_a_folder_becomes_a_temperature(shelf, served, browser, width):
+def test_in_a_browser_a_folder_becomes_a_temperature(shelf, served, browser, width, tmp_path):
     from selenium.webdriver.support.ui import WebDriverWait
 
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width == PHONE}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     browser.get(served[1])
+    forbidden = tmp_path / "other"
+    forbidden.mkdir()
+    (forbidden / "<img src=x>.csv").write_text("t;S1\n")
     find = browser.find_element
     find("id", "folder").send_keys(str(Path(shelf / "my_test")))
     wait = WebDriverWait(browser, 120)
@@ -154,5 +157,14 @@ def test_in_a_browser_a_folder_becomes_a_temperature(shelf, served, browser, wid
     browser.switch_to.frame(find("id", "page"))
     wait.until(lambda _: "What was refused, and why" in browser.find_element("tag name", "body").text)
     browser.switch_to.default_content()
+    find("id", "yaml").send_keys(" [")  # a result of before would be taken for that of this description
+    find("id", "correct").click()
+    wait.until(lambda _: "test.yaml" in find("id", "said").text)
+    assert not find("id", "result").is_displayed() and find("id", "described").is_displayed()
     severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
     assert not [entry for entry in severe if "favicon" not in entry["message"]]
+    browser.execute_script("document.getElementById('folder').value = ''")
+    find("id", "folder").send_keys(str(forbidden))
+    wait.until(lambda _: "this name is not taken" in find("id", "said").text)
+    assert not find("id", "described").is_displayed()
+    browser.get_log("browser")  # the refusal is none of the next test
