@@ -21,6 +21,13 @@ def test_a_table_is_shown_and_written(tmp_path, capsys):
         assert row["heat_flux_kw_m2_median"] in shown
 
 
+def test_a_star_is_explained_where_there_is_one(capsys):
+    for pitot, starred in (("15", False), ("200", True)):
+        assert cli.main(["heat-flux", pitot, *FEW]) == 0
+        *_, row, last = capsys.readouterr().out.splitlines()
+        assert (row.endswith("*") and last.startswith("*: ")) == starred
+
+
 def test_a_flat_calorimeter_takes_less(capsys):
     found = []
     for shape in ("hemisphere", "blunt"):

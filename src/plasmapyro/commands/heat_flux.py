@@ -39,6 +39,8 @@ def run(options):
         "low, median, high:",
         *("  ".join(f"{cell:>17}" for cell in row).rstrip() for row in rows),
     ]
+    if any(row[-1] == "*" for row in rows):
+        lines.append("*: most draws lie beyond the jets that were computed")
     sys.stdout.write("\n".join(lines) + "\n")
     if options.csv:
         io.write_text("\n".join(",".join(_split(row)) for row in rows) + "\n", options.csv)
