@@ -423,3 +423,10 @@ def test_the_exit_status_tells_a_finding_only_if_asked(diagnosed):
     assert command.exit_status(diagnosed().report, True) == 0
     assert command.exit_status(diagnosed(window_loss=LOSS).report, True) == 3
     assert command.exit_status(diagnosed(window_loss=LOSS).report, False) == 0
+    for rule, severity, code in (
+        ("lamp_in_view", "doubt", 3),
+        ("estimate_contradicted", "contradiction", 4),
+        ("gaps", "doubt", 0),
+    ):
+        report = {"verdict": {"status": "null"}, "findings": [{"rule": rule, "severity": severity}]}
+        assert command.exit_status(report, True) == code

@@ -212,6 +212,64 @@ def test_an_instrument_file_that_means_nothing_is_refused(place, pytestconfig, c
     assert words in capsys.readouterr().err
 
 
+def triangle(centre, width, kelvin):
+    """Radiance of a band whose response rises to its centre [nm] and falls again."""
+    share = lambda at: 1 - np.abs(at * 1e9 - centre) / width  # noqa: E731
+    return light((centre - width, centre), kelvin, share) + light((centre, centre + width), kelvin, share)
+
+
+@pytest.mark.parametrize(
+    ("count", "form", "kind"),
+    [(1, "edges", "absolute"), (1, "file", "relative"), (3, "file", "relative"), (25, "centre", "absolute")],
+)
+def test_a_furnace_before_any_number_of_bands(place, capsys, count, form, kind):
+    test, lab, rng = place[0], place[0].parent / "calibration", np.random.default_rng(count)
+    lab.mkdir()
+    centres, width, names = np.linspace(650, 1050, count), 14, [f"b{n}" for n in range(count)]
+    seen = triangle if form == "file" else lambda middle, w, t: light((middle - w / 2, middle + w / 2), t)
+    rows = []
+    for name, at in zip(names, centres, strict=True):
+        table(lab / f"{name}.csv", {"nm": np.array([at - width, at, at + width]), "r": np.array([0.0, 1, 0])})
+        own = {
+            "edges": f"edges_nm: [{at - width / 2}, {at + width / 2}]",
+            "centre": f"centre_nm: {at}, width_nm: {width}",
+            "file": f"response: {name}.csv",
+        }
+        rows.append(f"  - {{name: {name}, {own[form]}}}\n")
+    head = f"name: any\ncalibration: {kind}\nsignal_uncertainty: 0.003\nrange_k: [900, 2600]\nbands:\n"
+    (lab / "instrument.yaml").write_text(head + "".join(rows))
+    points, time = np.arange(1100.0, 2001.0, 150.0), np.arange(0.0, 30.0)
+    kelvin, gains = 1300 + 10 * time, np.exp(rng.normal(size=count))
+    level = 0.8 * (0.6 if kind == "relative" else 1.0)
+    for path, first, lit in (
+        (lab / "calibration_points.csv", {"T": points}, points),
+        (test / "radiometer.csv", {"t": time}, kelvin),
+    ):
+        share = 1.0 if lit is points else level
+        signals = {
+            name: gain * share * seen(at, width, lit) * rng.normal(1, 0.003, lit.size)
+            for name, at, gain in zip(names, centres, gains, strict=True)
+        }
+        table(path, first | signals)
+    columns = "".join(f"    {name}: {{name: {name}}}\n" for name in names)
+    source = "    source_temperature: {name: T, unit: K}\n"
+    (lab / "calibration.yaml").write_text(
+        "origin: synthetic\nradiometer:\n  instrument: instrument.yaml\n  columns:\n" + source + columns
+    )
+    (test / "test.yaml").write_text(FACTS.format(condition="none") + COLUMNS + columns)
+    out = test.parent / "lab"
+    assert run("calibrate", lab, "--out", out) == 0
+    told = run("correct", test, "--instrument", out, "--out", test.parent / "t.nc")
+    if count == 1 and kind == "relative":
+        assert told == 2 and "which a relative calibration leaves open" in capsys.readouterr().err
+        assert run("diagnose", test, "--instrument", out, "--out", test.parent / "d") == 2
+        return
+    found = io.read(test.parent / "t.nc", "emissivity_estimate")
+    assert told == 0 and (found.recommended_status == 0).all()
+    low, high = found.recommended_temperature_interval.values
+    assert ((low < kelvin) & (kelvin < high)).mean() > 0.9 and (high - low < 200).all()
+
+
 FIVE = {"b1": (740, 760), "b2": (795, 815), "b3": (880, 900), "b4": (990, 1010), "b5": (1080, 1100)}
 
 

@@ -14,7 +14,7 @@ import xarray as xr
 from plasmapyro import contracts, io, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.fit import restore
+from plasmapyro.diagnosis.fit import no_plasma, restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.record.inputs import faults, has_plasma
@@ -349,5 +349,8 @@ def write_all(result, folder, *, sources=(), page=None, truth=None):
 
 
 def exit_status(report, fail_on_finding):
-    """0, or the status of a finding (3 named, 4 unknown) if that is asked for."""
-    return FINDINGS.get(report["verdict"]["status"], 0) if fail_on_finding else 0
+    """0, or if it is asked for 3 if a cause is named, be it a lamp in view, 4 if something else is wrong."""
+    lamp = any(entry["rule"] == no_plasma.LAMP for entry in report["findings"])
+    against = any(entry["severity"] == "contradiction" for entry in report["findings"])
+    beside = 3 if lamp else 4 * against
+    return FINDINGS.get(report["verdict"]["status"], beside) if fail_on_finding else 0

@@ -328,7 +328,7 @@ def component(report, index):
 
 def whiteness(report):
     """Autocorrelation of the residuals, and their quantiles against a normal law."""
-    correlation, quantiles = report["show"]["autocorrelation"], report["show"]["quantiles"]
+    correlation, quantiles = (_some(report["show"][name]) for name in ("autocorrelation", "quantiles"))
 
     def draw(axes):
         for index, row in enumerate(correlation):

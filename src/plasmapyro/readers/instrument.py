@@ -13,6 +13,7 @@ from plasmapyro.tables import ORIGINS
 
 CALIBRATIONS = ("absolute", "relative", "readings")
 MOST_BANDS = 200
+LEAST_NODES = 3  # of a response
 FLANK, STEP = 0.05e-9, 1e-9  # [m] half the rise of a band that is stated by its edges; spacing of samples
 GUIDE = "see docs/your-own-data.md"
 
@@ -83,7 +84,7 @@ def _curve(band):
         band.close()
         if len(band.faults) > before:
             return None
-        wavelength, frames = read_frames(band.path.parent / name)
+        wavelength, frames = read_frames(band.path.parent / name, LEAST_NODES)
         peak = frames[0].max()
         if not (frames[0] >= 0).all() or not peak > 0:
             band.faults.append(fault(band.path.parent / name, "a response must be >= 0", "correct it"))

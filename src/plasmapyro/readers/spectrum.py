@@ -22,12 +22,13 @@ HEADER_LINES = 100
 NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs?\b", re.IGNORECASE)
 
 
-def read_frames(path):
+def read_frames(path, least=LEAST_PIXELS):
     """Wavelengths (N,) [m] as the instrument gives them and frames (F, N) of a spectrum.
 
     A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength
     [nm] ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it
-    (as Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands.
+    (as Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands. Fewer
+    rows than `least` are no spectrum.
 
     Raises
     ------
@@ -56,11 +57,11 @@ def read_frames(path):
         place = 1  # behind the number of the pixel
     names, own = names[place:] or [""], table[:, place:]
     own, wavelength = rising(own, names[0])
-    if len(own) < LEAST_PIXELS or wavelength is None or own.shape[1] < 2:
+    if len(own) < least or wavelength is None or own.shape[1] < 2:
         refuse(
             path,
             f"the first column is no scale of wavelengths: {_why(table[:, place])}",
-            f"it must hold {LEAST_PIXELS} or more, rising or falling, in nm (or um; or Angstrom, if its name"
+            f"it must hold {least} or more, rising or falling, in nm (or um; or Angstrom, if its name"
             " says so)",
         )
     dark = [bool(DARK.search(name) and not DERIVED.search(name)) for name in names[1:]]

@@ -179,6 +179,11 @@ def _filters(test, calibration, _):
     if set(names) - set(known):
         held, there = (", ".join(map(str, row)) for row in (names, known))
         raise ValueError(f"the radiometer of the test has bands {held}; its calibration {there}")
+    if len(names) == 1 and calibration.attrs["calibration"] == "relative":
+        raise ValueError(
+            f"band '{names[0]}' alone tells a temperature by its level, which a relative calibration leaves"
+            " open: calibrate it absolutely, or record a second band"
+        )
     if "radiometer_signal" in test.variables:
         value = test.radiometer_signal.values.astype(float)
     else:  # what a black body of the reading gives, times the setting

@@ -40,12 +40,16 @@ def temperatures(findings, against=(), contradicted=((), "")):
         "base": _interval(findings, base),
         "extended": _interval(findings, fit, np.hypot(shift, moved)),
     }
-    paper = _paper(findings)
+    paper, middle, inputs = _paper(findings), rows["extended"], _inputs(findings, fit, shift)
+    if moved.any():
+        inputs.append(budget.Input("which of two clocks is right", "named effects", moved))
+    state = _status(findings, fit, middle[0], budget.combined(inputs))
+    known = np.isin(state, status.WITH_VALUE).any()
     choice = recommended.recommended(
         recommended.Facts(
             (
-                *(["extended"] if findings.applied else []),
-                "base",
+                *(["extended"] if findings.applied and known else []),
+                *(["base"] if known else []),
                 *(["subtraction"] if np.isfinite(paper[0]).any() else []),
             ),
             tuple(against),
@@ -60,10 +64,6 @@ def temperatures(findings, against=(), contradicted=((), "")):
     if choice.estimate == "subtraction":
         series = recommended.series(times, *paper, axis="time_bin")
     else:
-        middle, inputs = rows["extended"], _inputs(findings, fit, shift)
-        if moved.any():
-            inputs.append(budget.Input("which of two clocks is right", "named effects", moved))
-        state = _status(findings, fit, middle[0], budget.combined(inputs))
         if choice.estimate is None:
             unlike[:] = True
         state = np.where(unlike & np.isin(state, status.WITH_VALUE), status.CONTRADICTED, state)
@@ -170,7 +170,7 @@ def unlike_throughput(model, solution, basis):
     -----
     The linear case of `estimate.throughput`, which takes the path along with the level.
     """
-    if [one.kind for one in model.instruments] != ["pyrometer"] or not model.plasma:
+    if [one.source for one in model.instruments] != ["pyrometer"] or not model.plasma:
         return np.zeros(len(basis)), {}
     place = model.index["gain_pyrometer"]
     own, at, size = model.parameters[place], model.size + place, model.size

@@ -127,7 +127,7 @@ def structures_of(model, solution):
             patterns += [(place, *row) for row in _spectral_patterns(model, solution, time, value, gas)]
         else:
             bands = [products.row(value * one) for one in np.eye(instrument.channels)]
-            kinds = tuple(classes_of_bands(instrument.band))
+            kinds = tuple(classes_of_bands(instrument.band, instrument.source))
             _add_bands(classes, place, bands, walk, wave, kinds)
             for identity, name, signs in kinds[-instrument.channels :]:
                 zero = products.row(signs * ZERO * np.nanmedian(value, axis=0))
@@ -135,8 +135,10 @@ def structures_of(model, solution):
                     f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
                 )
             tick = products.row(CLOCK * _slope(value - gas, time, model.off))
-            classes.add_products("walk_clock", "wandering clock of the pyrometer", {place: [(tick, walk)]})
-            _add_codes(classes, place, bands, value, kinds[-instrument.channels :])
+            classes.add_products(
+                "walk_clock", f"wandering clock of the {instrument.source}", {place: [(tick, walk)]}
+            )
+            _add_codes(classes, place, bands, value, kinds)
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -152,18 +154,18 @@ def structures_of(model, solution):
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
 
 
-def classes_of_bands(names):
+def classes_of_bands(names, source):
     """(id, name, signs) of gains of bands: together, against each other where they are two, apart where they
     are several."""
     each = np.eye(len(names))
-    yield "pyrometer", "gain of the pyrometer", np.ones(len(names))
+    yield "pyrometer", f"gain of the {source}", np.ones(len(names))
     if len(names) == 1:
         return
     if len(names) == 2:
-        yield "ratio", "ratio of the pyrometer", (1.0, -1.0)
+        yield "ratio", f"ratio of the {source}", (1.0, -1.0)
     for name, signs in zip(names, each, strict=True):
         word = f"{name} band" if tuple(names) == BANDS else f"band {name}"
-        yield name if tuple(names) == BANDS else f"pyrometer_{name}", f"{word} of the pyrometer", signs
+        yield name if tuple(names) == BANDS else f"pyrometer_{name}", f"{word} of the {source}", signs
 
 
 def _add_bands(classes, place, bands, walk, wave, kinds):
@@ -178,14 +180,14 @@ def _add_bands(classes, place, bands, walk, wave, kinds):
 def _add_codes(classes, place, bands, value, kinds):
     """Gains of the bands along their signals (n, C): of each, and of all where one converter reads them, or
     amplifiers change their ranges together, by the first."""
-    codes = [_codes(signal) for signal in value.T]
-    for (identity, name, _), band, gains, signal in zip(kinds, bands, codes, value.T, strict=True):
+    codes, each = [_codes(signal) for signal in value.T], kinds[-len(bands) :]
+    for (identity, name, _), band, gains, signal in zip(each, bands, codes, value.T, strict=True):
         parts = [(band, np.hstack([gains, _ranges(signal)]))]
         classes.add_products(f"signal_{identity}", f"gain of the {name}", {place: parts})
-    if len(kinds) > 1:
+    if len(bands) > 1:
         steps = _ranges(value[:, 0])
         parts = [(band, np.hstack([gains, steps])) for band, gains in zip(bands, codes, strict=True)]
-        classes.add_products("signal_pyrometer", "gain of the pyrometer", {place: parts})
+        classes.add_products("signal_pyrometer", kinds[0][1], {place: parts})
 
 
 def _singles(model, found, spectral):
