@@ -25,7 +25,7 @@ spectrometer:
   exposures:
     - {{light: hot.asc, baseline: dark.asc}}
 """
-WHITE = 0.02  # of the brightest pixel
+WHITE = 0.04  # of the brightest pixel
 TEST = """attributes:
   condition: none
   origin: synthetic
@@ -107,7 +107,7 @@ def test_a_furnace_gives_temperature_and_emissivity(place, tmp_path, capsys):
 
 
 def test_faint_light_of_the_room_asks_for_an_impossible_emissivity(place, tmp_path, capsys):
-    """White light of a lamp, 2 % of that of the surface: no line, and a free course takes its colour up."""
+    """White light of a lamp, 4 % of that of the surface: no line, and a free course takes its colour up."""
     kept = (place / "test/light.asc").read_text()
     lamp = blackbody_radiance(VACUUM, 2800.0) / blackbody_radiance(VACUUM, 2800.0).max()
     series(place / "test/light.asc", furnace(973.15) + WHITE * furnace(973.15).max() * lamp, 1.0, seed=3)
@@ -131,7 +131,7 @@ def test_fainter_light_of_the_room_is_said_and_taken_out(place, tmp_path, capsys
     assert "which holds light like that of a white diode in the view" in verdict["sentences"][0]
     np.testing.assert_allclose(temperature.recommended_temperature, 973.15, atol=5.0)
     found = io.read(tmp_path / "t.nc", "emissivity_estimate")
-    assert (found.spectral_status == 0).all() and abs(found.attrs["lamp_cost"]) > 10.0
+    assert (found.spectral_status == 0).all() and abs(found.attrs["lamp_cost"]) > 5.0
     assert np.abs(found.spectral_temperature - 973.15).max() < 5.0
     assert "other light, most like that of a white diode" in capsys.readouterr().err
 

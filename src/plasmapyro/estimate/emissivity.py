@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.radiation.planck import planck_and_slope
+from plasmapyro.record.emittance import course
 
 KEPT = 1e-7  # of the largest variance: shapes of the emissivity of less are left out
 STEPS = 60  # Gauss-Newton steps allowed; 5 to 10 suffice
@@ -80,35 +81,33 @@ class Posterior(NamedTuple):
 
 
 def smooth_prior(wavelength, mean, *, level, shape, length):
-    r"""Prior of an emissivity that is smooth over wavelength: a Gaussian process in its logarithm.
-
-    .. math:: \mathrm{cov}(\ln\varepsilon_i, \ln\varepsilon_j) = u_0^2
-              + u_1^2 \exp[-(\lambda_i - \lambda_j)^2 / 2\ell^2]
+    """Prior of an emissivity that is smooth over wavelength.
 
     Parameters
     ----------
     wavelength : (B,) array [m]
     mean : (B,) array or float [1], > 0
-    level, shape : float [1]
-        Standard deviations u0 of the level as a whole, and u1 of the shape over wavelength.
-    length : float [m]
-        l, over which the shape changes.
+    level : float [1]
+        Standard deviation of the logarithm of the level as a whole.
+    shape, length : see `record.emittance.course`
 
     Returns
     -------
     Prior
-        In the eigenvectors of the covariance: few, since it is smooth.
-
-    Notes
-    -----
-    Source: Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), eq. 4.9 and sec. 4.3.
     """
     wavelength = np.asarray(wavelength, dtype=float)
-    distance = (wavelength[:, None] - wavelength) / length
-    variance, vectors = np.linalg.eigh(level**2 + shape**2 * np.exp(-(distance**2) / 2))
+    logarithm = np.log(np.broadcast_to(mean, wavelength.shape))
+    return Prior(logarithm, modes(level**2 + course(wavelength, shape, length)))
+
+
+def modes(covariance):
+    """Shapes (B, K), each with a coefficient of variance 1, of a covariance (B, B): few where it is smooth.
+
+    Source: Rasmussen & Williams, Gaussian Processes for Machine Learning (2006), sec. 4.3.
+    """
+    variance, vectors = np.linalg.eigh(covariance)
     kept = variance > KEPT * variance[-1]
-    basis = (vectors * np.sqrt(np.maximum(variance, 0.0)))[:, kept][:, ::-1]
-    return Prior(np.log(np.broadcast_to(mean, wavelength.shape)), basis)
+    return (vectors * np.sqrt(np.maximum(variance, 0.0)))[:, kept][:, ::-1]
 
 
 def infer(channels, prior, signal, noise, linear=None, known=None):

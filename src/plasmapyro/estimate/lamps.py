@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import log_ndtr, logsumexp
 
-from plasmapyro.estimate.emissivity import infer, smooth_prior
+from plasmapyro.estimate.emissivity import infer, modes
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record.emittance import smooth
 
 CHANGED, LENGTH = 0.7, 30e-9  # [1], [m] ASSUME: how far a lamp's spectrum is from that of its kind, and over
 # which wavelengths that changes
@@ -62,7 +63,7 @@ def spectra(wavelength, slit):
 def shapes_of(kind, wavelength, slit):
     """Light (C, K) of a kind of lamp at wavelengths (C,) [m] through a slit [m], per coefficient: each is
     normal with variance 1."""
-    changed = smooth_prior(wavelength, 1.0, level=1.0, shape=CHANGED, length=LENGTH).basis
+    changed = modes(1.0 + CHANGED**2 * smooth(wavelength, LENGTH))
     return spectra(wavelength, slit)[kind][:, None] * changed
 
 

@@ -14,6 +14,7 @@ THROUGHPUT_CHANCE = (
     0.2  # [1] that a pyrometer alone does not see the light that calibration and emittance say
 )
 THROUGHPUT_WIDTH = 0.3  # [1] standard deviation of its logarithm then
+OF_LEVEL, GOING_ON = 0.5, 0.5  # [1] ASSUME: of the course as a standard deviation, as a share of the variance
 HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 
@@ -60,3 +61,37 @@ def mean_emittance(attributes, wavelength):
         return np.full(np.shape(wavelength), float(attributes["emittance"]))
     points, values = (np.asarray(attributes[f"emittance_{one}"]) for one in ("wavelength", "table"))
     return np.exp(np.interp(wavelength, points, np.log(values)))
+
+
+def smooth(wavelength, length):
+    """Covariance (N, N) of what is smooth over a length [m]: of variance 1, and squared exponential."""
+    return np.exp(-(((wavelength[:, None] - wavelength) / length) ** 2) / 2)
+
+
+def course(wavelength, shape, length):
+    r"""Covariance (N, N) of the logarithm of an emissivity over wavelength, but for its level.
+
+    .. math:: u_1^2\,\Bigl\{\frac{1}{4} + \frac{1}{2} P\Bigl[e^{-(x_i - x_j)^2/2} + x_i x_j
+              + \frac{3}{4} x_i^2 x_j^2\Bigr] P\Bigr\}, \qquad x = (\lambda - \bar\lambda)/\ell
+
+    with P, which takes the mean over the wavelengths off: what is stated of the level is stated of a mean,
+    and 1/4 is what the choice of the mean leaves open. Half is smooth and forgets itself over the length;
+    in the other half the slope and the bend that such a course has at one place go on.
+
+    Parameters
+    ----------
+    wavelength : (N,) array [m]
+    shape : float [1], u1
+    length : float [m], l
+
+    Notes
+    -----
+    Without the second half a surface that is tilted or curved over 500 nm, but hardly rough, was too likely
+    one of another temperature: 95 % intervals held 51 to 85 % of them.
+    """
+    x = (wavelength - np.mean(wavelength)) / length
+    going = np.outer(x, x) + 0.75 * np.outer(x**2, x**2)
+    whole = (1 - GOING_ON) * smooth(wavelength, length) + GOING_ON * going
+    whole = whole - whole.mean(axis=0)
+    whole = whole - whole.mean(axis=1, keepdims=True)
+    return shape**2 * (OF_LEVEL**2 + whole)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.parameter import Parameter
-from plasmapyro.record.emittance import ANY_LEVEL, UNTOLD, mean_emittance
+from plasmapyro.record.emittance import ANY_LEVEL, UNTOLD, course, mean_emittance
 
 LOG = logging.getLogger(__name__)
 UNSEEN = 1e-3  # [1], of the response of a band that may lie outside the simulated spectra
@@ -70,16 +70,15 @@ def of_an_emissivity(instruments, record, calibration):
     """
     every = np.concatenate([one.wavelength for one in instruments])
     grid = np.arange(every.min(), every.max() + GRID, GRID)
-    apart = (grid[:, None] - grid) / LENGTH
-    variance, vector = np.linalg.eigh(COURSE**2 * np.exp(-(apart**2) / 2))
+    variance, vector = np.linalg.eigh(course(grid, COURSE, LENGTH))
     kept = (variance > LEAST * variance[-1]) & (sum(one.channels for one in instruments) > 1)
     shapes = (vector * np.sqrt(np.maximum(variance, 0.0)))[:, kept]
     found = []
     for one in instruments:
-        course = np.array([np.interp(one.wavelength, grid, row) for row in shapes.T])
-        course = course.reshape(-1, one.wavelength.size).T
+        bent = np.array([np.interp(one.wavelength, grid, row) for row in shapes.T])
+        bent = bent.reshape(-1, one.wavelength.size).T
         relative = mean_emittance(record.attributes, one.wavelength) / record.emittance
-        own = {"relative": relative, "course": course}
+        own = {"relative": relative, "course": bent}
         if one.source == "radiometer":
             own["known"] = calibration["band_sensitivity_uncertainty"].values
             own["factor"] = np.nanmedian(np.abs(one.value), axis=0)  # bands differ in unit: noise is relative
