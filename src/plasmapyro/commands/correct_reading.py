@@ -13,7 +13,7 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.instrument.stage import band_response, ratio_curve
-from plasmapyro.readers import columns, guess, units
+from plasmapyro.readers import columns, guess_table, units
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.text import quote, read_lines, refuse
 
@@ -96,8 +96,8 @@ def read_readings(path, slope=1.0):
         No header with both columns and the unit of the temperature, a cell that is no number, a time that
         does not rise, a column of another slope setting.
     """
-    table = guess.look_at_table(path)
-    places = guess.assign(table) if table else {}
+    table = guess_table.look_at_table(path)
+    places = guess_table.assign(table) if table else {}
     taken = [places["time"]] if "time" in places else places.get("stamps", [])
     free = [place for place in range(len(table.labels)) if place not in taken] if taken else []
     named = [place for place in free if TEMPERATURE.fullmatch(table.labels[place])]
@@ -117,7 +117,7 @@ def read_readings(path, slope=1.0):
         refuse(path, f"column {quote(label)} {what}", "write K or °C behind its name")
     names = [table.labels[place] for place in taken]
     if "stamps" in places:
-        form, zero, _ = guess.stamp_format(table, taken)
+        form, zero, _ = guess_table.stamp_format(table, taken)
         said = {"name": names if len(names) > 1 else names[0], "format": form}
     elif units.factor(table.units[taken[0]] or "", "time"):
         said = {"name": names[0]}
