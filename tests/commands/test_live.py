@@ -2,6 +2,7 @@
 
 import io as text_io
 import json
+import shutil
 import sys
 import time
 from types import SimpleNamespace
@@ -228,8 +229,13 @@ def test_lines_are_taken_when_they_are_complete(tmp_path):
 
 
 def test_a_silent_log_is_told_once(shelf):
-    options = ("--stop-after-s", "0.3", "--alarm-silence-s", "0.01")
-    assert live(shelf, *options)[-1] == {"alarms": ["silent"]}
+    place = shelf / "short"
+    place.mkdir(exist_ok=True)
+    shutil.copy(shelf / "my_test" / "test.yaml", place)
+    whole = (shelf / "my_test" / "pyrometer.csv").read_text().splitlines(keepends=True)
+    (place / "pyrometer.csv").write_text("".join(whole[:20]))
+    said = live(shelf, "--stop-after-s", "0.3", "--alarm-silence-s", "0.01", folder="short")
+    assert said[-1] == {"alarms": ["silent"]} and len(said) > 10 and said.count(said[-1]) == 1
 
 
 @pytest.mark.parametrize(

@@ -157,8 +157,9 @@ def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1
 def sensitivity(black, weights, temperature):
     r""":math:`dF/d\ln T` at temperatures: (D,) or (D, T) [1] for a float or (T,) [K]; `weights` (D, N)."""
     slope = np.gradient(contrast_curve(black, weights), np.log(TEMPERATURE_GRID), axis=-1)
-    order = np.argsort(TEMPERATURE_GRID)
-    return np.array([np.interp(temperature, TEMPERATURE_GRID[order], row[order]) for row in slope])
+    low = np.clip(np.searchsorted(TEMPERATURE_GRID, temperature, "right") - 1, 0, TEMPERATURE_GRID.size - 2)
+    rise = (slope[:, low + 1] - slope[:, low]) / (TEMPERATURE_GRID[low + 1] - TEMPERATURE_GRID[low])
+    return rise * (temperature - TEMPERATURE_GRID[low]) + slope[:, low]
 
 
 def contrast_curve(black, weights):
@@ -190,12 +191,10 @@ def read(signal, weights, measured, emittance=None):
     if weights.shape[1] == 1:
         value = value - np.log(emittance)
     value = value * direction.reshape(-1, *[1] * (value.ndim - 1))
-    result = np.full(value.shape, np.nan)
-    for design, row in enumerate(curve):
-        if (np.diff(row) > 0).all():
-            inverse = np.interp(value[design], row, 1 / TEMPERATURE_GRID, left=np.nan, right=np.nan)
-            result[design] = 1 / inverse
-    return result
+    inverse, grid = np.full(value.shape, np.nan), 1 / TEMPERATURE_GRID
+    for design in np.flatnonzero((np.diff(curve) > 0).all(axis=1)):
+        inverse[design] = np.interp(value[design], curve[design], grid, left=np.nan, right=np.nan)
+    return 1 / inverse
 
 
 def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas=None, reflected=None):
