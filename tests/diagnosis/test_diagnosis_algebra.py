@@ -6,8 +6,9 @@ from scipy.special import i0
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.coloured import Coloured
-from plasmapyro.diagnosis.fit.inference import FULL, Noise, Weigher, gram
 from plasmapyro.diagnosis.fit.noise import FLICKER_MARGIN, NoiseModel, on_bins
+from plasmapyro.diagnosis.fit.normal import FULL, gram
+from plasmapyro.diagnosis.fit.weights import Noise, Weigher
 from plasmapyro.diagnosis.gas import variations as vary
 from plasmapyro.diagnosis.gas.templates import GasLibrary, line_groups, widened
 from plasmapyro.diagnosis.select.screen import Candidate, Screen, angles, best_pairs

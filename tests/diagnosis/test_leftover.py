@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.fit.inference import Weigher
 from plasmapyro.diagnosis.fit.model import History
 from plasmapyro.diagnosis.fit.noise import Noise
+from plasmapyro.diagnosis.fit.weights import Weigher
 from plasmapyro.diagnosis.select import leftover
 
 SAMPLES, CHANNELS = 100, 150

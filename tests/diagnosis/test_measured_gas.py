@@ -15,7 +15,7 @@ from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
-from plasmapyro.diagnosis.fit.inference import own_patterns
+from plasmapyro.diagnosis.fit.normal import own_patterns
 from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER

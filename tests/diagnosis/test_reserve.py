@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
-from plasmapyro.diagnosis.fit.inference import Fitter, Noise
+from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.weights import Noise
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.screen import Candidate, Screen, screen
 from plasmapyro.diagnosis.select.search import Step

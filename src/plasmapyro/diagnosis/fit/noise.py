@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from plasmapyro.diagnosis.fit.coloured import Coloured, coloured
-from plasmapyro.diagnosis.fit.inference import Noise
+from plasmapyro.diagnosis.fit.weights import Noise
 from plasmapyro.record import binning
 
 CLIP = 4.5  # standard deviations beyond which a sample is left out

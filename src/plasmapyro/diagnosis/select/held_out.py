@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from plasmapyro.diagnosis.fit.inference import gram, own_patterns, pattern_sigmas
+from plasmapyro.diagnosis.fit.normal import gram, own_patterns, pattern_sigmas
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.record.phases import afterwards, during
 

@@ -7,7 +7,7 @@ from scipy.linalg import cho_solve
 from scipy.special import logsumexp
 
 from plasmapyro.diagnosis.effects.effect import Effect
-from plasmapyro.diagnosis.fit.inference import gram, own_patterns
+from plasmapyro.diagnosis.fit.normal import gram, own_patterns
 from plasmapyro.diagnosis.fit.setting import TAILS, Setting
 from plasmapyro.diagnosis.select.structures import structures_of
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve
 
-from plasmapyro.diagnosis.fit.inference import pattern_sigmas
+from plasmapyro.diagnosis.fit.normal import pattern_sigmas
 
 NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it

@@ -1,0 +1,69 @@
+"""Noise of an instrument and what the channels of a bin share, as weights of least squares."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and what the
+    channels of a bin share, (n,) [1]: that of the brightness of the gas, `flicker`, of all light, `gain`."""
+
+    variance: np.ndarray
+    flicker: np.ndarray
+    gain: np.ndarray | float = 0.0
+
+
+class Weigher:
+    r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + U U^T` per bin.
+
+    The columns of U are what the channels of a bin share: the gas (n, C) times the root of its flicker, and
+    the value (n, C) times that of the gain, if this has any.
+
+    Notes
+    -----
+    Source: Woodbury's formula.
+    """
+
+    def __init__(self, noise, gas, value=None):
+        self.weight = 1 / noise.variance
+        shared = [np.sqrt(noise.flicker)[:, None] * gas]
+        if np.any(noise.gain):
+            shared.append(np.sqrt(noise.gain)[:, None] * value)
+        shared = np.stack(shared, axis=1)
+        self.shared = self.weight[:, None] * shared  # (n, r, C)
+        self.size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)
+        self.core = np.linalg.inv(np.eye(len(self.size[0])) + self.size)
+
+    def __call__(self, rows):
+        """Rows (n, C) or (n, C, k) weighted."""
+        if rows.ndim == 2:
+            return self(rows[..., None])[..., 0]
+        inner = self.core @ (self.shared @ rows)
+        return self.weight[..., None] * rows - self.shared.transpose(0, 2, 1) @ inner
+
+    def of(self, chosen):
+        """The same for some of the bins (n,)."""
+        part = object.__new__(Weigher)
+        for name, values in vars(self).items():
+            setattr(part, name, values[chosen])
+        return part
+
+    def root(self, rows):
+        r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k); of residuals, chi-squared is
+        then the sum of squares."""
+        scale = np.sqrt(self.weight)
+        result = rows * scale[..., None]
+        unit = self.shared / np.where(scale > 0, scale, 1.0)[:, None]  # (Sigma_d^-1/2 U)^T
+        # (I + U U^T)^-1/2 = I - U Q (1 - 1/sqrt(1 + l)) / l Q^T U^T with U^T U = Q l Q^T
+        value, vector = np.linalg.eigh(self.size)
+        share = -np.expm1(-0.5 * np.log1p(np.maximum(value, 0.0))) / np.maximum(value, 1e-300)
+        inner = (vector * share[:, None]) @ vector.transpose(0, 2, 1) @ (unit @ result)
+        result -= unit.transpose(0, 2, 1) @ inner
+        return flat(result)
+
+
+def flat(rows):
+    """Rows (n, C, k) as (n C, k), also for k = 0: bins that no column touches."""
+    return rows.reshape(rows.shape[0] * rows.shape[1], rows.shape[2])
