@@ -262,7 +262,6 @@ def test_the_header_may_stand_below_the_table(place, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("Exposure Time", "Exposed", "states no exposure time"),
         ("secs):  1.0\nKin", "secs):  -1\nKin", "no number > 0"),
         ("520.00000,", "620.00000,", "no scale of wavelengths"),
         ("\n990.00000,", "\n990.00000,3x,", "line 306: is no row of as many numbers"),
@@ -275,6 +274,24 @@ def test_a_damaged_series_is_refused(place, tmp_path, old, new, words):
     (tmp_path / "x.asc").write_text(text.replace(old, new, 1))
     with pytest.raises(Refusal, match=words):
         read_series(tmp_path / "x.asc")
+
+
+def test_an_exposure_that_no_header_tells_is_stated(place, tmp_path):
+    for name in ("light.asc", "dark.asc"):
+        text = (place / "test" / name).read_text()
+        (tmp_path / name).write_text(text.replace("Exposure Time", "Exposed"))
+    facts = (place / "test/test.yaml").read_text()
+    (tmp_path / "test.yaml").write_text(facts)
+    assert "headers of the spectra do not tell it: state it" in "\n".join(check_test(tmp_path))
+    (tmp_path / "test.yaml").write_text(
+        facts.replace("ibutes:", "ibutes:\n  spectrometer_integration_time: 1.0")
+    )
+    assert check_test(tmp_path) == []
+    np.testing.assert_array_equal(read_test(tmp_path).counts, read_test(place / "test").counts)
+    neither = (tmp_path / "light.asc").read_text().replace("Kinetic Cycle Time", "Cycle")
+    (tmp_path / "light.asc").write_text(neither)
+    with pytest.raises(Refusal, match="states no exposure time"):
+        read_series(tmp_path / "light.asc")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record.emittance import course
 
 KEPT = 1e-7  # of the largest variance: shapes of the emissivity of less are left out
-STEPS = 60  # Gauss-Newton steps allowed; 5 to 10 suffice
+STEPS = 400  # Gauss-Newton steps allowed; 5 to 10 suffice, 300 for a signal to noise of 1e5
 LARGEST_STEP = 0.1  # relative, of 1/T in one of them
 CONVERGED = 1e-6  # relative, of 1/T: 1 mK
 UNIT = 1000.0  # [K] over T is what a state begins with: near Wien's limit ln(B) is straight in it

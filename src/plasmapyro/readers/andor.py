@@ -24,7 +24,7 @@ class Series(NamedTuple):
     time: np.ndarray  # (n,) [s] middle of each exposure, from the begin of the first
     wavelength: np.ndarray  # (W,) [m]
     counts: np.ndarray  # (n, W)
-    exposure: float  # [s]
+    exposure: float | None  # [s], if the header states one
     date: datetime | None  # of the begin, if the header states one
 
 
@@ -42,20 +42,21 @@ def read_series(path):
     Raises
     ------
     Refusal
-        Not such a file, or incomplete: no exposure time, no rows, a row of another length, a cell that is no
-        number, wavelengths that do not rise.
+        Not such a file, or incomplete: no times of the frames, no rows, a row of another length, a cell that
+        is no number, wavelengths that do not rise.
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)
     about = [line for line in lines[:HEADER_LINES] + lines[-HEADER_LINES:] if not ROW.match(line)]
     header = {name: value.strip() for name, _, value in (line.partition(":") for line in about)}
     exposure, cycle = (_seconds(path, header, key) for key in ("Exposure Time", "Kinetic Cycle Time"))
-    if exposure is None:
+    step = cycle or exposure
+    if step is None:
         refuse(path, "states no exposure time", "export it from Andor Solis as ASCII with its header")
     wavelength, counts = read_frames(path)
     if counts.size > MOST_SAMPLES:
         refuse(path, f"{len(counts)} frames of {wavelength.size} pixels", "export as many as fit")
-    time = exposure / 2 + (cycle or exposure) * np.arange(len(counts))
+    time = (exposure or step) / 2 + step * np.arange(len(counts))
     return Series(time, wavelength, counts, exposure, _date(header.get("Date and Time", "")))
 
 

@@ -497,7 +497,9 @@ def _tables(paths, folder, settings):
         if settings["format"] == "csv":
             return columns.read_matrix(path, *settings["marks"], settings["stamps"])
         series = andor.read_series(path)
-        if path != background:  # a dark of another exposure holds the baseline, if little dark current
+        if (
+            path != background and series.exposure
+        ):  # a dark of another exposure holds the baseline, if little dark current
             exposures[path] = series.exposure
         dates[path] = series.date
         return series.time, series.wavelength * 1e9, series.counts

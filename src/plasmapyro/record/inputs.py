@@ -54,7 +54,8 @@ def has_plasma(test):
 
 REMEDIES = {
     "background_counts": "; counts need a dark spectrum of the same exposure: name its file as"
-    " `spectrometer.background`, or record one"
+    " `spectrometer.background`, or record one",
+    "spectrometer_integration_time": "; the headers of the spectra do not tell it: state it [s]",
 }
 
 
@@ -135,7 +136,7 @@ def attribute_faults(test, present):
         low, high, unit = NUMBERS[name]
         value = test.attrs.get(name)
         if value is None:
-            yield f"attribute {name}: missing"
+            yield f"attribute {name}: missing{REMEDIES.get(name, '')}"
         elif not _is_number(value):
             yield f"attribute {name}: must be one number; got {value!r}"
         elif not low <= value <= high or (low == 0 and value == 0 and "uncertainty" not in name):
