@@ -228,8 +228,10 @@ def call_of_snakemake(command):
     for word in words:
         if word.endswith(".yaml"):
             options += ([] if "--configfile" in options else ["--configfile"]) + [word]
-        elif word == "--configfile":
+        elif word in ("--configfile", "--"):
             continue
+        elif word == "--config":
+            options += [word, next(words)]
         elif word == "--profile":
             assert (ROOT / next(words) / "config.yaml").exists(), command.line
         elif word in ("--cores", "--jobs", "--executor") or word.startswith(OF_A_CLUSTER):
