@@ -1,6 +1,7 @@
 """The joint estimate on synthetic tests of known truth, made by the independent generator."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from plasmapyro import contracts
 from plasmapyro.estimate.dynamics import Dynamics, transition
 from plasmapyro.estimate.instrument import GreyTable, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.prepare import first_gas, gain_uncertainties, pyrometer_data, samples_of
+from plasmapyro.estimate.prepare import apart, first_gas, gain_uncertainties, pyrometer_data, samples_of
 from plasmapyro.estimate.smoother import Chain, Fit, spread_of
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.record import status
@@ -109,6 +110,14 @@ def test_gaps_outliers_and_saturated_pixels_do_not_move_it(made, response, found
     again = estimate(spoilt, calibration, response, counts, **board.SETTINGS)
     shift = (again.surface_temperature - found.surface_temperature) / found.surface_temperature_uncertainty
     assert float(np.abs(shift).quantile(0.99)) < 0.5
+
+
+def test_exposures_in_a_gap_of_the_samples_are_left_out():
+    """A hole of 25 s pulled the calibration source by 24 standard uncertainties: sound data contradicted."""
+    time = np.concatenate([np.arange(-5.0, 20.0, 0.2), np.arange(45.0, 60.0, 0.2)])
+    frames = SimpleNamespace(time=np.array([10.03, 20.3, 30.0, 44.0, 44.7, 50.0]), integration_time=0.5)
+    used = apart(frames, time, 90.0, (1.0, 0.3))
+    np.testing.assert_array_equal(used, [True, True, False, False, True, True])
 
 
 def test_coarse_steps_of_the_pyrometer_s_converter_are_noise(made):

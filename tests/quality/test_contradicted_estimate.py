@@ -91,14 +91,14 @@ def alone(calibrations, wide=1.0, narrow=1.0, **changes):
     return found, error[good], NORMAL_95 * found.surface_temperature_uncertainty.values[good]
 
 
-@pytest.mark.parametrize("factor", [0.7, 1.35])
+@pytest.mark.parametrize("factor", [0.35, 0.7, 1.35])
 def test_the_ratio_decides_where_the_level_of_a_pyrometer_alone_contradicts_it(calibrations, factor):
     """Before, the level decided: 1.35 cost 30 K at a half interval of 8 K."""
     found, error, half = alone(calibrations, factor, factor, emittance_slope_uncertainty=0.0)
     assert (np.abs(error) < half).all()
     case = Case("", estimate=found)
     said = throughput_in_doubt.find(case, throughput_in_doubt.limit)
-    assert said["chance"] > 0.8 and said["least"] < factor < said["most"]
+    assert said["chance"] > 0.5 and said["least"] < factor < said["most"]
 
 
 def test_a_sound_pyrometer_is_hardly_doubted(calibrations):
@@ -112,6 +112,8 @@ def test_a_sound_pyrometer_is_hardly_doubted(calibrations):
         throughput_chance=0.0,
     )
     assert (np.abs(error) < half).all() and throughput_in_doubt(Case("", estimate=found)) is None
+    # A kick of 100 K/s at the switches, held, prefers hot paths: 5.3 K here, 12 K at 25 Hz.
+    assert np.abs(error).max() < 3.0
     ratio = found.surface_temperature_uncertainty / sure.surface_temperature_uncertainty
     assert 1.0 < float(ratio.median()) < 1.3
 
@@ -164,3 +166,23 @@ def test_what_is_pulled_is_named_from_five_uncertainties_on():
         where, said = contradiction.contradicted(np.arange(4.0), [], fixed, found)
         assert where.all() == bool(words) and len(said) == len(words)
         assert all(word in sentence for word, sentence in zip(words, said, strict=True))
+
+
+@pytest.mark.parametrize("factor", [0.97, 1.05])
+def test_a_ratio_that_is_off_lies_in_the_interval_and_is_said(calibrations, factor):
+    """Before, the level alone was doubted: a gain 3 % low cost 46 K at a half interval of 33 K."""
+    found, error, half = alone(calibrations, narrow=factor)
+    assert (np.abs(error) < half).all()
+    said = throughput_in_doubt.find(Case("", estimate=found), throughput_in_doubt.limit)
+    assert f"{found.attrs['ratio_chance']:.0%}" in said["other"] and found.attrs["ratio_chance"] > 0.1
+
+
+def test_a_pyrometer_alone_with_its_bands_exchanged_has_a_status_and_no_emittance(calibrations):
+    """An emittance of 500 was refused by the contract of the file: `correct` wrote nothing."""
+    test = laboratory.made(spectrometer=False)
+    found = joint(test.assign(signal_wide=test.signal_narrow, signal_narrow=test.signal_wide), calibrations)
+    contracts.check(
+        contracts.label(found.assign_attrs(origin="synthetic"), "joint_estimate"), "joint_estimate"
+    )
+    assert "the emittance" in found.attrs["contradictions"]
+    assert np.isnan(found.estimated_emittance) and np.isnan(found.surface_temperature).all()

@@ -282,6 +282,13 @@ def test_a_rule_of_times_and_axes_says_what_it_saw(sound, name):
     assert words in said(change(sound), {})[name]
 
 
+def test_a_smaller_lag_is_said_where_the_joint_estimate_contradicts_itself(sound):
+    late = moved(sound, "spectrum_time", lambda s: s - 0.6)
+    assert "two_clocks" not in said(late, {})
+    against = xr.Dataset({"surface_temperature": 0.0}, attrs={"contradictions": "the data pull the drift"})
+    assert "moved by +0.6" in said(late, {}, estimate=against)["two_clocks"]
+
+
 def with_bands(test, late=0.0):
     """The test with its narrow band as two of a radiometer besides, on a clock that is late [s]."""
     own = test.signal_narrow.values[:, None] * [0.5, 1.0]

@@ -44,6 +44,13 @@ def test_without_a_diagnosis_the_estimate_of_most_light_is_taken(given, best):
     assert ("beside it" in found.why) == (len(given) > 1)
 
 
+def test_instruments_that_contradict_each_other_for_some_time_do_not_simply_agree():
+    names = ("pyrometer", "spectrometer")
+    assert "which agree;" in recommended(Facts(("joint", "spectra"), instruments=names)).why
+    partly = recommended(Facts(("joint", "spectra"), instruments=names, partly=True)).why
+    assert "which agree but where the status is contradicted;" in partly
+
+
 def test_the_reason_why_a_better_estimate_is_missing_is_said():
     found = recommended(Facts(("subtraction",), missing={"joint": "it did not converge"}))
     assert "the joint estimate is not to be had: it did not converge" in found.why

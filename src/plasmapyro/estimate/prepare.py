@@ -24,6 +24,7 @@ WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess:
 NOTHING = 1e-6  # [1] or [K] stands for a standard deviation of zero
 RAMPS = 6  # of the scale of an instrument against the bands, through a test
 DRIFT = 0.02  # [1] ASSUME standard deviation of them at its end: deposits on one of two windows, fibres
+BESIDE, BESIDE_STEPS = 0.5, 1.5  # [s], usual steps between samples: farther from all of them lies a gap
 RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
 
 
@@ -258,14 +259,18 @@ def ramps(time):
 
 
 def apart(frames, time, off, spans):
-    """Exposures (S,) within the chain's time during which nothing moves, starts or ends."""
+    """Exposures (S,) beside a sample of the chain during which nothing moves, starts or ends.
+
+    In a gap of the samples the path has no state that an exposure could see.
+    """
     middle, half = frames.time, frames.integration_time / 2
     still = (
         ((middle - half >= 0) & (middle + half <= off))
         | (middle + half <= -spans[0])
         | (middle - half >= off + spans[1])
     )
-    return (middle >= time[0]) & (middle <= time[-1]) & still
+    beside = np.abs(placed(frames, time)[1]) <= max(BESIDE, BESIDE_STEPS * float(np.median(np.diff(time))))
+    return (middle >= time[0]) & (middle <= time[-1]) & still & beside
 
 
 def placed(frames, time):

@@ -4,13 +4,13 @@ import multiprocessing
 import signal
 import time
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
 from plasmapyro.estimate.dynamics import SIZE, Dynamics
-from plasmapyro.estimate.stage import posterior
+from plasmapyro.estimate.stage import KICK, posterior
 from plasmapyro.radiation.bandsignal import BANDS
 
 FASTER = 0.8  # [1] of the time between samples in which they come: they were taken before
@@ -28,7 +28,7 @@ class State:
     covariance: np.ndarray  # (4 + p, 4 + p)
     dynamics: Dynamics
     contradictions: tuple  # words
-    throughput_chance: float  # [1] that it is not as stated
+    throughput_chance: float  # [1] that it, or the ratio, is not as stated
 
 
 def state_of(test, calibration, response, settings):
@@ -52,9 +52,9 @@ def state_of(test, calibration, response, settings):
         (*(names[at] for at in kept), "band_drift"),
         whole @ np.concatenate([made.found.path[-1], made.found.values]),
         whole @ made.spread.last @ whole.T,
-        made.found.dynamics,
+        replace(made.found.dynamics, kick=KICK),  # that of the end of the plasma is still to come
         tuple(words) if against[-1] else (),
-        made.doubts["throughput_chance"],
+        made.doubts["throughput_chance"] + made.doubts["ratio_chance"],
     )
 
 

@@ -14,8 +14,9 @@ HALVINGS = 12
 CONVERGED = 1e-3  # fall of half the sum of squares in a whole step that ends the iteration
 STATE_STEPS = (1e-2, 1e-2, 1e-5, 1e-5)  # [K], [K/s], [1], [1] of the slopes of the log-determinant
 CONSTANT_STEP = 1e-3  # the same, in prior standard deviations of a constant
-SEARCH = {"maxfev": 50, "xatol": 0.05, "fatol": 0.2}
-LIMITS = ((1e-4, 1e3), (1e-3, 1e5), (1.0, 200.0))  # of quiet, bending, memory
+SEARCH = {"maxfev": 70, "xatol": 0.05, "fatol": 0.2}
+FITTED = ("quiet", "bending", "memory", "kick")
+LIMITS = ((1e-4, 1e3), (1e-3, 1e5), (1.0, 200.0), (0.1, 1e3))  # of these
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Spread:
 def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     """Path and constants of the largest posterior density, with dynamics of the largest likelihood.
 
-    Gauss-Newton steps, halved until the objective falls; between rounds the three numbers that say how
+    Gauss-Newton steps, halved until the objective falls; between rounds the four numbers that say how
     fast the temperature bends are fitted by the marginal likelihood of the linearised problem.
 
     Parameters
@@ -68,7 +69,7 @@ def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     observations : list of PyrometerData, SpectrometerData
     prior_constants : Constants
     dynamics : Dynamics
-        Where the search starts; only `quiet`, `bending` and `memory` are fitted.
+        Where the search starts; only those `FITTED` are.
     path : (n, 4) array
     values : (p,) array
     rounds : int
@@ -254,7 +255,8 @@ def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values
 
     .. math:: -2\ln p(y \mid q) = 2J_0 - b^T A^{-1} b + \ln\det A + \sum_k \ln\det Q_k
 
-    with the constants held at their present values.
+    with the constants held at their present values. A prior of the path that is broader than the data ask
+    for prefers hot paths, on which a kelvin makes less of a signal, and so pulls level and emittance.
     """
     from scipy.optimize import minimize
 
@@ -262,8 +264,8 @@ def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values
     low, high = np.log(np.array(LIMITS)).T
 
     def with_parameters(logarithms):
-        quiet, bending, memory = np.exp(np.clip(logarithms, low, high))
-        return dataclasses.replace(dynamics, quiet=quiet, bending=bending, memory=memory)
+        held = np.exp(np.clip(logarithms, low, high))
+        return dataclasses.replace(dynamics, **dict(zip(FITTED, held, strict=True)))
 
     def misfit(logarithms):
         prior = chain.prior(with_parameters(logarithms))
@@ -280,7 +282,7 @@ def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values
             + penalty
         )
 
-    start = np.log([dynamics.quiet, dynamics.bending, dynamics.memory])
-    simplex = np.vstack([start, start + np.diag([1.5, 1.5, 0.7])])
+    start = np.log([getattr(dynamics, name) for name in FITTED])
+    simplex = np.vstack([start, start + np.diag([1.5, 1.5, 0.7, -1.5])])
     found = minimize(misfit, start, method="Nelder-Mead", options=SEARCH | {"initial_simplex": simplex})
     return with_parameters(found.x)

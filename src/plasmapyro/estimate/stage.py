@@ -11,7 +11,7 @@ from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import Constants, constants
-from plasmapyro.estimate.smoother import Chain, Fit, Spread, fit, marginalised, misfit, spread_of
+from plasmapyro.estimate.smoother import FITTED, Chain, Fit, Spread, fit, marginalised, misfit, spread_of
 from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
@@ -39,7 +39,7 @@ INPUTS = (  # name of constants, words, group, unit
     ("scale_error", "scale of the spectrometer", "calibration", "1"),
     ("scale_drift", "drift of the spectrometer against the bands", "calibration", "1"),
     ("bin_error", "shape of the spectrometer's calibration", "calibration", "1"),
-    ("band_level", "throughput of the bands, were it not as stated", "calibration", "1"),
+    ("band_level", "throughput or ratio of the bands, were they not as stated", "calibration", "1"),
     ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
     ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
     ("radiometer_source_error", "temperature of the radiometer's source", "calibration", "K"),
@@ -406,7 +406,8 @@ def _dataset(posterior, fit_range, least_share, largest):
     factor = np.exp(NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, np.exp(found.path[:, GAS]), 0.0)[group]
     of_constants = np.sqrt(np.diag(spread.constants))
-    emittance = float(np.exp(found.values[of("log_emittance")[0]]))
+    sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told
+    emittance = sound * float(np.exp(found.values[of("log_emittance")[0]]))
     gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
     inputs = _inputs(record, observations[0], fixed, found, spread)
     blank = np.where(known, 1.0, np.nan)
@@ -431,8 +432,8 @@ def _dataset(posterior, fit_range, least_share, largest):
             f"{current}_uncertainty": ("band", of_constants[of("gas_signal")]),
             "estimated_emittance": emittance,
             "estimated_emittance_uncertainty": emittance * float(of_constants[of("log_emittance")[0]]),
-            "gain_correction": ("band", np.expm1(gains)),
-            "gain_correction_uncertainty": ("band", np.sqrt(gain_variance)),
+            "gain_correction": ("band", sound * np.expm1(gains)),
+            "gain_correction_uncertainty": ("band", sound * np.sqrt(gain_variance)),
             "whitened_residual": (
                 ("band", "time"),
                 observations[0].residual(found.path, found.values, of)[:, group],
@@ -448,9 +449,6 @@ def _dataset(posterior, fit_range, least_share, largest):
             "gas_flicker": float(found.dynamics.flicker),
             "gas_flicker_time": float(found.dynamics.flicker_time),
         }
-        | {
-            f"dynamics_{name}": float(getattr(found.dynamics, name))
-            for name in ("quiet", "bending", "memory")
-        }
+        | {f"dynamics_{name}": float(getattr(found.dynamics, name)) for name in FITTED}
         | posterior.doubts,
     )

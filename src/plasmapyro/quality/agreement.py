@@ -83,12 +83,15 @@ def estimate_contradicted(case, limit):
 
 @rule()
 def throughput_in_doubt(case, limit):
-    chance = case.estimate.attrs.get("throughput_chance", 0.0)
-    if chance <= limit:
+    about = case.estimate.attrs
+    chance, ratio = about.get("throughput_chance", 0.0), about.get("ratio_chance", 0.0)
+    if chance + ratio <= limit:
         return None
-    factor = case.estimate.attrs["throughput"]
-    width = np.exp(NORMAL_95 * case.estimate.attrs["throughput_uncertainty"])
-    return {"chance": chance, "factor": factor, "least": factor / width, "most": factor * width}
+    factor, width = about["throughput"], np.exp(NORMAL_95 * about["throughput_uncertainty"])
+    grey = "a surface less grey than stated, a gain of one band"
+    other = f"with one of {ratio:.0%} its ratio is not as stated ({grey})" if ratio else f"or {grey}"
+    within = {"least": factor / width, "most": factor * width}
+    return {"chance": chance, "factor": factor, "other": other} | within
 
 
 @rule()

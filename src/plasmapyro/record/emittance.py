@@ -15,6 +15,9 @@ THROUGHPUT_CHANCE = (
 )
 THROUGHPUT_WIDTH = 0.3  # [1] standard deviation of its logarithm then
 OF_LEVEL, GOING_ON = 0.5, 0.5  # [1] ASSUME: of the course as a standard deviation, as a share of the variance
+# ASSUME: metals, whose emittance falls by some per cent from band to band; a gain; an amplifier near its end.
+RATIO_CHANCE = 0.2  # [1] that the ratio of the bands of a pyrometer alone is not the one that is stated
+RATIO_WIDTH = 0.05  # [1] standard deviation of its logarithm then
 HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 

@@ -41,7 +41,7 @@ class Facts(NamedTuple):
     `given`: estimates with a value; `against`: sentences of instruments that contradict each other;
     `missing`: {estimate: why it has none}; of a diagnosis its `verdict`, whether the extension is `applied`,
     and names of `strained` numbers of a calibration, which the fit moved out of what was known;
-    `instruments` that are compared.
+    `instruments` that are compared, and whether they contradict each other `partly`, for some time.
     """
 
     given: tuple
@@ -51,6 +51,7 @@ class Facts(NamedTuple):
     applied: bool = False
     strained: tuple = ()
     instruments: tuple = ()
+    partly: bool = False
 
 
 class Choice(NamedTuple):
@@ -93,7 +94,8 @@ def recommended(facts):
     best = given[0]
     why = {
         "joint": f"it uses all light of {listed(facts.instruments)}"
-        + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it"),
+        + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it")
+        + (" but where the status is contradicted" if facts.partly else ""),
         "emissivity": "it lets the emissivity depend on wavelength and time",
         "subtraction": "no joint estimate stands beside it",
         "spectra": "there are spectra alone behind a plasma, and the surface is taken as grey",
@@ -203,9 +205,10 @@ def of_correction(parts, found=(), missing=None):
         for name, kind in (("pyrometer", "corrected_temperature"), ("spectrometer", "scaled_temperature"))
         if any(kind in part.variables for part in parts)
     ]
+    partly = "joint" in given and bool(holding["joint"].attrs.get("contradictions"))
     if "joint" in given:
         instruments = holding["joint"].attrs["instruments"].split()
-    choice = recommended(Facts(given, against, missing or {}, instruments=tuple(instruments)))
+    choice = recommended(Facts(given, against, missing or {}, instruments=tuple(instruments), partly=partly))
     best = choice.estimate or next(one for one in BEST_FIRST if one in holding)
     part, (name, state) = holding[best], SERIES[best]
     (axis,) = part[name].dims
