@@ -12,7 +12,7 @@ import yaml
 
 from plasmapyro.contracts import VARIABLES
 from plasmapyro.foreign import printable
-from plasmapyro.readers import burst, clock, columns, ocean, parts, tdms, units
+from plasmapyro.readers import burst, clock, columns, ocean, parts, spectra_table, tdms, units
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.dialects import ARRAYS, table_lines
 from plasmapyro.readers.guess_table import (
@@ -165,7 +165,7 @@ def _kind(path):
     if any(line.startswith("Exposure Time (secs)") for line in lines + every[-ocean.HEADER_LINES :]):
         return "andor", None
     fenced = any(line.startswith(ocean.FENCE) for line in lines)
-    if fenced and columns.series_lines(lines) is lines or not fenced and ocean.plain_spectrum(every):
+    if fenced and spectra_table.series_lines(lines) is lines or not fenced and ocean.plain_spectrum(every):
         return "spectrum", None
     data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
     try:
@@ -179,7 +179,7 @@ def _kind(path):
     if table is None:
         return None, None
     places = assign(table)
-    if len(table.labels) > columns.MOST_OF_LONG and table.labels[0] == "column 1":
+    if len(table.labels) > spectra_table.MOST_OF_LONG and table.labels[0] == "column 1":
         what = f"holds {len(table.labels)} columns of numbers without names"
         refuse(
             path, what, "of spectra write the wavelengths above them, as 'time,750.1,750.5', of signals names"
@@ -205,24 +205,24 @@ def _matrix(path, lines):
 
     Or, below a cell that names wavelengths, the first column does; if they are none, Refusal.
     """
-    lines = columns.series_lines(lines)
+    lines = spectra_table.series_lines(lines)
     for name, mark in columns.DELIMITERS.items():
         rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
-        upright = columns.upright_row(rows)
+        upright = spectra_table.upright_row(rows)
         if upright is not None and len(rows[upright]) > len(rows[-1]):
             continue
         start = start if upright is None else upright
-        spare = columns.spare_columns(rows[start])
+        spare = spectra_table.spare_columns(rows[start])
         listed = rows[start][1 + spare :] if upright is None else [row[0] for row in rows[start + 1 :]]
-        if long := columns.long_places(rows[start]):
+        if long := spectra_table.long_places(rows[start]):
             listed = [row[long[0]] for row in rows[start + 1 :] if len(row) > long[0]]
             listed = listed[: listed.index(listed[0], 1)] if listed[0] in listed[1:] else listed
         values = [number(word, "," if "," in word else ".") for word in listed]
         if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
             values.sort()
             for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0), ("Angstrom", 1e-10)):
-                if unit == "Angstrom" and not columns.ANGSTROM.search(rows[start][0]):
+                if unit == "Angstrom" and not spectra_table.ANGSTROM.search(rows[start][0]):
                     continue
                 if 1.5e-7 < values[0] * scale and values[-1] * scale < 5e-6:
                     return unit, name
@@ -491,10 +491,10 @@ def _matrix_lines(folder, listed, dark, questions):
         questions.append(f"{dark[0].name} looks like a dark, and no table like its spectra")
         return []
     unit, mark = dict(listed)[tables[0]]
-    lines = columns.series_lines(read_lines(tables[0], columns.LARGEST)[0])
+    lines = spectra_table.series_lines(read_lines(tables[0], columns.LARGEST)[0])
     lines = [line for line in lines if line.strip()]
     rows = [columns.split(line, columns.DELIMITERS[mark]) for line in lines]
-    upright = columns.upright_row(rows)
+    upright = spectra_table.upright_row(rows)
     begins = [row[0] for row in rows[-MOST_ROWS:]] if upright is None else rows[upright][1:]
     stamps = [word for word in begins if clock.looks_like_stamp(word)]
     timing = []
@@ -507,7 +507,7 @@ def _matrix_lines(folder, listed, dark, questions):
             f"  time_format: {_quoted(form)}",
             f"  zero: {_quoted(zero)}  # ? the moment that shall be 0",
         ]
-    times, _, values = columns.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)
+    times, _, values = spectra_table.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)
     if not stamps and times.size > 1 and (np.diff(times) == 1).all() and times[0] in (0, 1):
         questions.append(
             "spectrometer.time: the spectra are numbered: when was the first, how far apart are they?"

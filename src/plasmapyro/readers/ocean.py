@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plasmapyro.readers import columns
+from plasmapyro.readers import columns, spectra_table
 from plasmapyro.readers.text import number, quote, read_lines, refuse
 
 LARGEST = 8_000_000  # [byte] of one spectrum
@@ -163,7 +163,7 @@ def names_above(lines, block):
     above = [line for line in lines[: block.lines[0]] if line.strip()][-3:]
     above = [columns.split(line.lstrip("#%! "), block.mark) for line in above]
     width = block.table.shape[1]
-    named = [row for row in above if len(row) >= width and any(map(columns.WAVES.search, row))]
+    named = [row for row in above if len(row) >= width and any(map(spectra_table.WAVES.search, row))]
     if not named:
         return above, []
     return above, next((row for row in reversed(named) if not columns.units_below(row)), named[-1])[:width]
@@ -176,7 +176,7 @@ def rising(table, name=""):
     do not rise or fall throughout, or reach beyond 150 nm to 5 um.
     """
     table = table[::-1] if table[0, 0] > table[-1, 0] else table
-    unit = 1e-10 if columns.ANGSTROM.search(name) else 1e-6 if table[-1, 0] < 10 else 1e-9
+    unit = 1e-10 if spectra_table.ANGSTROM.search(name) else 1e-6 if table[-1, 0] < 10 else 1e-9
     wavelength = table[:, 0] * unit
     sound = (np.diff(wavelength) > 0).all() and SHORTEST < wavelength[0] < wavelength[-1] < LONGEST
     return table, wavelength if sound else None
@@ -195,8 +195,8 @@ def plain_spectrum(lines):
     table, first = block.table, block.lines[0]
     above, names = names_above(lines, block)
     if names:
-        place = next((i for i, name in enumerate(names) if columns.WAVES.search(name)), table.shape[1])
-        if any(columns.TIMES.match(name) for name in names[: place + 1]):
+        place = next((i for i, name in enumerate(names) if spectra_table.WAVES.search(name)), table.shape[1])
+        if any(spectra_table.TIMES.match(name) for name in names[: place + 1]):
             return None
         names, table = names[place:], table[:, place:]
     else:
@@ -209,7 +209,7 @@ def plain_spectrum(lines):
         names = ["W", "S"]
     if len(set(names)) < len(names) or len(names) != table.shape[1] or len(names) < 2:
         return None
-    if table.shape[1] > 2 and all(columns.is_value(columns.moment(name)) for name in names[1:]):
+    if table.shape[1] > 2 and all(columns.is_value(spectra_table.moment(name)) for name in names[1:]):
         return None  # spectra below their times
     table, wavelength = rising(table, names[0])
     if wavelength is None:

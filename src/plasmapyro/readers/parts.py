@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro.readers import andor, burst, clock, columns, ocean, tdms, units
+from plasmapyro.readers import andor, burst, clock, columns, ocean, spectra_table, tdms, units
 from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines, refuse, refuse_all
 from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.refraction import HIGHEST, LOWEST, vacuum_wavelength
@@ -495,7 +495,7 @@ def _tables(paths, folder, settings):
 
     def read(path):
         if settings["format"] == "csv":
-            return columns.read_matrix(path, *settings["marks"], settings["stamps"])
+            return spectra_table.read_matrix(path, *settings["marks"], settings["stamps"])
         series = andor.read_series(path)
         if (
             path != background and series.exposure

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from plasmapyro.readers import columns
+from plasmapyro.readers import spectra_table
 from plasmapyro.readers.ocean import (
     DARK,
     DERIVED,
@@ -52,7 +52,7 @@ def read_frames(path, least=LEAST_PIXELS):
         refuse(path, "is no row of as many numbers as those above", "correct or remove the line", at + 1)
     if not names and NO_WAVELENGTH.search(above):
         refuse(path, f"{quote(above.strip())} is no column of wavelengths", "export it over wavelength")
-    place = next((i for i, name in enumerate(names) if columns.WAVES.search(name)), 0)
+    place = next((i for i, name in enumerate(names) if spectra_table.WAVES.search(name)), 0)
     if table.shape[1] > 2 and not names and table[0, 0] in (0, 1) and (np.diff(table[:, 0]) == 1).all():
         place = 1  # behind the number of the pixel
     names, own = names[place:] or [""], table[:, place:]
