@@ -29,19 +29,20 @@ def gathered(results):
     """Dataset of contract 'simulations' and the paths it was read from."""
     signals = results / "analysis/gas_signal.nc"
     light = io.read(signals, "gas_signal")
-    names, paths, parts = [str(name) for name in light.condition.values], [signals], []
+    names, paths, parts, depth = [str(name) for name in light.condition.values], [signals], [], []
     for name in names:
         files = [results / f"{folder}/{name}.nc" for folder in ("radiation", "radiation_variations")]
         radiation, varied = io.read(files[0], "radiation"), io.read(files[1], "gas_variations")
         seen = [one for one in radiation.data_vars if one.endswith("_slit")]
         parts.append(xr.merge([radiation[[*seen, "component_uncertainty"]], varied], combine_attrs="drop"))
+        depth.append(varied.attrs["optical_depth_simulated"])
         paths += files
     own = [name for name in parts[0].data_vars if name != "component_uncertainty"]
     whole = xr.concat(parts, "condition", data_vars=own, coords="minimal", compat="equals", join="exact")
     # Relative errors are much the same at all powers: those of the middle one stand for all.
     modes = io.read(results / f"radiation/{names[len(names) // 2]}.nc", "radiation")
     whole = whole.merge(modes[["error_share", "error_system", "error_cause"]], combine_attrs="drop")
-    light = light.drop_vars("chamber_pressure")
+    light = light.drop_vars("chamber_pressure").assign(optical_depth_simulated=("condition", depth))
     whole = xr.merge([whole.assign_coords(condition=names), light], combine_attrs="drop", join="exact")
     common = conditions.carried(radiation) | {key: radiation.attrs[key] for key in ("slit_fwhm", "origin")}
     del common[conditions.POWER]

@@ -10,6 +10,7 @@ from plasmapyro import io
 
 FOLDER = files("plasmapyro") / "data" / "simulations"
 NAME = "air_50mbar_16gs"
+OF_CONDITION = ("numerical_power", "optical_depth_simulated")  # attributes of a condition of its own
 REMARK = "the test is compared with the simulations that come with plasmapyro, not with those of a run"
 
 
@@ -40,6 +41,6 @@ def by_condition():
     found = {}
     for name in map(str, whole.condition.values):
         one = whole.sel(condition=name, drop=True)
-        power = float(one.numerical_power)
-        found[name] = one.drop_vars("numerical_power").assign_attrs(numerical_power=power)
+        own = {key: float(one[key]) for key in OF_CONDITION}
+        found[name] = one.drop_vars(OF_CONDITION).assign_attrs(own)
     return found
