@@ -282,11 +282,10 @@ def test_a_rule_of_times_and_axes_says_what_it_saw(sound, name):
     assert words in said(change(sound), {})[name]
 
 
-def test_a_smaller_lag_is_said_where_the_joint_estimate_contradicts_itself(sound):
-    late = moved(sound, "spectrum_time", lambda s: s - 0.6)
-    assert "two_clocks" not in said(late, {})
-    against = xr.Dataset({"surface_temperature": 0.0}, attrs={"contradictions": "the data pull the drift"})
-    assert "moved by +0.6" in said(late, {}, estimate=against)["two_clocks"]
+def test_a_lag_that_the_joint_estimate_would_follow_is_said(sound):
+    """It moves the temperature of the example by 11 K at a stated 4 K, and contradicts nothing else."""
+    early = moved(sound, "spectrum_time", lambda s: s - 0.6)
+    assert "moved by +0.6" in said(early, {})["two_clocks"]
 
 
 def with_bands(test, late=0.0):

@@ -8,7 +8,6 @@ from plasmapyro.record.clock import lag
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
 FARTHEST = 12.0  # [s] clocks are compared up to this
-CONTRADICTED = 0.3  # of the limit for a lag, if instruments contradict each other anyway
 FRAMES = 8  # fewer spectra do not tell a lag
 GAPS = 10  # times the usual step, or the second it may be
 
@@ -127,14 +126,10 @@ def two_clocks(case, limit):
     if np.isnan(rest).all():
         return None
     best, now = int(np.nanargmin(rest)), int(np.argmin(np.abs(lags)))
-    # Where the joint estimate contradicts itself less of a lag may be why: it knows the heating to a kelvin.
-    against = case.estimate is not None and case.estimate.attrs.get("contradictions")
-    tolerance = max(
-        limit * (CONTRADICTED if against else 1.0), case.exposure, 2 * float(np.median(np.diff(time)))
-    )
+    tolerance = max(limit, case.exposure, 2 * float(np.median(np.diff(time))))
     # Normal noise makes the residual 1.3 times as small at another lag once in 1000 cases of 30 spectra;
     # below 1 % flicker within an exposure may, a clock must then be far better, and 0.3 % harms nothing.
-    better = 1.5 if rest[now] >= 0.01 else 5.0
+    better = 1.5 if rest[now] >= 0.01 else 3.0
     if abs(lags[best]) <= tolerance or rest[now] < max(better * rest[best], 0.003):
         return None
     return {"lag": float(lags[best]), "best": 100 * float(rest[best]), "now": 100 * float(rest[now])}
