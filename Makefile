@@ -24,7 +24,7 @@ SNAKEMAKE := PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --cores $(CORES)
 PIP := $(BIN)/pip install --quiet --disable-pip-version-check
 LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-annotate --custom-compile-command "make lock"
 
-.PHONY: figures minimal report test blind reproduce compare slurm faults fuzz lock simulations campaign light site clean
+.PHONY: figures minimal report test style blind reproduce compare slurm faults fuzz lock simulations campaign light site clean
 
 figures: .venv/installed
 	$(SNAKEMAKE)
@@ -35,12 +35,15 @@ minimal: .venv/installed
 report: .venv/installed
 	$(SNAKEMAKE) results/report.html
 
-test: .venv/tested site
+test: .venv/tested
+	$(MAKE) --jobs $(CORES) site style
+	$(BIN)/pytest --numprocesses $(CORES)
+
+style: .venv/tested
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
-	$(BIN)/pytest --numprocesses $(CORES)
 
 blind: .venv/installed
 	$(SNAKEMAKE) results/radiation_variations/60kW.nc results/radiation_variations/80kW.nc $(foreach power,50 70 90 100 110 120 130,results/radiation/$(power)kW.nc)
@@ -51,7 +54,7 @@ reproduce: .venv/tested
 
 compare: figures report .venv/tested
 	$(BIN)/python workflow/reproduce.py --results results
-	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report \
+	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q --numprocesses $(CORES) tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report \
 	  tests/radiation/test_stored_table.py \
 	  tests/test_public_functions.py::test_the_shipped_simulations_are_those_of_a_run
 
