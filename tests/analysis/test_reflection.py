@@ -106,6 +106,39 @@ def test_without_reflection_it_is_the_error_map_of_the_paper(case):
     np.testing.assert_allclose(ours.relative_error, paper.relative_error, rtol=1e-10, atol=1e-12)
 
 
+@pytest.mark.parametrize("count", [1, 3, 5, 25])
+def test_samples_reflect_before_instruments_of_any_bands(case, count):
+    """Without reflection it is the map of errors; a matt sample in twenty times the light reads hot."""
+    gas, spectra, _, _ = case
+    middle, names = spectra.wavelength.values, [f"b{place}" for place in range(count)]
+    curves = np.exp(-(((middle - np.linspace(750e-9, 1150e-9, count)[:, None]) / 20e-9) ** 2))
+    response = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), curves)}, {"wavelength": middle, "band": names}
+    )
+    light = 1e7 * curves @ np.diff(spectra.wavelength_edge.values)
+    gas = xr.Dataset(
+        {"gas_signal": (("condition", "band"), light[None]), "numerical_power": ("condition", [9e4])},
+        {"condition": ["a"], "band": names},
+    )
+    kelvin = np.arange(600.0, 5000.0, 10.0)
+    black = [blackbody_signal(kelvin, middle, row) for row in curves]
+    curve = xr.Dataset(
+        {"calibration_signal": (("band", "calibration_temperature"), black)},
+        {"calibration_temperature": kelvin, "band": names},
+    )
+    found = maps((gas, spectra, response, curve)).sel(condition="a")
+    keys = {"object_temperature": found.object_temperature.values, "emittance": found.emittance.values}
+    plain = error_map(gas, response, curve, **keys, error_level=0.01).relative_error.sel(condition="a")
+    own = found.relative_error.sel(correction="none")
+    np.testing.assert_allclose(own.sel(surface="no reflection"), plain, rtol=1e-10, atol=1e-12)
+    hot, dark = (own.sel(surface="matt", emittance=e, object_temperature=1500.0) for e in (0.1, 1.0))
+    assert float(hot - plain.sel(emittance=0.1, object_temperature=1500.0)) > 0.02
+    assert float(dark) == pytest.approx(float(plain.sel(emittance=1.0, object_temperature=1500.0)))
+    assert list(found.incident_signal.band.values) == names
+    diffuse = found.incident_signal.sel(reflection="diffuse")
+    np.testing.assert_allclose(diffuse, 20 * found.incident_signal.sel(reflection="specular"), rtol=1e-12)
+
+
 def test_all_surfaces_agree_where_the_emittance_is_one(case):
     error = maps(case).relative_error.sel(emittance=1.0)
     np.testing.assert_allclose(error, np.broadcast_to(error[:1], error.shape), rtol=1e-10)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from plasmapyro.plots import analysis, flow, radiation
+from plasmapyro.plots import analysis, flow, instrument, radiation
 
 NAMES, COUNT = ["90kW", "wet", "mine"], 3
 OF_CONDITIONS = {
@@ -89,6 +89,36 @@ def test_every_figure_of_a_set_draws_conditions_of_ones_own(tmp_path, visibility
         if draw is not analysis.visibility_limits:
             assert all(label in texts(path) for label in ("90 kW, 50 mbar", "90 kW, 20 mbar", "mine"))
     assert "20 mbar" in texts(tmp_path / "visibility_limits.svg")  # which no power leaves out
+
+
+@pytest.mark.parametrize("count, panels, curves", [(1, 1, 1), (3, 3, 3), (5, 3, 5), (25, 3, 5)])
+def test_figures_show_instruments_of_any_bands(tmp_path, count, panels, curves):
+    names = [f"b{place + 1}" for place in range(count)]
+    axis = np.linspace(650e-9, 1150e-9, 800)
+    rows = np.abs(axis - np.linspace(680e-9, 1120e-9, count)[:, None]) < 8e-9
+    response = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), rows.astype(float))},
+        {"wavelength": axis, "band": names},
+        {"instrument": "many colours"},
+    )
+    instrument.responses(response, [tmp_path / "responses.svg"])
+    shown = texts(tmp_path / "responses.svg")
+    assert "many colours" in shown and ("b1" in shown) == (count < 8)
+    dims = ("condition", "band", "object_temperature")
+    seen = xr.Dataset(
+        {
+            "visibility_factor": (dims, per_condition(count, 30)),
+            "visibility_limit": (("visibility_level", "condition", "band"), 900 + per_condition(count)[None]),
+            **OF_CONDITIONS,
+        },
+        {"condition": NAMES, "band": names, "object_temperature": TEMPERATURE, "visibility_level": [0.9]},
+    )
+    analysis.visibility_factors(seen, [tmp_path / "factors.svg"])
+    factors = texts(tmp_path / "factors.svg")
+    assert sum(f"({name})" in factors for name in names) == panels
+    assert f"band {count} ({names[-1]})" in factors
+    analysis.visibility_limits(seen, [tmp_path / "limits.svg"])
+    assert texts(tmp_path / "limits.svg").count("=0.90") >= curves
 
 
 def test_the_error_map_of_a_ladder_shows_what_a_hot_back_wall_would_do(tmp_path):

@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 from clone import ROOT, copy_of_the_project, planned, snakemake
 from gas_signals import gas
 
@@ -349,6 +350,30 @@ def test_a_folder_of_raw_calibration_files_is_read_first(project):
     for rule in ("read_points", "read_exposures", "spectrometer_calibration"):
         assert re.search(rf"^{rule} +1$", plan, re.MULTILINE), plan
     assert "twin" not in plan
+
+
+def test_an_instrument_of_any_bands_takes_the_place_of_the_pyrometer(project):
+    """Light of the gas, errors, design and trust; claims and tests of a pyrometer are left out. A test of
+    that instrument goes through estimate and diagnosis with its own calibration."""
+    change = {"instrument": {"bands": "config/instruments/five_band.yaml", "calibration_points": "lamp"}}
+    (project / "five.yaml").write_text(yaml.safe_dump(change))
+    words = ("--dry-run", "--configfile", "five.yaml")
+    plan = snakemake(project, *words)
+    jobs, said = planned(plan), plan.stdout + plan.stderr
+    assert jobs["radiance"] == 9 and "tests of a pyrometer are left out: csic_160kW" in said
+    for rule in ("visibility", "error_map", "transient", "band_design", "reflection_map", "trust"):
+        assert jobs[rule] == jobs["figures_analysis"] == 1, rule
+    assert not {"twin_test", "claims", "calibration", "figures_calibration", "diagnosis"} & set(jobs)
+    shutil.copytree(ROOT / "docs/example/calibration", project / "lamp")
+    (project / "mine").mkdir()
+    (project / "mine/test.yaml").write_text("attributes: {condition: 90kW}\nradiometer: {file: mine.csv}\n")
+    (project / "mine/mine.csv").write_text("time [s],b1\n")
+    told = {"data_folder": "mine", "instruments": ["radiometer"], "calibrated_spectra": False}
+    (project / "config/tests/mine.yaml").write_text(yaml.safe_dump(told))
+    jobs = planned(snakemake(project, *words))
+    for rule in ("radiometer_calibration", "read_test", "joint_estimate", "findings", "diagnosis"):
+        assert jobs[rule] == 1, rule
+    assert not {"spectrometer_calibration", "pyrometer_correction"} & set(jobs)
 
 
 def test_minimal_takes_two_conditions(project):

@@ -46,8 +46,12 @@ MODEL = dict(  # what the model of a test is made of, besides the test
     radiation=lambda wildcards: expand("results/radiation/{condition}.nc", condition=ladders(wildcards)),
     variations=expand("results/radiation_variations/{condition}.nc", condition=VARIED),
     response="results/instrument/response.nc",
-    calibration="results/instrument/calibration.nc",
-    spectrometer_calibration="results/instrument/spectrometer_calibration.nc",
+    calibration=f"results/instrument/{CALIBRATION}.nc",
+    spectrometer_calibration=(
+        rules.joint_estimate.input.spectrometer_calibration
+        if BANDS
+        else "results/instrument/spectrometer_calibration.nc"
+    ),
 )
 LIMITS = {  # of the paper's correction
     name: config["experiment"]["pyrometer"][name]
@@ -97,7 +101,7 @@ EFFICIENCY_KW = (56, 64)
 WEAK = [
     name for name in PAPER if EFFICIENCY_KW[0] <= CONDITIONS[name]["numerical_power_kw"] <= EFFICIENCY_KW[1]
 ]
-if WEAK and len(PAPER) > 2:
+if WEAK and len(PAPER) > 2 and not BANDS:
     RESULTS += ["results/diagnosis/published_experiment.md"]
 
 

@@ -1,10 +1,3 @@
-RESULTS += [
-    f"results/experiment/{test}/{instrument}_correction.nc"
-    for test in WORKED
-    for instrument in TESTS[test]["instruments"]
-]
-
-
 from pathlib import Path
 
 from plasmapyro.readers.stage import sources
@@ -66,13 +59,14 @@ rule spectrometer_correction:
 rule joint_estimate:
     input:
         test=usable_test,
-        calibration="results/instrument/calibration.nc",
-        response="results/instrument/response.nc",
+        calibration=[] if BANDS else "results/instrument/calibration.nc",
+        response=[] if BANDS else "results/instrument/response.nc",
         spectrometer_calibration=lambda wildcards: (
             spectrometer_calibration_of(wildcards)
             if "spectrometer" in TESTS[wildcards.test]["instruments"]
             else []
         ),
+        radiometer_calibration="results/instrument/radiometer_calibration.nc" if BANDS else [],
     output:
         "results/experiment/{test}/joint_estimate.nc",
     params:
@@ -87,15 +81,17 @@ CORRECTIONS = [
     (test, contract)
     for test in WORKED
     for contract in [
-        *[f"{instrument}_correction" for instrument in TESTS[test]["instruments"]],
-        *["joint_estimate" for instrument in TESTS[test]["instruments"] if instrument == "pyrometer"],
+        *[f"{one}_correction" for one in TESTS[test]["instruments"] if one != "radiometer"],
+        *["joint_estimate" for one in TESTS[test]["instruments"] if one != "spectrometer"],
     ]
 ]
+RESULTS += [f"results/experiment/{test}/{contract}.nc" for test, contract in CORRECTIONS]
 RESULTS += expand("results/experiment/{test}/findings.json", test=WORKED)
 
 
 rule findings:
     input:
+        **{CALIBRATION: f"results/instrument/{CALIBRATION}.nc"},
         test=test_file,
         corrections=lambda wildcards: [
             f"results/experiment/{test}/{contract}.nc"
@@ -103,8 +99,7 @@ rule findings:
             if test == wildcards.test
         ],
         response="results/instrument/response.nc",
-        calibration="results/instrument/calibration.nc",
-        spectrometer_calibration=spectrometer_calibration_of,
+        spectrometer_calibration=rules.joint_estimate.input.spectrometer_calibration,
     output:
         "results/experiment/{test}/findings.json",
     params:

@@ -2,7 +2,10 @@
 # The graph has no circle, because nothing under results/ but that folder reads the proposal. Effects of a test act
 # on that test; those of the gas, found in the first test, on the simulation that every test is compared with.
 # One page needs both instruments, and a simulated flow behind the gas.
-FORETOLD = [test for test in COMPARED if len(TESTS[test]["instruments"]) == 2 and COMPARED[test] in COMPUTED]
+BOTH = {"pyrometer", "spectrometer"}
+FORETOLD = [
+    test for test in COMPARED if BOTH <= set(TESTS[test]["instruments"]) and COMPARED[test] in COMPUTED
+]
 EXTENDED = [test for test in FORETOLD if test in WORKED] if config["diagnosis"]["extend"] else []
 RESULTS += expand("results/extended/{test}/{name}", test=EXTENDED, name=["gain.md", "joint_estimate.nc"])
 RESULTS += expand("results/extended/diagnosis/{test}/diagnosis.json", test=EXTENDED)

@@ -1,8 +1,10 @@
 from plasmapyro.readers.stage import sources as raw_files
 
+# What calibrates the bands of a test: the two-colour pyrometer's, or those of an instrument of any bands.
+CALIBRATION = "radiometer_calibration" if BANDS else "calibration"
 RESULTS += expand(
     "results/instrument/{name}.nc",
-    name=["response", "ratio_curve", "calibration", "spectrometer_calibration"],
+    name=["response", "ratio_curve", *([] if BANDS else ["calibration", "spectrometer_calibration"])],
 )
 
 POINTS = config["instrument"]["calibration_points"]
@@ -54,6 +56,21 @@ rule calibration:
         **config["instrument"]["calibration"],
     script:
         "../scripts/calibration.py"
+
+
+rule radiometer_calibration:
+    input:
+        lambda wildcards: raw_files(POINTS),
+    output:
+        "results/instrument/radiometer_calibration.nc",
+    localrule: True
+    params:
+        folder=POINTS,
+        source_temperature_uncertainty_k=config["instrument"]["calibration"][
+            "source_temperature_uncertainty_k"
+        ],
+    script:
+        "../scripts/radiometer_calibration.py"
 
 
 if EXPOSURES.endswith(".nc"):

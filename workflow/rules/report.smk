@@ -6,7 +6,7 @@ rule report:
     input:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in TEMPERATURES],
-        claims="results/claims.nc",
+        claims=CLAIMS,
         findings=expand("results/experiment/{test}/findings.json", test=WORKED),
         diagnoses=expand("results/diagnosis/{test}/index.html", test=DIAGNOSED),
         everything=RESULTS,

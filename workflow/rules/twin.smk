@@ -1,5 +1,6 @@
 # The synthetic twin: files as a laboratory would hand them over, made by code that shares nothing with the package.
-RESULTS += [config["instrument"]["calibration_points"], config["instrument"]["spectrometer_counts"]]
+if not BANDS:
+    RESULTS += [config["instrument"]["calibration_points"], config["instrument"]["spectrometer_counts"]]
 RESULTS += [
     f"results/twin/{test}/{name}.nc"
     for test, settings in TESTS.items()

@@ -9,7 +9,7 @@ from plasmapyro.readers.stage import read_with_files
 
 io.log_to(snakemake.log[0])
 paths, folder = snakemake.input, snakemake.params.folder
-others = ("calibration", "response", "spectrometer_calibration")
+others = ("calibration", "response", "spectrometer_calibration", "radiometer_calibration")
 found = of_test(
     folder,
     read_with_files(folder),

@@ -13,7 +13,7 @@ from plasmapyro.analysis.visibility import temperature_at_visibility, visibility
 from plasmapyro.checks import fraction, increasing
 from plasmapyro.conditions import ladder, number
 from plasmapyro.instrument.pyrometer import blackbody_signals, invert_grey, invert_ratio, measured_ratio
-from plasmapyro.radiation.bandsignal import BANDS, bands_of, two_bands
+from plasmapyro.radiation.bandsignal import bands_of, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
 
 
@@ -247,10 +247,14 @@ def _read(gas, response, curve, emittance, temperature):
     black = blackbody_signals(temperature, response)
     lead = (-1,) + (1,) * (np.ndim(temperature) - 1)
     light = [gas.gas_signal.sel(band=band).values.reshape(lead) for band in bands_of(response)]
+    return _reading([emittance * body + gas for body, gas in zip(black, light, strict=True)], curve)
+
+
+def _reading(signals, curve):
+    """Reading and status of an instrument that takes the surface as grey, from signals (...) of its bands."""
     if "calibration_signal" in curve:
-        signals = [emittance * body + gas for body, gas in zip(black, light, strict=True)]
         return invert_grey(signals, curve.calibration_temperature.values, curve.calibration_signal.values)
-    ratio = measured_ratio(float(curve.sensitivity_ratio), emittance, black, light)
+    ratio = measured_ratio(float(curve.sensitivity_ratio), 1.0, signals, (0.0, 0.0))
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
 
 
@@ -293,18 +297,17 @@ def reflection_map(
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
-    response = two_bands(response, "the map of reflections")
     order = list(spectra.condition.values)
     gas = gas.sel(condition=order)
     incident = spectra.incident_binned.sel(condition=order, reflection="diffuse").values
     middle = spectra.wavelength.values
     size = np.diff(spectra.wavelength_edge.values)
     curves = [
-        np.interp(middle, response.wavelength, response[f"responsivity_{band}"], left=0.0, right=0.0)
-        for band in BANDS
+        np.interp(middle, response.wavelength, row, left=0.0, right=0.0) for row in responsivities(response)
     ]
     diffuse = np.stack([incident @ (row * size) for row in curves], axis=1)  # (condition, band)
-    own = gas.gas_signal.sel(band=list(BANDS)).values
+    names = bands_of(response)
+    own = gas.gas_signal.sel(band=names).values
     black = blackbody_signals(temperature, response)
     shape = (len(SURFACES), len(CORRECTIONS), len(order), emittance.size, temperature.size)
     error, grey = np.empty(shape), emittance[None, :, None]
@@ -318,12 +321,8 @@ def reflection_map(
                 (extra, extra - own[:, band, None, None], gas_variation * extra)[row]
                 for band, extra in enumerate(added)
             ]
-            wide, narrow = (grey * black[band] + left[band] for band in range(len(BANDS)))
-            reading, _ = invert_ratio(
-                float(curve.sensitivity_ratio) * wide / narrow,
-                curve.calibration_temperature.values,
-                curve.calibration_ratio.values,
-            )
+            seen = [grey * body + more for body, more in zip(black, left, strict=True)]
+            reading, _ = _reading(seen, curve)
             error[surface, row] = relative_error(reading, temperature)
     limit, status = error_limit(temperature, error, error_level)
     cost = np.abs(error - error[:1]) * temperature
@@ -348,7 +347,7 @@ def reflection_map(
             "emittance": emittance,
             "object_temperature": temperature,
             "reflection": ["specular", "diffuse"],
-            "band": list(BANDS),
+            "band": names,
         },
         {
             "error_level": float(error_level),

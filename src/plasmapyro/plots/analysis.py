@@ -10,17 +10,18 @@ BACK_WALLS = {"back wall of 7200 K": ("0.82", 1.105), "adiabatic back wall": ("0
 
 
 def visibility_factors(visibility, paths):
-    """Figure 7a: visibility factor of both bands against surface temperature, one panel per band."""
-    _, panels = style.figure(size=(6.4, 2.8), ncols=2, sharey=True)
-    for axes, (number, band) in zip(panels, enumerate(("wide", "narrow"), start=1), strict=True):
+    """Figure 7a: visibility factor against surface temperature, one panel per band (of many, three)."""
+    shown = style.bands(visibility.band.values, most=3)
+    _, panels = style.figure(size=(3.2 * len(shown), 2.8), ncols=len(shown), sharey=True, squeeze=False)
+    for axes, (number, band, _) in zip(panels[0], shown, strict=True):
         factors = visibility.visibility_factor.sel(band=band).values
         for factor, curve in zip(factors, style.curves_in(visibility), strict=True):
             axes.plot(visibility.object_temperature, factor, **curve.options)
         axes.set_title(f"band {number} ({band})", loc="left", fontsize=8)
         axes.set(xlabel="Object temperature $T_{obj}$ [K]", ylim=(-0.02, 1.02), xlim=(500, 2000))
-    panels[0].set_ylabel(r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]")
-    style.legend_beside(panels[1])
-    style.save(panels[1], paths, visibility)
+    panels[0, 0].set_ylabel(r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]")
+    style.legend_beside(panels[0, -1])
+    style.save(panels[0, -1], paths, visibility)
 
 
 def visibility_limits(visibility, paths):
@@ -37,17 +38,15 @@ def visibility_limits(visibility, paths):
         where = f", {pressure / 100:g} mbar" if several else ""
         some = known.isel(condition=pressures == pressure).sortby("numerical_power")
         for level, marker in zip(visibility.visibility_level.values, "osD^", strict=False):
-            for number, (band, colour) in enumerate(
-                (("wide", style.WIDE), ("narrow", style.NARROW)), start=1
-            ):
+            for number, band, colour in style.bands(visibility.band.values, most=5):
                 axes.plot(
                     some.numerical_power / 1e3,
                     some.visibility_limit.sel(visibility_level=level, band=band),
-                    marker + style.DASHES[number - 1],
+                    marker + style.DASHES[(number - 1) % len(style.DASHES)],
                     ms=3.5,
                     color=colour,
                     alpha=1.0 / (1 + place),
-                    label=rf"$\nu_{number}={level:.2f}$" + where,
+                    label=rf"$\nu_{{{number}}}={level:.2f}$" + where,
                 )
     axes.legend(ncols=2)
     axes.set(xlabel="Numerical power [kW]", ylabel="Object temperature $T_{obj}$ [K]")

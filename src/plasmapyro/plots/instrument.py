@@ -2,25 +2,23 @@
 
 from plasmapyro.plots import style
 
+MOST_NAMED = 8  # bands with a name each in the legend
+
 
 def responses(response, paths):
-    """Figure 3a: normalised spectral responses of the two bands."""
-    if "responsivity" in response:
-        raise ValueError("figure 3a shows the wide and the narrow band; the instrument has others")
+    """Figure 3a: normalised spectral responses of the bands."""
     _, axes = style.figure(size=(3.0, 2.6))
-    wavelength = response.wavelength * 1e6
-    axes.plot(
-        wavelength, response.responsivity_wide, color=style.WIDE, label=r"$\tilde{R}_{\lambda,1}$ (wide)"
-    )
-    axes.plot(
-        wavelength,
-        response.responsivity_narrow,
-        color=style.NARROW,
-        label=r"$\tilde{R}_{\lambda,2}$ (narrow)",
-    )
-    axes.legend(loc="upper left")
-    axes.set(xlabel="Wavelength [µm]", ylabel="Normalised response [–]", xlim=(0.70, 1.20), ylim=(0, 1.25))
-    axes.set_title("modelled: layered silicon, long-pass edge", loc="left", fontsize=7)
+    wavelength, (curves, names) = response.wavelength.values * 1e6, style.responsivities(response)
+    for number, name, colour in style.bands(names, most=len(names)):
+        label = rf"$\tilde{{R}}_{{\lambda,{number}}}$ ({name})" if len(names) < MOST_NAMED else None
+        axes.plot(wavelength, curves[number - 1], color=colour, label=label)
+    if len(names) < MOST_NAMED:
+        axes.legend(loc="upper left", ncols=1 + len(names) // 3)
+    first, last = min(0.70, wavelength[0]), max(1.20, wavelength[-1])
+    top = 1.25 if len(names) < 3 else 1.5
+    axes.set(xlabel="Wavelength [µm]", ylabel="Normalised response [–]", xlim=(first, last), ylim=(0, top))
+    title = response.attrs.get("instrument", "modelled: layered silicon, long-pass edge")
+    axes.set_title(title, loc="left", fontsize=7)
     style.save(axes, paths)
 
 

@@ -22,18 +22,18 @@ def spectral_radiance(radiances, surface, bands, paths):
             lw=0.6,
             label=curve.label,
         )
+    first, last = surface.wavelength.values[[0, -1]] * 1e9
     for temperature in surface.object_temperature.values:
         curve = surface.surface_radiance.sel(object_temperature=temperature) * 1e-6
         axes.semilogy(surface.wavelength * 1e9, curve, "k--", lw=0.8)
-        axes.annotate(
-            f"{temperature:.0f} K", (1201, float(curve[-1])), fontsize=7, va="center", annotation_clip=False
-        )
-    for name, shade in (("wide", "0.93"), ("narrow", "0.86")):
-        inside = bands.wavelength.values[bands[f"responsivity_{name}"].values > 0.05] * 1e9
-        axes.axvspan(inside[0], inside[-1], color=shade, zorder=0)
+        beside = last + 1, float(curve[-1])
+        axes.annotate(f"{temperature:.0f} K", beside, fontsize=7, va="center", annotation_clip=False)
+    for number, curve in enumerate(style.responsivities(bands)[0]):
+        inside = bands.wavelength.values[curve > 0.05] * 1e9
+        axes.axvspan(inside[0], inside[-1], color=("0.93", "0.86")[number % 2], zorder=0)
     axes.legend(title="gas $L_\\lambda^{g,e}$ at the numerical power", ncols=5, loc="lower center")
     axes.set(
-        xlim=(700, 1200),
+        xlim=(first, last),
         ylim=(1e-3, 3e5),
         xlabel="Wavelength (vacuum) [nm]",
         ylabel="Spectral radiance [W m$^{-2}$ sr$^{-1}$ µm$^{-1}$]",

@@ -41,6 +41,21 @@ def case_colours(count):
     return np.array([COOL(at - 0.05) if k % 2 else WARM(at) for k, at in enumerate(places)])
 
 
+def bands(names, most):
+    """(number, name, colour) of the bands that a figure shows: all, or `most` of them from end to end."""
+    names = list(map(str, names))
+    shown = sorted(set(np.linspace(0, len(names) - 1, min(len(names), most)).round().astype(int).tolist()))
+    colour = (WIDE, NARROW) if len(shown) < 3 else case_colours(len(shown))
+    return [(place + 1, names[place], colour[at]) for at, place in enumerate(shown)]
+
+
+def responsivities(response):
+    """Normalised responses (band, wavelength) of a dataset of contract 'response', and names of the bands."""
+    if "responsivity" in response:
+        return response.responsivity.values, response.band.values
+    return [response[f"responsivity_{name}"].values for name in ("wide", "narrow")], ("wide", "narrow")
+
+
 @dataclass(frozen=True)
 class Curve:
     """How one condition is drawn: `drawn` are the options of a line, without its label."""

@@ -326,7 +326,8 @@ class Model:
             else:
                 level = np.maximum(nodes[0], FAINTEST * nodes[0].mean())
             light = nodes[0] + error[0] * level
-            nodes[1 : 1 + len(scene.scattered)] *= light / np.maximum(nodes[0], TINY * level)
+            least = np.maximum(nodes[0], TINY * level)  # 0 beside the edges of a band
+            nodes[1 : 1 + len(scene.scattered)] *= light / np.where(least > 0, least, np.inf)
             nodes[0] = light
             before = error[1:].sum(axis=0)
         gas = scene.gas_gain[..., None] * nodes[0]

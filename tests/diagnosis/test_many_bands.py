@@ -1,0 +1,66 @@
+"""A radiometer of 25 narrow bands behind the gas that comes with the package."""
+
+import numpy as np
+import xarray as xr
+
+from plasmapyro import shipped
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.whole import fit_test
+from plasmapyro.instrument.bands import radiometer_calibration
+from plasmapyro.radiation.planck import blackbody_radiance
+
+CENTRES, HALF = np.linspace(710e-9, 1180e-9, 25), 5e-9
+NAMES = [f"c{place + 1}" for place in range(CENTRES.size)]
+OFF, EMITTANCE = 30.0, 0.8
+FACTS = {"instrument": "many", "calibration": "absolute", "signal_uncertainty": 0.003, "origin": "synthetic"}
+
+
+def light(kelvin):
+    return 2 * HALF * blackbody_radiance(CENTRES, np.asarray(kelvin, dtype=float)[:, None])
+
+
+def test_reflected_light_of_bands_is_finite_though_nothing_is_seen_beside_their_edges():
+    """Nodes beside an edge see no gas, and of none there is no share: 0/0 had stopped every diagnosis."""
+    axis = np.arange(700e-9, 1190e-9, 0.25e-9)
+    curves = (np.abs(axis - CENTRES[:, None]) < HALF).astype(float)
+    response = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), curves)},
+        {"wavelength": axis, "band": NAMES},
+        FACTS | {"instrument_range": (900.0, 2600.0)},
+    )
+    source = np.arange(1100.0, 2001.0, 150.0)
+    points = {"source_temperature": source} | dict(zip(NAMES, light(source).T, strict=True))
+    calibration = radiometer_calibration(response, points, source_temperature_uncertainty=1.0)
+    gases = shipped.by_condition()
+    one, random = gases["80kW"], np.random.default_rng(5)
+    gas = 2 * HALF * np.interp(CENTRES, one.wavelength_slit.values, one.gas_radiance_slit.values)
+    time = np.arange(-5.0, 40.0, 0.5)
+    kelvin = 350 + 1250 / (1 + np.exp(-(time - 10) / 2))
+    signal = EMITTANCE * light(kelvin) * (time >= 0)[:, None] + gas * (time < OFF)[:, None]
+    signal *= random.normal(1, 0.003, signal.shape)
+    test = xr.Dataset(
+        {"radiometer_signal": (("radiometer_time", "band"), signal, {"units": "1"})},
+        {"radiometer_time": ("radiometer_time", time, {"units": "s"}), "band": NAMES},
+        {
+            "origin": "synthetic",
+            "condition": "80kW",
+            "injection_time": 0.0,
+            "plasma_off_time": OFF,
+            "reference_window": [0.0, 4.0],
+            "emittance": EMITTANCE,
+            "emittance_uncertainty": 0.08,
+            "window_transmittance_radiometer": 1.0,
+            "radiometer_integration_time": 0.01,
+        },
+    )
+    given = {"saturation_counts": 65000.0, "radiometer_calibration": calibration}
+    base = fit_test(test, gases, one, None, **given)
+    model, state = base.model, base.solution.state
+    error, seen = state.error_of_gas(0), Setting(CATALOGUE["refl"], 0.1, {"contrast": 1.0})
+    assert np.any(error)
+    plain, more = (
+        model.evaluate(0, state.knots, state.values, settings, gas_error=error) for settings in ((), (seen,))
+    )
+    lit = (model.instruments[0].moment[:, 0] > 0) & (model.instruments[0].moment[:, -1] < OFF)
+    assert np.isfinite(more).all() and (more[lit] > plain[lit]).all()
