@@ -33,9 +33,13 @@ def test_elements_are_named_and_no_others(lines, elements, offset):
     assert float(answer.scale(620e-9)) == pytest.approx(offset * 1e-9, abs=0.05e-9)
 
 
-def test_a_lamp_without_a_common_element_tells_its_own_scale():
+@pytest.mark.parametrize(
+    ("element", "lines"),
+    [("Ne", made.NEON), ("Kr", made.KRYPTON), ("Xe", made.XENON), ("Cl", made.CHLORINE)],
+)
+def test_a_lamp_without_a_common_element_tells_its_own_scale(element, lines):
     """Half a line's width off, nothing but the lamp's own lines says so."""
-    assert names(identify(*made.spectrum(made.NEON, offset=0.15))) == {"Ne"}
+    assert names(identify(*made.spectrum(lines, offset=0.15))) == {element}
 
 
 def test_a_little_of_another_element_is_found_beside_much_of_one():
