@@ -180,3 +180,21 @@ def test_a_pattern_that_comes_and_goes_lies_along_time_too():
         one: seen_by(one)["axis"] for one in ("left_pattern", "left_moment", "surface_pattern", "pattern")
     }
     assert list(axes.values()) == ["time and wavelength", "time", "wavelength and temperature", "wavelength"]
+
+
+@pytest.mark.parametrize(
+    ("unknown", "left", "expected"),
+    [
+        ("walk_clock", "left_moment", "left_moment"),
+        (None, "left_moment", "left_moment"),
+        ("one_pattern", "left_pattern", "one_pattern"),
+        ("one_walk_gas", "left_frames", "one_walk_gas"),
+        ("walk_clock", None, "walk_clock"),
+        (None, None, None),
+    ],
+)
+def test_what_frames_leave_comes_before_what_the_pyrometer_is_unlike(unknown, left, expected):
+    fit = SimpleNamespace(settings=())
+    found = Selection((), fit, (), {}, "unknown" if unknown else "null", unknown, None, {}).with_rest(left)
+    assert found.unknown_class == expected
+    assert found.status == ("unknown" if expected else "null")

@@ -149,9 +149,7 @@ def diagnose(
         selection = selection.doubted("unconfirmed")
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
-    left = None if selection.unknown_class else left_over(base.model, selection.final)
-    if left:
-        selection = selection.beside(left)
+    selection = selection.with_rest(left_over(base.model, selection.final))
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)

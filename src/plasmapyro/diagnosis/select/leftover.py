@@ -116,8 +116,8 @@ def gains_of_frames(instrument, residual, value, gas, weight):
     return score / information, np.hypot(information**-0.5, UNFOLLOWED * change)
 
 
-def largest_step(gain, error, phase, period):
-    """Largest step of a gain (t,) within a phase, over its standard deviation, and the frame it begins with.
+def largest_step(gain, error, period):
+    """Largest step of a gain (t,) of one phase, over its standard deviation, and the frame it begins with.
 
     Straight lines through the frames on both sides end apart by it; what bends slowly shows none. Where steps
     of noise are usually larger than by the errors (t,) alone, they count by that.
@@ -130,9 +130,9 @@ def largest_step(gain, error, phase, period):
         bent = away - away.mean()
         end = 1 / side - away.mean() * bent / np.sum(bent**2)  # of a line, at the middle
         law = np.concatenate([-end[::-1], end])
-        gains, errors, phases = (sliding_window_view(one, 2 * side) for one in (gain, error, phase))
+        gains, errors = (sliding_window_view(one, 2 * side) for one in (gain, error))
         steps = np.abs(gains @ law) / np.sqrt(errors**2 @ law**2)
-        steps[(phases[:, 0] != phases[:, -1]) | ~(errors.max(axis=1) < CLEAR)] = np.nan
+        steps[~(errors.max(axis=1) < CLEAR)] = np.nan
         if not np.isfinite(steps).any():
             continue
         reach = max(USUAL_REACH, 4 * side)
@@ -182,7 +182,10 @@ def _steps(model, solution):
             continue
         time = instrument.raw_moment.mean(axis=1)
         gain, error = gains_of_frames(instrument, *found, weigher.weight)
-        period = float(np.median(np.diff(time)))
-        if largest_step(gain, error, phase_of(time, model.off), period)[0] > STEP_STANDS:
+        period, phase = float(np.median(np.diff(time))), phase_of(time, model.off)
+        if any(
+            largest_step(gain[own], error[own], period)[0] > STEP_STANDS
+            for own in (phase == which for which in np.unique(phase))
+        ):
             return True
     return False

@@ -12,6 +12,7 @@ from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
+from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
@@ -88,6 +89,13 @@ class Selection:
         """The same, and something unknown besides."""
         status = "named+unknown" if self.final.settings else "unknown"
         return replace(self, status=status, unknown_class=self.unknown_class or structure, reserve="")
+
+    def with_rest(self, left):
+        """The same, and what a final fit leaves to a spectrometer (id, or None) where nothing of its own is
+        unknown already: what is unknown of the pyrometer then comes of what it is held against."""
+        if left is None or self.unknown_class and seen_by(self.unknown_class)["instrument"] != "pyrometer":
+            return self
+        return replace(self, unknown_class=None).beside(left)
 
 
 def select(base, effects, *, thresholds=None, draws=2000, seed=1):
