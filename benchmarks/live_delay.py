@@ -24,11 +24,11 @@ import numpy as np
 
 from plasmapyro import io
 from plasmapyro.commands.joint import SETTINGS
-from plasmapyro.estimate.noise import signal_noise
 from plasmapyro.estimate.prepare import NOISE_BLOCK
 from plasmapyro.estimate.stage import NORMAL_95, estimate
 from plasmapyro.readers.stage import read_test
 from plasmapyro.record.inputs import NUMBERS
+from plasmapyro.record.noise import signal_noise
 
 BEFORE = 1.0  # [s] the end of the plasma, where a last temperature in its light is taken
 MEAN = 7  # samples of the running mean

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from plasmapyro.constants import BOLTZMANN
+from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality import agreement, series
 from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, merged, of_test, table
 from plasmapyro.quality.rule import Case, look
@@ -462,7 +463,7 @@ def test_a_long_log_is_judged_in_the_memory_of_a_short_one():
     )
     kelvin = np.linspace(1300.0, 1700.0, count)
     some = np.linspace(1300.0, 1700.0, 50)
-    curves = agreement.blackbody_signals(some, response)
+    curves = blackbody_signals(some, response)
     level = np.stack([np.exp(np.interp(kelvin, some, np.log(curve))) for curve in curves])
     result = xr.Dataset(
         {

@@ -208,6 +208,7 @@ def by_reference(test, calibrations, options):
             correct_pyrometer(
                 test,
                 calibrations[PYROMETER],
+                _response(Path(options.instrument)),
                 **settings(options, correct_pyrometer) | {"draws": options.draws or 400},
             )
         )

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 
-from plasmapyro.estimate import noise, prepare, throughput
+from plasmapyro.estimate import prepare, throughput
 from plasmapyro.estimate.dynamics import FLICKER, GAS, SIZE, TEMPERATURE, Dynamics, transition
 from plasmapyro.estimate.observations import constants, robust_sum, robust_weight
 from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, NORMAL_95, START_DYNAMICS, TELLING
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
-from plasmapyro.record import status
+from plasmapyro.record import noise, status
 from plasmapyro.record.binning import groups
 
 LONGEST = 20_000  # samples before the surface shines that tell the flicker

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 
 from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.estimate import noise
 from plasmapyro.estimate.bins import pixel_bins
 from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import BANDS, GreyTable, bin_pixels, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.record import noise
 from plasmapyro.record.binning import groups
 from plasmapyro.record.emittance import relative_emittance
 from plasmapyro.record.rounding import rounding

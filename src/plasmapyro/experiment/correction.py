@@ -103,6 +103,7 @@ class Reading:
     least_surface_share: float  # [1]
     covariance: np.ndarray | None = None  # (3, 3) of the fit
     slope_uncertainty: float = 0.0  # [1] absolute
+    floor: np.ndarray | float = 0.0  # (2,) [A] noise of a signal without light
 
     @classmethod
     def of(cls, calibration, slope, **more):
@@ -121,6 +122,11 @@ class Reading:
     def fit(self):
         """What `instrument.calibration.invert_quadratic` needs besides the ratio."""
         return self.coefficient, self.fit_range, self.instrument_range
+
+    def error(self, signals):
+        """Standard uncertainty (2, t) [A] of signals (2, t): a share of them, and the noise without light."""
+        floor = np.broadcast_to(self.floor, 2)[:, None]
+        return np.hypot(self.signal_uncertainty * signals, floor)
 
     def corrected(self, signals, reference, reference_uncertainty, injected, shining, saturated):
         r"""Signals of the surface and the temperature they give.
@@ -147,6 +153,7 @@ class Reading:
         uncertainty = corrected_signal_uncertainty(
             signals, reference, reference_uncertainty, shining, self.signal_uncertainty, self.gas_variation
         )
+        uncertainty = np.hypot(uncertainty, self.error(np.zeros_like(signals)))
         return (
             corrected,
             uncertainty,
@@ -190,13 +197,14 @@ def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, gener
     if reading.slope_uncertainty > 0:
         slope = slope + reading.slope_uncertainty * generator.standard_normal((draws, 1))
         slope = np.maximum(slope, LEAST_SLOPE)
-    result = np.full(signals.shape[1], np.nan)
+    result, error = np.full(signals.shape[1], np.nan), reading.error(signals)
     for first in range(0, signals.shape[1], BLOCK):
         step(f"{draws} draws of each sample, from sample", first, signals.shape[1])
         part = slice(first, first + BLOCK)
         noise = generator.standard_normal((2, draws, signals[0, part].size))
         wide, narrow = (
-            signals[band, part] * (1 + reading.signal_uncertainty * noise[band])
+            signals[band, part]
+            + error[band, part] * noise[band]
             - gas[band, part] * (1 + level)
             - gas_uncertainty[band, part] * offset[band]
             for band in (0, 1)
@@ -215,7 +223,7 @@ def _of_alike(reading, signals, gas, gas_uncertainty, draws, generator):
         if not part.size:
             continue
         own = signals[:, part]
-        error = np.hypot(reading.signal_uncertainty * own, reading.gas_variation * gas[:, part])
+        error = np.hypot(reading.error(own), reading.gas_variation * gas[:, part])
         # Where little but gas is left a draw sees the distance to zero, else the level of the signals.
         like = np.concatenate([np.arcsinh((own - gas[:, part]) / error), np.log(own)]).T
         drawn = np.unique(np.linspace(0, part.size - 1, MOST_DRAWN // 2).astype(int))
@@ -259,13 +267,13 @@ def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
     comparison with Monte Carlo.
     """
 
+    errors = reading.error(signals)
+
     def read(wide=0.0, narrow=0.0, level=0.0, means=(0.0, 0.0), tilt=0.0, moved=0.0):
         pair = [
-            row * (1 + reading.signal_uncertainty * error)
-            - own * (1 + reading.gas_variation * level)
-            - spread_ * mean
-            for row, own, spread_, error, mean in zip(
-                signals, gas, gas_uncertainty, (wide, narrow), means, strict=True
+            row + own_error * error - own * (1 + reading.gas_variation * level) - spread_ * mean
+            for row, own_error, own, spread_, error, mean in zip(
+                signals, errors, gas, gas_uncertainty, (wide, narrow), means, strict=True
             )
         ]
         slope = max(reading.slope + reading.slope_uncertainty * tilt, LEAST_SLOPE)

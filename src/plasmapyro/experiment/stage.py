@@ -19,13 +19,24 @@ from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import budget, flags, onset, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.calibrated import halves
+from plasmapyro.record.level import unlike_level
+from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
 
 
 def correct_pyrometer(
-    test, calibration, *, signal_uncertainty, gas_variation, detection_level, least_surface_share, draws, seed
+    test,
+    calibration,
+    response=None,
+    *,
+    signal_uncertainty,
+    gas_variation,
+    detection_level,
+    least_surface_share,
+    draws,
+    seed,
 ):
     """Corrected signals and temperatures of the pyrometer of a test.
 
@@ -33,8 +44,10 @@ def correct_pyrometer(
     ----------
     test : Dataset, contract 'test'
     calibration : Dataset, contract 'calibration'
+    response : Dataset, contract 'response', optional
+        With it a sample whose level is no light of the temperature of its ratio is contradicted.
     signal_uncertainty : float [1]
-        Relative standard uncertainty of one signal.
+        Relative standard uncertainty of one signal, beside the noise that the record shows without light.
     gas_variation : float [1]
         Relative standard deviation of the gas radiance about that of the reference window.
     detection_level : float [1]
@@ -76,6 +89,7 @@ def correct_pyrometer(
         detection_level=detection_level,
         least_surface_share=least_surface_share,
         slope_uncertainty=record.emittance_slope_uncertainty,
+        floor=floor_of(sound),
     )
     corrected, uncertainty, corrected_temperature, corrected_status = reading.corrected(
         raw, reference, reference_uncertainty, injected, shining, saturated
@@ -92,6 +106,11 @@ def correct_pyrometer(
     nothing = np.zeros_like(raw)
     taken = [np.where(shining, row[:, None], 0.0) for row in (reference, reference_uncertainty)]
     corrected_uncertainty = monte_carlo(*taken, corrected_temperature, 1)
+    if response is not None:
+        known = corrected_temperature, corrected_uncertainty
+        unlike = unlike_level(corrected, *known, test.attrs, calibration, response)
+        corrected_status[unlike] = status.CONTRADICTED
+        corrected_temperature, corrected_uncertainty = (np.where(unlike, np.nan, one) for one in known)
     return xr.Dataset(
         {
             "signal_wide": ("time", bands.value[:, 0]),

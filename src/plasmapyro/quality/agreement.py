@@ -2,16 +2,13 @@
 
 import numpy as np
 
-from plasmapyro.constants import SECOND_RADIATION
-from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.record import status
+from plasmapyro.record.level import emittance_of_level, leeway
 
 GOOD = (status.VALID, status.EXTRAPOLATED)
 MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
-EFFECTIVE = 1.0e-6  # [m] wavelength of silicon detectors for the slope of Planck's law
 BRIGHT = 0.2  # of the highest corrected signal
-WIDEST = 1.5  # factor between emittances that no uncertainty needs to explain
 NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
@@ -135,26 +132,18 @@ def level_against_ratio(case, limit):
     if good.sum() < 5:
         return None
     good = np.flatnonzero(good)[:: max(1, int(good.sum()) // MOST_COMPARED)]  # of a median
-    kelvin = case.result.corrected_temperature.values[good]
-    error = case.result.corrected_temperature_uncertainty.values[good]
-    attrs = case.test.attrs
-    stated, window = attrs["emittance"], attrs["window_transmittance_pyrometer"]
-    relative = np.hypot(
-        SECOND_RADIATION / EFFECTIVE * np.nanmedian(error / kelvin**2),
-        attrs["emittance_uncertainty"] / stated,
+    kelvin, error = (case.result[f"corrected_temperature{end}"].values[good] for end in ("", "_uncertainty"))
+    level = case.result.corrected_signal.values[:, good]
+    asked, relative = emittance_of_level(
+        level, kelvin, error, case.test.attrs, case.calibration, case.response
     )
-    # ASSUME: what stands in the light of the test may have stood in that of the calibration, or not.
-    width = max(limit * relative, np.log(WIDEST)) - np.log(window)
-    curves = blackbody_signals(kelvin, case.response)
-    for index, (band, curve) in enumerate(zip(BANDS, curves, strict=True)):
-        level = case.result.corrected_signal.values[index, good]
-        sensitivity = case.calibration.absolute_sensitivity.values[index]
-        found = float(np.median(level / (sensitivity * curve)))
+    stated, width = case.test.attrs["emittance"], leeway(np.nanmedian(relative), case.test.attrs, limit)
+    for band, found in zip(BANDS, np.median(asked, axis=1), strict=True):
         if not abs(np.log(found / stated)) <= width:
             return {
                 "kelvin": float(np.median(kelvin)),
                 "band": band,
-                "found": found,
+                "found": float(found),
                 "stated": stated,
                 "least": float(np.exp(-width)),
                 "most": float(np.exp(width)),

@@ -14,6 +14,7 @@ CONTRADICTIONS = (
     "level_against_ratio",
     "emittance_of_spectra",
     "shape_of_spectra",
+    "swapped_bands",
     "two_clocks",
 )
 NORMAL_95 = 1.959964  # standard uncertainties of half a 95 % interval

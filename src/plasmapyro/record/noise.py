@@ -14,6 +14,7 @@ CHANCE = (
 )
 LARGEST_SHARED = 1.5  # of the lesser variance: beyond, it is no common flicker but a common course
 LEAST_ALIKE = 12  # samples that tell a variance
+LEAST_SHOWN = 60  # samples that show what noise a signal has
 STILL = 1000  # samples of one value that err alike; of as many that move the error of rounding is gone
 LAGS = 4  # samples over which the decay of the flicker is read
 
@@ -89,6 +90,16 @@ def signal_noise(signals, block):
             model = np.maximum(design @ both, SMALLEST_SHARE * found)
         floor[band], relative[band] = np.sqrt(both) * [least, 1.0]
     return floor, relative
+
+
+def floor_of(signals):
+    """Noise (C,) of signals (C, n) without light; 0 where a record shows none or is too short to."""
+    if signals.shape[1] < LEAST_SHOWN:
+        return np.zeros(len(signals))
+    try:
+        return signal_noise(signals, LEAST_ALIKE)[0]
+    except ValueError:  # a signal without any noise
+        return np.zeros(len(signals))
 
 
 def shared(one, other):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plasmapyro.estimate.noise import flicker, signal_noise, variance
 from plasmapyro.estimate.observations import HUBER, robust_sum, robust_weight
+from plasmapyro.record.noise import flicker, signal_noise, variance
 
 TIME = np.arange(0, 400, 0.1)
 
