@@ -76,6 +76,30 @@ def test_options_have_the_defaults_of_the_functions():
                 assert parameter.default == (tuple(found) if isinstance(found, list) else found), key
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"signal_uncertainty": -0.01}, "--signal-uncertainty must be a number from 0 to 1; got '-0.01'"),
+        ({"gas_variation": np.nan}, "--gas-variation must be a number from 0 to 1; got 'nan'"),
+        ({"estimator": "Joint"}, "--estimator knows all, emissivity, joint, reference; got Joint"),
+        ({"draws": 10.5}, "--draws must be a whole number from 3 to 100000; got '10.5'"),
+        ({"temperature_range": (3500.0, 600.0)}, "--temperature-range-k must be two numbers that rise"),
+        (
+            {"reference_window": (0.0, 2.0, 4.0)},
+            "--reference-window must be two numbers that rise; got 0 2 4",
+        ),
+    ],
+)
+def test_a_function_refuses_what_its_command_refuses(given, words):
+    with pytest.raises(ValueError, match=words):
+        pp.correct("no test", "no calibration", **given)
+
+
+def test_only_known_rules_are_accepted():
+    with pytest.raises(ValueError, match="--accept knows points_leave_curve, .*; got points"):
+        pp.calibrate("no folder", accept=["points"])
+
+
 def test_check_returns_what_contradicts_itself(laboratory):
     place, calibration, _ = laboratory
     test = pp.read(place / "example/my_test")

@@ -12,6 +12,7 @@ import xarray as xr
 
 from plasmapyro import cli, contracts, io, shipped
 from plasmapyro import pictures as pictures  # the accessor `.pyro`
+from plasmapyro.commands.options import check as check_options
 from plasmapyro.readers.stage import read_test
 
 Place = str | os.PathLike[str]
@@ -361,7 +362,8 @@ def save(result: xr.Dataset | xr.DataTree, place: Place) -> None:
 
 
 def _options(words: list[str], **given: object) -> Any:
-    """Options of a command: its defaults but for those given."""
+    """Options of a command: its defaults but for those given, which it would take as words too."""
+    check_options(words[0], given)
     options = cli.parser(words[:1]).parse_args(words)
     vars(options).update(given)
     return options

@@ -196,6 +196,33 @@ def test_faults_of_a_stream_are_alarms_and_do_not_end_it(shelf, monkeypatch):
     assert said[-1]["alarms"] == [] and said[-1]["status"] == "no_signal"
 
 
+def test_one_wrong_time_ends_nothing_and_a_pause_goes_on(shelf, monkeypatch):
+    good = rows(shelf, until=4.0)
+    later = [row | {"time": row["time"] + 500.0} for row in good]
+    said = streamed(shelf, monkeypatch, [*good[:8], good[8] | {"time": 1e6}, *good[8:], *later])
+    refused = [place for place, line in enumerate(said) if line["alarms"] == ["unreadable"]]
+    assert refused == [8, len(good) + 1] and len(said) == 2 * len(good) + 1
+    assert "leaps by 1e+06 s" in said[8]["because"]
+
+
+def test_a_sample_lost_as_zero_moves_no_temperature(shelf, told, monkeypatch):
+    """Its noise taken as a share of nothing, it led to 4000 +- 3 K; in a mean, to 150 K too little."""
+    samples = rows(shelf, until=36.0)
+    at = next(place for place, row in enumerate(samples) if row["time"] > 33.4)
+    samples[at] |= {"signal_wide": 0.0, "signal_narrow": 0.0}
+    said = streamed(shelf, monkeypatch, samples)
+    hot = [pair for pair in zip(said, told, strict=False) if pair[0]["time"] > 25 and pair[1]["temperature"]]
+    assert len(hot) > 40 and all(abs(one["temperature"] - due["temperature"]) < 25 for one, due in hot)
+
+
+def test_only_bands_that_disagree_contradict_the_model(shelf, told, monkeypatch):
+    """What uncertain constants leave between filter and sample is no contradiction; swapped bands are one."""
+    assert not any("contradiction" in line["alarms"] for line in told)
+    pairs = [(row, row["signal_wide"], row["signal_narrow"]) for row in rows(shelf, until=20.0)]
+    swapped = [row | {"signal_wide": narrow, "signal_narrow": wide} for row, wide, narrow in pairs]
+    assert "contradiction" in streamed(shelf, monkeypatch, swapped)[-1]["alarms"]
+
+
 def test_a_signal_at_its_limit_is_no_temperature(shelf, monkeypatch):
     place = shelf / "limited"
     if not place.exists():

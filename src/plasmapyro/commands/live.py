@@ -21,7 +21,8 @@ from plasmapyro.record.inputs import attribute_faults
 from plasmapyro.record.record import Record
 
 STUCK = 10  # samples equal to the last digit in both bands, as in `record.flags`
-OFTEN, APART = 50, 3.0  # samples, and the root mean square of their residuals [sd] that contradicts the model
+OFTEN, APART = 50, 3.0  # samples, and the root mean square of their surprise [sd] that contradicts the model
+LEAP = 60.0  # [s] from sample to sample, believed when the next one confirms it
 
 
 def run(options):
@@ -89,8 +90,8 @@ def readings(samples, filtered, injection, limits, options):
     limits : (2,) floats [A], signals from here on are saturated
     options : Namespace with `alarm_above_k`, `alarm_silence_s`
     """
-    last, silent, before, equal, pair = time.monotonic(), False, -np.inf, 0, None
-    residuals = deque(maxlen=OFTEN)
+    last, silent, before, leapt, equal, pair = time.monotonic(), False, -np.inf, np.inf, 0, None
+    surprise = deque(maxlen=OFTEN)
     for sample in samples:
         if sample is None:
             if not silent and time.monotonic() - last > options.alarm_silence_s:
@@ -109,15 +110,26 @@ def readings(samples, filtered, injection, limits, options):
                 injection = sample["time"]
         elif sample["time"] <= before:
             yield {"time": sample["time"], "alarms": ["unreadable"], "because": "the time does not rise"}
+        elif LEAP < sample["time"] - before < np.inf and sample["time"] < leapt:
+            leapt = sample["time"]
+            because = (
+                f"the time leaps by {leapt - before:.6g} s; it is believed if the next sample confirms it"
+            )
+            yield {"time": leapt, "alarms": ["unreadable"], "because": because}
         else:
-            before, earlier, pair = sample["time"], pair, [sample[name] for name in parts.SIGNALS]
+            leapt, before, earlier, pair = (
+                np.inf,
+                sample["time"],
+                pair,
+                [sample[name] for name in parts.SIGNALS],
+            )
             equal = equal + 1 if pair == earlier else 0
             saturated = any(value >= limit for value, limit in zip(pair, limits, strict=True))
             kept = [np.nan] * 2 if saturated or equal >= STUCK else pair
             reading = filtered.step(before - injection, kept)
-            if np.isfinite(reading.residual).all():
-                residuals.extend(np.square(reading.residual))
-            apart = len(residuals) == OFTEN and np.mean(residuals) > APART**2
+            if np.isfinite(reading.surprise):
+                surprise.append(reading.surprise)
+            apart = len(surprise) == OFTEN and np.mean(surprise) > APART**2
             alarms = {
                 "above_limit": reading.temperature > options.alarm_above_k,
                 "saturated": saturated,

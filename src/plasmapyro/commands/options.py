@@ -24,6 +24,23 @@ class Once(argparse.Action):
         setattr(namespace, self.dest, values)
 
 
+class Rising(argparse.Action):
+    """What keeps a range, and refuses one whose end is not above its begin."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        try:
+            setattr(namespace, self.dest, _rising(values))
+        except argparse.ArgumentTypeError as fault:
+            parser.error(f"{option_string} {fault}")
+
+
+def _rising(values):
+    if len(values) != 2 or not values[0] < values[1]:
+        got = " ".join(f"{value:g}" for value in values)
+        raise argparse.ArgumentTypeError(f"must be two numbers that rise; got {got}")
+    return values
+
+
 def words(name):
     """Description of a command and what its help ends with."""
     text = (HERE / f"words/{name}.txt").read_text(encoding="utf-8")
@@ -33,13 +50,36 @@ def words(name):
 def add(command, name):
     """Add the options of a command to its parser."""
     groups = {"": command}
-    with (HERE / "options.csv").open(encoding="utf-8", newline="") as table:
-        rows = [row for row in csv.DictReader(table) if row["command"] == name]
-    for row in rows:
+    for row in _rows(name):
         group = row["group"]
         if group not in groups:
             groups[group] = command.add_argument_group(group)
         groups[group].add_argument(row["option"], **_settings(row))
+
+
+def check(name, given):
+    """Refuse, of values by keyword, what a command refuses as words: ValueError with the option's name."""
+    for row in _rows(name):
+        value = given.get(row["destination"] or row["option"].lstrip("-").replace("-", "_"))
+        settings = _settings(row)
+        if value is None or "action" in settings and settings["action"] is not Rising:
+            continue
+        several = isinstance(value, list | tuple)
+        try:
+            made = [settings.get("type", str)(str(one)) for one in (value if several else [value])]
+            unknown = set(made) - set(settings.get("choices", made))
+            if unknown:
+                choices = ", ".join(settings["choices"])
+                raise argparse.ArgumentTypeError(f"knows {choices}; got {', '.join(sorted(unknown))}")
+            if "action" in settings:
+                _rising(made)
+        except (argparse.ArgumentTypeError, ValueError) as fault:
+            raise ValueError(f"{row['option']} {fault}") from None
+
+
+def _rows(name):
+    with (HERE / "options.csv").open(encoding="utf-8", newline="") as table:
+        return [row for row in csv.DictReader(table) if row["command"] == name]
 
 
 def _settings(row):
@@ -64,7 +104,7 @@ def _settings(row):
         if row["option"].startswith("-"):
             found["default"] = []
     elif len(names) > 1:
-        found |= {"nargs": len(names), "metavar": tuple(names)}
+        found |= {"nargs": len(names), "metavar": tuple(names), "action": Rising}
     if default == "required":
         return found | {"required": True}
     if default == "inf":

@@ -22,7 +22,7 @@ AGAIN = 25  # ... every so many samples
 USUAL = 300.0  # [s] of an exposure whose end is not known yet
 FIRST_NOISE = 0.01  # [1] of a signal, until its own scatter tells
 PAUSE, OFTEN = 5.0, 0.1  # [s] and [1] of the time so far: between two joint estimates
-MEANS = 5  # of the samples that came while one was made
+MEDIANS = 5  # of the samples that came while one was made
 SIGHT = 3.0  # standard deviations of more light than the gas explains: a surface may be there
 
 
@@ -35,7 +35,7 @@ class Reading:
     uncertainty: float  # [K] standard
     state: int  # as in `record.status`
     surface_share: tuple  # (2,) [1] of each signal
-    residual: tuple  # (2,) whitened, of the prediction after the sample
+    surprise: float  # [1] robust sum of squares that prediction and sample disagree by, per band: 1 by chance
 
     @property
     def interval(self):
@@ -131,8 +131,7 @@ class Filter:
                 self._renew(time)
         self._keep(time, signal)
         if time < 0 or (self._mean is None and not (signal > 0).all()):
-            nothing = (np.nan, np.nan)
-            return Reading(time, np.nan, np.nan, status.NOT_INJECTED, nothing, nothing)
+            return Reading(time, np.nan, np.nan, status.NOT_INJECTED, (np.nan, np.nan), np.nan)
         if self._mean is None:
             self._begin(signal)
         else:
@@ -140,12 +139,16 @@ class Filter:
         return self._reading(time, *self._taken(time, signal, 1))
 
     def _taken(self, time, signal, count):
-        """Move the state to the mean of so many samples; that mean as data, and its matrix of the states."""
+        """Move the state to the median of so many samples; it as data, and its matrix of the states."""
         self._time = time
         if abs(time - self.off) <= self._settings["plasma_off_time_span"]:
             signal = np.full(2, np.nan)  # the gas dies: neither there nor gone
-        spread = np.maximum(self._floor, self._relative * np.abs(np.nan_to_num(signal)))
-        spread = np.maximum(spread, prepare.LEAST_NOISE * np.abs(self._mean[self._gas]))
+        # Of what is due too: a sample that a logger lost as zero is not the more exact for it.
+        due = sum(self._data.predict(self._mean[None, :SIZE], self._mean[SIZE:], self._of)[:2])[:, 0]
+        spread = self._relative * np.maximum(np.abs(np.nan_to_num(signal)), due)
+        spread = np.maximum(
+            np.maximum(self._floor, spread), prepare.LEAST_NOISE * np.abs(self._mean[self._gas])
+        )
         data = dataclasses.replace(
             self._data,
             signal=signal[:, None],
@@ -171,7 +174,7 @@ class Filter:
         self._asked, self._due = time, time + max(PAUSE, OFTEN * time)
 
     def _resume(self, state):
-        """Go on from a state of the past; what came since is taken as a few means."""
+        """Go on from a state of the past; what came since is taken as a few medians."""
         self._time, self._mean, self._covariance = state.time, state.mean, state.covariance
         self._held = np.setdiff1d(np.arange(SIZE, self._mean.size), self._gas)
         own = {name: getattr(self._dynamics, name) for name in ("flicker", "flicker_time")}
@@ -179,12 +182,12 @@ class Filter:
         rows = self._rows[: self._number]
         since = rows[np.searchsorted(rows[:, 0], state.time, "right") :].copy()
         since[np.abs(since[:, 0] - self.off) <= self._settings["plasma_off_time_span"], 1:] = np.nan
-        group = groups(since[:, 0], (0.0, self.off), MEANS)[: len(since)]
+        group = groups(since[:, 0], (0.0, self.off), MEDIANS)[: len(since)]
         for one in np.unique(group):
             rows = since[group == one]
             good = rows[np.isfinite(rows).all(axis=1)]
             if len(good):
-                time, *signal = good.mean(axis=0)
+                time, *signal = np.median(good, axis=0)  # one sample lost as zero must not move them
                 self._predict(time)
                 self._taken(time, np.array(signal), len(good))
 
@@ -230,6 +233,7 @@ class Filter:
         Samples that contradict the model beyond what numbers hold make it begin anew.
         """
         self._mean[TEMPERATURE] = np.clip(self._mean[TEMPERATURE], *data.table.temperatures)
+        self._surprise = np.nan
         if not np.isfinite(data.signal).any():
             return np.zeros((SIZE, SIZE))
         try:
@@ -248,7 +252,8 @@ class Filter:
             ends.append(self._descend(start, weight, data))
             if ends[-1][0] < 0.5 * SIGHT**2:  # explained
                 break
-        _, mean = min(ends, key=lambda end: end[0])
+        least, mean = min(ends, key=lambda end: end[0])
+        self._surprise = 2 * least / np.isfinite(data.signal).sum()
         # The matrix belongs to where the sample leads, not to the prediction: else thousands of them drift.
         rows, residual = data.of_sample(mean[None, :SIZE], mean[SIZE:], self._of)
         weighted = rows.T * robust_weight(residual)
@@ -360,8 +365,7 @@ class Filter:
             state = status.CONTRADICTED
         if state not in status.WITH_VALUE:
             temperature = deviation = np.nan
-        residual = data.residual(path, self._mean[SIZE:], self._of)[:, 0]
-        return Reading(time, temperature, deviation, state, tuple(share), tuple(residual))
+        return Reading(time, temperature, deviation, state, tuple(share), self._surprise)
 
     @property
     def alone(self):
