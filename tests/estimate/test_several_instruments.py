@@ -1,5 +1,7 @@
 """Instruments of different bands in one estimate, each with a clock and a window of its own."""
 
+import inspect
+import re
 import sys
 from pathlib import Path
 
@@ -128,3 +130,10 @@ def test_a_level_that_is_not_known_is_left_to_the_ratios(calibration):
     assert not np.isfinite(stated.surface_temperature).any()
     relative = calibration.assign_attrs(calibration="relative")
     judged(joint(test.copy(), relative, emissivity_shape=0.02), 0.9)
+
+
+def test_the_rule_gives_its_inputs_in_the_order_in_which_the_estimate_takes_them(pytestconfig):
+    text = (pytestconfig.rootpath / "workflow/rules/experiment.smk").read_text()
+    (block,) = re.findall(r"rule joint_estimate:\n    input:\n(.*?)    output:", text, re.DOTALL)
+    given = re.findall(r"^        (\w+)=", block, re.MULTILINE)
+    assert given == list(inspect.signature(estimate).parameters)[: len(given)]

@@ -62,6 +62,7 @@ def posterior(
     calibration,
     response,
     spectrometer_calibration=None,
+    radiometer_calibration=None,
     *,
     gas_drift,
     gas_flicker,
@@ -79,7 +80,6 @@ def posterior(
     saturation_counts,
     noise_block,
     instruments=("pyrometer", "spectrometer", "radiometer"),
-    radiometer_calibration=None,
     emissivity_level=None,
     emissivity_shape=0.1,
     emissivity_length=200e-9,
@@ -285,12 +285,13 @@ def posterior(
 
 
 @wraps(posterior, assigned=())
-def estimate(test, calibration, *given, **settings):
+def estimate(
+    test, calibration, response, spectrometer_calibration=None, radiometer_calibration=None, **settings
+):
     """Surface temperature of a test: what `posterior` finds, as Dataset of contract 'joint_estimate'."""
+    given = response, spectrometer_calibration, radiometer_calibration
     found = posterior(test, calibration, *given, **settings)
-    bands = (
-        settings["radiometer_calibration"].instrument_range if calibration is None else calibration.fit_range
-    )
+    bands = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
     return _dataset(found, bands.values, settings["least_surface_share"], settings["largest_uncertainty"])
 
 
