@@ -6,13 +6,14 @@ import types
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, norm
 
 from plasmapyro.estimate.banded import Factor
 from plasmapyro.estimate.dynamics import SIZE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.observations import Information, constants
 from plasmapyro.estimate.smoother import Chain, Fit, fit, marginalised, spread_of
-from plasmapyro.estimate.throughput import CHANCE, NAME, WIDTH, in_doubt
+from plasmapyro.estimate.throughput import CHANCE, GAINS, NAME, RATIO_CHANCE, RATIO_WIDTH, WIDTH, in_doubt
 from plasmapyro.record.budget import of_family, remainder
 
 TIME = np.linspace(0.0, 20.0, 60)
@@ -207,3 +208,70 @@ def test_a_throughput_in_doubt_has_the_exact_moments_of_its_mixture(louder):
     row = of_family(NAME, "calibration", spread.across, loose.deviation)
     between = np.sqrt(weight @ (paths - path) ** 2)
     np.testing.assert_allclose(np.abs(row.contribution), between, atol=0.1 * between.max())
+
+
+@dataclasses.dataclass(frozen=True)
+class Pair:
+    """Signals (2, t) = e^(z + g_i) T + noise: what gains share is the level, what they do not the ratio."""
+
+    signal: np.ndarray
+    table = types.SimpleNamespace(temperatures=(-1e6, 1e6))
+
+    def gains(self, values, of):
+        return np.exp(values[of(NAME)] + values[of(GAINS)])[:, None]
+
+    def residual(self, path, values, of):
+        return (self.signal - self.gains(values, of) * path[:, TEMPERATURE]) / NOISE
+
+    def state_matrix(self, path, values, of):
+        matrix = np.zeros((len(path), SIZE, SIZE))
+        matrix[:, TEMPERATURE, TEMPERATURE] = np.sum((self.gains(values, of) / NOISE) ** 2)
+        return matrix
+
+    def information(self, path, values, of):
+        rest, slope = self.residual(path, values, of), self.gains(values, of) / NOISE
+        by = np.zeros((2, len(path), values.size))
+        for band, place in enumerate(of(GAINS)):
+            by[band][:, [place, of(NAME)[0]]] = (slope * path[:, TEMPERATURE])[band][:, None]
+        gradient, border = np.zeros((len(path), SIZE)), np.zeros((len(path), SIZE, values.size))
+        gradient[:, TEMPERATURE] = -np.sum(slope * rest, axis=0)
+        border[:, TEMPERATURE] = np.einsum("b,bnp->np", slope[:, 0], by)
+        corner, constant = np.einsum("bnp,bnq->pq", by, by), -np.einsum("bnp,bn->p", by, rest)
+        half = 0.5 * np.sum(rest**2)
+        return Information(half, gradient, self.state_matrix(path, values, of), border, corner, constant)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.015, 0.02])
+def test_a_ratio_in_doubt_has_the_exact_chance(off):
+    """Against two gains and the level, integrated over on a grid: T leaves two numbers per mode."""
+    tight, random = 0.005, np.random.default_rng(9)
+    truth = random.multivariate_normal(np.zeros(TIME.size), covariance())
+    signal = truth * np.exp(off * np.array([[0.5], [-0.5]])) + NOISE * random.standard_normal((2, TIME.size))
+    power, modes = np.linalg.eigh(covariance())
+    seen = signal @ modes
+
+    def evidence(level, width):
+        """Logarithm of the density of the signals with gains (2,) of a standard deviation."""
+        apart, both = np.linspace(-5.0, 5.0, 201)[:, None] * width, np.linspace(-4.0, 4.0, 15) * width
+        gain = np.exp(level + np.stack([both + apart / 2, both - apart / 2]))
+        whole = NOISE**2 + power * np.sum(gain**2, axis=0)[..., None]
+        along = np.einsum("bij,bm->ijm", gain, seen) ** 2 * power / whole
+        likely = np.sum((along - np.sum(seen**2, axis=0)) / NOISE**2 - np.log(whole), axis=-1) / 2
+        own = norm(0, np.sqrt(2) * width).logpdf(apart) + norm(0, width / np.sqrt(2)).logpdf(both)
+        return logsumexp(likely + own) + np.log((apart[1, 0] - apart[0, 0]) * (both[1] - both[0]))
+
+    levels = np.linspace(-0.9, 0.9, 19)
+    free = logsumexp([evidence(z, tight) + norm(0, WIDTH).logpdf(z) for z in levels]) + np.log(0.1)
+    wide = np.hypot(tight, RATIO_WIDTH / np.sqrt(2))
+    log = np.array([evidence(0.0, tight), free, evidence(0.0, wide)])
+    log += np.log([(1 - CHANCE) * (1 - RATIO_CHANCE), CHANCE, (1 - CHANCE) * RATIO_CHANCE])
+    exact = np.exp(log - logsumexp(log))
+
+    chain = Chain(TIME, (), -1.0, np.zeros(4), np.diag([START**2, RATE_START**2, 1e-6, 1e-4]))
+    stated = constants(GAINS, np.zeros(2), tight) + constants(NAME, 0, 1e-6)
+    start = np.zeros((TIME.size, SIZE))
+    start[:, TEMPERATURE] = signal.mean(axis=0)
+    near = fit(chain, [Pair(signal)], stated, DYNAMICS, start, np.zeros(3), 0)
+    facts = in_doubt(chain, [Pair(signal)], stated, near)[3]
+    assert facts["ratio_chance"] == pytest.approx(exact[2], abs=0.03), exact
+    assert facts["throughput_chance"] == pytest.approx(exact[1], abs=0.03)
