@@ -118,6 +118,15 @@ def test_exposures_in_a_gap_of_the_samples_are_left_out():
     frames = SimpleNamespace(time=np.array([10.03, 20.3, 30.0, 44.0, 44.7, 50.0]), integration_time=0.5)
     used = apart(frames, time, 90.0, (1.0, 0.3))
     np.testing.assert_array_equal(used, [True, True, False, False, True, True])
+    # Half a second from a sample, or one and a half of the usual steps where these are longer: no more.
+    for step, reach in ((0.2, 0.5), (1.0, 1.5)):
+        time = np.concatenate([np.arange(-5.0, 20.0, step), np.arange(45.0, 60.0, step)])
+        last, first = time[time < 30][-1], time[time > 30][0]
+        ends = np.array(
+            [last + reach - 0.01, last + reach + 0.01, first - reach - 0.01, first - reach + 0.01]
+        )
+        frames = SimpleNamespace(time=ends, integration_time=0.1)
+        np.testing.assert_array_equal(apart(frames, time, 90.0, (1.0, 0.3)), [True, False, False, True])
 
 
 def test_coarse_steps_of_the_pyrometer_s_converter_are_noise(made):

@@ -450,6 +450,18 @@ def test_a_spectrum_taken_earlier_than_its_place_says_is_found_too(sound):
     )
 
 
+@pytest.mark.parametrize(("slope", "exchanged"), [(0.08, False), (-0.015, False), (-0.025, True)])
+def test_bands_are_exchanged_from_a_slope_of_their_ratio_on(sound, slope, exchanged):
+    """Signals that are powers of one level: the logarithm of their ratio has the slope over it."""
+    time = sound.time.values
+    level = np.where(time < 6, 1e-6, np.exp(np.clip(0.2 * (time - 6), 0.0, 4.0)))
+    powers = level ** np.array([[1 + slope / 2], [1 - slope / 2]])
+    pair = 1e-6 * np.where(time < 6, 1e-6, powers)
+    test = with_signals(sound, lambda t, p: pair)
+    found = ALL["swapped_bands"](Case(PLACE, test))
+    assert (found is not None) == exchanged
+
+
 def test_a_long_log_is_judged_in_the_memory_of_a_short_one():
     """`level_against_ratio` over 200 000 good samples, whose black bodies would take 0.6 GB."""
     count, wavelength = 200_000, np.linspace(700e-9, 1200e-9, 400)
