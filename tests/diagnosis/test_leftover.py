@@ -181,6 +181,14 @@ def test_a_ramp_is_no_step():
     assert size > leftover.STEP_STANDS and abs(place - 41) <= 1
 
 
+def test_no_step_is_told_near_the_ends_of_a_phase():
+    """There a path bends, and what a spline misses of it jumps from one frame to the next."""
+    gain, error = 1e-4 * np.random.default_rng(3).standard_normal(60), np.full(60, 1e-4)
+    gain[[-7, -6, -5, -4]] = 37e-4, -36e-4, 29e-4, 37e-4
+    gain[[6, 5, 4, 3]] = 37e-4, -36e-4, 29e-4, 37e-4
+    assert leftover.largest_step(gain, error, 1.0)[0] < leftover.STEP_STANDS
+
+
 def test_two_bands_have_no_patterns(left):
     assert left(np.random.default_rng(3).standard_normal((SAMPLES, 2)) * 5, channels=2) is None
 

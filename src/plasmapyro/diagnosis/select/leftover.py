@@ -26,6 +26,7 @@ UNFOLLOWED = 0.05  # [1], of what light changes by from frame to frame
 SIDES, LONGEST_SIDE = (3, 6, 12), 12.0  # frames before and after a step, and how long they may last [s]
 USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual ones, as far as there
 LEAST_USUAL_STEPS = 20  # are; and how many there must be
+ENDS = 8  # frames at either end of a phase that tell none: there paths bend, and splines miss some of it
 STEP_STANDS = 6.0  # standard deviations of frames, or usual steps: 0.2 % of simulated gains that wander pass
 FRAMES, MOMENT, PATTERN, STEP = "left_frames", "left_moment", "left_pattern", "left_step"
 NAMES = {
@@ -141,6 +142,7 @@ def largest_step(gain, error, period):
             warnings.simplefilter("ignore", RuntimeWarning)  # nothing there
             usual = 1.4826 * np.nanmedian(about, axis=1)
         steps = np.nan_to_num(steps / np.maximum(usual, 1.0))
+        steps[:ENDS] = steps[-ENDS:] = 0.0
         if steps.max() > best:
             best, place = float(steps.max()), int(steps.argmax()) + side
     return best, place
