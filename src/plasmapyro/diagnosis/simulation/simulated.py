@@ -50,6 +50,7 @@ class Simulated:
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])
         self.centre[self.model.index["gas"]] = 0.0
         self.cold = np.full(model.size, COLD)
+        self._plain = {}
         self.unit = measured.simulated / self._signals(self.centre, ())
         library = model.library
         self.systems, self.shape_systems = library.systems, library.shape_systems
@@ -75,8 +76,14 @@ class Simulated:
     def light(self, power, brightness, settings=()):
         """Light (C,) over the level, for logarithms of power and brightness and with effects."""
         values = self.centre.copy()
-        values[self.model.index["power"]], values[self.model.index["gas"]] = power, brightness
-        return self._signals(values, settings) * self.unit
+        values[self.model.index["power"]] = power
+        if settings:
+            values[self.model.index["gas"]] = brightness
+            return self._signals(values, settings) * self.unit
+        # Without effects it is proportional to the brightness: fits ask for many at one power.
+        if power not in self._plain:
+            self._plain[power] = self._signals(values, ()) * self.unit
+        return np.exp(brightness) * self._plain[power]
 
     def covariance(self, modes, light):
         """Covariance (C, C) of the error that modes (M, C) state, relative to some light (C,)."""
