@@ -36,6 +36,7 @@ rule pyrometer_correction:
     input:
         test=usable_test,
         calibration="results/instrument/calibration.nc",
+        response="results/instrument/response.nc",
     output:
         "results/experiment/{test}/pyrometer_correction.nc",
     params:

@@ -33,6 +33,7 @@ use rule pyrometer_correction as extended_pyrometer_correction with:
     input:
         test="results/extended/{test}/test.nc",
         calibration="results/instrument/calibration.nc",
+        response="results/instrument/response.nc",
     output:
         "results/extended/{test}/pyrometer_correction.nc",
 
