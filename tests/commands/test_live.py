@@ -125,6 +125,12 @@ def test_a_lost_estimate_is_said_and_the_filter_goes_on(shelf, monkeypatch):
     assert said[-1]["low"] < laboratory.temperature(said[-1]["time"]) < said[-1]["high"]
 
 
+@pytest.mark.parametrize(("begin", "late"), [(-np.inf, False), (20.0, True)])
+def test_who_begins_after_the_reference_window_is_told(shelf, monkeypatch, begin, late):
+    some = [row for row in rows(shelf, until=22.0) if row["time"] > begin]
+    assert {"no_reference" in line["alarms"] for line in streamed(shelf, monkeypatch, some)} == {late}
+
+
 def test_a_band_that_lost_light_is_said_and_the_interval_holds_it(shelf, monkeypatch):
     """3 % less in one band is 60 K by the ratio, 7 K by the level: which of them is right nobody knows."""
     lost = [row | {"signal_narrow": 0.97 * row["signal_narrow"]} for row in rows(shelf, until=45.0)]

@@ -136,6 +136,7 @@ def readings(samples, filtered, injection, limits, options):
                 "stuck": equal >= STUCK,
                 "contradiction": bool(apart or filtered.contradictions),
                 "estimate_lost": filtered.alone,
+                "no_reference": filtered.late,
                 "throughput_in_doubt": filtered.throughput_chance > throughput_in_doubt.limit,
             }
             low, high = reading.interval

@@ -317,7 +317,8 @@ class Filter:
             self._cold.append((time, *signal))
             if time > self._window[1]:
                 self._flicker_known = True
-                self._learn_flicker(*np.array(self._cold).T)
+                if len(self._cold) > 1:
+                    self._learn_flicker(*np.array(self._cold).T)
         if self._count % AGAIN or len(self._past) < MEMORY:
             return
         pair = np.array(self._past).T[1:]
@@ -371,6 +372,11 @@ class Filter:
     def alone(self):
         """Whether the joint estimate, from which it should go on, has no process any more."""
         return self._renewal is not None and self._renewal.lost
+
+    @property
+    def late(self):
+        """Whether the first sample came after the reference window: what the gas shines is a guess then."""
+        return self._number > 0 and self._rows[0, 0] > self._window[1]
 
     @property
     def started(self):
