@@ -7,9 +7,8 @@ from plasmapyro.experiment import curves, spectra
 from plasmapyro.radiation.planck import blackbody_radiance
 
 RANGE = (600.0, 3500.0)
-SERIES = (
-    5e-9  # relative: 2e-11 of the largest, and a curve varies by e^(2 REACH) = 55, twice over in the corners
-)
+# relative: 2e-11 of the largest, and a curve varies by e^(2 REACH) = 55, twice over in the corners
+SERIES = 5e-9
 SETTLED = 1e-6  # relative; both iterations end at 1e-7
 
 

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 BOUNDARY_LAYER = 5e-3  # [m] as `diagnosis.boundary_layer_depth_mm` of the configuration
-FINER = (
-    1.5  # than the grid of the main job: NO shines in the colder gas of higher pressures, in narrower lines
-)
+# than the grid of the main job: NO shines in the colder gas of higher pressures, in narrower lines
+FINER = 1.5
 REACH = 1.35  # about a varied power: beyond the 30 % that are hidden of it
 
 

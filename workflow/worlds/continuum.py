@@ -30,9 +30,8 @@ COLLISION = {
 }
 KRAMERS = 7.907e-22  # [m2] threshold cross section per n, Z = 1
 AFFINITY = 11784.6  # of O [cm-1], 1.4611 eV
-DETACHMENT = (
-    6.3e-22  # [m2] plateau above threshold: Branscomb, Smith and Tisone, J. Chem. Phys. 43 (1965) 2906
-)
+# [m2] plateau above threshold: Branscomb, Smith and Tisone, J. Chem. Phys. 43 (1965) 2906
+DETACHMENT = 6.3e-22
 
 
 def planck_wavenumber(wavenumber, temperature):

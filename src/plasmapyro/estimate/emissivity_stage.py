@@ -20,10 +20,9 @@ MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this i
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course, told by the clearest samples
 LEAST_TELLING = 4  # channels
 LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
-PULLED = (
-    5.0  # stated uncertainties of the emissivity: real furnaces ask for 0.1 to 1.4 of them, a fifth of the
-)
-# light of a lit room on 600 C for 7, which a free course had taken up as 30 K
+# Stated uncertainties of the emissivity: real furnaces ask for 0.1 to 1.4 of them, a fifth of the light of
+# a lit room on 600 C for 7, which a free course had taken up as 30 K.
+PULLED = 5.0
 LASTS = 0.1  # [1] ASSUME: relative change of temperature over which a bin keeps its error: slit and stray
 # light act on the slope of the light, so at another temperature they leave other errors
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none

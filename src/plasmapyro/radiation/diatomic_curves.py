@@ -6,9 +6,8 @@ from plasmapyro.checks import increasing, positive
 from plasmapyro.constants import LIGHT_SPEED, PLANCK
 
 WALL_EXPONENT = 12  # [1], of the repulsive wall inside the innermost turning point
-QUADRATURE_NODES = (
-    80  # the Klein integrands are smooth after the substitution; 40 nodes already agree to 1e-12
-)
+# the Klein integrands are smooth after the substitution; 40 nodes already agree to 1e-12
+QUADRATURE_NODES = 80
 BASIS, NEIGHBOURS = 80, 20  # states of one N that make those of the N around it, and how many N share them
 TURNING_POINTS = 160  # per limb; halving them moves no level by more than 1e-3 cm-1
 

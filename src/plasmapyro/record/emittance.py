@@ -1,4 +1,5 @@
-"""An emittance that differs between the two bands, as one that is straight over wavelength."""
+"""What is known of an emittance: its slope between two bands, its table, its course over wavelength; and how
+far the level and the ratio of a pyrometer alone may be off."""
 
 import numpy as np
 
@@ -10,9 +11,8 @@ UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncer
 UNTOLD_SLOPE = 0.01  # [1] of the emittance in the wide band over that in the narrow one: 0.1 per um
 ANY_LEVEL = 3.0  # of the logarithm of a level that is not known
 # ASSUME: dirt, a misplaced sample, a field that is not filled, a window left out of the calibration.
-THROUGHPUT_CHANCE = (
-    0.2  # [1] that a pyrometer alone does not see the light that calibration and emittance say
-)
+# [1] that a pyrometer alone does not see the light that calibration and emittance say
+THROUGHPUT_CHANCE = 0.2
 THROUGHPUT_WIDTH = 0.3  # [1] standard deviation of its logarithm then
 OF_LEVEL, GOING_ON = 0.5, 0.5  # [1] ASSUME: of the course as a standard deviation, as a share of the variance
 # ASSUME: metals, whose emittance falls by some per cent from band to band; a gain; an amplifier near its end.

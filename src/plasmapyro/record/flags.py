@@ -23,9 +23,8 @@ SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spik
 STEPS = 2.5  # of a converter or of digits: noise below a step moves single samples by one or two
 WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
 MAD = 1.4826 / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
-ALTERNATING = (
-    0.25  # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
-)
+# share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
+ALTERNATING = 0.25
 
 
 def _run_lengths(same):

@@ -9,9 +9,8 @@ from plasmapyro.record.rounding import rounding
 NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 THIRD_DIFFERENCES = 20.0  # variance of third differences of white noise over its own: 1 + 9 + 9 + 1
 ITERATIONS, SMALLEST_SHARE = 10, 1e-3  # of the weights of the groups, and least model
-CHANCE = (
-    5.0  # two standard errors of a covariance by medians, of third differences, which are not independent
-)
+# two standard errors of a covariance by medians, of third differences, which are not independent
+CHANCE = 5.0
 LARGEST_SHARED = 1.5  # of the lesser variance: beyond, it is no common flicker but a common course
 LEAST_ALIKE = 12  # samples that tell a variance
 LEAST_SHOWN = 60  # samples that show what noise a signal has

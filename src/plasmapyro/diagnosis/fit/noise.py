@@ -24,9 +24,8 @@ FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 t
 FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
 LEAST_NOISE = 1e-6  # [1] of a value: no sample is exact
 FAINTEST = 1e-3  # [1] of the mean of a channel: darker light has no shot noise that a fit could know
-LONGEST_LAG = (
-    6.0  # [s] over which a gain is told from the temperature: the bins of the steady state are 8 s long
-)
+# [s] over which a gain is told from the temperature: the bins of the steady state are 8 s long
+LONGEST_LAG = 6.0
 LONGEST_FLICKER = 20.0  # [s] over which the gas flickers, not drifts
 SEEN_GAS = 0.03  # [1] error of the brightness of the gas of a frame that still tells of it
 SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
