@@ -8,6 +8,7 @@ from plasmapyro import contracts
 from plasmapyro.analysis import stage
 from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.stage import ratio_curve
+from plasmapyro.radiation.bandsignal import BANDS
 
 WAVELENGTH = np.linspace(0.75e-6, 1.15e-6, 401)
 CURVE = np.geomspace(400.0, 8000.0, 600)
@@ -26,10 +27,7 @@ def response():
 
 def band_signals(temperature):
     bands = response()
-    return [
-        blackbody_signal(temperature, WAVELENGTH, bands[f"responsivity_{band}"].values)
-        for band in stage.BANDS
-    ]
+    return [blackbody_signal(temperature, WAVELENGTH, bands[f"responsivity_{band}"].values) for band in BANDS]
 
 
 def calibration(curve=CURVE):
