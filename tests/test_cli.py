@@ -173,10 +173,25 @@ def test_a_second_temperature_changes_the_light(folder, sightline):
 
 def test_a_range_without_data_is_refused(folder, capsys):
     words = [str(folder / "path.nc"), "--out", str(folder / "x.nc"), "--wavelength-nm"]
-    for edges in (("500", "600"), ("0.7", "1.2"), ("800", "700")):  # no data; micrometres; falling
+    for edges in (("500", "600"), ("0.7", "1.2")):  # no data; micrometres
         assert cli.main(["radiance", *words, *edges]) == 2
         said = f"within 650 to 2500 nm; got {' '.join(edges)}"
         assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["radiance", "path.nc", "--out", "x.nc", "--wavelength-nm", "800", "700"],
+        ["trust", "90kW", "--emittance", "0.9", "0.7"],
+        ["correct", "test", "--reference-window", "3", "1"],
+    ],
+)
+def test_a_range_that_falls_is_refused_before_anything_is_read(words, capsys):
+    with pytest.raises(SystemExit) as end:
+        cli.main(words)
+    assert end.value.code == 2
+    assert f"{words[-3]} must be two numbers that rise; got {' '.join(words[-2:])}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

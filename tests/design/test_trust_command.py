@@ -1,7 +1,5 @@
 """The command `plasmapyro trust`: what it says when the results are not there, and where it stops."""
 
-import pytest
-
 from plasmapyro import cli
 
 
@@ -12,9 +10,9 @@ def test_missing_results_are_named_and_nothing_is_written(tmp_path, capsys):
     assert not page.exists()
 
 
-@pytest.mark.parametrize("emittance", [("0.9", "0.7"), ("0.5", "1.5")])
-def test_impossible_emittances_are_refused(tmp_path, capsys, emittance):
-    assert cli.main(["trust", "90kW", "--results", str(tmp_path), "--emittance", *emittance]) == cli.BAD_INPUT
+def test_impossible_emittances_are_refused(tmp_path, capsys):
+    words = ["trust", "90kW", "--results", str(tmp_path), "--emittance", "0.5", "1.5"]
+    assert cli.main(words) == cli.BAD_INPUT
     assert "design.trust.emittance_range" in capsys.readouterr().err
 
 

@@ -25,7 +25,7 @@ class Once(argparse.Action):
 
 
 class Rising(argparse.Action):
-    """What keeps a range, and refuses one whose end is not above its begin."""
+    """What keeps a range, and refuses one whose end is below its begin."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         try:
@@ -35,7 +35,7 @@ class Rising(argparse.Action):
 
 
 def _rising(values):
-    if len(values) != 2 or not values[0] < values[1]:
+    if len(values) != 2 or not values[0] <= values[1]:
         got = " ".join(f"{value:g}" for value in values)
         raise argparse.ArgumentTypeError(f"must be two numbers that rise; got {got}")
     return values
@@ -104,7 +104,8 @@ def _settings(row):
         if row["option"].startswith("-"):
             found["default"] = []
     elif len(names) > 1:
-        found |= {"nargs": len(names), "metavar": tuple(names), "action": Rising}
+        found |= {"nargs": len(names), "metavar": tuple(names)}
+        found |= {"action": Rising} if len(names) == 2 else {}
     if default == "required":
         return found | {"required": True}
     if default == "inf":

@@ -19,6 +19,7 @@ from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import budget, flags, onset, status
 from plasmapyro.record.attributes import carried
 from plasmapyro.record.calibrated import halves
+from plasmapyro.record.inputs import instruments
 from plasmapyro.record.level import unlike_level
 from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
@@ -45,7 +46,8 @@ def correct_pyrometer(
     test : Dataset, contract 'test'
     calibration : Dataset, contract 'calibration'
     response : Dataset, contract 'response', optional
-        With it a sample whose level is no light of the temperature of its ratio is contradicted.
+        With it a sample whose level is no light of the temperature of its ratio is contradicted, where no
+        second instrument tells whether the temperature is right (`quality.instruments_disagree`).
     signal_uncertainty : float [1]
         Relative standard uncertainty of one signal, beside the noise that the record shows without light.
     gas_variation : float [1]
@@ -106,7 +108,7 @@ def correct_pyrometer(
     nothing = np.zeros_like(raw)
     taken = [np.where(shining, row[:, None], 0.0) for row in (reference, reference_uncertainty)]
     corrected_uncertainty = monte_carlo(*taken, corrected_temperature, 1)
-    if response is not None:
+    if response is not None and len(instruments(test)) == 1:
         known = corrected_temperature, corrected_uncertainty
         unlike = unlike_level(corrected, *known, test.attrs, calibration, response)
         corrected_status[unlike] = status.CONTRADICTED
