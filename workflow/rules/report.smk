@@ -1,12 +1,13 @@
 TEMPERATURES = sorted([*((test, "temperature") for test in WORKED), *CORRECTIONS], key=lambda one: one[0])
 
 
-# One page with all that a run found. Not part of the main job: `make report`, or ask for results/report.html.
+# One page with all that a run found, the claims of the paper's instrument among it. Not part of the main job:
+# `make report`, or ask for results/report.html.
 rule report:
     input:
         figures=[figure for figure in FIGURES if figure.endswith(".png")],
         corrections=[f"results/experiment/{test}/{contract}.nc" for test, contract in TEMPERATURES],
-        claims=CLAIMS,
+        claims="results/claims.nc",
         findings=expand("results/experiment/{test}/findings.json", test=WORKED),
         diagnoses=expand("results/diagnosis/{test}/index.html", test=DIAGNOSED),
         everything=RESULTS,
