@@ -400,6 +400,18 @@ def test_a_line_that_nobody_simulated_is_found_at_its_wavelength(fitted, record,
     assert min(abs(line.wavelength - 926.6e-9) for line in lines) < 0.8e-9  # a pixel
 
 
+@pytest.mark.parametrize(("power", "brightness"), [(0.0, 0.5), (0.1, -0.7), (-0.2, 0.5)])
+def test_light_kept_of_a_power_is_that_of_the_model(fitted, record, power, brightness):
+    """An effect of no size asks the model itself; without effects the light of a power is kept and scaled."""
+    base = fitted(record())
+    with np.errstate(all="ignore"):
+        simulated = Simulated(base.model, measured_gas(base.model, base.solution), OF_GAS)
+        kept = [simulated.light(power, one) for one in (0.0, brightness, brightness)]
+        whole = simulated.light(power, brightness, (Setting(CATALOGUE["T_vib"], 0.0, {}),))
+    np.testing.assert_array_equal(kept[1], kept[2])
+    np.testing.assert_allclose(kept[1], whole, rtol=1e-12)
+
+
 def test_bands_of_another_rotational_structure_raise_their_error(fitted, record, radiation, axis):
     """Over two nanometres each bands differ by 30 %: the error of single channels is raised as far, and
     neither the power nor a cause is wrong."""
