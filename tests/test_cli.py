@@ -185,6 +185,7 @@ def test_a_range_without_data_is_refused(folder, capsys):
         ["radiance", "path.nc", "--out", "x.nc", "--wavelength-nm", "800", "700"],
         ["trust", "90kW", "--emittance", "0.9", "0.7"],
         ["correct", "test", "--reference-window", "3", "1"],
+        ["calibrate", "test", "--instrument-range-k", "973", "973"],
     ],
 )
 def test_a_range_that_falls_is_refused_before_anything_is_read(words, capsys):

@@ -2,8 +2,8 @@
 
 A row per option: `kind` is the name of a function of this module or of Python, `flag`, `append`, `once` of
 what must not stand twice, or the words that may be chosen, between bars; `default` may be `required`; a
-`metavar` of several words takes as many values, one that ends in ... any number, in [] also none. Texts
-of help stand in words/.
+`metavar` of several words takes as many values, one that ends in ... any number, in [] also none. Two words
+are a range that rises, but LEAST MOST, which may be a point. Texts of help stand in words/.
 """
 
 import argparse
@@ -13,6 +13,7 @@ from math import inf
 from pathlib import Path
 
 HERE = Path(__file__).parent
+POINT = ["LEAST", "MOST"]
 
 
 class Once(argparse.Action):
@@ -25,7 +26,7 @@ class Once(argparse.Action):
 
 
 class Rising(argparse.Action):
-    """What keeps a range, and refuses one whose end is below its begin."""
+    """What keeps a range, and refuses one whose end is not above its begin."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         try:
@@ -35,7 +36,7 @@ class Rising(argparse.Action):
 
 
 def _rising(values):
-    if len(values) != 2 or not values[0] <= values[1]:
+    if len(values) != 2 or not values[0] < values[1]:
         got = " ".join(f"{value:g}" for value in values)
         raise argparse.ArgumentTypeError(f"must be two numbers that rise; got {got}")
     return values
@@ -105,7 +106,7 @@ def _settings(row):
             found["default"] = []
     elif len(names) > 1:
         found |= {"nargs": len(names), "metavar": tuple(names)}
-        found |= {"action": Rising} if len(names) == 2 else {}
+        found |= {"action": Rising} if len(names) == 2 and names != POINT else {}
     if default == "required":
         return found | {"required": True}
     if default == "inf":
