@@ -117,12 +117,8 @@ def readings(samples, filtered, injection, limits, options):
             )
             yield {"time": leapt, "alarms": ["unreadable"], "because": because}
         else:
-            leapt, before, earlier, pair = (
-                np.inf,
-                sample["time"],
-                pair,
-                [sample[name] for name in parts.SIGNALS],
-            )
+            leapt, before = np.inf, sample["time"]
+            earlier, pair = pair, [sample[name] for name in parts.SIGNALS]
             equal = equal + 1 if pair == earlier else 0
             saturated = any(value >= limit for value, limit in zip(pair, limits, strict=True))
             kept = [np.nan] * 2 if saturated or equal >= STUCK else pair
