@@ -1,5 +1,6 @@
 """The documents as a site: `make site`, read from build/site/index.html without a network."""
 
+import re
 import shutil
 import sys
 import tomllib
@@ -57,7 +58,7 @@ def write_pages(app):
     for part, title in CHAPTERS.items():
         lines = [f"# {title}", ""]
         for path in sorted([*PACKAGE.glob(f"{part}.py"), *PACKAGE.glob(f"{part}/**/*.py")]):
-            if "Parameters\n" in path.read_text(encoding="utf-8"):
+            if re.search(r"^(def|class) [^_]", path.read_text(encoding="utf-8"), re.MULTILINE):
                 name = ".".join(path.relative_to(ROOT / "src").with_suffix("").parts)
                 box = ["```{eval-rst}", f".. automodule:: {name}", "```"]
                 lines += [f"## {name.partition('.')[2]}", "", *box, ""]

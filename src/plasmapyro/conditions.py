@@ -30,20 +30,10 @@ SAME = 1e-6  # [1], relative difference of equal numbers
 
 
 def stated(*, gas, settings, numerical_power=None, chamber_pressure=None, mass_flow_rate=None):
-    """Attributes that say which condition the gas of a file belongs to.
+    """Attributes that say which condition the gas of a file belongs to; None for what is not known.
 
-    Parameters
-    ----------
-    gas : str
-        Such as 'air'.
-    settings : mapping
-        All else that fixes the gas along the line of sight besides the power: geometry, wall temperatures,
-        numerics.
-    numerical_power, chamber_pressure, mass_flow_rate : float [W], [Pa], [kg s-1], or None if not known
-
-    Returns
-    -------
-    dict
+    `gas`: such as 'air'; `settings`: all else that fixes the gas along the line of sight besides the power:
+    geometry, wall temperatures, numerics; power [W], pressure [Pa], mass flow rate [kg s-1].
     """
     numbers = {POWER: numerical_power, **dict(zip(STATE, (chamber_pressure, mass_flow_rate), strict=True))}
     return {
@@ -65,19 +55,11 @@ def number(dataset, name):
 
 
 def ladder(condition, datasets):
-    """Conditions that share all but the power with one of them, by rising power.
+    """Conditions that share all but the power with one of them, itself among them, by rising power.
 
-    Parameters
-    ----------
-    condition : name
-    datasets : mapping of condition -> Dataset with the attributes of `stated`
-
-    Returns
-    -------
-    list of str
-        `condition` is among them. Of several with one power (they differ in what the gas does not know of,
-        such as the emittance) it stands for all, or else the first by name; a condition without a power
-        stands alone.
+    `datasets`: condition -> Dataset with the attributes of `stated`. Of several with one power (they differ
+    in what the gas does not know of, such as the emittance) `condition` stands for all, or else the first by
+    name; a condition without a power stands alone.
     """
     own = datasets[condition]
     if np.isnan(number(own, POWER)):

@@ -71,11 +71,8 @@ _Validator = extend(Draft202012Validator, {"rising": _rising, "path": _path})
 def read(path):
     """The values of one YAML file.
 
-    Raises
-    ------
-    ConfigurationError
-        If it is no plain file, not YAML, larger than a configuration can be, holds an alias, or a key stands
-        in it twice; the message names file and line.
+    ConfigurationError if it is no plain file, not YAML, larger than a configuration can be, holds an alias,
+    or a key stands in it twice; the message names file and line.
     """
     if found := unfit(path, LARGEST_FILE):
         raise ConfigurationError(f"{path}: {'; '.join(found)}")
@@ -98,17 +95,10 @@ def load(path, schema):
 
 
 def load_folder(selection, schema, order=None):
-    """Read the YAML files of a folder, each checked against `schema`; the file name is the key.
+    """Values by file name of the YAML files of a folder, each checked against `schema`.
 
-    Parameters
-    ----------
-    selection : mapping with `folder` (path) and `only` (names to keep; empty for all)
-    schema : path of the schema
-    order : key of the files to sort by, those without it last; by name otherwise
-
-    Returns
-    -------
-    dict of name -> mapping
+    `selection`: `folder` (path) and `only` (names to keep; empty for all); sorted by name, or by the key
+    `order`, those without it last.
     """
     folder, only = Path(selection["folder"]), selection["only"]
     found = {path.stem: path for path in sorted(folder.glob("[!.]*.yaml"))}
@@ -136,17 +126,7 @@ def load_folder(selection, schema, order=None):
 
 
 def ladder(conditions, name):
-    """Conditions that may share all but the power with one of them, itself included; one of each power.
-
-    Parameters
-    ----------
-    conditions : mapping of name -> values, as from `load_folder`
-    name : str
-
-    Returns
-    -------
-    list of str
-    """
+    """Conditions that may share all but the power with one of them, itself included; one of each power."""
 
     def gas_of(case):
         own = {"nitrogen_mole_fraction": AIR["N2"], "argon_mole_fraction": 0.0, **case}
@@ -164,10 +144,8 @@ def ladder(conditions, name):
 def check(values, schema, source):
     """Return `values` if they fit the JSON schema in the YAML file `schema`; it may refer to files beside it.
 
-    Raises
-    ------
-    ConfigurationError
-        Names the source, and for each fault the key, its value, the rule and the nearest valid key.
+    ConfigurationError names the source, and for each fault the key, its value, the rule and the nearest valid
+    key.
     """
     rules = _rules(schema)
     others = Registry(retrieve=lambda name: DRAFT202012.create_resource(_rules(Path(schema).with_name(name))))
@@ -203,13 +181,7 @@ NO_FACILITY = "needs the section 'facility' of the configuration; copy it from c
 
 
 def check_together(config, conditions, tests):
-    """Refuse values that are right one by one but not together: unknown names, and ranges that do not fit.
-
-    Parameters
-    ----------
-    config : the main configuration
-    conditions, tests : mappings as from `load_folder`
-    """
+    """Refuse values that are right one by one but not together: unknown names, and ranges that do not fit."""
     paper = config["claims"]["conditions"]
     shown = {
         "figures.field_condition": [config["figures"]["field_condition"]],
@@ -276,13 +248,7 @@ def check_together(config, conditions, tests):
 
 
 def check_compared(tests, conditions):
-    """Refuse tests that are to be compared with conditions that are not there.
-
-    Parameters
-    ----------
-    tests : mapping of test -> name of the condition that its file or the configuration states
-    conditions : mapping as from `load_folder`
-    """
+    """Refuse tests that are to be compared with conditions (test -> its name) that are not there."""
     faults = [
         f"{_unknown(f'condition of test {test}', name, conditions)}; or leave the test out with tests.only"
         for test, name in tests.items()
@@ -315,14 +281,7 @@ def _no_ladder(cases):
 
 
 def check_targets(targets, conditions, selection):
-    """Refuse files that are asked for of a condition which is not among those of the run.
-
-    Parameters
-    ----------
-    targets : paths that were asked for
-    conditions : mapping as from `load_folder`
-    selection : as for `load_folder`
-    """
+    """Refuse files that are asked for of a condition which is not among those of the run."""
     faults = []
     for match in filter(None, map(OF_CONDITION.fullmatch, map(str, targets))):
         path, name = match[0], match[1]

@@ -36,18 +36,9 @@ def printable(words):
 
 
 def unfit(path, largest):
-    """What speaks against reading a path, and what to do.
+    """What speaks against reading a path, and what to do; None for a plain file of 1 to `largest` bytes.
 
     A pipe or a device would block or never end, so nothing but plain files is opened.
-
-    Parameters
-    ----------
-    path : path
-    largest : int [byte]
-
-    Returns
-    -------
-    (str, str), or None if it is a plain file of 1 to `largest` bytes
     """
     path = Path(path)
     try:
@@ -74,11 +65,8 @@ def unfit(path, largest):
 def memory_for(path):
     """Let a block take the memory that a file of this size can need, and no more.
 
-    Raises
-    ------
-    MemoryError
-        Out of the block, at the allocation that goes beyond. Where the system does not say what the process
-        holds (not Linux) nothing is limited.
+    MemoryError out of the block, at the allocation that goes beyond. Where the system does not say what the
+    process holds (not Linux) nothing is limited.
     """
     try:
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
@@ -108,20 +96,9 @@ def claim(path, size):
 def elsewhere(path):
     """Where an HDF5 file (netCDF-4, CGNS) refers to other files, or claims more than it can hold.
 
-    HDF5 follows such references without a word: a file of others would bring bytes of this machine along.
-
-    Parameters
-    ----------
-    path : path of a plain file
-
-    Returns
-    -------
-    (str, str) : what is wrong and what to do; or None, also for a file that is not HDF5
-
-    Raises
-    ------
-    OSError, RuntimeError
-        From h5py, for a damaged file.
+    What is wrong and what to do; None also for a file that is not HDF5. HDF5 follows such references without
+    a word: a file of others would bring bytes of this machine along. OSError, RuntimeError from h5py, for a
+    damaged file.
     """
     import h5py  # 0.1 s, which only files of others cost
 

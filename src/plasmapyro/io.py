@@ -27,18 +27,10 @@ class StorageError(OSError):
 
 
 def read(path, contract):
-    """Load a stage file and check it against its contract.
+    """Load a stage file and check it against its contract, a name in `contracts.DATASETS`.
 
-    Parameters
-    ----------
-    path : path of the netCDF file
-    contract : name in `contracts.DATASETS`
-
-    Raises
-    ------
-    ContractError
-        If the file cannot be read as netCDF, is damaged, says that it holds far more than it has bytes, keeps
-        data in other files, or breaches the contract; the message names the file.
+    ContractError if the file cannot be read as netCDF, is damaged, says that it holds far more than it has
+    bytes, keeps data in other files, or breaches the contract; the message names the file.
     """
     sealed = intact(path, LARGEST)
     try:
@@ -61,20 +53,8 @@ def read(path, contract):
 def intact(path, largest=LARGEST):
     """Whether a workflow noted the bytes of a file when it wrote it; they are compared at this moment.
 
-    Parameters
-    ----------
-    path : path
-    largest : int [byte]
-
-    Returns
-    -------
-    bool
-        False if nothing was noted: it is not a result of a workflow.
-
-    Raises
-    ------
-    ContractError
-        No plain file of that size, or other bytes than were noted.
+    False if nothing was noted: it is not a result of a workflow. ContractError: no plain file of up to
+    `largest` bytes, or other bytes than were noted.
     """
     if found := foreign.unfit(path, largest):
         raise contracts.ContractError(f"{path}: {'; '.join(found)}")
@@ -103,15 +83,9 @@ def _require_noted(path, found, noted):
 def write(dataset, path, contract, *, sources=(), config=None):
     """Label, check and store a stage file, whole or not at all.
 
-    Parameters
-    ----------
-    dataset : Dataset
-        Its attribute `origin` (default 'modelled') is weakened to the weakest origin of the sources;
-        other attributes are kept.
-    path : path of the netCDF file
-    contract : name in `contracts.DATASETS`
-    sources : paths of the files it was made from; their SHA-256 are stored
-    config : mapping of the configuration values it depends on, stored as JSON
+    The attribute `origin` (default 'modelled') is weakened to the weakest origin of the `sources`, files
+    whose SHA-256 are stored; other attributes are kept. `config`: values of the configuration it depends on,
+    stored as JSON.
     """
     write_labelled([(path, labelled(dataset, contract, sources, config))])
 
@@ -183,18 +157,10 @@ def write_text(text, path):
 
 
 def store(path, writer):
-    """Store a file of any kind, whole or not at all.
+    """Store a file of any kind, whole or not at all; its folder is made.
 
-    Parameters
-    ----------
-    path : path of the file; its folder is made
-    writer : callable
-        Writes to the path it is given, a neighbour of `path` with the same suffix.
-
-    Raises
-    ------
-    StorageError
-        If the file cannot be written; the message says what to do, and an older file is as it was.
+    `writer` writes to the path it is given, a neighbour of `path` with the same suffix. StorageError if the
+    file cannot be written; the message says what to do, and an older file is as it was.
     """
     path = Path(path)
     if path.exists() and not path.is_file():
@@ -218,17 +184,8 @@ def store(path, writer):
 def store_folder(folder, writer):
     """Store a folder of results, all of its files or none: the old folder stays until the new one is whole.
 
-    Parameters
-    ----------
-    folder : path
-        What it holds goes with it.
-    writer : callable
-        Writes into the folder that it is given, a neighbour of `folder`.
-
-    Raises
-    ------
-    StorageError
-        As for `store`.
+    `writer` writes into the folder that it is given, a neighbour of `folder`, whose content goes.
+    StorageError as for `store`.
     """
     folder = Path(os.path.realpath(folder))
     part, aside = (folder.with_name(f".{folder.name}.{os.getpid()}.part{k}") for k in ("", "-old"))
@@ -275,10 +232,7 @@ def write_texts(texts, paths):
 def read_text(path):
     """Read a text file.
 
-    Raises
-    ------
-    ContractError
-        If there is no such file, it is too large, damaged or not text; the message names it.
+    ContractError if there is no such file, it is too large, damaged or not text; the message names it.
     """
     try:
         words = read_bytes(path, LARGEST_TEXT).decode("utf-8")

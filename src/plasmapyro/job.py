@@ -5,25 +5,13 @@ from plasmapyro.quantities import in_si
 
 
 def run(job, stage, contract, *, renamed=None, **made):
-    """Call a function of a stage with what its rule gives, and store what it returns.
+    """Call a function of a stage with what its rule gives, and store what it returns, of a contract.
 
-    Parameters
-    ----------
-    job : the `snakemake` of a script
-        Its rule names each input by its contract, in the order in which the stage takes them; None stands for
-        one that is left empty, unnamed ones are files that the stage finds by itself. The parameters of the
-        rule are the settings of the stage, with their units in the keys.
-    stage : callable (*datasets, **settings) -> Dataset
-    contract : str
-        Of what it returns.
-    renamed : mapping of setting -> argument, where the stage has another word than the configuration
-    made : setting=callable
-        That makes the value of a setting from the list in the configuration, as `quantities.steps` does.
-
-    Raises
-    ------
-    ContractError, StorageError
-        An input or the result; see `io`.
+    The rule of a `job` (the `snakemake` of a script) names each input by its contract, in the order in which
+    the stage takes them; None stands for one that is left empty, unnamed ones are files that the stage finds
+    by itself. The parameters of the rule are the settings of the stage, with their units in the keys.
+    `renamed`: setting -> argument, where the stage has another word than the configuration; `made`: what
+    makes the value of a setting from the list in the configuration, as `quantities.steps` does.
     """
     io.log_to(job.log[0])
     given = [io.read(path, kind) if path else None for kind, path in job.input.items() if kind != "script"]

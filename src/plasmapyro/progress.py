@@ -16,14 +16,7 @@ ALL = logging.getLogger("plasmapyro")
 def step(stage, done, total=None, note=""):
     """Tell how far a stage has come; the next step is written over it.
 
-    Parameters
-    ----------
-    stage : str
-    done : int
-    total : int, optional
-        If it is known.
-    note : str
-        A number worth watching, such as a residual.
+    `total` if it is known; `note`: a number worth watching, such as a residual.
     """
     if LOG.isEnabledFor(logging.DEBUG):
         count = f"{done} of {total}" if total else str(done)
@@ -41,12 +34,7 @@ def warn(message):
 
 
 def show(stream):
-    """Draw steps and what the stages log as one line that is written over, on a terminal only; and warnings.
-
-    Parameters
-    ----------
-    stream : text stream
-    """
+    """Draw steps and what the stages log as one line, written over, on a terminal only; and warnings."""
     LOG.propagate = False
     for handler in [handler for handler in LOG.handlers if isinstance(handler, _Line)]:
         LOG.removeHandler(handler)

@@ -13,6 +13,13 @@ def air_index(wavelength):
 
     .. math:: n - 1 = \frac{0.05792105}{238.0185 - \sigma^2} + \frac{0.00167917}{57.362 - \sigma^2}
 
+    Source: P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1. Valid 230 nm to 1.69 um. Beyond, where
+    spectrometers have pixels and little signal, it is extrapolated: at 170 nm it may be off by 1e-5
+    (0.002 nm). ASSUME: a laboratory differs from standard air by less than 5 % in density, which moves a
+    wavelength by less than 0.02 nm.
+
+    ValueError: outside the validity.
+
     Parameters
     ----------
     wavelength : array_like [m]
@@ -21,18 +28,6 @@ def air_index(wavelength):
     Returns
     -------
     ndarray [1]
-
-    Raises
-    ------
-    ValueError
-        Outside the validity.
-
-    Notes
-    -----
-    Source: P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1. Valid 230 nm to 1.69 um. Beyond, where
-    spectrometers have pixels and little signal, it is extrapolated: at 170 nm it may be off by 1e-5
-    (0.002 nm). ASSUME: a laboratory differs from standard air by less than 5 % in density, which moves a
-    wavelength by less than 0.02 nm.
     """
     squared = (1e-6 / within("wavelength", wavelength, LOWEST, HIGHEST, "m")) ** 2
     return 1 + 0.05792105 / (238.0185 - squared) + 0.00167917 / (57.362 - squared)

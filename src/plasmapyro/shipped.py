@@ -16,17 +16,7 @@ REMARK = "the test is compared with the simulations that come with plasmapyro, n
 
 @cache
 def stored():
-    """The shipped file and its SHA-256.
-
-    Returns
-    -------
-    (Dataset, contract 'simulations', str)
-
-    Raises
-    ------
-    ValueError
-        Its bytes are not those of the certificate.
-    """
+    """The shipped file, contract 'simulations', and its SHA-256; ValueError if it is another one."""
     certificate = yaml.safe_load((FOLDER / f"{NAME}.yml").read_text(encoding="utf-8"))
     with as_file(FOLDER / f"{NAME}.nc") as path:
         found = hashlib.sha256(path.read_bytes()).hexdigest()

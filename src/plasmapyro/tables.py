@@ -48,10 +48,7 @@ def weakest(origins):
 def load(name):
     """Load `data/<name>.csv` (header cells 'column [unit]', unit 'text' for words) with its certificate.
 
-    Raises
-    ------
-    ValueError
-        Missing certificate or key, digest that differs, unknown unit or origin, ragged row.
+    ValueError: missing certificate or key, digest that differs, unknown unit or origin, ragged row.
     """
     folder = files("plasmapyro") / "data"
     content = (folder / f"{name}.csv").read_bytes()

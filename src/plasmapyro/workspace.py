@@ -25,26 +25,12 @@ class WorkspaceError(RuntimeError):
 def begin(results, settings):
     """Take the results folder for this run; to be called once, before the workflow looks at any result.
 
-    What is dated in the future, by a clock that was wrong, is dated now.
-
-    Parameters
-    ----------
-    results : path of the results folder
-    settings : anything that JSON can hold
-        All configuration of the run; its jobs refuse to work if it changes before the run ends.
-
-    Returns
-    -------
-    damaged : list of Path
-        Results that no longer had the bytes they were written with (a truncated file, a flipped bit). They
-        are removed, so that the workflow computes them again.
-    busy : bool
-        Another run holds the folder. Nothing was looked at then; a run must not start (see `require_free`).
-
-    Raises
-    ------
-    WorkspaceError
-        If the folder or one of those in it cannot be made or written to.
+    What is dated in the future, by a clock that was wrong, is dated now. `settings`, which JSON can hold: all
+    configuration of the run; its jobs refuse to work if it changes before the run ends. Returned are the
+    paths of results that no longer had the bytes they were written with (a truncated file, a flipped bit),
+    removed so that the workflow computes them again; and whether another run holds the folder: then nothing
+    was looked at, and a run must not start (see `require_free`). WorkspaceError if the folder or one of those
+    in it cannot be made or written to.
     """
     folder = Path(results) / FOLDER
     os.environ[SEALS] = str(folder.resolve())
@@ -78,12 +64,7 @@ def _unwritable(place, reason):
 
 
 def require_free(busy):
-    """Refuse to start beside another run.
-
-    Raises
-    ------
-    WorkspaceError
-    """
+    """Refuse (WorkspaceError) to start beside another run."""
     if busy:
         raise WorkspaceError(
             "another run is at work in this folder; wait until it has ended, then call again: nothing is lost"
@@ -91,12 +72,7 @@ def require_free(busy):
 
 
 def same_settings(settings):
-    """Refuse a job whose configuration is not the one its run began with.
-
-    Raises
-    ------
-    WorkspaceError
-    """
+    """Refuse (WorkspaceError) a job whose configuration is not the one its run began with."""
     if os.environ.get(SETTINGS, _settings_digest(settings)) != _settings_digest(settings):
         raise WorkspaceError(
             "the configuration was changed while the run was at work; call again: it goes on with the new one"
@@ -104,18 +80,7 @@ def same_settings(settings):
 
 
 def require_unchanged(paths, digests):
-    """Refuse to describe a run by files that are no longer those it began with.
-
-    Parameters
-    ----------
-    paths : list of path
-    digests : list of str
-        SHA-256 of each when the run began.
-
-    Raises
-    ------
-    WorkspaceError
-    """
+    """Refuse (WorkspaceError) to describe a run by files other than those, by SHA-256, that it began with."""
     changed = [str(path) for path, begun in zip(paths, digests, strict=True) if digest(path) != begun]
     if changed:
         raise WorkspaceError(

@@ -210,18 +210,10 @@ def spectrometer_counts(seed, source=None, spectrometer=None):
 
 
 def record(scene, response, gas, seed):
-    """The test as a laboratory would hand it over, and what is really true.
+    """The test as a laboratory would hand it over, and what is really true: two Datasets.
 
-    Parameters
-    ----------
-    scene : Scene
-    response : Dataset with wavelength [m], responsivity_wide, responsivity_narrow
-    gas : sequence of (weight, Dataset); the true gas is the weighted sum of their `gas_radiance`
-    seed : int
-
-    Returns
-    -------
-    test, truth : Datasets
+    `response`: wavelength [m], responsivity_wide, responsivity_narrow; `gas`: pairs of a weight and a
+    Dataset; the true gas is the weighted sum of their `gas_radiance`.
     """
     tick, temperature, scale = _histories(scene, seed)
     time, moment = readings(scene)

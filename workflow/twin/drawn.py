@@ -55,18 +55,9 @@ class Seen:
 def campaign(seen, seed, *, odd=None, last=None):
     """Truth, and tests as (name, date, electric power, material, posterior).
 
-    Parameters
-    ----------
-    seen : list of (electric power [W], material, Seen), a test each
-    seed : int
-    odd : (place of a test, number, by how much) that does not belong
-    last : Seen, of the last test, if it is another kind of record
-
-    Returns
-    -------
-    truth : dict
-        By the names of `campaign.hierarchy`; `temperature` of the last test [K].
-    made : list
+    The truth by the names of `campaign.hierarchy`, and `temperature` of the last test [K]. `seen`: electric
+    power [W], material and `Seen` of each test; `odd`: a place of a test, a number, and by how much it does
+    not belong; `last`: of the last test, if it is another kind of record.
     """
     random = np.random.default_rng(seed)
     first = seen[0][2]

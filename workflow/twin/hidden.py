@@ -527,10 +527,7 @@ def fault_of(effect: str, amplitude: float, shape: dict | None = None) -> str:
 def hide(scene: Scene, effect: str, amplitude: float, gas: Gas, shape: dict | None = None) -> Scene:
     """The scene with one more effect, written into its `hidden` list.
 
-    Raises
-    ------
-    ValueError
-        Unknown effect or shape, or an amplitude beyond what is sensible.
+    ValueError: unknown effect or shape, or an amplitude beyond what is sensible.
     """
     fault = fault_of(effect, amplitude, shape)
     if fault:

@@ -45,12 +45,9 @@ def _transitions():
 
 
 def bands(centres, population):
-    """Light (B,) of the system on equal bins, in units of its own.
+    """Light (B,) of the system on equal bins about `centres` [m], in units of its own.
 
-    Parameters
-    ----------
-    centres : (B,) [m], equally spaced
-    population : callable (vibrational energy (L,), rotational energy (L,)) [cm-1] -> population (L,)
+    `population`: (vibrational, rotational energy (L,)) [cm-1] -> population (L,).
     """
     wavelength, upper, energy, strength = _transitions()
     step = (centres[-1] - centres[0]) / (centres.size - 1)

@@ -13,13 +13,7 @@ POWER = "power"  # hidden in the gas itself: its power over that of the simulati
 
 
 def faults_of(tests, folder):
-    """What is wrong with the effects that tests hide, by file and place; empty if nothing is.
-
-    Parameters
-    ----------
-    tests : mapping of test to its configuration
-    folder : str, where their files lie, for the words
-    """
+    """What is wrong with the effects that tests hide, by file and place; empty if nothing is."""
     lines = []
     for name, case in tests.items():
         found = []
@@ -41,15 +35,8 @@ def power_fault(change, shape=None):
 def true_gas(effects, weighted, beside=()):
     """The true gas: that of the simulations, or that of another power if this is what is hidden.
 
-    Parameters
-    ----------
-    effects : sequence of dict, as for `scene`
-    weighted : sequence of (weight, Dataset), radiance by component
-    beside : sequence of Datasets, alike at other powers
-
-    Returns
-    -------
-    as `weighted`
+    `weighted`, and what is returned: pairs of a weight and a Dataset, radiance by component; `beside`:
+    Datasets alike at other powers; `effects` as for `scene`.
     """
     change = sum(one["amplitude"] for one in effects if one["effect"] == POWER)
     return [(weight, at_power(change, one, beside)) for weight, one in weighted] if change else weighted
@@ -85,18 +72,12 @@ def _power(dataset):
 
 
 def scene(condition, effects, weighted, profile, **facts):
-    """A scene, the plain one if nothing is hidden.
+    """A scene, the plain one if nothing is hidden, of a condition that the laboratory compares with.
 
-    Parameters
-    ----------
-    condition : str
-        Simulation that the laboratory compares with.
-    effects : sequence of dict
-        `effect`, `amplitude` and, if wanted, `shape`, as for `hidden.hide`; and the power of the gas.
-    weighted : sequence of (weight, Dataset)
-        The true gas, radiance by component.
-    profile : (sightline, composition) Datasets, and flow if a surface scatters, or empty if nothing is hidden
-    facts : other fields of the scene
+    `effects`: `effect`, `amplitude` and, if wanted, `shape`, as for `hidden.hide`; and the power of the gas.
+    `weighted`: pairs of a weight and a Dataset, the true gas, radiance by component. `profile`: (sightline,
+    composition), and flow if a surface scatters, or empty if nothing is hidden. `facts`: other fields of the
+    scene.
     """
     plain = Scene(condition=condition, **facts)
     if not effects:

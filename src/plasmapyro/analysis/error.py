@@ -10,6 +10,8 @@ def relative_error(apparent_temperature, object_temperature):
 
     .. math:: e = \frac{T_{app} - T_{obj}}{T_{obj}}
 
+    Source: Fagnani et al., eq. 7. Deviation: a fraction, not percent.
+
     Parameters
     ----------
     apparent_temperature : (...) array [K], NaN where the instrument gives no reading
@@ -18,10 +20,6 @@ def relative_error(apparent_temperature, object_temperature):
     Returns
     -------
     (...) ndarray [1], NaN where there is no reading
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 7. Deviation: a fraction, not percent.
 
     Examples
     --------
@@ -40,6 +38,9 @@ def error_limit(object_temperature, error, level):
     to it the limit is the first sample with a reading. The sign counts, as in the paper's curve ``e = 1 %``:
     in front of a surface hotter than the colour of the gas the reading is too low, which is no crossing.
 
+    Source: Fagnani et al., sec. 4.4 (the curves e = 1 % of their fig. 8c). The interpolation error
+    falls with the square of the temperature step.
+
     Parameters
     ----------
     object_temperature : (T,) array [K], strictly increasing
@@ -54,11 +55,6 @@ def error_limit(object_temperature, error, level):
     status : (...) int8 ndarray
         0 found, -1 within the level at all temperatures (limit lies below the lowest), +1 not within
         it even at the highest temperature.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.4 (the curves e = 1 % of their fig. 8c). The interpolation error
-    falls with the square of the temperature step.
     """
     temperature = np.asarray(object_temperature, dtype=float)
     error = np.where(np.isnan(error), np.inf, error)

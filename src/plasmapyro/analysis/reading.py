@@ -38,6 +38,9 @@ def correct_reading(
     The interval holds 95 % of draws over power (which moves both gas signals along those of the other
     conditions), the signals of both bands, emittance, noise and the quantum of the display.
 
+    ValueError: an unknown condition, an argument out of range, or a power uncertainty with one condition
+    only.
+
     Parameters
     ----------
     gas, response, curve : Datasets, contracts 'gas_signal', 'response', 'ratio_curve'
@@ -60,11 +63,6 @@ def correct_reading(
     Returns
     -------
     Dataset, contract 'corrected_reading'
-
-    Raises
-    ------
-    ValueError
-        An unknown condition, an argument out of range, or a power uncertainty with one condition only.
     """
     names = list(gas.condition.values)
     if condition not in names:

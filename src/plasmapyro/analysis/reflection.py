@@ -8,6 +8,12 @@ def reflected(emittance, specular, diffuse, roughness):
 
     .. math:: (1 - \varepsilon)\,[(1 - m)\, L^{g,s}_{specular} + m\, L^{g,s}_{diffuse}]
 
+    Source: Fagnani et al., eq. 2, third term, :math:`(1-\varepsilon) L^{g,s}`;
+    Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 5 (diffuse plus specular reflectance).
+    ASSUME: the gas in front absorbs nothing on the way back, as the paper does.
+
+    ValueError if an argument is outside its range.
+
     Parameters
     ----------
     emittance : (...) [1], 0 to 1; opaque, so that the reflectance is the rest
@@ -18,17 +24,6 @@ def reflected(emittance, specular, diffuse, roughness):
     Returns
     -------
     (...) ndarray, the unit of the incident light; 0 for emittance 1
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 2, third term, :math:`(1-\varepsilon) L^{g,s}`;
-    Modest, Radiative Heat Transfer, 3rd ed., chapters 1 and 5 (diffuse plus specular reflectance).
-    ASSUME: the gas in front absorbs nothing on the way back, as the paper does.
 
     Examples
     --------

@@ -57,6 +57,8 @@ def _of_conditions(gas):
 def visibility(gas, response, *, object_temperature, visibility_level):
     """Visibility factors of all bands, and the surface temperatures at which they reach given levels.
 
+    Source: Fagnani et al., eq. 10, sec. 4.3.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
@@ -67,10 +69,6 @@ def visibility(gas, response, *, object_temperature, visibility_level):
     Returns
     -------
     Dataset, contract 'visibility'
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 10, sec. 4.3.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     surface = gas.sample_emittance.values[:, None, None] * blackbody_signals(temperature, response)[None]
@@ -100,6 +98,9 @@ def visibility(gas, response, *, object_temperature, visibility_level):
 def apparent_temperature(gas, response, curve, *, object_temperature):
     """Temperature read on each condition's surface through the gas, and its relative error.
 
+    Source: Fagnani et al., eqs. 4 to 7. ASSUME: thin atmosphere, uniform window, no reflected gas
+    radiation (their sec. 2).
+
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
@@ -110,11 +111,6 @@ def apparent_temperature(gas, response, curve, *, object_temperature):
     Returns
     -------
     Dataset, contract 'apparent_temperature'; NaN and a status where the curve gives no reading.
-
-    Notes
-    -----
-    Source: Fagnani et al., eqs. 4 to 7. ASSUME: thin atmosphere, uniform window, no reflected gas
-    radiation (their sec. 2).
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     reading, status = _read(gas, response, curve, gas.sample_emittance.values[:, None], temperature[None])
@@ -135,6 +131,8 @@ def apparent_temperature(gas, response, curve, *, object_temperature):
 def error_map(gas, response, curve, *, object_temperature, emittance, error_level):
     """Relative error over surface temperature and emittance, and the curve of one error level.
 
+    Source: Fagnani et al., eq. 7, sec. 4.4.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
@@ -147,10 +145,6 @@ def error_map(gas, response, curve, *, object_temperature, emittance, error_leve
     Returns
     -------
     Dataset, contract 'error_map'
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 7, sec. 4.4.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
@@ -174,6 +168,8 @@ def error_map(gas, response, curve, *, object_temperature, emittance, error_leve
 def transient(gas, response, curve, *, conditions, time, initial_temperature, gain, natural_frequency):
     """Apparent temperature while a sample heats as a critically damped second-order system.
 
+    Source: Fagnani et al., eq. 11, sec. 4.5.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
@@ -187,10 +183,6 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
     Returns
     -------
     Dataset, contract 'transient'
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 11, sec. 4.5.
     """
     missing = sorted(set(conditions) - set(gas.condition.values))
     if missing:
@@ -218,6 +210,8 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
 def surface_radiance(*, object_temperature, emittance, wavelength):
     """Radiance of a grey surface at several temperatures, to be set beside that of the gas.
 
+    Source: Fagnani et al., sec. 4.2.
+
     Parameters
     ----------
     object_temperature : (T,) array [K]
@@ -227,10 +221,6 @@ def surface_radiance(*, object_temperature, emittance, wavelength):
     Returns
     -------
     Dataset, contract 'surface_radiance'
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.2.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     wavelength = increasing("wavelength", wavelength, "m")
@@ -274,6 +264,9 @@ def reflection_map(
     sample: the reflection stays), or the reference measured on the cold sample itself, reflection included,
     which then is wrong by `gas_variation`.
 
+    Source: Fagnani et al., eq. 2, secs. 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
+    line of sight, so that the specular part is the gas signal itself; flat spectral reflectance.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas_signal'
@@ -289,11 +282,6 @@ def reflection_map(
     Returns
     -------
     Dataset, contract 'reflection'
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 2, secs. 4.4 and 5.1. ASSUME: the mirrored ray of an axisymmetric jet is the
-    line of sight, so that the specular part is the gas signal itself; flat spectral reflectance.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")

@@ -12,6 +12,10 @@ def step_response(time, initial_temperature, gain, natural_frequency):
 
     and :math:`T_0` before.
 
+    Source: Fagnani et al., eq. 11, there with T_0 = 350 K, g = 1250 K, omega_0 = 0.1 s-1.
+
+    ValueError if a parameter is not > 0.
+
     Parameters
     ----------
     time : (...) array [s], 0 at injection
@@ -22,15 +26,6 @@ def step_response(time, initial_temperature, gain, natural_frequency):
     Returns
     -------
     (...) ndarray [K]
-
-    Raises
-    ------
-    ValueError
-        If a parameter is not > 0.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 11, there with T_0 = 350 K, g = 1250 K, omega_0 = 0.1 s-1.
 
     Examples
     --------

@@ -13,6 +13,11 @@ def visibility_factor(object_signal, gas_signal):
     .. math:: \nu_i = \frac{\int \tilde R_i\,\varepsilon L^{bb}(T_{obj})\,d\lambda}
                            {\int \tilde R_i\,[\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\,d\lambda}
 
+    Source: Fagnani et al., eq. 10 (after Sakuta & Boulos 1988). Deviation: the paper prints the
+    integrals without the wavelength differential.
+
+    ValueError if a signal is outside its range.
+
     Parameters
     ----------
     object_signal : (...) array [W m-2 sr-1]
@@ -23,16 +28,6 @@ def visibility_factor(object_signal, gas_signal):
     Returns
     -------
     (...) ndarray [1], in (0, 1]
-
-    Raises
-    ------
-    ValueError
-        If a signal is outside its range.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 10 (after Sakuta & Boulos 1988). Deviation: the paper prints the
-    integrals without the wavelength differential.
 
     Examples
     --------
@@ -52,6 +47,10 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance):
     Solves :math:`\varepsilon B_i(T) = \frac{\nu}{1-\nu}\,G_i`, where :math:`B_i` is the blackbody band
     signal and :math:`G_i` that of the gas.
 
+    Source: Fagnani et al., eq. 10 solved for the temperature, as in their fig. 7b.
+
+    ValueError if an argument is outside its range.
+
     Parameters
     ----------
     level : float [1], in (0, 1)
@@ -62,15 +61,6 @@ def temperature_at_visibility(level, blackbody_signal, gas_signal, emittance):
     Returns
     -------
     float [K]; NaN if the level is not reached within `BRACKET`.
-
-    Raises
-    ------
-    ValueError
-        If an argument is outside its range.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 10 solved for the temperature, as in their fig. 7b.
     """
     level = float(level)
     if not 0 < level < 1:

@@ -6,23 +6,12 @@ RATIOS = ("sensitivity_ratio", "calibration_ratio", "fitted_ratio", "fit_coeffic
 
 
 def applied(test, calibrations, law):
-    r"""A test and its calibrations as the law of a campaign has them.
+    r"""A test and its calibrations (contract -> Dataset) as the `law` (`Normal`) of a campaign has them.
 
     .. math:: k_i' = k_i\,e^{g + r_i}, \; H' = H\,e^{r}, \; F'(\lambda) = F(\lambda)\,e^{-g - s(\lambda)}
 
     with the throughputs g, the ratio r of the bands and the scale s of the spectrometer; the stated emittance
     becomes that of the law. Errors of edges and lamp stay those of the calibration.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    calibrations : mapping contract -> Dataset
-    law : `diagnosis.fit.prior.Normal`
-
-    Returns
-    -------
-    test : Dataset
-    calibrations : dict
     """
     number = {name: (float(m), float(s)) for name, m, s in zip(law.names, law.mean, law.sigma, strict=True)}
     found = dict(calibrations)

@@ -16,12 +16,7 @@ SHARES = "emittance of", "efficiency at"  # which no more than 1 can be
 
 
 def page(found):
-    """Markdown text.
-
-    Parameters
-    ----------
-    found : `campaign.stage.Found`
-    """
+    """The `campaign.stage.Found` as Markdown text."""
     odd = [row for row in found.rows if row.odd]
     count = len(found.rows) - len(odd)
     said = [f"{row.test.name} ({' and '.join(row.odd)})" for row in odd]

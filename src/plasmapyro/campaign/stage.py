@@ -49,21 +49,10 @@ class Found:
 
 
 def tests_of(plan, reports):
-    """Tests of a plan in the order of their dates, the coming one last.
+    """Tests of a plan (by `campaign.schema.yaml`) in the order of their dates, the coming one last.
 
-    Parameters
-    ----------
-    plan : mapping by `campaign.schema.yaml`
-    reports : mapping name -> report of a diagnosis (`diagnosis.json`)
-
-    Returns
-    -------
-    list of Test
-
-    Raises
-    ------
-    ValueError
-        Dates that do not rise, names twice, a report without a posterior, all diagnosed with priors.
+    `reports`: name -> `diagnosis.json`. ValueError: dates that do not rise, names twice, a report without a
+    posterior, all diagnosed with priors.
     """
     entries = [*plan["tests"], plan.get("next", {}) | {"name": NEXT}]
     last = entries[-2]
@@ -154,17 +143,7 @@ def _laws(told):
 
 
 def campaign(tests, reference_power):
-    """Laws of a campaign of tests in the order of their dates, the last one without data.
-
-    Parameters
-    ----------
-    tests : list of Test
-    reference_power : float [W]
-
-    Returns
-    -------
-    Found
-    """
+    """`Found` of tests in the order of their dates, the last one without data; `reference_power` [W]."""
     whole = Campaign(tests, reference_power)
     odd = whole.odd_ones()
     joint = whole.joint(odd)

@@ -39,18 +39,9 @@ SIDE = 1e-9  # of the extent: nodes nearer to the mirror plane or the axis than 
 
 
 def read_zones(path, mapping, mesh=None):
-    """Zones of a file that the map selects.
+    """Zones of a file that a `Mapping` selects; `mesh`: path of the SU2 mesh, or None.
 
-    Parameters
-    ----------
-    path : path of the file
-    mapping : mapping.Mapping
-    mesh : path of the SU2 mesh, or None
-
-    Raises
-    ------
-    Refusal
-        See the readers; also if the kind of file is not known, or a zone that is named is not there.
+    Refusal as of the readers; also if the kind of file is not known, or a zone that is named is not there.
     """
     ending = "." + str(path).lower().rpartition(".")[2]
     kind = mapping.format or ("su2" if mesh else ENDINGS.get(ending))
@@ -87,24 +78,11 @@ def wanted_names(mapping):
 
 
 def build(zones, mapping, path):
-    """One field of triangles or tetrahedra from the zones of a file.
+    """One `Field` of triangles or tetrahedra from the zones of a file, by a `Mapping`.
 
-    Parameters
-    ----------
-    zones : list of Zone
-    mapping : mapping.Mapping
-        Geometry axisymmetric, planar or three_dimensional.
-    path : path of the file, for messages
-
-    Returns
-    -------
-    Field
-        Coordinates (axial, radial), (x, y) or (x, y, z) [m]; values in SI, keys as in `wanted_names`.
-
-    Raises
-    ------
-    Refusal
-        A name that the file does not hold, and a file without cells of the right dimension.
+    Coordinates (axial, radial), (x, y) or (x, y, z) [m] by its geometry; values in SI, keys as in
+    `wanted_names`. Refusal: a name that the file does not hold, and a file without cells of the right
+    dimension.
     """
     dimension = len(mapping.coordinates)
     parts = [part for zone in zones if (part := _zone_field(zone, mapping, path, dimension)) is not None]

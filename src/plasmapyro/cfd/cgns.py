@@ -16,14 +16,9 @@ DATA = " data"
 def read(path):
     """Zones of a CGNS file; coordinates CoordinateX ... are also named x, y, z.
 
-    Raises
-    ------
-    Refusal
-        No HDF5, no zone, a cut-off file, data in other files, more claimed than the file can hold, or cells
-        that are not read (polyhedra).
+    Refusal: no HDF5, no zone, a cut-off file, data in other files, more claimed than the file can hold, or
+    cells that are not read (polyhedra).
 
-    Notes
-    -----
     Source: CGNS Standard Interface Data Structures 4.4 and its File Mapping to HDF5.
     """
     path = regular_file(path, LARGEST)

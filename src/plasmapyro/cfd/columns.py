@@ -18,12 +18,7 @@ def read(path):
 
     Columns are separated by commas, semicolons, tabs or, if the header has none of these, by two spaces or
     more; rules of hyphens and repeated headers are skipped. Columns that hold words are left out; asking for
-    one names the first word.
-
-    Raises
-    ------
-    Refusal
-        No table, or rows that have not as many cells as the header.
+    one names the first word. Refusal: no table, or rows that have not as many cells as the header.
     """
     lines, _ = read_lines(path, LARGEST)
     rows = [

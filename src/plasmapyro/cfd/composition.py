@@ -22,6 +22,9 @@ def from_shares(quantity, values, *, temperature, electron_temperature, pressure
     .. math:: n_s = x_s n, \qquad n_s = Y_s \rho / m_s \; \text{or} \; Y_s / m_s \; n / \sum_r Y_r/m_r,
               \qquad p = k (n_h T + n_e T_e)
 
+    ValueError: negative values, shares that do not add up to 1, or species whose mass or pressure is not that
+    of the gas: then a unit or a name is wrong.
+
     Parameters
     ----------
     quantity : 'number_density', 'molar_density' (in particles), 'partial_density', 'mole_fraction' or
@@ -39,12 +42,6 @@ def from_shares(quantity, values, *, temperature, electron_temperature, pressure
     -------
     tuple : names, number densities (species, n) [m-3]
         All species of air, then the traces that are given; 0 for those that are not.
-
-    Raises
-    ------
-    ValueError
-        Negative values, shares that do not add up to 1, or species whose mass or pressure is not that of the
-        gas: then a unit or a name is wrong.
     """
     names = [*SPECIES, *(name for name in TRACES if name in values)]
     share = np.zeros((len(names), len(temperature)))

@@ -9,20 +9,10 @@ SCALARS = ("temperature", "pressure", "joule_heating")
 
 
 def write_vtu(flow, path):
-    """Write a flow field as a VTK XML unstructured grid (.vtu), whole or not at all.
+    """Write a flow field as a VTK XML unstructured grid (.vtu), whole or not at all (`io.store`).
 
-    Six-node triangles with x axial, y radial, z = 0 [m]; `temperature` [K], `pressure` [Pa],
-    `velocity` [m s-1], `joule_heating` [W m-3] at the nodes. The same flow gives the same bytes.
-
-    Parameters
-    ----------
-    flow : Dataset, contract 'flow'
-    path : path of the file to write
-
-    Raises
-    ------
-    StorageError
-        If it cannot be written; see `io.store`.
+    Six-node triangles with x axial, y radial, z = 0 [m]; `temperature` [K], `pressure` [Pa], `velocity` [m
+    s-1], `joule_heating` [W m-3] at the nodes. The same flow gives the same bytes.
     """
     flat = np.zeros(flow.sizes["node"])
     points = np.stack([flow["node_z"].values, flow["node_r"].values, flat], axis=1)

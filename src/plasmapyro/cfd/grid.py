@@ -80,19 +80,10 @@ def block_cells(shape):
 
 
 def simplices_of(kind, connectivity, points):
-    """Cut cells of one kind into simplices.
+    """Simplices (S, d + 1) of cells (M, k) of one kind, and their middle nodes (S, edges), -1 for none.
 
-    Parameters
-    ----------
-    kind : key of `DIMENSION`
-    connectivity : ndarray of int (M, k)
-    points : ndarray (N, d)
-
-    Returns
-    -------
-    tuple : simplices (S, d + 1), middles (S, edges) with -1 for none
-        Cells with straight edges and middle nodes stay whole; those with curved edges are cut at their middle
-        nodes. Simplices without volume (degenerate cells) are left out.
+    Cells with straight edges and middle nodes stay whole; those with curved edges are cut at their middle
+    nodes. Simplices without volume (degenerate cells) are left out.
     """
     dimension = DIMENSION[kind]
     edge_count = len(EDGES["triangle6" if dimension == 2 else "tetra10"])

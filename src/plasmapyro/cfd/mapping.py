@@ -75,21 +75,10 @@ class Mapping:
 
 
 def check_conditions(conditions):
-    """Check the maps of all conditions that bring their own flow field.
+    """Names of the conditions that bring their own flow field, whose maps are checked.
 
-    Parameters
-    ----------
-    conditions : mapping of name -> values, as from `configuration.load_folder`
-
-    Returns
-    -------
-    list of str
-        The names of these conditions.
-
-    Raises
-    ------
-    ConfigurationError
-        The first map that is wrong; the message names the condition and lists all of its faults.
+    ConfigurationError: the first map that is wrong; the message names the condition and lists all of its
+    faults.
     """
     own = [name for name, condition in conditions.items() if "cfd" in condition]
     for name in own:
@@ -104,20 +93,9 @@ def check_conditions(conditions):
 
 
 def parse(values):
-    """Check what the schema cannot, and convert units.
+    """The `Mapping` of values that fit map_schema.yaml, checked for what that cannot say, in SI.
 
-    Parameters
-    ----------
-    values : mapping that fits map_schema.yaml
-
-    Returns
-    -------
-    Mapping
-
-    Raises
-    ------
-    ValueError
-        All faults at once: unknown units, keys that do not go together, a ray that is none.
+    ValueError, all faults at once: unknown units, keys that do not go together, a ray that is none.
     """
     faults = []
     variables = {

@@ -16,6 +16,10 @@ def to_nodes(points, cells, values):
 
     .. math:: \min_{f, g} \sum_c w_c (f + g \cdot (x_c - x_n) - f_c)^2
 
+    Source: Barth & Jespersen 1989 (AIAA 89-0366), least-squares reconstruction.
+    ASSUME: where all cells around are positive, the extrapolation to a boundary stays between half the
+    smallest and twice the largest of them.
+
     Parameters
     ----------
     points : ndarray (N, d)
@@ -27,12 +31,6 @@ def to_nodes(points, cells, values):
     -------
     ndarray (N, quantities)
         NaN at nodes of no cell.
-
-    Notes
-    -----
-    Source: Barth & Jespersen 1989 (AIAA 89-0366), least-squares reconstruction.
-    ASSUME: where all cells around are positive, the extrapolation to a boundary stays between half the
-    smallest and twice the largest of them.
     """
     cell_count = sum(len(block) for block in cells)
     row = np.concatenate([block.ravel() for block in cells])

@@ -25,29 +25,13 @@ OTHER_TEMPERATURES = ("rotational_temperature", "vibrational_temperature", "elec
 
 
 def sightline(path, settings, *, points, mesh=None, angle=None):
-    """Sight line through the flow field in a file, as far as the field reaches.
+    """Sight line (contract 'sightline') through the flow field in a file, as far as the field reaches.
 
-    Parameters
-    ----------
-    path : path of the file
-    settings : mapping that fits cfd/map_schema.yaml
-    points : int
-        Nodes along the path, about; >= 20.
-    mesh : path of the SU2 mesh, for an SU2 restart file
-    angle : float [rad], or None
-        From the negative axial direction outward; where the map states no direction.
-
-    Returns
-    -------
-    Dataset, contract 'sightline'
-        Attributes: `entry_distance`, `exit_distance` [m] from the origin, `path_end` ('boundary', 'body' or
-        'profile') and `path_status`, a sentence. The path stops at the first hole of the field unless the map
-        says that holes are gas.
-
-    Raises
-    ------
-    Refusal, ValueError
-        A file, map or ray that makes no sight line: one message.
+    `settings` fit cfd/map_schema.yaml; about `points` nodes along the path, >= 20; `mesh`: of an SU2 restart
+    file; `angle` [rad]: from the negative axial direction outward, where the map states no direction.
+    Attributes: `entry_distance`, `exit_distance` [m] from the origin, `path_end` ('boundary', 'body' or
+    'profile') and `path_status`, a sentence. The path stops at the first hole of the field unless the map
+    says that holes are gas. Refusal or ValueError: a file, map or ray that makes no sight line.
     """
     mapping = parse(settings)
     zones = assemble.read_zones(path, mapping, mesh)
@@ -70,28 +54,11 @@ def sightline(path, settings, *, points, mesh=None, angle=None):
 def to_instrument(
     inside, *, window_distance, instrument_distance, laboratory_temperature, laboratory_pressure
 ):
-    """A sight line continued from the field to the window and on to the instrument.
+    """A `sightline` continued from the field to the window and on to the instrument.
 
-    From where the path leaves the field to the window: uniform, as there. Beyond: laboratory air.
+    From where the path leaves the field to the window: uniform, as there. Beyond: laboratory air. Distances
+    [m] from the origin. ValueError: distances out of order, or a body between surface and instrument.
 
-    Parameters
-    ----------
-    inside : Dataset, contract 'sightline', of `sightline`
-    window_distance, instrument_distance : float [m]
-        From the origin.
-    laboratory_temperature, laboratory_pressure : float [K], [Pa]
-
-    Returns
-    -------
-    Dataset, contract 'sightline'
-
-    Raises
-    ------
-    ValueError
-        Distances out of order, or a body between surface and instrument.
-
-    Notes
-    -----
     Source: Fagnani et al., sec. 4.1; as `sightline.stage.line_of_sight`.
     """
     if inside.attrs["path_end"] == "body":
@@ -137,16 +104,8 @@ def condition_of(
 ):
     """Attributes that say which condition the gas of a sight line belongs to (`conditions.stated`).
 
-    Parameters
-    ----------
-    line : Dataset, contract 'sightline'
-    settings : mapping, the map of the file
-    angle_deg : float [deg], or None where the map states the ray
-    numerical_power_kw, chamber_pressure_mbar, mass_flow_rate_g_s : float, or None if not known
-
-    Returns
-    -------
-    dict
+    `settings`: the map of the file; `angle_deg` where that does not state the ray; the others None if not
+    known.
     """
     names = {str(name) for name in line["species"].values}
     return conditions.stated(
@@ -159,23 +118,11 @@ def condition_of(
 
 
 def surface_view(path, settings, *, mesh=None, mirror_angle, directions_count, core_angle, points):
-    """Rays that light the stagnation point, through an axisymmetric field in a file.
+    """Rays that light the stagnation point ('surface_view'), through an axisymmetric field in a file.
 
-    Parameters
-    ----------
-    path, settings, mesh : as in `sightline`
-        The origin of the ray is the stagnation point, on the axis.
-    mirror_angle, directions_count, core_angle, points
-        As in `sightline.stage.surface_view`.
-
-    Returns
-    -------
-    Dataset, contract 'surface_view'
-
-    Raises
-    ------
-    Refusal, ValueError
-        As `sightline`; also another geometry, an origin off the axis, or a ray that meets a body.
+    Arguments as of `sightline`, whose origin is the stagnation point on the axis, and of
+    `sightline.stage.surface_view`. Refusal or ValueError as `sightline`; also another geometry, an origin off
+    the axis, or a ray that meets a body.
     """
     mapping = parse(settings)
     origin = mapping.ray.get("origin", [])

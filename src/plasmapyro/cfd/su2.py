@@ -18,10 +18,7 @@ COORDINATES = ("x", "y", "z")
 def read(path, mesh):
     """The zone of a restart file on its mesh; coordinates x, y (, z) of the mesh.
 
-    Raises
-    ------
-    Refusal
-        A file that is cut off or breaks the layout, and a restart file of another mesh.
+    Refusal: a file that is cut off or breaks the layout, and a restart file of another mesh.
     """
     if mesh is None:
         refuse(path, "is the solution alone", "name the SU2 mesh it was computed on (`mesh`)")

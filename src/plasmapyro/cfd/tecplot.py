@@ -29,15 +29,9 @@ def read(path):
     """All zones of a Tecplot text file; the coordinates are among the point data, by their names.
 
     Reads FEPOINT, FEBLOCK, DATAPACKING=POINT and BLOCK with VARLOCATION, and ordered zones; lines that begin
-    with # may stand anywhere. Zones of line segments are left out.
+    with # may stand anywhere. Zones of line segments are left out. Refusal: binary or broken files, counts of
+    nodes or cells that the data do not have, and zones that share data.
 
-    Raises
-    ------
-    Refusal
-        Binary or broken files, counts of nodes or cells that the data do not have, and zones that share data.
-
-    Notes
-    -----
     Source: Tecplot 360 Data Format Guide, chapter ASCII data; and the two layouts that COOLFluiD writes.
     """
     lines, _ = read_lines(path, LARGEST)

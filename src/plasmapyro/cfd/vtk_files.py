@@ -15,14 +15,9 @@ UNREAD = ("pixel", "voxel")  # cells of image data that meshio does not know
 
 
 def read(path):
-    """Zones of a .vtu or .vtk file: one, with the coordinates x, y, z.
+    """Zones of a .vtu or .vtk file: one, with the coordinates x, y, z; vectors become name_x, name_y, name_z.
 
-    Vectors become name_x, name_y, name_z.
-
-    Raises
-    ------
-    Refusal
-        Another kind of VTK file, or one that is broken.
+    Refusal: another kind of VTK file, or one that is broken.
     """
     path = regular_file(path, LARGEST)
     if path.suffix.lower() not in READERS:

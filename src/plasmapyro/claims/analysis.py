@@ -10,18 +10,7 @@ RANGE = (973.0, 2073.0)  # [K] of the instrument: Fagnani et al., sec. 3.2
 
 
 def radiance_claims(radiances, surface, response):
-    """Claims on the spectra: gas against a grey surface, inside the wide band.
-
-    Parameters
-    ----------
-    radiances : list of Dataset, contract 'radiation', one per condition
-    surface : Dataset, contract 'surface_radiance'
-    response : Dataset, contract 'response'
-
-    Returns
-    -------
-    list of Claim
-    """
+    """Claims on the spectra of all conditions: gas against a grey surface, inside the wide band."""
     bands = response.wavelength.values[response.responsivity_wide.values > 0.05]
 
     def ratio(spectrum, temperature):
@@ -66,18 +55,7 @@ def _crossings(factor, level):
 
 
 def error_claims(reading, errors, history):
-    """Claims on apparent temperature, error map and transient (secs. 4.4, 4.5).
-
-    Parameters
-    ----------
-    reading : Dataset, contract 'apparent_temperature'
-    errors : Dataset, contract 'error_map'
-    history : Dataset, contract 'transient'
-
-    Returns
-    -------
-    list of Claim
-    """
+    """Claims on apparent temperature, error map and transient (secs. 4.4, 4.5)."""
     onset = [
         _highest_above(reading.object_temperature.values, row, 0.01) for row in reading.relative_error.values
     ]
@@ -134,15 +112,8 @@ def _transient(history, case):
 def threshold_claims(reading):
     """The paper's measured error thresholds, at each power that brackets its comparison of spectra.
 
-    Parameters
-    ----------
-    reading : Dataset, contract 'apparent_temperature'
-
-    Returns
-    -------
-    list of Claim
-        For each threshold the simulated power whose error curve passes through it: 80 to 90 kW would
-        agree with the paper's comparison of spectra, 56 to 64 kW with its efficiency.
+    For each threshold the simulated power whose error curve passes through it: 80 to 90 kW would agree with
+    the paper's comparison of spectra, 56 to 64 kW with its efficiency.
     """
     printed = {"1350K": (1350.0, 0.01), "1120K": (1120.0, 0.10), "steady": (1600.0, 0.002)}
     return [

@@ -30,19 +30,10 @@ class Beside:
 
 
 def beside(signals, response, curve, *, emittance, analysis):
-    """Claims and error map of several gases before one surface.
+    """Claims and error map of several gases before one surface of an emittance [1].
 
-    Parameters
-    ----------
-    signals : mapping name -> (2,) [W m-2 sr-1], of the gas in the bands
-    response, curve : Datasets, contracts 'response', 'ratio_curve'
-    emittance : float [1], of the surface
-    analysis : mapping
-        That section of the configuration, as it stands.
-
-    Returns
-    -------
-    Beside
+    `signals`: name -> (2,) [W m-2 sr-1], of the gas in the bands; `analysis`: that section of the
+    configuration.
     """
     names = list(signals)
     gas = xr.Dataset(
@@ -94,17 +85,10 @@ def _said(claim, name):
 
 
 def of_tests(predictions, tests, response, curve, analysis):
-    """`Beside` of the base, the extended and the measured gas of each test.
+    """`Beside` of the base, the extended and the measured gas of each test, by its name.
 
-    Parameters
-    ----------
-    predictions : mapping name -> (base, extended) `diagnosis.simulation.predicted.Prediction`
-    tests : mapping name -> Dataset, contract 'test'
-    response, curve, analysis : as of `beside`
-
-    Returns
-    -------
-    dict name -> Beside
+    `predictions`: name -> (base, extended) `diagnosis.simulation.predicted.Prediction`; the rest as of
+    `beside`.
     """
     return {
         name: beside(

@@ -10,17 +10,10 @@ from plasmapyro.tables import rows
 class Claim:
     """A claim and our value for it.
 
-    Parameters
-    ----------
-    key : short name, unique
-    section : where the paper says it
-    statement : what it says, in one sentence
-    value : float, what this chain gives; NaN if it gives nothing
-    unit : of value and range
-    low, high : range that counts as the printed value: its printed digits, or the stated reading of words
-        such as 'about'
-    remark : one line on how it was measured here, and why it may differ
-    basis : 'simulation', or 'synthetic' if the value rests on the synthetic twin, or 'untestable'
+    `section`: where the paper says it; `statement`: what it says, in one sentence; `value`: what this chain
+    gives, NaN if nothing; `low`, `high`: range that counts as the printed value, its printed digits or the
+    stated reading of words such as 'about'; `remark`: how it was measured here, and why it may differ;
+    `basis`: 'simulation', or 'synthetic' if the value rests on the synthetic twin, or 'untestable'.
     """
 
     key: str
@@ -64,17 +57,10 @@ REGISTER = {row["key"]: row for row in rows("claims/claims.csv")}
 
 
 def claim(key, value, data=None, of=None, **seen):
-    """The claim of the register with our value.
+    """The claim of a row `key` of `claims.csv` with our value, in the unit of that row.
 
-    Parameters
-    ----------
-    key : str, a row of `claims.csv`
-    value : float, in the unit of that row
-    data : Dataset, optional
-        Of the test that the value comes from; what is synthetic makes the claim so.
-    of : str, optional
-        The condition, where each has a claim of its own.
-    seen : numbers and words that fill the braces of statement and remark
+    `data`: the test that the value comes from; what is synthetic makes the claim so. `of`: the condition,
+    where each has a claim of its own. `seen`: what fills the braces of statement and remark.
     """
     row = REGISTER[key]
     synthetic = data is not None and data.attrs.get("origin") == "synthetic"

@@ -7,16 +7,7 @@ from plasmapyro.conditions import POWER, number
 
 
 def flow_claims(sightlines):
-    """Claims on the sight lines.
-
-    Parameters
-    ----------
-    sightlines : list of Dataset, contract 'sightline', rising power
-
-    Returns
-    -------
-    list of Claim
-    """
+    """Claims on the sight lines, of rising power."""
     lines = sightlines
     hottest = np.array([float(line.temperature.max()) for line in lines])
     rise = np.array([_first_distance(line, 0.9) for line in lines])

@@ -30,19 +30,7 @@ def _reflected(reflection, surface):
 
 
 def gas_claims(sightlines, radiances, variations, response, gas):
-    """Claims on what the gas is and what of it may be left out.
-
-    Parameters
-    ----------
-    sightlines, radiances : lists of Dataset, contracts 'sightline' and 'radiation', one per condition
-    variations : Dataset, contract 'gas_variations', of one of the conditions, or None
-    response : Dataset, contract 'response'
-    gas : Dataset, contract 'gas'
-
-    Returns
-    -------
-    list of Claim
-    """
+    """Claims on what the gas is and what of it may be left out; `variations` of one condition, or None."""
     shares = [100 * _molecular_share(spectrum, response) for spectrum in radiances]
     return [
         claim("wall_temperature", _warm_wall(variations, response)),

@@ -31,12 +31,7 @@ class Reader:
         return np.array(rows) * self.scale[:, None]
 
     def error(self, axis, spectrum, temperature):
-        r"""Relative error :math:`(T_{app} - T)/T` at surface temperatures (...) behind a gas (K,).
-
-        Notes
-        -----
-        Source: Fagnani et al., eqs. 4 to 7.
-        """
+        """Relative error (T_app - T)/T at surface temperatures (...) behind a gas (K,), by eqs. 4 to 7."""
         temperature = np.atleast_1d(temperature)
         weights = [respond(axis, self.wavelength, band) for band in self.bands]
         gas = np.array([band_signal(axis, weight, spectrum) for weight in weights])
@@ -46,17 +41,7 @@ class Reader:
 
 
 def implied_powers(library, reader):
-    """Power [W] that gives each of the `THRESHOLDS`, NaN outside those simulated.
-
-    Parameters
-    ----------
-    library : GasLibrary
-    reader : Reader
-
-    Returns
-    -------
-    ndarray (3,) [W]
-    """
+    """Power (3,) [W] that gives each of the `THRESHOLDS`, NaN outside those simulated."""
     powers = np.exp(np.linspace(library.log_power[0], library.log_power[-1], 200))
     spectra = [library.base * library.power_factor(np.log(p / library.power)) for p in powers]
     found = []
@@ -72,18 +57,10 @@ def implied_powers(library, reader):
 def explain(library, reader, emittance):
     """What each explanation must amount to so that a weaker plasma gives the published errors.
 
-    Parameters
-    ----------
-    library : GasLibrary of the power that the efficiency implies
-    reader : Reader
-    emittance : float [1]
-
-    Returns
-    -------
-    list of dict
-        id, name, amplitude, whether it is the largest tried, errors (3,), misfit (root mean square of the
-        logarithms of the errors over the published ones), line and hump (factors of the light of the gas),
-        those that the reference spectrum wants under 'needed'.
+    `library`: of the power that the efficiency implies. One dict each: id, name, amplitude, whether it is the
+    largest tried, errors (3,), misfit (root mean square of the logarithms of the errors over the published
+    ones), line and hump (factors of the light of the gas), those that the reference spectrum wants under
+    'needed'.
     """
     rows = []
     needed = np.array(
@@ -129,13 +106,7 @@ POORLY = 0.3  # misfit above which an explanation is said not to be enough
 
 
 def as_text(library, reader):
-    """The tables of the worked example as Markdown: implied powers, and what each explanation must amount to.
-
-    Parameters
-    ----------
-    library : GasLibrary of the power that the efficiency implies
-    reader : Reader
-    """
+    """The worked example as Markdown: implied powers, and what each explanation must amount to."""
     lines = ["| published | simulated power that gives it |", "|---|---|"]
     for (temperature, error), power in zip(THRESHOLDS, implied_powers(library, reader), strict=True):
         found = f"{power / 1e3:.1f} kW" if np.isfinite(power) else "outside those simulated"

@@ -28,20 +28,10 @@ def claims_table(
     reflection=None,
     designs=None,
 ):
-    """All claims as one table.
+    """All claims as one table, contract 'claims', from Datasets of the contracts that the arguments name.
 
-    Parameters
-    ----------
-    sightlines, radiances : lists of Dataset, contracts 'sightline' and 'radiation', rising power
-    surface, response, visibility, reading, errors, history, calibration, pyrometer, spectra, gas : Datasets
-        of the contracts 'surface_radiance', 'response', 'visibility', 'apparent_temperature', 'error_map',
-        'transient', 'calibration', 'pyrometer_correction', 'spectrometer_correction', 'gas'
-    variations, reflection, designs : Datasets of the contracts 'gas_variations', 'reflection',
-        'band_design', or None: their claims have no value then
-
-    Returns
-    -------
-    Dataset, contract 'claims'
+    `sightlines`, `radiances`: lists, of rising power. `variations`, `reflection` and `designs`
+    ('band_design') may be None: their claims have no value then.
     """
     claims = [
         *reflection_claims(reflection),
@@ -73,16 +63,7 @@ def claims_table(
 
 
 def as_markdown(table):
-    """The claims table as Markdown text, with a count of the verdicts on top.
-
-    Parameters
-    ----------
-    table : Dataset, contract 'claims'
-
-    Returns
-    -------
-    str
-    """
+    """The claims table as Markdown text, with a count of the verdicts on top."""
     verdicts = table.verdict.values.astype(str)
     synthetic = table.basis.values.astype(str) == "synthetic"
 

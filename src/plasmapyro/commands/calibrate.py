@@ -121,17 +121,8 @@ def calibrated(options):
 def calibration_findings(folder, response=None, result=None):
     """What contradicts itself in a calibration folder, in the words of the rules.
 
-    Parameters
-    ----------
-    folder : path
-    response : Dataset, contract 'response', optional
-        Of the modelled MR1SB if left out.
-    result : Dataset, contract 'calibration', optional
-        Made with the usual settings if left out.
-
-    Returns
-    -------
-    list of str
+    Without `response` that of the modelled MR1SB, without `result` ('calibration') one made with the usual
+    settings.
     """
     present, held = instruments(folder), {}
     if "pyrometer" in present:

@@ -42,13 +42,7 @@ def until(plan, name):
 
 
 def write(plan, folder):
-    """Write the three files of a campaign into a folder.
-
-    Parameters
-    ----------
-    plan : mapping by `campaign.schema.yaml`
-    folder : path
-    """
+    """Write the three files of a campaign, by its `campaign.schema.yaml`, into a folder."""
     reports = {one["name"]: report_of(one["diagnosis"]) for one in plan["tests"]}
     tests = tests_of(plan, reports)
     progress.say(f"campaign of {len(tests) - 1} tests")

@@ -8,17 +8,7 @@ HUNDREDTH = 0.01  # [1], of the light of the gas: what a continuum counts in
 
 
 def radiance_with(changes, sightline, response, **settings):
-    """Spectral radiance of a gas along a sight line, with the changes of its condition.
-
-    Parameters
-    ----------
-    changes : mapping as `terms.changes_of` returns it; empty for none
-    sightline, response, settings : as of `radiation.stage.line_of_sight_radiance`
-
-    Returns
-    -------
-    Dataset, contract 'radiation'
-    """
+    """Light (contract 'radiation') along a sight line, with `changes` as of `terms.changes_of`."""
     levels = {name: changes[name] for name in ("excitation", "vibration") if name in changes}
 
     def plain(line):

@@ -16,13 +16,7 @@ from plasmapyro.record.inputs import has_plasma, instruments
 
 
 def run(options):
-    """Run `plasmapyro check`.
-
-    Raises
-    ------
-    ValueError
-        With one line per fault.
-    """
+    """Run `plasmapyro check`; ValueError with one line per fault."""
     progress.say(f"reading {options.test}")
     if describes(options.test):
         from plasmapyro.commands.calibrate import calibration_findings  # loads what fits lamps
@@ -54,10 +48,7 @@ def _guesses(description):
 def checked(place, instrument=None):
     """A test, what contradicts itself in it, and the ValueError that its trial correction ended in, or None.
 
-    Raises
-    ------
-    ValueError
-        The test cannot be processed; one line per fault.
+    ValueError with one line per fault if the test cannot be processed at all.
     """
     try:
         reading = read_with_files(place)
@@ -84,16 +75,7 @@ def _refuse(place, messages):
 
 
 def contents(test):
-    """Lines that say what a test holds, for a person to compare with what was measured.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-
-    Returns
-    -------
-    list of str
-    """
+    """Lines that say what a test holds, for a person to compare with what was measured."""
     lines = [f"  origin: {test.attrs['origin']}"]
     if "pyrometer" in instruments(test):
         lines.append(f"  pyrometer: {_clock(test.time.values, 'samples')}")

@@ -163,17 +163,7 @@ def widen(result, name, change):
 
 
 def trial(test, folder):
-    """Calibrations and the result of a quick correction, as keywords of `quality.catalogue.of_test`.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    folder : path of the calibration
-
-    Returns
-    -------
-    dict
-    """
+    """Calibrations and the result of a quick correction, as keywords of `quality.catalogue.of_test`."""
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
     alone = instruments(test) == ["radiometer"]
@@ -189,17 +179,9 @@ def _response(folder):
 
 
 def by_reference(test, calibrations, options):
-    """Correction with a constant reference, as in the paper, of each instrument the test holds.
+    """Correction with a constant reference, as in the paper, of each instrument a test holds.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    calibrations : mapping of contract name -> Dataset, what the instrument folder holds
-    options : Namespace of the command line
-
-    Returns
-    -------
-    Dataset, contract 'correction'
+    `calibrations`: contract -> Dataset, what the instrument folder holds; `options`: of the command line.
     """
     parts = []
     if "pyrometer" in instruments(test):
@@ -233,12 +215,7 @@ def by_reference(test, calibrations, options):
 
 
 def by_emissivity(test, calibrations, options):
-    """Temperature and smooth emissivity from spectra alone.
-
-    Returns
-    -------
-    Dataset, contract 'emissivity_estimate'
-    """
+    """Temperature and smooth emissivity (contract 'emissivity_estimate') from spectra alone."""
     held = {"spectrometer": SPECTROMETER, "radiometer": RADIOMETER}
     name = next((one for one in held if one in instruments(test)), None)
     if name is None:

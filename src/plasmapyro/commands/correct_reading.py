@@ -78,23 +78,9 @@ def gas_of(results, condition):
 def read_readings(path, slope=1.0):
     """Time [s] and displayed temperature [K] of a text table whose header names them, in any usual form.
 
-    The time may be that of day, or a date; it counts from the first reading then.
-
-    Parameters
-    ----------
-    path : path
-    slope : float [1]
-        Setting of the instrument.
-
-    Returns
-    -------
-    tuple of (t,) ndarray
-
-    Raises
-    ------
-    ValueError
-        No header with both columns and the unit of the temperature, a cell that is no number, a time that
-        does not rise, a column of another slope setting.
+    The time may be that of day, or a date; it counts from the first reading then. Refused are a header
+    without both columns and the unit of the temperature, a cell that is no number, a time that does not rise,
+    and a column of another `slope` setting of the instrument [1].
     """
     table = guess_table.look_at_table(path)
     places = guess_table.assign(table) if table else {}

@@ -16,22 +16,9 @@ NAME = "calibration"  # of the folder that is looked for, and of the pyrometer's
 def calibration_of(test, given=None):
     """A folder with calibration.nc, response.nc and spectrometer_calibration.nc, as far as there are such.
 
-    Parameters
-    ----------
-    test : path
-        In or beside which the folder `calibration` is looked for if none is given.
-    given : path, optional
-        Of such a folder, or of raw files with calibration.yaml; these are calibrated with the usual settings
-        into a folder that lasts as long as the context.
-
-    Yields
-    ------
-    Path
-
-    Raises
-    ------
-    ValueError
-        No such folder; raw files that cannot be used.
+    Without one `given` it is the folder `calibration` in or beside the test. Of raw files with
+    calibration.yaml, calibrated with the usual settings, it lasts as long as the context. ValueError: no such
+    folder; raw files that cannot be used.
     """
     folder = Path(given) if given else _beside(Path(test))
     if not folder.is_dir():

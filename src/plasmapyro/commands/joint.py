@@ -24,22 +24,10 @@ SETTINGS = {
 
 
 def by_joint_inference(test, calibrations, options):
-    """Surface temperature inferred from bands and spectra together.
+    """Surface temperature (contract 'joint_estimate') inferred from bands and spectra together.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test', with the pyrometer or a radiometer
-    calibrations : mapping of contract name -> Dataset, what the instrument folder holds
-    options : Namespace of the command line
-
-    Returns
-    -------
-    Dataset, contract 'joint_estimate'
-
-    Raises
-    ------
-    ValueError
-        If the test has bands of neither, or no plasma.
+    Arguments as of `correct.by_reference`. ValueError if the test has bands of neither pyrometer nor
+    radiometer, or no plasma.
     """
     present = instruments(test)
     if not {"pyrometer", "radiometer"} & set(present):

@@ -80,15 +80,10 @@ def record_of(facts):
 
 
 def readings(samples, filtered, injection, limits, options):
-    """One mapping for JSON per sample, fault or silence.
+    """One mapping for JSON per sample of `readers.follow`, fault or silence.
 
-    Parameters
-    ----------
-    samples : iterable as of `readers.follow`
-    filtered : Filter
-    injection : float [s] on the clock of the samples; an event may set it anew
-    limits : (2,) floats [A], signals from here on are saturated
-    options : Namespace with `alarm_above_k`, `alarm_silence_s`
+    `injection` [s] on the clock of the samples: an event may set it anew; signals from `limits` (2,) [A] on
+    are saturated; `options` with `alarm_above_k`, `alarm_silence_s`.
     """
     last, silent, before, leapt, equal, pair = time.monotonic(), False, -np.inf, np.inf, 0, None
     surprise = deque(maxlen=OFTEN)

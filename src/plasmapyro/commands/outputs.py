@@ -5,18 +5,10 @@ from pathlib import Path
 
 
 def require_writable(outputs, inputs):
-    """Refuse before the work begins what could not be written after it.
+    """Refuse (ValueError) before the work begins what could not be written after it.
 
-    Parameters
-    ----------
-    outputs, inputs : lists of paths
-        Files to be written; files or folders that are read.
-
-    Raises
-    ------
-    ValueError
-        An output is a folder, a device or a pipe, is an input or another output, lies in an input folder, or
-        below a file.
+    An output that is a folder, a device or a pipe, is an input or another output, lies in an input folder, or
+    below a file.
     """
     taken = {_real(path) for path in inputs if path}
     folders = {path for path in taken if path.is_dir()}
@@ -35,22 +27,10 @@ def require_writable(outputs, inputs):
 
 
 def require_folder(folder, names, inputs):
-    """Refuse before the work begins a folder of results that could not be replaced as a whole after it.
+    """Refuse (ValueError) before the work begins a folder of results that could not be replaced as a whole.
 
-    Parameters
-    ----------
-    folder : path
-        To be written; need not exist.
-    names : collection of str
-        What a command of this kind may have left there.
-    inputs : list of paths
-        Files or folders that are read.
-
-    Raises
-    ------
-    ValueError
-        It is a file, holds or is an input, lies in an input folder, is the folder of the call, or holds
-        anything but `names`.
+    It is a file, holds or is an input, lies in an input folder, is the folder of the call, or holds anything
+    but `names`, what a command of this kind may have left there.
     """
     real = _real(folder)
     if real.exists() and not real.is_dir():

@@ -16,17 +16,8 @@ LOGARITHMS = {"emittance": (np.log(0.01), 0.1, "the emittance"), POWER: (np.log(
 def read_priors(path, digests=None):
     """`Normal` law of a file priors.yaml, or None without a path.
 
-    Parameters
-    ----------
-    path : path or None
-    digests : mapping file -> sha256, optional
-        Of the calibrations that the law is to be used with.
-
-    Raises
-    ------
-    ValueError
-        What is wrong with the file: keys, names, lengths, units, a correlation that is none, or calibrations
-        that are not those of its tests.
+    ValueError says what is wrong with the file: keys, names, lengths, units, a correlation that is none, or
+    calibrations that are not those of its tests (`digests`: file -> sha256, those it is to be used with).
     """
     if not path:
         return None

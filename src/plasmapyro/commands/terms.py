@@ -30,21 +30,9 @@ CHANGES = MappingProxyType(
 
 
 def read_terms(path, owner="test"):
-    """Terms of a test, or of the condition, of a file terms.yaml.
+    """Terms of the `owner` 'test' or 'condition' of a file terms.yaml, each with `effects`.
 
-    Parameters
-    ----------
-    path : path of a file with `test` and `condition`, each holding `effects`
-    owner : 'test' or 'condition'
-
-    Returns
-    -------
-    tuple of Term
-
-    Raises
-    ------
-    ValueError
-        Naming every fault of the file.
+    ValueError names every fault of the file.
     """
     values = configuration.read(path)
     parts = values if isinstance(values, dict) else {}
@@ -77,14 +65,7 @@ def warn_of_absent(terms, instruments):
 
 
 def check_effects(cases, owner, folder):
-    """Refuse files of tests or conditions whose `effects` are not those that they may hold.
-
-    Parameters
-    ----------
-    cases : mapping name -> values of a file
-    owner : 'test' or 'condition'
-    folder : of the files, for the message
-    """
+    """Refuse files of a folder, of tests or conditions (`owner`), with `effects` that they may not hold."""
     faults = []
     for name, case in cases.items():
         try:
@@ -103,15 +84,8 @@ def given_terms(entries, path=None):
 def with_instrument(entries, tests):
     """Tests whose effects hold those of the instrument as well; an effect that a test states itself counts.
 
-    Parameters
-    ----------
-    entries : list of entries, `instrument.effects` of the configuration
-    tests : mapping name -> values of a file, with effects that fit
-
-    Raises
-    ------
-    ConfigurationError
-        Entries that are not effects of window, optics, detector or clock.
+    ConfigurationError: `entries` (`instrument.effects` of the configuration) that are not effects of window,
+    optics, detector or clock.
     """
     try:
         terms_of(entries, OF_INSTRUMENT, "instrument.effects", EVERY)
@@ -128,19 +102,8 @@ def with_instrument(entries, tests):
 def with_effects(conditions):
     """Conditions at the power and mixing that their effects give them, and what else changes in their light.
 
-    Parameters
-    ----------
-    conditions : mapping name -> values of a file, with effects that fit
-
-    Returns
-    -------
-    conditions : dict of the same form, powers with at most six digits, with `mixing` where it is not 0
-    changes : dict name -> mapping as `changes_of` returns it, of conditions that have one
-
-    Raises
-    ------
-    ConfigurationError
-        Another power or mixing for the flow of another program.
+    Powers have at most six digits; the changes, name -> mapping as of `changes_of`, only where there are any.
+    ConfigurationError: another power or mixing for the flow of another program.
     """
     found, changes = {}, {}
     for name, case in conditions.items():

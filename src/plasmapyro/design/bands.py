@@ -44,6 +44,11 @@ def efficiency(name, wavelength, detectors, silicon, silicon_thickness):
     Silicon absorbs in one layer, :math:`\eta = \eta_0 (1 - e^{-\alpha d})`; the compounds pass a band with
     error-function edges, :math:`\eta = \eta_0 [\Phi(x_{on}) - \Phi(x_{off})]`.
 
+    Source: certificates of the tables. ASSUME: no curve of a real detector; limits are the makers'
+    nominal ones.
+
+    ValueError: unknown detector.
+
     Parameters
     ----------
     name : of the detector
@@ -55,16 +60,6 @@ def efficiency(name, wavelength, detectors, silicon, silicon_thickness):
     Returns
     -------
     ndarray (B,) [1]; zero where the table of silicon ends
-
-    Raises
-    ------
-    ValueError
-        Unknown detector.
-
-    Notes
-    -----
-    Source: certificates of the tables. ASSUME: no curve of a real detector; limits are the makers'
-    nominal ones.
     """
     row = detector_row(name, detectors)
     peak = detectors["efficiency"][row]

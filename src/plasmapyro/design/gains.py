@@ -42,17 +42,9 @@ def at_neighbours(numerical_power, gained, step):
 
 
 def neighbour_signals(numerical_power, signal, step):
-    r"""Band signals at each condition's power plus a step; :math:`\ln S` is linear between conditions.
+    """Band signals (..., C) at each condition's power [W] plus a step [W], linear in their logarithm.
 
-    Parameters
-    ----------
-    numerical_power : (C,) [W], increasing
-    signal : (..., C) > 0
-    step : float [W]
-
-    Returns
-    -------
-    (..., C) ndarray; NaN where that power lies outside those computed
+    NaN where that power lies outside those computed, which increase.
     """
     power = np.asarray(numerical_power, dtype=float)
     wanted = power + step

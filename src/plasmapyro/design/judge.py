@@ -19,19 +19,11 @@ POWER_STEP = 10e3  # [W] of the perturbed power
 
 
 def make_bench(spectra, tables, settings):
-    """The bench of `band_design` in front of the gases of all conditions: as computed, colder, hotter, and
-    with the strengths of lines of atoms, of bands of molecules and of continua weaker and stronger by their
-    uncertainty.
+    """The `Bench` of `band_design` in front of the gases of all conditions.
 
-    Parameters
-    ----------
-    spectra : Dataset, contract 'gas_spectra'
-    tables : mapping with `detectors`, `silicon`, `air`, data tables
-    settings : mapping, see the keys of `design` in the configuration
-
-    Returns
-    -------
-    Bench
+    As computed, colder, hotter, and with the strengths of lines of atoms, of bands of molecules and of
+    continua weaker and stronger by their uncertainty. `tables`: data tables `detectors`, `silicon`, `air`;
+    `settings`: the keys of `design` in the configuration.
     """
     gas = spectra.binned_radiance.transpose("state", "condition", "component", "wavelength").values
     nominal, names = gas[0], spectra.component.values.astype(str)

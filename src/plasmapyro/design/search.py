@@ -88,16 +88,7 @@ def pairs(centre):
 
 
 def pareto_front(benefit, cost):
-    """Mark the designs to which no other is at least as good in both and better in one.
-
-    Parameters
-    ----------
-    benefit, cost : (D,) arrays; designs with NaN are never on the front
-
-    Returns
-    -------
-    (D,) bool
-    """
+    """Mark (D,) the designs to which no other is at least as good in both and better in one; never NaN."""
     benefit, cost = np.asarray(benefit, dtype=float), np.asarray(cost, dtype=float)
     front = np.zeros(benefit.shape, dtype=bool)
     usable = np.flatnonzero(np.isfinite(benefit) & np.isfinite(cost))

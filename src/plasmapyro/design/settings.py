@@ -14,16 +14,9 @@ TABLES = {
 
 
 def settings_from(keys, air_path_mm):
-    """Settings of `stage.band_design` and `trust.trust` from the keys of the configuration.
+    """Settings of `stage.band_design` and `trust.trust` from the section `design` of the configuration.
 
-    Parameters
-    ----------
-    keys : mapping, the section `design`
-    air_path_mm : float [mm], from window to instrument
-
-    Returns
-    -------
-    dict
+    `air_path_mm`: from window to instrument.
     """
     return {
         **keys,

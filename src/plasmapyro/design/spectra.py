@@ -19,10 +19,7 @@ HOTTEST = 15000.0  # [K], of the composition and of the partition functions
 def bin_edges(wavelength_range, bin_width):
     """Edges (B + 1,) [m] of equal bins, at most `bin_width` wide, that fill a wavelength range exactly.
 
-    Raises
-    ------
-    ValueError
-        Outside 650-2500 nm, where the line tables end, or a width not > 0.
+    ValueError outside 650-2500 nm, where the line tables end, or for a width not > 0.
     """
     first, last = increasing(
         "wavelength_range", within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m"), "m"
@@ -61,6 +58,8 @@ class AirSpectra:
     def __init__(self, pressure, hottest, *, wavelength_range, grid_points, nodes, bin_width):
         """Tabulate.
 
+        ValueError as `bin_edges`, `emission_table`.
+
         Parameters
         ----------
         pressure : float [Pa]
@@ -70,11 +69,6 @@ class AirSpectra:
         wavelength_range, bin_width : [m]
         grid_points, nodes : int
             Wavelengths of the engine and temperatures of the table.
-
-        Raises
-        ------
-        ValueError
-            As `bin_edges`, `emission_table`.
         """
         self.edges = bin_edges(wavelength_range, bin_width)
         self.grid = log_grid(wavelength_range, grid_points)
@@ -102,17 +96,10 @@ class AirSpectra:
 
 
 def heated(temperature, pressure, factor, nitrogen):
-    """A path's temperatures times a factor, as far as they emit, and its equilibrium composition.
+    """Temperatures (S,) [K] of a path times a factor, as far as they emit, and densities (species, S) [m-3].
 
-    `nitrogen` is the mole fraction of N2 in the cold gas, the rest O2.
-
-    Returns
-    -------
-    temperature (S,) [K], density (species, S) [m-3]
-
-    Notes
-    -----
-    ASSUME: pressure stays; cold gas below `COLDEST_NODE`, which does not shine, is left as it is.
+    The composition is that of equilibrium; `nitrogen` is the mole fraction of N2 in the cold gas, the rest
+    O2. ASSUME: pressure stays; cold gas below `COLDEST_NODE`, which does not shine, is left as it is.
     """
     changed = np.where(temperature > COLDEST_NODE, np.minimum(temperature * factor, HOTTEST), temperature)
     return changed, number_density(changed, pressure, nitrogen).T

@@ -28,6 +28,9 @@ def gas_spectra(
 ):
     """Binned spectra of every line of sight, as computed, colder and hotter, and of what hits the sample.
 
+    ASSUME: the mirrored ray is the line of sight (axisymmetric jet). Conditions of one chamber pressure share
+    an emission table; the pressure of the table sets line widths only.
+
     Parameters
     ----------
     sightlines, flows : mappings condition -> Dataset, contracts 'sightline' and 'flow'
@@ -43,11 +46,6 @@ def gas_spectra(
     Returns
     -------
     Dataset, contract 'gas_spectra', sorted by power
-
-    Notes
-    -----
-    ASSUME: the mirrored ray is the line of sight (axisymmetric jet). Conditions of one chamber pressure share
-    an emission table; the pressure of the table sets line widths only.
     """
     views = {
         name: surface_view(
@@ -131,6 +129,11 @@ def _diffuse(air, view):
 def band_design(spectra, response, tables, *, settings):
     """Search, confirm and rank pyrometers by the error that they make behind the gas.
 
+    What is minimised: the root mean square of the total error over conditions (each as computed, colder and
+    hotter), temperatures and emittances. For a robust optimum, the excess of the change of its gain over the
+    tolerance is added, in all gases of the bench and in that of 10 kW less and more. ASSUME: errors of
+    different sources are independent.
+
     Parameters
     ----------
     spectra : Dataset, contract 'gas_spectra'
@@ -141,13 +144,6 @@ def band_design(spectra, response, tables, *, settings):
     Returns
     -------
     Dataset, contract 'band_design'
-
-    Notes
-    -----
-    What is minimised: the root mean square of the total error over conditions (each as computed, colder and
-    hotter), temperatures and emittances. For a robust optimum, the excess of the change of its gain over the
-    tolerance is added, in all gases of the bench and in that of 10 kW less and more. ASSUME: errors of
-    different sources are independent.
     """
     bench = make_bench(spectra, tables, settings)
     judge = Judge(bench, spectra.numerical_power.values, response, settings)

@@ -18,12 +18,9 @@ AS_READ, SUBTRACTED, SIMULATED = "as read", "reference after injection subtracte
 
 
 def time_to_reach(temperature, initial_temperature, gain, natural_frequency):
-    """Time [s] from the injection until a sample reaches a temperature: 0 at the start, NaN if never.
+    """Time [s] from the injection until a sample reaches a temperature [K]: 0 at the start, NaN if never.
 
-    Parameters
-    ----------
-    temperature : float [K] or NaN
-    initial_temperature, gain, natural_frequency : as in `analysis.transient.step_response`
+    The others as in `analysis.transient.step_response`.
     """
     if not temperature < initial_temperature + gain:
         return np.nan
@@ -44,6 +41,11 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     hotter or colder; the best pair of filters, and the best single band, each as read; the best two-band
     design with its own reference subtracted. The worst emittance of the range counts.
 
+    ASSUME: the sample heats as a critically damped second-order system (Fagnani et al., sec. 4.5); grey.
+    The levels are those of the gas alone; `own_uncertainty` is what the instrument adds.
+
+    ValueError: unknown instrument, or one whose bands reach beyond the radiation data.
+
     Parameters
     ----------
     spectra, designs, response : Datasets, contracts 'gas_spectra', 'band_design', 'response'
@@ -54,16 +56,6 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
     Returns
     -------
     Dataset, contract 'trust'
-
-    Raises
-    ------
-    ValueError
-        Unknown instrument, or one whose bands reach beyond the radiation data.
-
-    Notes
-    -----
-    ASSUME: the sample heats as a critically damped second-order system (Fagnani et al., sec. 4.5); grey.
-    The levels are those of the gas alone; `own_uncertainty` is what the instrument adds.
     """
     keys = settings["trust"]
     bench, cases = make_bench(spectra, tables, settings), spectra.sizes["condition"]
@@ -177,22 +169,7 @@ def _worst(bench, signal, weights, diffuse, mix, mode, variation, temperature, e
 
 
 def as_markdown(result, condition):
-    """The page of one condition.
-
-    Parameters
-    ----------
-    result : Dataset, contract 'trust'
-    condition : name
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    ValueError
-        Unknown condition; names those known.
-    """
+    """The page of one condition of a result of `trust`; ValueError for an unknown condition."""
     known = [str(name) for name in result.condition.values]
     if condition not in known:
         raise ValueError(f"condition must be one of {', '.join(known)}; got {condition!r}")

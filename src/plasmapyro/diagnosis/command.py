@@ -55,23 +55,11 @@ def load_inputs(radiance, instrument, variations=None):
 
 
 def gas_of(radiance=None, variations=None):
-    """Read the spectra that a diagnosis compares with; the inputs lack an instrument.
+    """Spectra that a diagnosis compares with; these `Inputs` lack an instrument.
 
-    Parameters
-    ----------
-    radiance : folder of `{condition}.nc`, contract 'radiation', or the list of such files
-        Those that come with the package if left out.
-    variations : folder of `{condition}.nc`, contract 'gas_variations', or the list of such files; the folder
-    beside `radiance` by default
-
-    Returns
-    -------
-    Inputs
-
-    Raises
-    ------
-    ContractError
-        A file that is missing or breaches its contract.
+    `radiance`, `variations`: folders of `{condition}.nc`, contracts 'radiation' and 'gas_variations', or
+    lists of such files; those that come with the package, and the folder beside `radiance`, if left out.
+    ContractError: a file that is missing or breaches its contract.
     """
     keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
     keep += ["error_share", "error_system", "error_cause"]
@@ -108,20 +96,8 @@ def _files(place):
 def with_instrument(inputs, folder):
     """The inputs with the instrument of another folder.
 
-    Parameters
-    ----------
-    inputs : Inputs
-    folder : with `response.nc` and `calibration.nc`, `radiometer_calibration.nc`,
-        `spectrometer_calibration.nc`, as far as the test holds such instruments
-
-    Returns
-    -------
-    Inputs
-
-    Raises
-    ------
-    ContractError
-        A file that is missing or breaches its contract.
+    It holds `response.nc` and `calibration.nc`, `radiometer_calibration.nc`, `spectrometer_calibration.nc`,
+    as far as the test holds such instruments. ContractError as for `gas_of`.
     """
     found = {name: Path(folder) / f"{name}.nc" for name in INSTRUMENT}
     there = {name for name, path in found.items() if path.exists()}
@@ -152,39 +128,12 @@ def diagnose_test(
     room=None,
     contradicted=((), ""),
 ):
-    """Diagnose a test, from a file or a dataset.
+    """Diagnose a test, from a netCDF file or a dataset, as `stage.diagnose`, whose words these are.
 
-    Parameters
-    ----------
-    test : path of a netCDF file, or Dataset, contract 'test'
-    inputs : Inputs
-    without : ids of effects that are not looked for
-    effects : mapping id -> Effect
-        Those that are known by name.
-    draws, seed : int
-        Simulated nulls behind the thresholds.
-    saturation_counts : float [count]
-        Raw counts of the spectrometer from here on are saturated.
-    limits : mapping
-        Of the paper's correction, see `stage.diagnose`.
-    others : tests at other conditions, as `test`, with the same instruments
-        What is named is tried on them.
-    findings : mappings as in the schema
-        What contradicts itself in the data; it is said first.
-    given : sequence of Term
-        Effects that are taken as given.
-    known : Normal, optional
-        Prior of what tests share, as `plasmapyro campaign` finds it.
-    room, contradicted : see `stage.diagnose`
-
-    Returns
-    -------
-    stage.Diagnosis
-
-    Raises
-    ------
-    ValueError
-        A test that cannot be processed, with every fault; a condition without a spectrum.
+    `without`: ids of effects that are not looked for; `others`: tests at other conditions, as `test`, with
+    the same instruments; `findings`, as in the schema: what contradicts itself in the data, said first;
+    `known`: prior of what tests share, as `plasmapyro campaign` finds it. ValueError: a test that cannot be
+    processed, with every fault; a condition without a spectrum.
     """
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
@@ -229,15 +178,7 @@ def diagnose_test(
 
 
 def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
-    """A test without effects that are taken as given, see `fit.restore.without_given`.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    inputs : Inputs
-    given : sequence of Term
-    saturation_counts : float [count]
-    """
+    """A test without effects that are taken as given, see `fit.restore.without_given`."""
     varied = inputs.variations.get(_usable(test, inputs))
     instrument = inputs.response, inputs.calibration, inputs.spectrometer_calibration
     settings = {"saturation_counts": saturation_counts, "given": tuple(given)}
@@ -325,15 +266,8 @@ def truth_of(test):
 def write_all(result, folder, *, sources=(), page=None, truth=None):
     """Write the files of a diagnosis into a folder, all or none of them.
 
-    Parameters
-    ----------
-    result : stage.Diagnosis
-    folder : path
-    sources : paths of the inputs, whose digests go into the netCDF files
-    page : function (report, residual_map, temperature, truth) -> str, optional
-        Makes `index.html`.
-    truth : Dataset, optional
-        Of a synthetic test, for the page.
+    `sources`: paths of the inputs, whose digests go into the netCDF files; `page` (report, residual_map,
+    temperature, truth) -> str makes `index.html`; `truth`, of a synthetic test, is for it.
     """
     report = check(result.report)
 

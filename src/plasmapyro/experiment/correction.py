@@ -26,6 +26,8 @@ VALIDATED = 1.1  # [1] of a Monte Carlo over a linear uncertainty: a weak signal
 def read_measured(reading, signals, saturated):
     """Temperature the pyrometer reads from its signals as they are.
 
+    Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
+
     Parameters
     ----------
     reading : Reading
@@ -37,10 +39,6 @@ def read_measured(reading, signals, saturated):
     temperature : (t,) ndarray [K]
         NaN unless the status is valid or extrapolated.
     status : (t,) int8 ndarray, see `status.MEANINGS`
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
     """
     ratio = signal_ratio(*signals) / reading.slope
     temperature, status = invert_quadratic(ratio, *reading.fit)
@@ -52,6 +50,8 @@ def read_measured(reading, signals, saturated):
 
 def read_corrected(reading, signals, corrected, uncertainty, injected, saturated):
     """Temperature from the corrected signals, and why there is none.
+
+    Source: Fagnani et al., eqs. 6 and 13, sec. 5.2.
 
     Parameters
     ----------
@@ -67,10 +67,6 @@ def read_corrected(reading, signals, corrected, uncertainty, injected, saturated
     status : (t,) int8 ndarray, see `status.MEANINGS`
         The first that holds: not injected, missing, saturated, no signal, below or above the range, gas
         dominated, extrapolated, valid.
-
-    Notes
-    -----
-    Source: Fagnani et al., eqs. 6 and 13, sec. 5.2.
     """
     detected = (corrected > reading.detection_level * uncertainty).all(axis=0)
     ratio = np.where(detected, signal_ratio(*corrected), np.nan) / reading.slope
@@ -109,10 +105,7 @@ class Reading:
     def of(cls, calibration, slope, **more):
         """From a dataset of the contract 'calibration' and the fields after `slope` by name.
 
-        Raises
-        ------
-        ValueError
-            If the ratio of the calibration does not rise over its range.
+        ValueError if the ratio of the calibration does not rise over its range.
         """
         fit = [calibration[name].values for name in ("fit_coefficient", "fit_range", "instrument_range")]
         require_rising(*fit)
@@ -133,6 +126,8 @@ class Reading:
 
         .. math:: T_{corr} = H_c^{-1}\!\left(\frac{S_1 - S_{1,ref}}{S_2 - S_{2,ref}}\right)
 
+        Source: Fagnani et al., eqs. 6 and 13, with the quadratic fit of the calibration points (sec. 3.2).
+
         Parameters
         ----------
         signals : (2, t) array [A]
@@ -144,10 +139,6 @@ class Reading:
         corrected, uncertainty : (2, t) ndarrays [A]
         temperature : (t,) ndarray [K]
         status : (t,) int8 ndarray, see `status.MEANINGS`
-
-        Notes
-        -----
-        Source: Fagnani et al., eqs. 6 and 13, with the quadratic fit of the calibration points (sec. 3.2).
         """
         corrected = corrected_signal(signals, reference, injected, shining)
         uncertainty = corrected_signal_uncertainty(
@@ -167,6 +158,10 @@ def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, gener
     Every draw takes its own calibration, its own level of the gas (common to both bands: the gas
     brightens as a whole), its own error of the reference mean, and its own error of each signal.
 
+    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the
+    variation of the gas is an input; the paper assumes none. Of a long record `MOST_DRAWN` samples are drawn,
+    and each other one takes what the one of the most alike signals got.
+
     Parameters
     ----------
     reading : Reading, with the covariance of its fit
@@ -181,12 +176,6 @@ def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, gener
     (t,) ndarray [K]
         NaN where a sample is missing, or where so many draws have no temperature that the central
         68 % of them is not closed.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the
-    variation of the gas is an input; the paper assumes none. Of a long record `MOST_DRAWN` samples are drawn,
-    and each other one takes what the one of the most alike signals got.
     """
     if signals.shape[1] > MOST_DRAWN:
         return _of_alike(reading, signals, gas, gas_uncertainty, draws, generator)
@@ -250,6 +239,9 @@ def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
 
     with the level g of the gas, an error o of its mean, and the slope s of the emittance.
 
+    Source: JCGM 100:2008, eqs. 10 and 13 (the three coefficients are correlated); 101:2008, sec. 8, for the
+    comparison with Monte Carlo.
+
     Parameters
     ----------
     reading, signals, gas, gas_uncertainty : as of `temperature_uncertainty`
@@ -260,11 +252,6 @@ def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
     Returns
     -------
     list of `record.budget.Input`
-
-    Notes
-    -----
-    Source: JCGM 100:2008, eqs. 10 and 13 (the three coefficients are correlated); 101:2008, sec. 8, for the
-    comparison with Monte Carlo.
     """
 
     errors = reading.error(signals)

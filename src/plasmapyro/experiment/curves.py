@@ -39,6 +39,9 @@ def local_curves(wavelength, temperature):
     .. math:: \frac{L_\lambda(\beta)}{L_{\lambda_0}(\beta)} = \sum_k C_{k\lambda}\,T_k(x), \qquad
               x = \frac{\beta - \beta_0}{h}, \quad \beta = 1/T
 
+    In the limit of Wien the curves are exp(-c_2 (1/lambda - 1/lambda_0) beta) but for a factor, whose
+    Chebyshev series falls as (a/2)^k / k!; the width of the table keeps a at `REACH`.
+
     Parameters
     ----------
     wavelength : (W,) array [m], rising
@@ -47,11 +50,6 @@ def local_curves(wavelength, temperature):
     Returns
     -------
     LocalCurves
-
-    Notes
-    -----
-    In the limit of Wien the curves are exp(-c_2 (1/lambda - 1/lambda_0) beta) but for a factor, whose
-    Chebyshev series falls as (a/2)^k / k!; the width of the table keeps a at `REACH`.
     """
     ends = 1 / np.array([wavelength[-1], wavelength[0]])
     anchor = float(2 / ends.sum())

@@ -90,6 +90,8 @@ def fit_frame(
     Every draw takes its own noise, its own calibration factor and its own level of the gas, and is
     fitted anew.
 
+    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step) and 5.3.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -110,10 +112,6 @@ def fit_frame(
     Returns
     -------
     FrameFit
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step) and 5.3.
     """
     mask, weight = usable[None], np.hypot(noise, gas_variation * gas)[None]
     start = nearest_trial(trials, corrected, weight[0], usable)

@@ -15,6 +15,10 @@ def reference_signal(time, signal, window):
     with the scatter s of the n samples and their lag-one correlation r_1 (>= 0): flicker of the
     plasma lasts longer than a sample.
 
+    Source: Fagnani et al., eq. 12. Deviation: the uncertainty of the mean is carried along.
+
+    ValueError if fewer than three samples lie in the window.
+
     Parameters
     ----------
     time : (t,) array [s], strictly increasing
@@ -24,15 +28,6 @@ def reference_signal(time, signal, window):
     Returns
     -------
     mean, standard_uncertainty : float [A]
-
-    Raises
-    ------
-    ValueError
-        If fewer than three samples lie in the window.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 12. Deviation: the uncertainty of the mean is carried along.
 
     Examples
     --------
@@ -61,6 +56,9 @@ def corrected_signal(signal, reference, injected, shining):
 
     .. math:: S^{corr} = S - S^{ref} \;\text{(plasma on)}, \qquad S \;\text{(plasma off)}
 
+    Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the
+    reference window holds until the plasma is switched off.
+
     Parameters
     ----------
     signal : (..., t) array, NaN where missing
@@ -70,11 +68,6 @@ def corrected_signal(signal, reference, injected, shining):
     Returns
     -------
     (..., t) ndarray, NaN before injection: there is no surface in view
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the
-    reference window holds until the plasma is switched off.
 
     Examples
     --------
@@ -97,6 +90,8 @@ def corrected_signal_uncertainty(
 
     the last two only while the plasma is on.
 
+    Deviation: the paper assumes v = 0.
+
     Parameters
     ----------
     signal : (..., t) array
@@ -110,10 +105,6 @@ def corrected_signal_uncertainty(
     Returns
     -------
     (..., t) ndarray
-
-    Notes
-    -----
-    Deviation: the paper assumes v = 0.
     """
     gas = np.asarray(reference_uncertainty) ** 2 + (gas_variation * np.asarray(reference)) ** 2
     return np.sqrt((signal_uncertainty * np.asarray(signal)) ** 2 + np.where(shining, gas[..., None], 0.0))

@@ -71,6 +71,10 @@ def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start
 
     Gauss-Newton in 1/T from the best of a grid of trial temperatures.
 
+    Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the
+    pivot may be the mean of the pixels of one resolution element instead of one pixel. The pivot is
+    the weakest point of the method: its noise moves every point of the curve (`fit_scaled` has none).
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -87,12 +91,6 @@ def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start
     Returns
     -------
     (R,) ndarray [K]
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the
-    pivot may be the mean of the pixels of one resolution element instead of one pixel. The pivot is
-    the weakest point of the method: its noise moves every point of the curve (`fit_scaled` has none).
     """
     data = normalised(radiance, usable, pivot)
     weight = (usable & np.isfinite(data)).astype(float)
@@ -125,6 +123,8 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
 
     The scale is eliminated at each temperature; Gauss-Newton in 1/T for the rest.
 
+    Deviation: not in the paper, which normalises at one wavelength.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -139,10 +139,6 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
     temperature : (R,) ndarray [K]
     scale : (R,) ndarray [1]
         The emittance, as far as the absolute calibration holds.
-
-    Notes
-    -----
-    Deviation: not in the paper, which normalises at one wavelength.
     """
     good = usable & np.isfinite(radiance) & (noise > 0)
     weight = np.where(good, 1 / np.where(good, noise, 1.0) ** 2, 0.0)

@@ -41,6 +41,10 @@ def correct_pyrometer(
 ):
     """Corrected signals and temperatures of the pyrometer of a test.
 
+    Source: Fagnani et al., eqs. 12 and 13, sec. 5.2.
+
+    ValueError, naming every fault of the test, or if the calibration cannot be inverted.
+
     Parameters
     ----------
     test : Dataset, contract 'test'
@@ -62,15 +66,6 @@ def correct_pyrometer(
     Returns
     -------
     Dataset, contract 'pyrometer_correction'
-
-    Raises
-    ------
-    ValueError
-        Naming every fault of the test, or if the calibration cannot be inverted.
-
-    Notes
-    -----
-    Source: Fagnani et al., eqs. 12 and 13, sec. 5.2.
     """
     record = record_of(test, {"pyrometer": calibration}, needed=["pyrometer"])
     bands = record.instrument("pyrometer")
@@ -161,6 +156,12 @@ def correct_spectra(
 ):
     """Corrected spectra of a test and the temperatures fitted to them.
 
+    Source: Fagnani et al., eqs. 8 and 14, sec. 5.3. The temperatures come from two fits: the paper's,
+    normalised at a pivot (`spectrometer_temperature`), and one with a free scale in units of the noise
+    (`scaled_temperature`), which needs no pivot and gives the apparent emittance as well.
+
+    ValueError, naming every fault of the test, or a calibration that does not fit it.
+
     Parameters
     ----------
     test : Dataset, contract 'test'
@@ -188,17 +189,6 @@ def correct_spectra(
     Returns
     -------
     Dataset, contract 'spectrometer_correction'
-
-    Raises
-    ------
-    ValueError
-        Naming every fault of the test, or a calibration that does not fit it.
-
-    Notes
-    -----
-    Source: Fagnani et al., eqs. 8 and 14, sec. 5.3. The temperatures come from two fits: the paper's,
-    normalised at a pivot (`spectrometer_temperature`), and one with a free scale in units of the noise
-    (`scaled_temperature`), which needs no pivot and gives the apparent emittance as well.
     """
     record = record_of(
         test,

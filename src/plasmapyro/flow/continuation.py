@@ -145,6 +145,9 @@ class Result:
 def march(problem, state, power, schedule, label):
     """March `state` towards the steady flow at Joule power `power`.
 
+    NotConverged: plasma extinguished, Courant number fallen to nothing, or not converged within
+    `schedule.steps`.
+
     Parameters
     ----------
     problem : Problem
@@ -157,11 +160,6 @@ def march(problem, state, power, schedule, label):
     Returns
     -------
     Result
-
-    Raises
-    ------
-    NotConverged
-        Plasma extinguished, Courant number fallen to nothing, or not converged within `schedule.steps`.
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []

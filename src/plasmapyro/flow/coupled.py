@@ -25,6 +25,8 @@ LARGEST_SUBSPACE = 20
 def coupled_solution(block, rest, right_hand_side, tolerance):
     """Solve (A + B) x = b.
 
+    ArithmeticError if a product is not finite.
+
     Parameters
     ----------
     block : function, b -> P b and A P b, P near A^-1
@@ -33,11 +35,6 @@ def coupled_solution(block, rest, right_hand_side, tolerance):
     tolerance : float [1]
         Of the residual relative to b. After `LARGEST_SUBSPACE` iterations the best solution so far is
         returned: a step of Newton's method is not exact anyway.
-
-    Raises
-    ------
-    ArithmeticError
-        If a product is not finite.
     """
     scale = np.linalg.norm(right_hand_side)
     if scale == 0:

@@ -56,6 +56,8 @@ LEAST_PART = 1 / 4  # of the first part of the way: where a state cannot be cont
 def follow(problem, state, air, origin, target, power_step, final, label):
     """Problem at `target` and its Result, from a state at `origin`.
 
+    NotConverged: names the two conditions between which the flow is lost, and what became of it beyond.
+
     Parameters
     ----------
     problem, state : Problem at `origin` and its solution
@@ -66,11 +68,6 @@ def follow(problem, state, air, origin, target, power_step, final, label):
     final : Schedule
         Of the last part.
     label : str
-
-    Raises
-    ------
-    NotConverged
-        Names the two conditions between which the flow is lost, and what became of it beyond.
     """
     first = 1 / max(int(np.ceil(origin.parts_to(target, power_step) - 1e-9)), 1)
     share, part, here = 0.0, first, origin

@@ -34,6 +34,8 @@ def ring_potential(r, z, ring_radius, ring_positions):
     The bracket is K S with S = sum_{n>=1} 2^(n-1) c_n^2 from the arithmetic-geometric mean, which does
     not cancel near the axis as the difference of the elliptic integrals does.
 
+    Source: Jackson, Classical Electrodynamics, 3rd ed., eq. 5.37; Abramowitz and Stegun 17.6.3-17.6.4.
+
     Parameters
     ----------
     r, z : arrays of one shape [m], r > 0
@@ -43,10 +45,6 @@ def ring_potential(r, z, ring_radius, ring_positions):
     Returns
     -------
     ndarray [V s m-1 per A]
-
-    Notes
-    -----
-    Source: Jackson, Classical Electrodynamics, 3rd ed., eq. 5.37; Abramowitz and Stegun 17.6.3-17.6.4.
     """
     potential = np.zeros(np.shape(r))
     for position in ring_positions:

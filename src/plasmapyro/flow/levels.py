@@ -53,6 +53,8 @@ def coarse_way(known, coarser, case, origin, target):
     The coarsest mesh is followed from `origin` to `target`. What changed there, added to the solution of the
     next finer mesh at `origin`, is a guess for that mesh at `target`: what only it resolves stays in it.
 
+    NotConverged: on the coarsest mesh.
+
     Parameters
     ----------
     known : Solution at `origin`
@@ -60,11 +62,6 @@ def coarse_way(known, coarser, case, origin, target):
         Those that are known; the coarsest is solved where it is missing, others are left out.
     case : Case
     origin, target : Condition
-
-    Raises
-    ------
-    NotConverged
-        On the coarsest mesh.
     """
     if origin == target:
         return dict(coarser), known.state

@@ -90,10 +90,7 @@ class System:
     def factors(self, *, single=False):
         """Factors, for any number of right-hand sides; in single precision if asked for.
 
-        Raises
-        ------
-        ArithmeticError
-            If the matrix is singular.
+        ArithmeticError if the matrix is singular.
         """
         return Factors(self, SINGLE[self.permuted.dtype.char] if single else self.permuted.dtype)
 
@@ -128,10 +125,7 @@ class Factors:
     def solve(self, right_hand_side):
         """Solve A x = b.
 
-        Raises
-        ------
-        ArithmeticError
-            If the residual shows that the factorisation lost its accuracy.
+        ArithmeticError if the residual shows that the factorisation lost its accuracy.
         """
         permuted = right_hand_side[self._order]
         size = np.linalg.norm(permuted)

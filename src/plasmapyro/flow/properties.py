@@ -88,6 +88,9 @@ class GasProperties:
 def gas_properties(gas, pressure, reference_temperature, emission=None, radiation_factor=0.0):
     """Property tables at `pressure` from the dataset of the gas stage.
 
+    ValueError: a radiation factor without `emission`; `pressure` outside the table, or a table with fewer
+    than four temperatures.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas'
@@ -101,12 +104,6 @@ def gas_properties(gas, pressure, reference_temperature, emission=None, radiatio
         Power that the gas radiates per volume.
     radiation_factor : float [1]
         Multiplies it; at 0 nothing is radiated.
-
-    Raises
-    ------
-    ValueError
-        A radiation factor without `emission`; `pressure` outside the table, or a table with fewer than four
-        temperatures.
     """
     pressure = float(positive("chamber_pressure", pressure, "Pa"))
     nodes = gas.pressure.values

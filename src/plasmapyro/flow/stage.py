@@ -93,6 +93,8 @@ def cold_start(
     coarsest mesh of the error estimate to the final one. Another gas than air is reached on that coarsest
     mesh, from air, by steps of its composition.
 
+    ValueError: an argument out of range. NotConverged: no steady state reached; nothing is returned.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas'
@@ -116,13 +118,6 @@ def cold_start(
     Returns
     -------
     Dataset, contract 'flow'
-
-    Raises
-    ------
-    ValueError
-        An argument out of range.
-    NotConverged
-        No steady state reached; nothing is returned.
     """
     setup = Setup(
         Torch(**{**torch, "coil_positions": tuple(float(z) for z in torch["coil_positions"])}),
@@ -231,6 +226,10 @@ def condition(
     the coarsest of them, see `levels`. If the way from the nearest solution fails, the next nearest is tried;
     `start`, itself a cold start, is one of those known.
 
+    ValueError as `cold_start`; a radiation factor without `emission`; a start in another gas. NotConverged:
+    no way led to a steady state; the message says for each how far it led, and where the plasma went out if
+    it did.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas'
@@ -255,14 +254,6 @@ def condition(
     Returns
     -------
     Dataset, contract 'flow'
-
-    Raises
-    ------
-    ValueError
-        As `cold_start`; a radiation factor without `emission`; a start in another gas.
-    NotConverged
-        No way led to a steady state; the message says for each how far it led, and where the plasma went
-        out if it did.
     """
     setup = setup_of(start)
     target = Condition(**(dict.fromkeys(BESIDE_COLD_GAS, setup.wall_temperature) | target))

@@ -47,6 +47,10 @@ def species_of(argon):
 def densities(temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
     """Number densities of a mixture of N2 and O2 with a trace of argon in equilibrium.
 
+    Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: see the module.
+
+    ValueError as `equilibrium.composition`, or argon outside its range.
+
     Parameters
     ----------
     temperature, pressure : array_like [K], [Pa]
@@ -60,15 +64,6 @@ def densities(temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
     -------
     ndarray [m-3]
         Shape of the broadcast arguments + (11,), or + (13,) with argon; in the order of `species_of`.
-
-    Raises
-    ------
-    ValueError
-        As `equilibrium.composition`, or argon outside its range.
-
-    Notes
-    -----
-    Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: see the module.
     """
     argon = float(within("argon", argon, 0.0, MOST_ARGON, "1"))
     plain = number_density(temperature, pressure, nitrogen)

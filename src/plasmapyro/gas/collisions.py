@@ -118,6 +118,9 @@ def debye_length(temperature, electron_density):
 
     .. math:: \lambda_D = \sqrt{\frac{\epsilon_0 k T}{2 n_e e^2}}
 
+    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827. ASSUME: ions screen like
+    electrons (singly charged, same temperature), as in Mutation++.
+
     Parameters
     ----------
     temperature : ndarray [K]
@@ -127,11 +130,6 @@ def debye_length(temperature, electron_density):
     Returns
     -------
     ndarray [m]
-
-    Notes
-    -----
-    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827. ASSUME: ions screen like
-    electrons (singly charged, same temperature), as in Mutation++.
     """
     energy = VACUUM_PERMITTIVITY * BOLTZMANN * temperature
     return np.sqrt(energy / (2 * electron_density * ELEMENTARY_CHARGE**2))
@@ -144,6 +142,9 @@ def coulomb_integrals(kind, temperature, electron_density):
     :math:`T^{*2} Q^{(l,s)}/\pi\lambda_D^2`, so that :math:`Q = \pi b^2 \times` table. Below the table
     (T* < 0.1, denser than any state here) its first entry is used, above it the logarithm continues.
 
+    Source: Mason, Munn & Smith (1967) and Devoto (1973), see `data/gas/collisions_coulomb.yml`.
+    Q12 = C* Q11, Q13 = (5 C* - B*) Q11 / 4 and Q23 = E* Q22 by definition of B*, C*, E*.
+
     Parameters
     ----------
     kind : {"attractive", "repulsive"}
@@ -155,11 +156,6 @@ def coulomb_integrals(kind, temperature, electron_density):
     -------
     dict of ndarray [m2]
         Q(l,s), keys "11", "12", "13", "14", "15", "22", "23", "24".
-
-    Notes
-    -----
-    Source: Mason, Munn & Smith (1967) and Devoto (1973), see `data/gas/collisions_coulomb.yml`.
-    Q12 = C* Q11, Q13 = (5 C* - B*) Q11 / 4 and Q23 = E* Q22 by definition of B*, C*, E*.
     """
     distance = ELEMENTARY_CHARGE**2 / (4 * np.pi * VACUUM_PERMITTIVITY * BOLTZMANN * temperature)
     reduced = np.log(debye_length(temperature, electron_density) / distance)
@@ -171,6 +167,9 @@ def coulomb_integrals(kind, temperature, electron_density):
 def heavy_integrals(temperature, electron_density):
     """Collision integrals of all pairs of heavy species.
 
+    Source: neutral pairs Wright et al. (2005), ion-neutral Levin & Wright (2004), ion-ion
+    `coulomb_integrals`. ASSUME: beyond the ends of a table a power law with the end's slope.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -179,11 +178,6 @@ def heavy_integrals(temperature, electron_density):
     Returns
     -------
     HeavyIntegrals
-
-    Notes
-    -----
-    Source: neutral pairs Wright et al. (2005), ion-neutral Levin & Wright (2004), ion-ion
-    `coulomb_integrals`. ASSUME: beyond the ends of a table a power law with the end's slope.
     """
     size = ELECTRON
     shape = (temperature.size, size, size)
@@ -209,6 +203,9 @@ def heavy_integrals(temperature, electron_density):
 def electron_integrals(temperature, electron_density):
     """Collision integrals of electrons with every species.
 
+    Source: neutrals Wright et al. (2005), charged `coulomb_integrals`. ASSUME: Q14 = Q15 = Q13 for
+    neutrals, for which no B*, C* of higher order are published (Magin & Degrez 2004).
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -217,11 +214,6 @@ def electron_integrals(temperature, electron_density):
     Returns
     -------
     ElectronIntegrals
-
-    Notes
-    -----
-    Source: neutrals Wright et al. (2005), charged `coulomb_integrals`. ASSUME: Q14 = Q15 = Q13 for
-    neutrals, for which no B*, C* of higher order are published (Magin & Degrez 2004).
     """
     values = {name: np.empty((temperature.size, ELECTRON)) for name in ("11", "12", "13", "14", "15")}
     for i, _, curves in _pair_curves("collisions_electron_neutral"):

@@ -41,6 +41,15 @@ def composition(temperature, pressure, nitrogen=AIR["N2"]):
     with the potentials :math:`\pi_e` of N, O and charge such that the fractions add up to one, the
     elements are those of the cold gas, and the charge vanishes.
 
+    Source: McBride, Zehe & Gordon, NASA/TP-2002-211556 (NASA-9 polynomials); element potentials as Reynolds,
+    STANJAN (Stanford, 1986). ASSUME: no lowering of the ionisation energy (about 0.05 % of it at 0.05 bar).
+    Deviation: Cantera's own `equilibrate` loses the charged species below about 2000 K: at 50 mbar it gives
+    1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 atm 0.8 of them at 1900 K. From 2250 K
+    all species agree to 2e-7, from 2500 K to 1e-10; the neutral ones do everywhere from 1250 K.
+
+    ValueError: temperature or nitrogen outside its range, or pressure not > 0. ArithmeticError: the iteration
+    did not converge (never seen from 200 to 20000 K and 1 to 1e7 Pa).
+
     Parameters
     ----------
     temperature : array_like [K]
@@ -54,21 +63,6 @@ def composition(temperature, pressure, nitrogen=AIR["N2"]):
     -------
     ndarray [1]
         Shape of the broadcast arguments + (11,), species in the order of `species.SPECIES`.
-
-    Raises
-    ------
-    ValueError
-        Temperature or nitrogen outside its range, or pressure not > 0.
-    ArithmeticError
-        The iteration did not converge (never seen from 200 to 20000 K and 1 to 1e7 Pa).
-
-    Notes
-    -----
-    Source: McBride, Zehe & Gordon, NASA/TP-2002-211556 (NASA-9 polynomials); element potentials as Reynolds,
-    STANJAN (Stanford, 1986). ASSUME: no lowering of the ionisation energy (about 0.05 % of it at 0.05 bar).
-    Deviation: Cantera's own `equilibrate` loses the charged species below about 2000 K: at 50 mbar it gives
-    1e-3 of the electrons at 1500 K and 2e-12 of them at 1000 K, at 1 atm 0.8 of them at 1900 K. From 2250 K
-    all species agree to 2e-7, from 2500 K to 1e-10; the neutral ones do everywhere from 1250 K.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     pressure = positive("pressure", pressure, "Pa")
@@ -142,6 +136,8 @@ def _slopes(fraction):
 def number_density(temperature, pressure, nitrogen=AIR["N2"]):
     r"""Number densities of a mixture of N2 and O2 in chemical equilibrium, :math:`n_s = x_s p / k T`.
 
+    ValueError as `composition`.
+
     Parameters
     ----------
     temperature : array_like [K]
@@ -154,11 +150,6 @@ def number_density(temperature, pressure, nitrogen=AIR["N2"]):
     -------
     ndarray [m-3]
         Shape of the broadcast arguments + (11,), species in the order of `species.SPECIES`.
-
-    Raises
-    ------
-    ValueError
-        As `composition`.
     """
     mole_fraction = composition(temperature, pressure, nitrogen)
     total = np.asarray(pressure) / (BOLTZMANN * np.asarray(temperature))
@@ -167,6 +158,8 @@ def number_density(temperature, pressure, nitrogen=AIR["N2"]):
 
 def species_enthalpy(temperature):
     """Enthalpy of one particle of each species, formation (at 298.15 K) included.
+
+    Source: NASA-9 polynomials, as `composition`.
 
     Parameters
     ----------
@@ -177,10 +170,6 @@ def species_enthalpy(temperature):
     -------
     ndarray [J]
         Shape of `temperature` + (11,).
-
-    Notes
-    -----
-    Source: NASA-9 polynomials, as `composition`.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     return standard_state("standard_enthalpies_RT", temperature) * (BOLTZMANN * temperature)[..., None]
@@ -188,6 +177,8 @@ def species_enthalpy(temperature):
 
 def species_heat_capacity(temperature):
     """Heat capacity at constant pressure of each species, over the Boltzmann constant.
+
+    Source: NASA-9 polynomials, as `composition`.
 
     Parameters
     ----------
@@ -198,10 +189,6 @@ def species_heat_capacity(temperature):
     -------
     ndarray [1]
         Shape of `temperature` + (11,); 5/2 for a particle without internal energy.
-
-    Notes
-    -----
-    Source: NASA-9 polynomials, as `composition`.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     return standard_state("standard_cp_R", temperature)
@@ -228,6 +215,9 @@ def composition_slope(temperature, mole_fraction, enthalpy):
     and the four unknown derivatives follow from the conservation of N, O and charge and from
     :math:`n = \sum n_s`.
 
+    Source: S. Gordon, B. J. McBride, NASA RP-1311 (1994), section 2.5 (derivatives from the
+    equilibrium solution), in the notation of element potentials.
+
     Parameters
     ----------
     temperature : ndarray [K]
@@ -242,11 +232,6 @@ def composition_slope(temperature, mole_fraction, enthalpy):
     tuple of ndarray [K-1]
         dx/dT, shape of `mole_fraction`; and d ln n/dT of the number of particles of a fixed mass,
         shape of `temperature`.
-
-    Notes
-    -----
-    Source: S. Gordon, B. J. McBride, NASA RP-1311 (1994), section 2.5 (derivatives from the
-    equilibrium solution), in the notation of element potentials.
     """
     temperature = np.asarray(temperature, dtype=float)
     # The charge row is scaled by the charged fraction, else it underflows in cold air.
@@ -306,6 +291,9 @@ def heat_capacity(temperature, mole_fraction, species_enthalpy, species_heat_cap
 
     .. math:: c_p = \Big[\sum_s x_s c_s + \sum_s x_s h_s \frac{d\ln n_s}{dT}\Big] \Big/ \sum_s x_s m_s
 
+    Source: S. Gordon, B. J. McBride, NASA RP-1311 (1994), section 2.5. Deviation: Cantera's own heat
+    capacity is the frozen one, the first term.
+
     Parameters
     ----------
     temperature : (...) ndarray [K]
@@ -315,11 +303,6 @@ def heat_capacity(temperature, mole_fraction, species_enthalpy, species_heat_cap
     Returns
     -------
     (...) ndarray [J kg-1 K-1]
-
-    Notes
-    -----
-    Source: S. Gordon, B. J. McBride, NASA RP-1311 (1994), section 2.5. Deviation: Cantera's own heat
-    capacity is the frozen one, the first term.
     """
     slope, total = composition_slope(temperature, mole_fraction, species_enthalpy)
     amount = slope + mole_fraction * np.asarray(total)[..., None]

@@ -41,6 +41,13 @@ def partition_function(species, temperature):
     nuclear-spin weight is divided by the total nuclear degeneracy, so that a homonuclear diatomic
     approaches :math:`kT/2B` and a heteronuclear one :math:`kT/B` times its electronic weight.
 
+    Source: levels as `atomic_levels` and `diatomic_levels`. Against the level sums behind NASA-9 (those of
+    `equilibrium.composition`): within 0.5 % to 6000 K. Above, the states left out or estimated tell: at 8000
+    and 10000 K N2+ is 1.3 and 2.3 % low, O2+ 0.4 and 1.6 %, all others below 1.2 %; at 15000 K NO and O2+ are
+    7.5 % low, N2+ is 4.6 % high. CN and C2 agree with the sums behind NASA-7 within 0.3 and 1.3 % to 6000 K.
+
+    ValueError: unknown species, or temperature not > 0.
+
     Parameters
     ----------
     species : str
@@ -52,18 +59,6 @@ def partition_function(species, temperature):
     -------
     ndarray [1]
         Shape of `temperature`.
-
-    Raises
-    ------
-    ValueError
-        Unknown species, or temperature not > 0.
-
-    Notes
-    -----
-    Source: levels as `atomic_levels` and `diatomic_levels`. Against the level sums behind NASA-9 (those of
-    `equilibrium.composition`): within 0.5 % to 6000 K. Above, the states left out or estimated tell: at 8000
-    and 10000 K N2+ is 1.3 and 2.3 % low, O2+ 0.4 and 1.6 %, all others below 1.2 %; at 15000 K NO and O2+ are
-    7.5 % low, N2+ is 4.6 % high. CN and C2 agree with the sums behind NASA-7 within 0.3 and 1.3 % to 6000 K.
     """
     if species not in SPECIES + TRACES:
         raise ValueError(f"species must be one of {', '.join(SPECIES + TRACES)}; got {species!r}")
@@ -97,6 +92,11 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
     :math:`E_{rot}` is the energy of a level above the rotationless vibronic level it belongs to, spin
     splitting included; atoms have none, and the temperature does not matter to them.
 
+    Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3, for the two
+    temperatures; levels as `partition_function`.
+
+    ValueError: unknown species, or a temperature not > 0.
+
     Parameters
     ----------
     species : str
@@ -110,16 +110,6 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
     -------
     float [1]
         At equal temperatures that of `partition_function`.
-
-    Raises
-    ------
-    ValueError
-        Unknown species, or a temperature not > 0.
-
-    Notes
-    -----
-    Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3, for the two
-    temperatures; levels as `partition_function`.
     """
     if species not in SPECIES + TRACES:
         raise ValueError(f"species must be one of {', '.join(SPECIES + TRACES)}; got {species!r}")
@@ -139,6 +129,10 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
 def atomic_levels(species):
     """Levels of an atom or atomic ion.
 
+    Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the levels
+    observed (n about 12 for N, 19 for O), those above the ionisation limit included; the Rydberg levels
+    beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to Q of N at 10000 K.
+
     Parameters
     ----------
     species : str
@@ -148,12 +142,6 @@ def atomic_levels(species):
     -------
     tuple of ndarray
         Energy [m-1] above the ground level, and degeneracy [1].
-
-    Notes
-    -----
-    Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the levels
-    observed (n about 12 for N, 19 for O), those above the ionisation limit included; the Rydberg levels
-    beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to Q of N at 10000 K.
     """
     table = tables.load("gas/levels_" + species.replace("+", "_plus"))
     return _sealed(table["energy"], table["degeneracy"])
@@ -166,6 +154,13 @@ def diatomic_levels(species):
 
     with :math:`F = J(J+1) - \Omega^2` where :math:`\Lambda > 0` (Hund's case a), else :math:`F = N(N+1)`.
 
+    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants of Laher & Gilmore
+    (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`. T counts from the lower component of a
+    ground state split by spin and orbit (X2Pi1/2 of NO and O2+). ASSUME: quasi-bound levels count up to the
+    centrifugal barrier of a Morse potential of the same depth (they live long enough to take part). ASSUME:
+    multiplets split by spin-orbit interaction only, Sigma states not at all; nuclear-spin alternation
+    averages out above 100 K, except that the ground state of O2 has odd rotation only.
+
     Parameters
     ----------
     species : str
@@ -175,15 +170,6 @@ def diatomic_levels(species):
     -------
     tuple of ndarray
         Energy [m-1] above the lowest level, and statistical weight [1].
-
-    Notes
-    -----
-    Source: Herzberg, Spectra of Diatomic Molecules (1950), chapters III and V; constants of Laher & Gilmore
-    (1991) and Huber & Herzberg (1979), see `data/gas/diatomic_*.yml`. T counts from the lower component of a
-    ground state split by spin and orbit (X2Pi1/2 of NO and O2+). ASSUME: quasi-bound levels count up to the
-    centrifugal barrier of a Morse potential of the same depth (they live long enough to take part). ASSUME:
-    multiplets split by spin-orbit interaction only, Sigma states not at all; nuclear-spin alternation
-    averages out above 100 K, except that the ground state of O2 has odd rotation only.
     """
     energy, weight, _ = _diatomic_levels(species)
     return energy, weight

@@ -55,10 +55,7 @@ def argon_of(dataset):
 def nitrogen_of(dataset):
     """Mole fraction of N2 [1] in the N2 and O2 that a dataset names in its attribute `gas`; air if in none.
 
-    Raises
-    ------
-    ValueError
-        Another gas.
+    ValueError: another gas.
     """
     name = dataset.attrs.get("gas", "air").partition(" Ar:")[0]
     known = {"air": AIR["N2"], "N2": 1.0, "O2": 0.0}

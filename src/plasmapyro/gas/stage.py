@@ -17,6 +17,8 @@ PRESSURE_RANGE = (100.0, 1e6)
 def gas_table(*, temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
     """Composition, thermodynamics and transport coefficients of a mixture of N2 and O2 in equilibrium.
 
+    ValueError: an axis that does not increase strictly or leaves its range, or a fraction that does.
+
     Parameters
     ----------
     temperature : array_like [K]
@@ -32,11 +34,6 @@ def gas_table(*, temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
     -------
     Dataset
         Contract 'gas'; its attribute `gas` names the mixture.
-
-    Raises
-    ------
-    ValueError
-        An axis that does not increase strictly or leaves its range, or a fraction that does.
     """
     temperature = within("temperature", increasing("temperature", temperature, "K"), *TEMPERATURE_RANGE, "K")
     pressure = within("pressure", increasing("pressure", pressure, "Pa"), *PRESSURE_RANGE, "Pa")

@@ -19,6 +19,8 @@ def pair_viscosity(temperature, q22):
     .. math:: \mu_{ij} = \frac{5}{16}\frac{\sqrt{2\pi m_{ij} k T}}{Q^{(2,2)}_{ij}},
               \quad m_{ij} = \frac{m_i m_j}{m_i + m_j}
 
+    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-21.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -28,10 +30,6 @@ def pair_viscosity(temperature, q22):
     -------
     (points, 10, 10) ndarray [Pa s]
         The diagonal holds the pure species.
-
-    Notes
-    -----
-    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-21.
     """
     return 5 / 16 * np.sqrt(2 * np.pi * REDUCED_MASS * BOLTZMANN * temperature[:, None, None]) / q22
 
@@ -45,6 +43,9 @@ def viscosity(temperature, mole_fraction, integrals):
               \frac{m_i m_k}{(m_i+m_k)^2}\Big(\frac{5}{3A^*_{ik}} + \frac{m_k}{m_i}\Big), \quad
               H_{ij} = -\frac{2 x_i x_j}{\mu_{ij}}\frac{m_i m_j}{(m_i+m_j)^2}\Big(\frac{5}{3A^*_{ij}} - 1\Big)
 
+    Source: Hirschfelder, Curtiss & Bird (1954), eqs. 8.2-22 to 25. Each row is divided by its mole
+    fraction, so that absent species do no harm. The electrons carry no momentum worth mention.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -54,11 +55,6 @@ def viscosity(temperature, mole_fraction, integrals):
     Returns
     -------
     (points,) ndarray [Pa s]
-
-    Notes
-    -----
-    Source: Hirschfelder, Curtiss & Bird (1954), eqs. 8.2-22 to 25. Each row is divided by its mole
-    fraction, so that absent species do no harm. The electrons carry no momentum worth mention.
     """
     x = mole_fraction[:, HEAVY]
     base = 2 / pair_viscosity(temperature, integrals.q22) * (REDUCED_MASS / MASS_SUM)
@@ -82,6 +78,9 @@ def energy_polarisation(temperature, mole_fraction, integrals):
 
     with :math:`\lambda_{ij} = \tfrac{15}{4} k \mu_{ij} / 2m_{ij}`.
 
+    Source: Muckenfuss & Curtiss, J. Chem. Phys. 29 (1958) 1273; Hirschfelder, Curtiss & Bird (1954),
+    eqs. 8.2-36 to 40.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -92,11 +91,6 @@ def energy_polarisation(temperature, mole_fraction, integrals):
     -------
     (points, 10) ndarray [W m-1 K-1]
         a_i, the conductivity of a pure species, screened by the others.
-
-    Notes
-    -----
-    Source: Muckenfuss & Curtiss, J. Chem. Phys. 29 (1958) 1273; Hirschfelder, Curtiss & Bird (1954),
-    eqs. 8.2-36 to 40.
     """
     x = mole_fraction[:, HEAVY]
     pair = 15 / 4 * BOLTZMANN * pair_viscosity(temperature, integrals.q22) / (2 * REDUCED_MASS)
@@ -113,6 +107,9 @@ def energy_polarisation(temperature, mole_fraction, integrals):
 def heavy_conductivity(mole_fraction, polarisation):
     r"""Translational thermal conductivity of the heavy species, :math:`\lambda = \sum_i x_i a_i`.
 
+    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-33 with the diffusive part left out, which
+    `reactive_conductivity` holds.
+
     Parameters
     ----------
     mole_fraction : (points, 11) ndarray [1]
@@ -122,11 +119,6 @@ def heavy_conductivity(mole_fraction, polarisation):
     Returns
     -------
     (points,) ndarray [W m-1 K-1]
-
-    Notes
-    -----
-    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-33 with the diffusive part left out, which
-    `reactive_conductivity` holds.
     """
     return np.einsum("pi,pi->p", mole_fraction[:, HEAVY], polarisation)
 
@@ -136,6 +128,10 @@ def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
 
     .. math:: \frac{\chi_i}{x_i} = \frac{1}{10k}\sum_{j \ne i}
               \frac{x_j (12 C^*_{ij} - 10)}{n D_{ij}}\,\frac{m_i a_j - m_j a_i}{m_i + m_j}
+
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (heavy-particle thermal diffusion
+    ratios); for two species the same as Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50.
+    A positive ratio drives a species to the cold side.
 
     Parameters
     ----------
@@ -151,12 +147,6 @@ def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
     (points, 11) ndarray [1]
         Zero for electrons, whose thermal diffusion only changes the field that
         keeps the current zero (ASSUME).
-
-    Notes
-    -----
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (heavy-particle thermal diffusion
-    ratios); for two species the same as Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50.
-    A positive ratio drives a species to the cold side.
     """
     strength = (12 * integrals.cstar - 10) * mole_fraction[:, None, HEAVY] / diffusion[:, HEAVY, HEAVY]
     share = HEAVY_MASS[:, None] * polarisation[:, None, :] - HEAVY_MASS * polarisation[:, :, None]
@@ -191,6 +181,8 @@ def diffusion(temperature, heavy, electron):
 
     .. math:: n D_{ij} = \frac{3}{16}\frac{\sqrt{2\pi k T / m_{ij}}}{Q^{(1,1)}_{ij}}
 
+    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-44.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -201,10 +193,6 @@ def diffusion(temperature, heavy, electron):
     -------
     (points, 11, 11) ndarray [m-1 s-1]
         The electron-electron entry is infinite (no friction).
-
-    Notes
-    -----
-    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-44.
     """
     result = np.full((temperature.size, ELECTRON + 1, ELECTRON + 1), np.inf)
     thermal = 2 * np.pi * BOLTZMANN * temperature
@@ -220,6 +208,9 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
 
     .. math:: \lambda_{int} = \sum_i \frac{x_i (c_i/k - 5/2) k}{\sum_j x_j / (n D_{ij})}
 
+    Source: Hirschfelder, J. Chem. Phys. 26 (1957) 282. ASSUME: internal energy diffuses with
+    the particle (elastic D, no inelastic correction); that includes electronic energy of atoms.
+
     Parameters
     ----------
     mole_fraction : (points, 11) ndarray [1]
@@ -231,11 +222,6 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
     Returns
     -------
     (points,) ndarray [W m-1 K-1]
-
-    Notes
-    -----
-    Source: Hirschfelder, J. Chem. Phys. 26 (1957) 282. ASSUME: internal energy diffuses with
-    the particle (elastic D, no inelastic correction); that includes electronic energy of atoms.
     """
     x = mole_fraction[:, HEAVY]
     resistance = np.einsum("pj,pij->pi", x, 1 / diffusion[:, HEAVY, HEAVY])
@@ -250,6 +236,8 @@ def diffusion_matrix(mole_fraction, diffusion):
     .. math:: \sum_j \frac{x_i F_j - x_j F_i}{D_{ij}} = d_i - \frac{q_i x_i}{kT} E, \quad
               \sum_i m_i F_i = 0, \quad \sum_i q_i F_i = 0
 
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system).
+
     Parameters
     ----------
     mole_fraction : (points, 11) ndarray [1]
@@ -260,10 +248,6 @@ def diffusion_matrix(mole_fraction, diffusion):
     -------
     (points, 11, 11) ndarray [m-1 s-1]
         Number fluxes per gradient of the mole fractions; forces must add up to zero.
-
-    Notes
-    -----
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system).
     """
     size = mole_fraction.shape[1]
     matrix = _stefan_maxwell(mole_fraction, diffusion)
@@ -304,6 +288,10 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 
     .. math:: \lambda_r = -\sum_i n F_i \Big(h_i + kT\frac{\chi_i}{x_i}\Big)
 
+    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system); the same heat flux as
+    Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
+    elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -320,12 +308,6 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     Returns
     -------
     (points,) ndarray [W m-1 K-1]
-
-    Notes
-    -----
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system); the same heat flux as
-    Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
-    elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
     """
     force = slope + mole_fraction * thermal_ratio / temperature[:, None]
     matrix = _stefan_maxwell(mole_fraction, diffusion)
@@ -337,6 +319,9 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 def electron_matrix(mole_fraction, integrals):
     r"""Matrix of the electron gas, order 3, over :math:`(64 x_e/75k)\sqrt{m_e/2\pi kT}`.
 
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez, J. Comput.
+    Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their mass.
+
     Parameters
     ----------
     mole_fraction : (points, 11) ndarray [1]
@@ -346,11 +331,6 @@ def electron_matrix(mole_fraction, integrals):
     -------
     (points, 3, 3) ndarray [m2]
         Symmetric.
-
-    Notes
-    -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez, J. Comput.
-    Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their mass.
     """
     x, electrons = mole_fraction[:, HEAVY], mole_fraction[:, ELECTRON]
 
@@ -381,6 +361,8 @@ def electron_conductivity(temperature, mole_fraction, integrals):
     .. math:: \lambda_e = \frac{75 k}{64}\sqrt{\frac{2\pi kT}{m_e}}
               \frac{x_e \Lambda_{22}}{\Lambda_{11}\Lambda_{22} - \Lambda_{12}^2}
 
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -390,10 +372,6 @@ def electron_conductivity(temperature, mole_fraction, integrals):
     Returns
     -------
     (points,) ndarray [W m-1 K-1]
-
-    Notes
-    -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
     """
     matrix = electron_matrix(mole_fraction, integrals)
     share = matrix[:, 2, 2] / (matrix[:, 1, 1] * matrix[:, 2, 2] - matrix[:, 1, 2] ** 2)
@@ -407,6 +385,9 @@ def electrical_conductivity(temperature, mole_fraction, integrals):
     .. math:: \sigma = \frac{n_e e^2}{kT}\,D_e, \qquad
               n D_e = \frac{3}{16}\sqrt{\frac{2\pi kT}{m_e}}\,(\Lambda^{-1})_{00}
 
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
+    ASSUME: the current of the ions is neglected.
+
     Parameters
     ----------
     temperature : (points,) ndarray [K]
@@ -416,11 +397,6 @@ def electrical_conductivity(temperature, mole_fraction, integrals):
     Returns
     -------
     (points,) ndarray [S m-1]
-
-    Notes
-    -----
-    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
-    ASSUME: the current of the ions is neglected.
     """
     inverse = np.linalg.inv(electron_matrix(mole_fraction, integrals))[:, 0, 0]
     thermal = BOLTZMANN * temperature

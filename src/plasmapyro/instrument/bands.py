@@ -17,6 +17,8 @@ def radiometer_calibration(response, points, *, source_temperature_uncertainty):
     An error of the source by one amount at all points moves ln k by :math:`-c_2 u_T/(\lambda \bar T^2)`; it
     is common to all bands, and kept apart.
 
+    ValueError: a band without a point.
+
     Parameters
     ----------
     response : Dataset, contract 'response', of `readers.instrument.read_instrument`
@@ -28,11 +30,6 @@ def radiometer_calibration(response, points, *, source_temperature_uncertainty):
     Returns
     -------
     Dataset, contract 'radiometer_calibration'
-
-    Raises
-    ------
-    ValueError
-        A band without a point.
     """
     names, own = list(response.band.values), float(response.attrs["signal_uncertainty"])
     wavelength, factor, error, source = response.wavelength.values, [], [], []

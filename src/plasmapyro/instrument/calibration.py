@@ -16,6 +16,8 @@ def fit_sensitivity(measured, modelled, covariance):
 
     Least squares of the relative residuals with equal weights: the errors are of equal relative size.
 
+    Source: Fagnani et al., eq. 5 and the fit of sec. 3.2 (ratio); the same serves one band.
+
     Parameters
     ----------
     measured, modelled : (N,) arrays, > 0, same unit
@@ -25,10 +27,6 @@ def fit_sensitivity(measured, modelled, covariance):
     Returns
     -------
     factor, standard_uncertainty : float
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 5 and the fit of sec. 3.2 (ratio); the same serves one band.
     """
     logarithm = np.log(positive("measured", measured, "1") / positive("modelled", modelled, "1"))
     factor = float(np.exp(logarithm.mean()))
@@ -39,6 +37,11 @@ def point_covariance(log_slope, source_temperature_uncertainty, signal_uncertain
     r"""Covariance of the relative errors of what the calibration points measure.
 
     .. math:: V_{nm} = n_s\,u_S^2\,\delta_{nm} + g_n\,g_m\,u_T^2, \qquad g = \frac{d\ln M}{dT}
+
+    Source: Fagnani et al., sec. 3.2 (3 K, 1 %). ASSUME: the signals err independently of each other
+    and from point to point (resolution, repeatability); the source errs by the same amount at all
+    points (its reference sensor), so more points do not average it away. The coverage of the printed
+    uncertainties is not stated: what goes in as standard uncertainty comes out as standard uncertainty.
 
     Parameters
     ----------
@@ -52,13 +55,6 @@ def point_covariance(log_slope, source_temperature_uncertainty, signal_uncertain
     Returns
     -------
     (N, N) ndarray [1]
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (3 K, 1 %). ASSUME: the signals err independently of each other
-    and from point to point (resolution, repeatability); the source errs by the same amount at all
-    points (its reference sensor), so more points do not average it away. The coverage of the printed
-    uncertainties is not stated: what goes in as standard uncertainty comes out as standard uncertainty.
     """
     slope = np.asarray(log_slope, dtype=float)
     own = signals * signal_uncertainty**2 * np.eye(slope.size)
@@ -78,6 +74,10 @@ def fit_quadratic(temperature, ratio, covariance):
 
     Least squares of the relative residuals.
 
+    Source: Fagnani et al., sec. 3.2 (quadratic function of the calibration points).
+
+    ValueError if there are fewer than four different temperatures: three would be met exactly by any data.
+
     Parameters
     ----------
     temperature : (N,) array [K], at least four different values
@@ -91,15 +91,6 @@ def fit_quadratic(temperature, ratio, covariance):
     coefficient_covariance : (3, 3) ndarray [1]
     fit_range : (2,) ndarray [K]
         Lowest and highest temperature of the points.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than four different temperatures: three would be met exactly by any data.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (quadratic function of the calibration points).
     """
     temperature = positive("temperature", temperature, "K")
     ratio = positive("ratio", ratio, "1")
@@ -174,6 +165,10 @@ def invert_quadratic_freely(ratio, coefficient, fit_range):
 def invert_quadratic(ratio, coefficient, fit_range, instrument_range):
     """Temperature read with the quadratic fit, and how far to trust it.
 
+    Source: Fagnani et al., sec. 3.2: fit between 973 and 1773 K, extrapolated to 2073 K. Deviation:
+    an extrapolated reading says so. With the modelled responses the extrapolated parabola lies 0.8 %
+    above the true ratio at 2073 K, so that it reads about 18 K low there.
+
     Parameters
     ----------
     ratio : (...) array [1], may hold NaN
@@ -187,12 +182,6 @@ def invert_quadratic(ratio, coefficient, fit_range, instrument_range):
     status : (...) int8 ndarray
         `BELOW` (-1) and `ABOVE` (1) the instrument range, `VALID` (0), `EXTRAPOLATED` (2): within the
         instrument range but outside the calibration points. 0 for NaN.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2: fit between 973 and 1773 K, extrapolated to 2073 K. Deviation:
-    an extrapolated reading says so. With the modelled responses the extrapolated parabola lies 0.8 %
-    above the true ratio at 2073 K, so that it reads about 18 K low there.
     """
     temperature = invert_quadratic_freely(ratio, coefficient, fit_range)
     lowest, highest = instrument_range
@@ -234,6 +223,8 @@ def reading_uncertainty(
 
     Draws the coefficients of the fit from their covariance and the two signals from theirs.
 
+    Source: Fagnani et al., sec. 3.2 (Monte Carlo sampling; about 1.5 % of the temperature).
+
     Parameters
     ----------
     temperature : (T,) array [K]
@@ -248,10 +239,6 @@ def reading_uncertainty(
     Returns
     -------
     (T,) ndarray [K], NaN where the draws do not reach the parabola
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (Monte Carlo sampling; about 1.5 % of the temperature).
     """
     fits = generator.multivariate_normal(coefficient, covariance, size=draws)[:, None, :]
     errors = 1 + signal_uncertainty * generator.standard_normal((2, draws, 1))

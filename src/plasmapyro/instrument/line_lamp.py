@@ -41,6 +41,10 @@ def lamp_lines():
 def find_lines(wavelength, net, *, expected_fwhm, search, least_signal_to_noise):
     r"""Lamp lines in a spectrum: position and width of a Gaussian integrated over each pixel.
 
+    Deviation: the paper does not say how its spectrometer's wavelengths and FWHM were had.
+
+    ValueError if no line is found.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -57,15 +61,6 @@ def find_lines(wavelength, net, *, expected_fwhm, search, least_signal_to_noise)
     Returns
     -------
     list of Line, by rising wavelength
-
-    Raises
-    ------
-    ValueError
-        If no line is found.
-
-    Notes
-    -----
-    Deviation: the paper does not say how its spectrometer's wavelengths and FWHM were had.
     """
     wavelength = increasing("wavelength", wavelength, "m")
     net = np.asarray(net, dtype=float)

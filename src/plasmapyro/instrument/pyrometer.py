@@ -35,6 +35,8 @@ def blackbody_signals(temperature, response):
 def signal_ratio(signal_wide, signal_narrow):
     """Ratio of the band signals, NaN where either is not > 0 (a ratio of noise is no ratio).
 
+    Source: Fagnani et al., eq. 4, left side.
+
     Parameters
     ----------
     signal_wide, signal_narrow : (...) arrays, same unit
@@ -42,10 +44,6 @@ def signal_ratio(signal_wide, signal_narrow):
     Returns
     -------
     (...) ndarray [1]
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 4, left side.
     """
     wide, narrow = np.broadcast_arrays(
         np.asarray(signal_wide, dtype=float), np.asarray(signal_narrow, dtype=float)
@@ -60,6 +58,8 @@ def measured_ratio(sensitivity_ratio, emittance, blackbody, gas):
     .. math:: \rho_m = \varphi\, \frac{\int \tilde R_1\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
                                      {\int \tilde R_2\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
 
+    Source: Fagnani et al., eq. 4; the window cancels, being uniform.
+
     Parameters
     ----------
     sensitivity_ratio : float [1]
@@ -72,10 +72,6 @@ def measured_ratio(sensitivity_ratio, emittance, blackbody, gas):
     Returns
     -------
     (...) ndarray [1]
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 4; the window cancels, being uniform.
 
     Examples
     --------
@@ -94,6 +90,8 @@ def calibration_ratio(sensitivity_ratio, blackbody):
     .. math:: \rho_c = \varphi\, \frac{\int \tilde R_1\, L^{bb}(T_{obj})\, d\lambda}
                                      {\int \tilde R_2\, L^{bb}(T_{obj})\, d\lambda} = H_c(T_{obj})
 
+    Source: Fagnani et al., eq. 5, which is eq. 4 with emittance 1 and no gas.
+
     Parameters
     ----------
     sensitivity_ratio : float [1]
@@ -103,10 +101,6 @@ def calibration_ratio(sensitivity_ratio, blackbody):
     Returns
     -------
     (...) ndarray [1]
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 5, which is eq. 4 with emittance 1 and no gas.
 
     Examples
     --------
@@ -122,6 +116,10 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
     Interpolates 1/T linearly in ln(ratio), which is exact in the Wien limit for two narrow bands,
     and never extrapolates.
 
+    Source: Fagnani et al., eq. 6.
+
+    ValueError if a calibration array does not increase strictly.
+
     Parameters
     ----------
     ratio : (...) array [1], > 0 or NaN
@@ -134,15 +132,6 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
         NaN exactly where `status` is not 0 or the ratio is NaN.
     status : (...) int8 ndarray
         0 within the calibration, -1 below it, +1 above it; 0 for NaN.
-
-    Raises
-    ------
-    ValueError
-        If a calibration array does not increase strictly.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 6.
 
     Examples
     --------
@@ -167,6 +156,8 @@ def invert_grey(signal, temperature, blackbody):
 
     One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what `invert_ratio` gives.
 
+    Source: least squares; Gauss-Newton steps in 1/T, in which ln(S) is straight in Wien's limit.
+
     Parameters
     ----------
     signal : sequence of N (...) arrays, in the unit of `blackbody`
@@ -180,10 +171,6 @@ def invert_grey(signal, temperature, blackbody):
         NaN where `status` is not 0, or a signal is not > 0.
     status : (...) int8 ndarray
         0 within the table, -1 below it, +1 above it; 0 for NaN.
-
-    Notes
-    -----
-    Source: least squares; Gauss-Newton steps in 1/T, in which ln(S) is straight in Wien's limit.
     """
     inverse = 1 / np.asarray(temperature, dtype=float)[::-1]
     table = np.log(np.asarray(blackbody, dtype=float))[:, ::-1]

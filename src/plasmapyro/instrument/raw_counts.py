@@ -16,6 +16,11 @@ def linear_signal(signal, coefficients):
 
     .. math:: U_{lin} = U / \sum_k a_k U^k
 
+    Source: the correction of the makers' programs (Ocean Optics, OOINLCorrect), seventh order there.
+    Deviation: those subtract the dark spectrum first; dark charge fills the same wells as light.
+
+    ValueError if the polynomial is not within 0.5 and 1.5 over the signals: it does not hold there.
+
     Parameters
     ----------
     signal : array [count]
@@ -26,16 +31,6 @@ def linear_signal(signal, coefficients):
     Returns
     -------
     ndarray [count]
-
-    Raises
-    ------
-    ValueError
-        If the polynomial is not within 0.5 and 1.5 over the signals: it does not hold there.
-
-    Notes
-    -----
-    Source: the correction of the makers' programs (Ocean Optics, OOINLCorrect), seventh order there.
-    Deviation: those subtract the dark spectrum first; dark charge fills the same wells as light.
     """
     signal = np.asarray(signal, dtype=float)
     response = np.polynomial.polynomial.polyval(signal, np.asarray(coefficients, dtype=float))
@@ -67,6 +62,12 @@ def dark_scale(light, dark, dim):
 
     solved by orthogonal regression, since both exposures are equally noisy.
 
+    The common remedies (a dark close in time, masked pixels) do not see a sensor that warms up between both
+    exposures; a degree changes the current by 8 to 10 %. ASSUME: the pattern scales as a whole, i.e. all
+    pixels have the same activation energy.
+
+    ValueError: fewer than 30 usable triples of pixels, or no pattern.
+
     Parameters
     ----------
     light, dark : (W,) arrays [count]
@@ -78,17 +79,6 @@ def dark_scale(light, dark, dim):
     -------
     (scale, standard_uncertainty) : floats [1]
         (1, 0) is not assumed anywhere: the uncertainty tells whether the pattern was strong enough.
-
-    Raises
-    ------
-    ValueError
-        Fewer than 30 usable triples of pixels, or no pattern.
-
-    Notes
-    -----
-    The common remedies (a dark close in time, masked pixels) do not see a sensor that warms up between both
-    exposures; a degree changes the current by 8 to 10 %. ASSUME: the pattern scales as a whole, i.e. all
-    pixels have the same activation energy.
     """
     light, dark, dim = np.broadcast_arrays(light, dark, dim)
     inner = dim[:-2] & dim[1:-1] & dim[2:] & np.isfinite(_curvature(light) + _curvature(dark))
@@ -221,6 +211,9 @@ def certified_source(wavelength, certificate_wavelength, certificate_value):
     Interpolates :math:`\ln(E\lambda^5)` linearly in :math:`1/\lambda`, in which a Planckian in Wien's
     limit is a straight line.
 
+    Source: the usual interpolation of FEL certificates; J. H. Walker et al., NBS Special Publication
+    250-20 (1987), sec. 5, takes the same form with a polynomial for the emissivity of tungsten.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -230,11 +223,6 @@ def certified_source(wavelength, certificate_wavelength, certificate_value):
     Returns
     -------
     (W,) ndarray, unit of the certificate; NaN outside it
-
-    Notes
-    -----
-    Source: the usual interpolation of FEL certificates; J. H. Walker et al., NBS Special Publication
-    250-20 (1987), sec. 5, takes the same form with a polynomial for the emissivity of tungsten.
     """
     points = increasing("certificate_wavelength", certificate_wavelength, "m")
     value = np.log(positive("certificate_value", certificate_value, "W") * points**5)

@@ -11,6 +11,8 @@ def silicon_absorption(wavelength, table_wavelength, table_coefficient):
     Monotone cubic interpolation of :math:`\ln\alpha(\lambda)`: the coefficient falls by four decades
     over the bands, and its logarithm is smooth.
 
+    ValueError if a wavelength lies outside the table (no extrapolation) or the table is not as stated.
+
     Parameters
     ----------
     wavelength : (...) array [m], within the table
@@ -20,11 +22,6 @@ def silicon_absorption(wavelength, table_wavelength, table_coefficient):
     Returns
     -------
     (...) ndarray [m-1]
-
-    Raises
-    ------
-    ValueError
-        If a wavelength lies outside the table (no extrapolation) or the table is not as stated.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -41,6 +38,9 @@ def layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness):
 
     The top layer takes the short wavelengths; the bottom layer sees what the top layer lets through.
 
+    Source: Beer-Lambert. ASSUME: every absorbed photon is collected in its layer, one pass, no
+    reflection between the layers, no dependence of the surface reflectance on wavelength.
+
     Parameters
     ----------
     absorption_coefficient : (...) array [m-1], > 0
@@ -49,11 +49,6 @@ def layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness):
     Returns
     -------
     top, bottom : (...) ndarrays [1]
-
-    Notes
-    -----
-    Source: Beer-Lambert. ASSUME: every absorbed photon is collected in its layer, one pass, no
-    reflection between the layers, no dependence of the surface reflectance on wavelength.
     """
     alpha = positive("absorption_coefficient", absorption_coefficient, "m-1")
     top = float(positive("top_thickness", top_thickness, "m"))
@@ -91,6 +86,12 @@ def sandwich_response(
 
     .. math:: \tilde R_i \propto \tau(\lambda)\,\lambda\,\eta_i(\lambda), \qquad \max \tilde R_i = 1
 
+    Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's
+    curves, which appear only in a figure; these are modelled. The factor wavelength turns photons
+    into power: the current per watt is :math:`e \lambda \eta / h c`.
+
+    ValueError if a layer receives no light at all.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -100,17 +101,6 @@ def sandwich_response(
     Returns
     -------
     wide, narrow : (W,) ndarrays [1]
-
-    Raises
-    ------
-    ValueError
-        If a layer receives no light at all.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's
-    curves, which appear only in a figure; these are modelled. The factor wavelength turns photons
-    into power: the current per watt is :math:`e \lambda \eta / h c`.
     """
     filtered = np.asarray(wavelength, dtype=float) * long_pass(wavelength, edge, edge_sigma)
     layers = layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness)

@@ -31,6 +31,8 @@ def planck_shape(wavelength, spectrum, band):
 
     Minimises :math:`\overline{(y_i / (c L^{bb}_i(T)) - 1)^2}` over `c` and `T`.
 
+    ValueError: fewer than 10 usable samples in the band, or a shape beyond 500 to 10 000 K.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -40,11 +42,6 @@ def planck_shape(wavelength, spectrum, band):
     Returns
     -------
     Shape
-
-    Raises
-    ------
-    ValueError
-        Fewer than 10 usable samples in the band, or a shape beyond 500 to 10 000 K.
     """
     from scipy.optimize import minimize_scalar
 

@@ -38,6 +38,8 @@ def calibration_factor(wavelength, counts, background, source_temperature, integ
 
     .. math:: f_\lambda = \frac{L^{bb}_\lambda(T_s)}{(U_\lambda - U_{\lambda,bg}) / \Delta t}
 
+    Source: Fagnani et al., eq. 9. ASSUME: counts proportional to radiance and integration time.
+
     Parameters
     ----------
     wavelength : (W,) array [m]
@@ -48,10 +50,6 @@ def calibration_factor(wavelength, counts, background, source_temperature, integ
     Returns
     -------
     (W,) ndarray [W m-2 sr-1 m-1 s count-1], NaN where the net counts are not > 0
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 9. ASSUME: counts proportional to radiance and integration time.
 
     Examples
     --------
@@ -71,6 +69,8 @@ def measured_radiance(counts, background, factor, integration_time):
 
     .. math:: L_\lambda = \frac{U_\lambda - U_{\lambda,bg}}{\Delta t}\,f_\lambda
 
+    Source: Fagnani et al., eq. 8.
+
     Parameters
     ----------
     counts : (..., W) array [count]
@@ -81,10 +81,6 @@ def measured_radiance(counts, background, factor, integration_time):
     Returns
     -------
     (..., W) ndarray [W m-2 sr-1 m-1]
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 8.
 
     Examples
     --------
@@ -102,6 +98,9 @@ def local_noise(values, block):
 
     A smooth signal cancels in the second difference, a single spike does not move the median.
 
+    Deviation: the paper states no noise model; this one asks nothing of the maker. ASSUME: noise
+    independent from pixel to pixel; where lines vary within three pixels it comes out too large.
+
     Parameters
     ----------
     values : (..., W) array, may hold NaN
@@ -111,11 +110,6 @@ def local_noise(values, block):
     Returns
     -------
     (..., W) ndarray, same unit; NaN where a block holds no three neighbours
-
-    Notes
-    -----
-    Deviation: the paper states no noise model; this one asks nothing of the maker. ASSUME: noise
-    independent from pixel to pixel; where lines vary within three pixels it comes out too large.
     """
     values = np.asarray(values, dtype=float)
     count = values.shape[-1]

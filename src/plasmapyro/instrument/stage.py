@@ -30,6 +30,12 @@ def band_response(
     The grid runs from six edge widths below the long-pass edge to the long limit, beyond which both
     responses are taken as zero.
 
+    Source: Fagnani et al., sec. 3.2 (bands 0.75 to 1.15 um and 0.95 to 1.15 um). Deviation: the
+    maker's manual (MR1S rev. E2) ends both bands at 1.1 um; the paper's limit is the default here.
+    ASSUME: the printed band limits are feet of the curves, about a tenth of the peak: with the top
+    layer that puts the foot of the narrow band at 0.95 um, the silicon tail reaches a tenth of the
+    peak near the printed long limit as well, which half-height limits would not.
+
     Parameters
     ----------
     silicon_table : str
@@ -46,14 +52,6 @@ def band_response(
     Returns
     -------
     Dataset, contract 'response', origin 'modelled'
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 3.2 (bands 0.75 to 1.15 um and 0.95 to 1.15 um). Deviation: the
-    maker's manual (MR1S rev. E2) ends both bands at 1.1 um; the paper's limit is the default here.
-    ASSUME: the printed band limits are feet of the curves, about a tenth of the peak: with the top
-    layer that puts the foot of the narrow band at 0.95 um, the silicon tail reaches a tenth of the
-    peak near the printed long limit as well, which half-height limits would not.
     """
     table = tables.load(f"detector/{silicon_table}")
     start = short_wavelength_edge - 6 * edge_sigma
@@ -85,6 +83,8 @@ def band_response(
 def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrument_range):
     """Modelled signal ratio of a black body, :math:`H_c(T)`, for a stated sensitivity ratio.
 
+    Source: Fagnani et al., eq. 5; the sensitivity ratio 0.315 from their sec. 3.2.
+
     Parameters
     ----------
     response : Dataset, contract 'response'
@@ -97,10 +97,6 @@ def ratio_curve(response, *, sensitivity_ratio, calibration_temperature, instrum
     -------
     Dataset, contract 'ratio_curve'
         Of an instrument of other bands the signals of a black body instead of a ratio.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 5; the sensitivity ratio 0.315 from their sec. 3.2.
     """
     curve = increasing("calibration_temperature", calibration_temperature, "K")
     black = blackbody_signals(curve, response)
@@ -132,6 +128,11 @@ def pyrometer_calibration(
 ):
     """Sensitivities, modelled ratio curve and quadratic fit of a pyrometer, with their uncertainties.
 
+    Source: Fagnani et al., eqs. 5 and 6 and sec. 3.2.
+
+    ValueError: missing or non-positive signals, fewer than four temperatures, or a quadratic fit that does
+    not rise over the instrument range.
+
     Parameters
     ----------
     response : Dataset, contract 'response'
@@ -150,16 +151,6 @@ def pyrometer_calibration(
     Returns
     -------
     Dataset, contract 'calibration'
-
-    Raises
-    ------
-    ValueError
-        Missing or non-positive signals, fewer than four temperatures, or a quadratic fit that does
-        not rise over the instrument range.
-
-    Notes
-    -----
-    Source: Fagnani et al., eqs. 5 and 6 and sec. 3.2.
     """
     response = two_bands(response, "the calibration of a two-colour pyrometer")
     curve = increasing("calibration_temperature", calibration_temperature, "K")
@@ -237,6 +228,10 @@ def spectrometer_calibration(
 ):
     """Calibration factor of a spectrometer, its noise, and which pixels can be used.
 
+    Source: Fagnani et al., eq. 9.
+
+    ValueError: a missing attribute, or no usable pixel.
+
     Parameters
     ----------
     spectrometer_counts : Dataset, contract 'spectrometer_counts'
@@ -252,15 +247,6 @@ def spectrometer_calibration(
     Returns
     -------
     Dataset, contract 'spectrometer_calibration'
-
-    Raises
-    ------
-    ValueError
-        A missing attribute, or no usable pixel.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 9.
     """
     missing = {"source_temperature", "integration_time"} - set(spectrometer_counts.attrs)
     if missing:
@@ -304,6 +290,11 @@ def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise
 
     with the mean linear rate of the exposures, each pixel from those in which it is usable.
 
+    Source: Fagnani et al., eq. 9. Deviation: the paper subtracts one background and takes counts as
+    linear; the dark's scale, linearity and several exposures are ours.
+
+    ValueError: no usable pixel, or a dark without pattern.
+
     Parameters
     ----------
     exposures : Dataset, contract 'spectrometer_exposures'
@@ -329,16 +320,6 @@ def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise
     Dataset, contract 'spectrometer_calibration'
         `calibration_factor_uncertainty` is independent from pixel to pixel, `calibration_factor_common`
         (source, linearity, dark) is not. `source_temperature` is that of the source's shape.
-
-    Raises
-    ------
-    ValueError
-        No usable pixel, or a dark without pattern.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 9. Deviation: the paper subtracts one background and takes counts as
-    linear; the dark's scale, linearity and several exposures are ours.
     """
     facts = exposures.attrs
     linearity_coefficients = np.atleast_1d(facts["linearity_coefficients"])

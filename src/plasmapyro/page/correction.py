@@ -24,18 +24,9 @@ TALLER = {"temperatures": 4.2}  # [inch], for the legend below
 def write_page(test, result, findings):
     """The page of a corrected test: one HTML text that needs nothing else, contradictions first.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    result : Dataset, contract 'correction' or 'joint_estimate', as it was stored
-    findings : list of dict
-        What the rules said, as `quality.rule.Finding.entry`, the worst first.
-
-    Returns
-    -------
-    str
-        HTML with its style and its figures (SVG) inside; user text is escaped, folders of the machine are cut
-        off; the same inputs give the same text.
+    `result`: contract 'correction' or 'joint_estimate', as it was stored; `findings`: entries of
+    `quality.rule.Finding`, the worst first. Style and figures (SVG) are inside; user text is escaped, folders
+    of the machine are cut off; the same inputs give the same text.
     """
     words = without_folders(dict(result.attrs) | {"findings": findings})
     pictures, best = panels(test, result), result.attrs["recommended"]

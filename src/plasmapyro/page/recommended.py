@@ -21,14 +21,8 @@ BESIDE = {  # severity of a finding, the worst first: what it adds to the verdic
 def headline(words, edge, findings, best):
     """Verdict of a page and colour of its edge (str, str), which nothing that stands beside it contradicts.
 
-    Parameters
-    ----------
-    words, edge : str
-        As they would stand alone; an edge 'open' says itself that something is amiss.
-    findings : list of dict
-        What the rules said of the data, as `quality.rule.Finding.entry`.
-    best : str
-        The recommended estimate, 'none' for no recommendation.
+    `words`, `edge`: as they would stand alone; an edge 'open' says itself that something is amiss.
+    `findings`: entries of `quality.rule.Finding`; `best`: the recommended estimate, or 'none'.
     """
     against = [said for severity, said in BESIDE.items() if severity in {one["severity"] for one in findings}]
     if best == "none":

@@ -18,26 +18,10 @@ STATUS = {  # status: (words, colour of the verdict's edge)
 def write_page(diagnosis, residual_map, temperature, truth=None):
     """The page of a diagnosis: one HTML text that needs nothing else, verdict first.
 
-    Parameters
-    ----------
-    diagnosis : dict
-        As in diagnosis.json, format 'plasmapyro-diagnosis-1'.
-    residual_map : Dataset, contract 'residual_map'
-        Variables of an absent instrument may be absent.
-    temperature : Dataset, contract 'diagnosis_temperature'
-    truth : Dataset, optional
-        Of a synthetic test: attribute `hidden`, and `surface_temperature` over `time`.
-
-    Returns
-    -------
-    str
-        HTML with its style and its figures (SVG) inside. Text of the user is escaped, folders of the machine
-        are cut off; the same inputs give the same text.
-
-    Raises
-    ------
-    ValueError
-        If the format is another.
+    `diagnosis` as in diagnosis.json (ValueError for another format), `residual_map` and `temperature`
+    ('diagnosis_temperature') beside it; `truth`, of a synthetic test: attribute `hidden`, and
+    `surface_temperature` over `time`. Style and figures (SVG) are inside; text of the user is escaped,
+    folders of the machine are cut off; the same inputs give the same text.
     """
     schema = diagnosis.get("schema")
     if schema != FORMAT:

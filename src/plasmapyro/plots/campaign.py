@@ -8,13 +8,7 @@ COLOURS = {"gain_pyrometer": "#4e79a7", "gain_spectrometer": "#f28e2b"}
 
 
 def laws(found, paths):
-    """Efficiency against electric power, and throughputs of the windows from run to run.
-
-    Parameters
-    ----------
-    found : `campaign.stage.Found`
-    paths : paths of the files to write
-    """
+    """Efficiency against electric power, and throughputs of the windows from run to run."""
     _, (left, right) = style.figure(size=(7.4, 3.0), ncols=2, layout="constrained")
     _efficiency(left, found)
     _windows(right, found)

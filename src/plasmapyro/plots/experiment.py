@@ -122,18 +122,7 @@ def sample_emittance(test, paths):
 
 
 def _on_bins(wavelength, values, width):
-    """Means of bins of about `width` [m], and the noise of such a mean, from differences of neighbours.
-
-    Parameters
-    ----------
-    wavelength : (W,) [m], about equally spaced
-    values : (W,)
-    width : float [m]
-
-    Returns
-    -------
-    centre, mean, noise : ndarrays (B,)
-    """
+    """Middles [m] of bins of about `width` [m], means of values (W,), and their noise, from neighbours."""
     count = max(1, round(width / float(np.median(np.diff(wavelength)))))
     last = len(wavelength) // count * count
     centre, mean = (part[:last].reshape(-1, count).mean(axis=1) for part in (wavelength, values))
@@ -145,14 +134,7 @@ def _on_bins(wavelength, values, width):
 
 
 def reference_spectrum(spectra, radiances, paths):
-    """Figure 11a: spectrum of the reference window, on bins as wide as the slit, with simulated radiances.
-
-    Parameters
-    ----------
-    spectra : Dataset, contract 'spectrometer_correction'
-    radiances : mapping of condition -> Dataset, contract 'radiation'
-    paths : paths of the files to write
-    """
+    """Figure 11a: spectrum of the reference window, on bins as wide as the slit, and radiances."""
     _, axes = style.figure(size=(7.2, 3.0))
     slit = max((float(one.attrs["slit_fwhm"]) for one in radiances.values()), default=DEFAULT_SLIT)
     centre, mean, noise = _on_bins(spectra.wavelength.values, spectra.reference_radiance.values, slit)
@@ -236,14 +218,7 @@ def two_instruments(pyrometer, spectra, paths):
 
 
 def joint_temperature(corrected, joint, paths):
-    """Temperatures as measured, after the subtraction, and of the joint estimate; below, the gas amplitude.
-
-    Parameters
-    ----------
-    corrected : Dataset, contract 'pyrometer_correction'
-    joint : Dataset, contract 'joint_estimate'
-    paths : paths of the files to write
-    """
+    """Temperatures as measured, after the subtraction, and jointly estimated; below, the gas amplitude."""
     corrected, joint = (after_injection(part) for part in (corrected, joint))
     _, (axes, lower) = style.figure(size=(4.6, 4.0), nrows=2, sharex=True, height_ratios=(3, 1))
     time, best = joint.time, joint.surface_temperature

@@ -11,13 +11,7 @@ RATES = {  # of recombination in the gas before the wall
 
 
 def pairs(found, paths):
-    """Computed flows in the plane of heat flux and Pitot pressure, beside measured pairs.
-
-    Parameters
-    ----------
-    found : Dataset, contract 'facility'
-    paths : paths of the files to write
-    """
+    """Computed flows ('facility') in the plane of heat flux and Pitot pressure, beside measured pairs."""
     _, axes = style.figure(size=(5.6, 3.8))
     pressure = found.pitot_pressure.values[:, 0]
     axes.plot(

@@ -64,14 +64,9 @@ def _quarters(corner, middle):
 
 
 def line_of_sight(sightlines, paths):
-    """Figure 5b: temperature and pressure along the line of sight, one line per power.
+    """Figure 5b: temperature and pressure along the line of sight, one line per condition, of rising power.
 
     The path is drawn on a scale of its square root, which shows the boundary layer, the jet and the window.
-
-    Parameters
-    ----------
-    sightlines : mapping of condition -> Dataset, contract 'sightline', rising power
-    paths : paths of the files to write
     """
     _, (upper, lower) = style.figure(size=(4.6, 3.6), nrows=2, height_ratios=(2, 1), sharex=True)
     for sightline, curve in zip(sightlines.values(), style.curves_of(sightlines), strict=True):
@@ -131,10 +126,7 @@ def _raster(flow):
 def fields(flows, sightlines, paths):
     """Temperature with line of sight and streamlines, Joule heating and axial velocity, one figure each.
 
-    Parameters
-    ----------
-    flows, sightlines : sequences of Dataset, contracts 'flow' and 'sightline'
-    paths : for each condition, paths of the files to write
+    `flows`, `sightlines` and `paths` (of its files) for each condition.
     """
     raster = drawn = None
     for flow, sightline, targets in zip(flows, sightlines, paths, strict=True):
@@ -217,13 +209,7 @@ def _streamlines(axes, flow, raster):
 
 
 def convergence(flows, paths):
-    """Change of velocity and temperature and residual of each step of the last part, one line per power.
-
-    Parameters
-    ----------
-    flows : mapping of condition -> Dataset, contract 'flow', rising power
-    paths : paths of the files to write
-    """
+    """Change of velocity and temperature and residual of each step of the last part, by condition."""
     _, panels = style.figure(size=(4.3, 5.0), nrows=3, sharex=True)
     shown = {
         "velocity_change": "Velocity change [m/s]",
@@ -249,12 +235,7 @@ def _curves(flows):
 
 
 def balances(flows, paths):
-    """Where the power goes, as shares of the Joule power, and what does not close.
-
-    Parameters
-    ----------
-    flows, paths : as in `convergence`
-    """
+    """Where the power goes, as shares of the Joule power, and what does not close, for each condition."""
     _, (upper, lower) = style.figure(size=(4.8, 3.9), nrows=2, sharex=True, height_ratios=(2, 1))
     place = np.arange(len(flows))
     shares = np.array([_shares(flow) for flow in flows.values()])
@@ -277,14 +258,7 @@ def balances(flows, paths):
 
 
 def budgets(flow, found, paths):
-    """Momentum and power through the sections of the torch and the jet, up to the nose of the probe.
-
-    Parameters
-    ----------
-    flow : Dataset, contract 'flow'
-    found : result of `facility.sections.sections` of it
-    paths : paths of the files to write
-    """
+    """Momentum and power through the `facility.sections.sections` of torch and jet, up to the probe."""
     _, (upper, lower) = style.figure(size=(5.6, 4.2), nrows=2, sharex=True)
     z = 1e3 * found["position"]
     upper.plot(z, found["momentum"], color="0.1", label="momentum of all gas")

@@ -10,15 +10,7 @@ LABELS = 5  # lines with a label, per species
 
 
 def draw(answer, least, paths):
-    """Spectrum above what is broad, with the strongest lines of each named species.
-
-    Parameters
-    ----------
-    answer : identification.identify.Answer
-    least : float
-        Probability from which a species is shown.
-    paths : list of paths
-    """
+    """Spectrum above what is broad, with the strongest lines of each species likelier than `least`."""
     peaks = answer.peaks
     _, axes = style.figure(size=(7.0, 3.2))
     floor = max(FAINTEST * float(np.median(peaks.above[peaks.above > 0], axis=None)), 1e-30)

@@ -190,14 +190,7 @@ def panels(test, result):
 
 
 def picture(test, result, paths):
-    """All panels of a test in one figure.
-
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    result : Dataset, contract 'correction' or 'joint_estimate'
-    paths : paths of the files to write
-    """
+    """All panels of a test in one figure; `result` of contract 'correction' or 'joint_estimate'."""
     drawn = panels(test, result).values()
     _, axes = style.figure(size=(5.6, 2.9 * len(drawn)), nrows=len(drawn), squeeze=False)
     for one, draw in zip(axes[:, 0], drawn, strict=True):

@@ -4,15 +4,7 @@ from plasmapyro.plots import style
 
 
 def spectral_radiance(radiances, surface, bands, paths):
-    """Figure 6: gas radiance for all powers with that of a grey surface, and the pyrometer bands.
-
-    Parameters
-    ----------
-    radiances : mapping of condition -> Dataset, contract 'radiation', rising power
-    surface : Dataset, contract 'surface_radiance'
-    bands : Dataset, contract 'response'
-    paths : paths of the files to write
-    """
+    """Figure 6: gas radiance by condition with that of a grey surface, and the pyrometer bands."""
     _, axes = style.figure(size=(7.2, 4.0))
     for spectrum, curve in zip(radiances.values(), style.curves_of(radiances), strict=True):
         axes.semilogy(
@@ -48,13 +40,7 @@ def spectral_radiance(radiances, surface, bands, paths):
 
 
 def line_of_sight(line, paths):
-    """Temperature along one line of sight, above the pressure.
-
-    Parameters
-    ----------
-    line : Dataset, contract 'sightline'
-    paths : paths of the files to write
-    """
+    """Temperature along one line of sight, above the pressure."""
     _, (upper, lower) = style.figure(size=(4.6, 3.4), nrows=2, height_ratios=(3, 1), sharex=True)
     path = line.path_distance * 1e3
     upper.plot(path, line.temperature, color=style.NARROW)
@@ -65,14 +51,7 @@ def line_of_sight(line, paths):
 
 
 def spectrum(radiance, paths, most=4):
-    """One spectrum through its slit, with its `most` brightest components.
-
-    Parameters
-    ----------
-    radiance : Dataset, contract 'spectrum' or 'radiation'
-    paths : paths of the files to write
-    most : int
-    """
+    """One spectrum ('spectrum' or 'radiation') through its slit, with its `most` brightest components."""
     _, axes = style.figure(size=(5.6, 3.2))
     nanometre = radiance.wavelength_slit * 1e9
     axes.semilogy(nanometre, radiance.gas_radiance_slit * 1e-6, "k-", lw=1.0, label="all", zorder=5)

@@ -76,16 +76,9 @@ class Curve:
 def curves(names, power, pressure):
     """One Curve per condition, told apart by colour and line; each pressure has a line of its own.
 
-    Parameters
-    ----------
-    names : sequence of str
-    power, pressure : sequences of float [W], [Pa], NaN if not known
-
-    Returns
-    -------
-    list of Curve
-        Labels such as '90 kW', or '90 kW, 20 mbar' where pressures differ or are not the paper's; the name
-        where that does not tell a condition from another, or its power is not known.
+    `power` [W] and `pressure` [Pa], NaN if not known. Labels such as '90 kW', or '90 kW, 20 mbar' where
+    pressures differ or are not the paper's; the name where that does not tell a condition from another, or
+    its power is not known.
     """
     pressures = list(dict.fromkeys("" if np.isnan(p) else f"{p / 100:g} mbar" for p in pressure))
     several = len(pressures) > 1

@@ -14,19 +14,11 @@ PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
 
 def compared(result):
-    """Differences of the two instruments where both are valid.
+    """Differences of the two instruments of a correction where both are valid.
 
-    Each spectrum is compared with the mean of the valid samples of the pyrometer within a second, or with
-    the two next to it; the temperature of the spectrum is that of the fit with a free scale.
-
-    Parameters
-    ----------
-    result : Dataset, contract 'correction', with both instruments
-
-    Returns
-    -------
-    (moment, difference, uncertainty)
-        (n,) arrays: [s]; pyrometer minus spectrometer [K]; both uncertainties combined [K].
+    Moments (n,) [s], pyrometer minus spectrometer (n,) [K], both uncertainties combined (n,) [K]. Each
+    spectrum is compared with the mean of the valid samples of the pyrometer within a second, or with the two
+    next to it; the temperature of the spectrum is that of the fit with a free scale.
     """
     held = np.isin(result.corrected_status.values, GOOD) & np.isfinite(
         result.corrected_temperature_uncertainty.values

@@ -16,17 +16,9 @@ OF_SIGHTLINE = rules_of(sightline)
 def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
     """What contradicts itself in a test, its results and its calibrations: the one way to all who say it.
 
-    Parameters
-    ----------
-    place : path of the test, for the messages
-    reading : `readers.stage.Reading`
-    results : Datasets, contracts 'correction', or its two parts, 'joint_estimate', 'emissivity_estimate'
-    rules : iterable of Rule
-    calibrations : Datasets by the names of `Case`; None where there is none
-
-    Returns
-    -------
-    list of Finding, the worst first
+    `place`: of the test, for the messages; `reading`: `readers.stage.Reading`; `results`: of the contracts
+    'correction' or its two parts, 'joint_estimate', 'emissivity_estimate'; `calibrations` by the names of
+    `Case`, None where there is none. The worst finding stands first.
     """
     estimates = [one for one in results if {"surface_temperature", "spectral_temperature"} & set(one)]
     parts = [one for one in results if not any(one is other for other in estimates)]

@@ -174,17 +174,7 @@ def rules_of(*modules):
 
 
 def look(case, rules):
-    """Every finding of `rules` in a case: contradictions first, then doubts, in the order of the rules.
-
-    Parameters
-    ----------
-    case : Case
-    rules : iterable of Rule
-
-    Returns
-    -------
-    list of Finding
-    """
+    """Every finding of `rules` in a case: contradictions first, then doubts, in the order of the rules."""
     # Signals of zero and missing samples make ratios that the rules leave out.
     with np.errstate(divide="ignore", invalid="ignore"):
         said = [rule(case) for rule in rules]

@@ -9,12 +9,9 @@ SIGMA = 1.4826  # standard deviations per median absolute deviation of normal no
 
 
 def blocks(time, values, begin, end, least=0.0):
-    """Means of a record over blocks, at most `MOST_BLOCKS`, none shorter than `least` [s]; no NaN.
+    """Means (..., n) of a record over blocks and their times (n,); no NaN.
 
-    Returns
-    -------
-    (time, values)
-        (n,) and (..., n) arrays.
+    At most `MOST_BLOCKS`, none shorter than `least` [s].
     """
     held = (time >= begin) & (time <= end) & np.isfinite(values).all(axis=tuple(range(values.ndim - 1)))
     time, values = time[held], values[..., held]
@@ -92,18 +89,10 @@ def _scatter(height):
 
 
 def fall(time, values, length):
-    """Span of time in which a signal begins to fall for good, or None.
+    """Span of time in which a signal begins to fall for good, and its relative drop; None if none stands out.
 
-    Parameters
-    ----------
-    time, values : (n,) arrays
-        Means over intervals of `length` [s].
-    length : float [s]
-
-    Returns
-    -------
-    (first, last, drop), or None
-        The end of the plasma lies between first and last [s]; relative drop. None if no drop stands out.
+    `time`, `values` (n,): means over intervals of `length` [s]. The end of the plasma lies between both ends
+    [s].
     """
     if time.size < 6 or not (values > 0).all():
         return None

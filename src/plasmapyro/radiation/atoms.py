@@ -144,6 +144,9 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     fitted to the tabulated multiplets of the system, with their median exponent; b = 2 where fewer than
     four are tabulated (the ions).
 
+    Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
+    ASSUME: C I, Ar I and Si I broaden like N I and C II like N II at equal binding, for want of a table.
+
     Parameters
     ----------
     atom : Atom
@@ -153,11 +156,6 @@ def stark_widths(atom, labels, wavenumber, upper_binding):
     Returns
     -------
     tuple of ndarray (L,) : [m2], [1]
-
-    Notes
-    -----
-    Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
-    ASSUME: C I, Ar I and Si I broaden like N I and C II like N II at equal binding, for want of a table.
     """
     width, power, _ = _tabulated_widths(atom, labels, wavenumber, upper_binding)
     like = ATOMS[atom.stark[1]]
@@ -228,6 +226,12 @@ def line_uncertainty(accuracy, emission):
 def atomic_lines(system, infrared=False):
     """Line list of an atom or atomic ion from 650 to 1250 nm.
 
+    Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`. ASSUME: every neutral
+    perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2 differ by 20 %); decays that
+    NIST does not list are left out of natural widths; charge exchange does not broaden lines of ions.
+
+    ValueError: for another system.
+
     Parameters
     ----------
     system : str
@@ -238,17 +242,6 @@ def atomic_lines(system, infrared=False):
     Returns
     -------
     LineList
-
-    Raises
-    ------
-    ValueError
-        For another system.
-
-    Notes
-    -----
-    Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`. ASSUME: every neutral
-    perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2 differ by 20 %); decays that
-    NIST does not list are left out of natural widths; charge exchange does not broaden lines of ions.
     """
     if system not in ATOMS:
         raise ValueError(f"atomic system must be one of {', '.join(ATOMS)}; got {system!r}")

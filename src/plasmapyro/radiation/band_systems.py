@@ -110,6 +110,16 @@ class BandSystem:
     def lines(self, wavenumber_range):
         """Every line of the system with its quantum numbers, none dropped.
 
+        Source: constants of R. R. Laher, F. R. Gilmore, J. Phys. Chem. Ref. Data 20 (1991) 685 (nitrogen) and
+        K. P. Huber, G. Herzberg, Constants of Diatomic Molecules (1979); moments as `SYSTEMS` says.
+        Potentials by RKR, vibration by sinc-DVR for every N, rotation and spin by diagonalising the case (a)
+        Hamiltonians (27 branches of N2 1P). ASSUME: spins interact with the orbit alone (in A of N2 with each
+        other); states do not perturb each other (they do, by up to 10 cm-1 in C2). ASSUME: levels that
+        predissociate (N2 B above v' = 12, NO D above v' = 0 and A above v'' = 3) are populated as in
+        equilibrium: in such a gas the inverse process refills them.
+
+        ValueError: range not increasing.
+
         Parameters
         ----------
         wavenumber_range : (2,) [m-1]
@@ -120,21 +130,6 @@ class BandSystem:
         lines, decay
             As from `diatomic_states.system_lines`; decay by this system only. Lines between levels that do
             not exist in C2 have weight zero.
-
-        Raises
-        ------
-        ValueError
-            Range not increasing.
-
-        Notes
-        -----
-        Source: constants of R. R. Laher, F. R. Gilmore, J. Phys. Chem. Ref. Data 20 (1991) 685 (nitrogen) and
-        K. P. Huber, G. Herzberg, Constants of Diatomic Molecules (1979); moments as `SYSTEMS` says.
-        Potentials by RKR, vibration by sinc-DVR for every N, rotation and spin by diagonalising the case (a)
-        Hamiltonians (27 branches of N2 1P). ASSUME: spins interact with the orbit alone (in A of N2 with each
-        other); states do not perturb each other (they do, by up to 10 cm-1 in C2). ASSUME: levels that
-        predissociate (N2 B above v' = 12, NO D above v' = 0 and A above v'' = 3) are populated as in
-        equilibrium: in such a gas the inverse process refills them.
         """
         if isinstance(self.moments, Series):
             (upper, up), (lower, low) = self.levels(self.upper), self.levels(self.lower)
@@ -155,6 +150,8 @@ class BandSystem:
     def line_list(self, wavenumber_range, *, lost_fraction, reference_temperature):
         """The strong ones of the lines, as the engine takes them.
 
+        ValueError: range not increasing, fraction outside (0, 1], temperature not > 0.
+
         Parameters
         ----------
         wavenumber_range : (2,) [m-1]
@@ -168,11 +165,6 @@ class BandSystem:
         LineList
             Ascending wavenumber; energies above the lowest level of the species. Natural width of the
             vibrational level without rotation, collisions as `COLLISION_HWHM`.
-
-        Raises
-        ------
-        ValueError
-            Range not increasing, fraction outside (0, 1], temperature not > 0.
         """
         lines, decay = self.lines(wavenumber_range)
         keep = strong_enough(lines, reference_temperature, lost_fraction)

@@ -31,6 +31,8 @@ def two_bands(response, what):
 def respond(wavelength, response_wavelength, responsivity):
     """Responsivity at a wavelength: linear between table points.
 
+    ValueError if `response_wavelength` does not increase.
+
     Parameters
     ----------
     wavelength : array_like [m]
@@ -42,11 +44,6 @@ def respond(wavelength, response_wavelength, responsivity):
     -------
     ndarray [1]
         0 outside the table, where the instrument is blind.
-
-    Raises
-    ------
-    ValueError
-        If `response_wavelength` does not increase.
     """
     response_wavelength = increasing("response_wavelength", response_wavelength, "m")
     return np.interp(wavelength, response_wavelength, responsivity, left=0.0, right=0.0)
@@ -55,10 +52,8 @@ def respond(wavelength, response_wavelength, responsivity):
 def require_cover(wavelength_range, response_wavelength, responsivity, what):
     """Refuse a spectral range that leaves out part of a band.
 
-    Raises
-    ------
-    ValueError
-        If more than `UNSEEN` of the integral of the response lies outside the range; says the range needed.
+    ValueError if more than `UNSEEN` of the integral of the response lies outside the range; says the range
+    needed.
     """
     inside = np.clip(response_wavelength, *wavelength_range)
     whole = np.trapezoid(responsivity, response_wavelength)
@@ -74,6 +69,8 @@ def require_cover(wavelength_range, response_wavelength, responsivity, what):
 def band_signal(wavelength, responsivity, radiance):
     r"""Relative signal of a spectrum in a band, :math:`S / \Theta k = \int \tilde R\, L_\lambda\, d\lambda`.
 
+    Source: Fagnani et al., eq. 1 without throughput and gain, which are the sensitivity of the band.
+
     Parameters
     ----------
     wavelength : (W,) [m]
@@ -86,10 +83,6 @@ def band_signal(wavelength, responsivity, radiance):
     -------
     ndarray (...) [W m-2 sr-1]
         Trapezoidal rule.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 1 without throughput and gain, which are the sensitivity of the band.
 
     Examples
     --------
@@ -109,6 +102,8 @@ def gridless_signal(
 
     .. math:: S = \sum_l \tilde R(\lambda_l)\, L_l + \int \tilde R\, L_c\, d\lambda
 
+    Source: thin limit of the transfer equation. Lines are taken as narrow against the response.
+
     Parameters
     ----------
     lines : iterable of (wavelength (L,) [m], radiance by line (L,) [W m-2 sr-1])
@@ -121,10 +116,6 @@ def gridless_signal(
     Returns
     -------
     float [W m-2 sr-1]
-
-    Notes
-    -----
-    Source: thin limit of the transfer equation. Lines are taken as narrow against the response.
     """
     total = 0.0
     for wavelength, radiance in lines:

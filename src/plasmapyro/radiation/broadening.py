@@ -25,6 +25,10 @@ def doppler_sigma(temperature, mass):
 
     .. math:: \sigma = \sqrt{k T / m c^2}
 
+    Source: Griem, Spectral Line Broadening by Plasmas (1974), section I.1.
+
+    ValueError if an argument is not > 0.
+
     Parameters
     ----------
     temperature : array_like [K]
@@ -36,15 +40,6 @@ def doppler_sigma(temperature, mass):
     ndarray [1]
         Times the wavenumber it is the standard deviation of the Gaussian profile; the same for every
         line of a species, hence constant on a logarithmic wavenumber axis.
-
-    Raises
-    ------
-    ValueError
-        If an argument is not > 0.
-
-    Notes
-    -----
-    Source: Griem, Spectral Line Broadening by Plasmas (1974), section I.1.
     """
     temperature = positive("temperature", temperature, "K")
     mass = positive("mass", mass, "kg")
@@ -56,6 +51,8 @@ def natural_hwhm(upper_decay, lower_decay):
 
     .. math:: \gamma_{nat} = \frac{A_u + A_l}{4 \pi c}
 
+    Source: Griem (1974), section I.1; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, table 3.
+
     Parameters
     ----------
     upper_decay, lower_decay : array_like [s-1]
@@ -64,10 +61,6 @@ def natural_hwhm(upper_decay, lower_decay):
     Returns
     -------
     ndarray [m-1]
-
-    Notes
-    -----
-    Source: Griem (1974), section I.1; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, table 3.
     """
     upper_decay = non_negative("upper_decay", upper_decay, "s-1")
     lower_decay = non_negative("lower_decay", lower_decay, "s-1")
@@ -80,6 +73,8 @@ def mean_square_radius(binding, angular_momentum):
     .. math:: \langle r^2 \rangle = \frac{n^2}{2} \left(5 n^2 + 1 - 3 l (l+1)\right) a_0^2,
               \qquad n^2 = R_\infty / \tilde E
 
+    Source: Bates and Damgaard (1949), as used by Laux et al. (2003), section 3.
+
     Parameters
     ----------
     binding : array_like [m-1]
@@ -91,10 +86,6 @@ def mean_square_radius(binding, angular_momentum):
     -------
     ndarray [m2]
         Not below :math:`a_0^2`: the formula turns negative for levels that are not hydrogen-like.
-
-    Notes
-    -----
-    Source: Bates and Damgaard (1949), as used by Laux et al. (2003), section 3.
     """
     square = RYDBERG / positive("binding", binding, "m-1")
     orbital = np.asarray(angular_momentum)
@@ -109,6 +100,8 @@ def van_der_waals_hwhm(upper_radius, lower_radius, polarisability, reduced_mass,
               \left| \langle r_u^2 \rangle - \langle r_l^2 \rangle \right| \right)^{2/5} \bar v^{3/5},
               \qquad \bar v = \sqrt{8 k T / \pi \mu}
 
+    Source: Unsold (1955), section 82; Griem (1974), chapter II.
+
     Parameters
     ----------
     upper_radius, lower_radius : array_like [m2]
@@ -122,10 +115,6 @@ def van_der_waals_hwhm(upper_radius, lower_radius, polarisability, reduced_mass,
     Returns
     -------
     ndarray [m2] = [m-1 per m-3]
-
-    Notes
-    -----
-    Source: Unsold (1955), section 82; Griem (1974), chapter II.
     """
     shift = COULOMB_SQUARE * polarisability * np.abs(upper_radius - lower_radius) * 2 * np.pi / PLANCK
     speed = np.sqrt(8 * BOLTZMANN * temperature / (np.pi * reduced_mass))
@@ -137,6 +126,8 @@ def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
 
     .. math:: w_R = \frac{3 r_e}{8 \pi} \frac{f}{\tilde\nu_R} \sqrt{g_0 / g},
               \qquad f = \frac{A}{8 \pi^2 r_e c\, \tilde\nu_R^2} \frac{g}{g_0}
+
+    Source: Griem (1974), section II.4, in the form of Laux et al. (2003), equation 18.
 
     Parameters
     ----------
@@ -150,10 +141,6 @@ def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
     -------
     ndarray [m2] = [m-1 per m-3]
         To be added for both levels of a line.
-
-    Notes
-    -----
-    Source: Griem (1974), section II.4, in the form of Laux et al. (2003), equation 18.
     """
     wavenumber = positive("wavenumber", wavenumber, "m-1")
     weight = degeneracy / ground_degeneracy
@@ -165,6 +152,10 @@ def lorentz_hwhm(
     lines, temperature, electron_density, neutral_density, own_density, electron_temperature=None
 ):
     """Sum of the Lorentz half widths of a line list in one gas state, as `LineList` defines it.
+
+    Source: Griem (1974): widths of independent Lorentz mechanisms add.
+    ASSUME: Stark widths are the electron-impact ones (isolated lines, linear in the electron density);
+    ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
 
     Parameters
     ----------
@@ -179,12 +170,6 @@ def lorentz_hwhm(
     -------
     ndarray [m-1]
         One per line.
-
-    Notes
-    -----
-    Source: Griem (1974): widths of independent Lorentz mechanisms add.
-    ASSUME: Stark widths are the electron-impact ones (isolated lines, linear in the electron density);
-    ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
     hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE

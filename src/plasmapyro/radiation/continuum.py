@@ -46,6 +46,10 @@ def _gaunt_table():
 def gaunt_factor(wavenumber, temperature):
     """Maxwell-averaged free-free Gaunt factor of a unit charge.
 
+    Source: de Avillez and Breitschwerdt, Astron. Astrophys. 580 (2015) A124.
+
+    ValueError: outside the table.
+
     Parameters
     ----------
     wavenumber : (W,) [m-1]
@@ -56,15 +60,6 @@ def gaunt_factor(wavenumber, temperature):
     -------
     ndarray (W,) [1]
         Interpolated in the logarithms of both arguments.
-
-    Raises
-    ------
-    ValueError
-        Outside the table.
-
-    Notes
-    -----
-    Source: de Avillez and Breitschwerdt, Astron. Astrophys. 580 (2015) A124.
     """
     interpolate, _ = _gaunt_table()
     ratio = _photon_ratio(wavenumber, temperature)
@@ -79,6 +74,8 @@ def electron_ion_absorption(wavenumber, temperature, electron_density, ion_densi
               \left(\frac{e^2}{4\pi\varepsilon_0}\right)^3
               \frac{n_e n_i\, g_{ff}}{m\, h\, c\, \nu^3} \left(1 - e^{-h\nu/kT}\right)
 
+    Source: Rybicki and Lightman, Radiative Processes in Astrophysics, eq. 5.18a, in SI.
+
     Parameters
     ----------
     wavenumber : (W,) [m-1]
@@ -89,10 +86,6 @@ def electron_ion_absorption(wavenumber, temperature, electron_density, ion_densi
     Returns
     -------
     ndarray (W,) [m-1]
-
-    Notes
-    -----
-    Source: Rybicki and Lightman, Radiative Processes in Astrophysics, eq. 5.18a, in SI.
     """
     ratio = _photon_ratio(wavenumber, temperature)
     front = 4 / 3 * np.sqrt(2 * np.pi / (3 * ELECTRON_MASS * BOLTZMANN * temperature)) * COULOMB_SQUARE**3
@@ -116,6 +109,11 @@ def electron_atom_absorption(species, wavenumber, temperature, electron_density,
 
     .. math:: \kappa = k_{ff}(T, \lambda)\; n_{atom}\; n_e k T
 
+    Source: Ramsbottom, Bell and Berrington, J. Phys. B 25 (1992) 1443 (N); John, Mon. Not. R. Astron. Soc.
+    172 (1975) 305 (O). The tables hold stimulated emission already.
+    ASSUME: beyond their temperatures (N 1800-12600 K, O 1000-15000 K) the power law of the last interval
+    goes on: below them there are no free electrons, above them the ions rule.
+
     Parameters
     ----------
     species : 'N' or 'O'
@@ -127,13 +125,6 @@ def electron_atom_absorption(species, wavenumber, temperature, electron_density,
     -------
     ndarray (W,) [m-1]
         Linear in the logarithms of temperature, wavelength and coefficient.
-
-    Notes
-    -----
-    Source: Ramsbottom, Bell and Berrington, J. Phys. B 25 (1992) 1443 (N); John, Mon. Not. R. Astron. Soc.
-    172 (1975) 305 (O). The tables hold stimulated emission already.
-    ASSUME: beyond their temperatures (N 1800-12600 K, O 1000-15000 K) the power law of the last interval
-    goes on: below them there are no free electrons, above them the ions rule.
     """
     points = np.column_stack([np.full_like(wavenumber, np.log(temperature)), -np.log(wavenumber)])
     coefficient = np.exp(_neutral_table(species)(points))
@@ -158,6 +149,12 @@ def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_dens
     :math:`(1 - h\nu/2E)\sqrt{1 - h\nu/E}` for electrons of energy E that give up a good part of it; its
     average over a Maxwellian is the Bessel function, 2 at long waves.
 
+    Source: V. A. Kas'yanov and A. N. Starostin, Sov. Phys. JETP 21 (1965) 193; cross-section: the
+    collision integral of Wright et al., AIAA J. 43 (2005) 2558, the average over :math:`E^2 e^{-E/kT}`.
+    ASSUME: one cross-section for all electrons. For O atoms this agrees with the quantal table within a
+    quarter; for N atoms, whose negative ion is nearly bound, that table is far higher, and the resonance
+    of N2 at 2 eV may raise this one likewise. Below 1 % of first positive light.
+
     Parameters
     ----------
     wavenumber : (W,) [m-1]
@@ -168,14 +165,6 @@ def electron_nitrogen_molecule_absorption(wavenumber, temperature, electron_dens
     Returns
     -------
     ndarray (W,) [m-1]
-
-    Notes
-    -----
-    Source: V. A. Kas'yanov and A. N. Starostin, Sov. Phys. JETP 21 (1965) 193; cross-section: the
-    collision integral of Wright et al., AIAA J. 43 (2005) 2558, the average over :math:`E^2 e^{-E/kT}`.
-    ASSUME: one cross-section for all electrons. For O atoms this agrees with the quantal table within a
-    quarter; for N atoms, whose negative ion is nearly bound, that table is far higher, and the resonance
-    of N2 at 2 eV may raise this one likewise. Below 1 % of first positive light.
     """
     logarithm, integral = _molecule_cross_section()
     cross_section = np.interp(np.log(temperature), logarithm, integral)
@@ -217,6 +206,13 @@ def _observed_terms(species):
 def bound_free(species, wavenumber):
     """Photoionisation cross-sections of the excited levels of an atom on a wavenumber axis.
 
+    Source: TOPbase (Cunto et al., Astron. Astrophys. 275 (1993) L5). Deviation: each cross-section is moved
+    in photon energy by the difference of the observed (NIST) and the calculated binding of its term, where
+    the term is in the line table; the population uses the observed one. Below a threshold TOPbase gives the
+    mean of the crowded series members (n > 10): kept, as no line list holds them.
+
+    ValueError: outside the range the tables were trimmed to.
+
     Parameters
     ----------
     species : 'N' or 'O'
@@ -227,18 +223,6 @@ def bound_free(species, wavenumber):
     -------
     BoundFree
         Cross-sections (levels, W) [m2], 0 below the first tabulated photon.
-
-    Raises
-    ------
-    ValueError
-        Outside the range the tables were trimmed to.
-
-    Notes
-    -----
-    Source: TOPbase (Cunto et al., Astron. Astrophys. 275 (1993) L5). Deviation: each cross-section is moved
-    in photon energy by the difference of the observed (NIST) and the calculated binding of its term, where
-    the term is in the line table; the population uses the observed one. Below a threshold TOPbase gives the
-    mean of the crowded series members (n > 10): kept, as no line list holds them.
     """
     atom = next(a for a in ATOMS.values() if a.species == species)
     table = tables.load(f"radiation/photoionisation_{TABLES[species]}")
@@ -272,6 +256,8 @@ def free_bound_absorption(bound_free, wavenumber, temperature, number_density, p
 
     Its emission is the recombination (free-bound) continuum.
 
+    Source: Laux et al. (2003); TOPbase cross-sections hold no stimulated emission.
+
     Parameters
     ----------
     bound_free : BoundFree
@@ -285,10 +271,6 @@ def free_bound_absorption(bound_free, wavenumber, temperature, number_density, p
     Returns
     -------
     ndarray (W,) [m-1]
-
-    Notes
-    -----
-    Source: Laux et al. (2003); TOPbase cross-sections hold no stimulated emission.
     """
     population = boltzmann_population(
         bound_free.energy, bound_free.degeneracy, temperature, number_density, partition_function
@@ -304,6 +286,9 @@ def negative_oxygen_density(temperature, electron_density, atom_density, partiti
     .. math:: n_- = n_e n_O \frac{Q_-}{2 Q_O} \left(\frac{h^2}{2 \pi m k T}\right)^{3/2} e^{E_A/kT},
               \qquad Q_- = 4 + 2 e^{-\Delta/kT}
 
+    Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: O- is in equilibrium with e- and O; at 50 mbar
+    collisions destroy it within microseconds. It is no species of the composition: 1e-5 of the electrons.
+
     Parameters
     ----------
     temperature : float [K]
@@ -315,11 +300,6 @@ def negative_oxygen_density(temperature, electron_density, atom_density, partiti
     Returns
     -------
     float [m-3]
-
-    Notes
-    -----
-    Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: O- is in equilibrium with e- and O; at 50 mbar
-    collisions destroy it within microseconds. It is no species of the composition: 1e-5 of the electrons.
     """
     weight = 4 + 2 * np.exp(-SECOND_RADIATION * NEGATIVE_ION_SPLITTING / temperature)
     wave = PLANCK**2 / (2 * np.pi * ELECTRON_MASS * BOLTZMANN * temperature)
@@ -330,6 +310,11 @@ def negative_oxygen_density(temperature, electron_density, atom_density, partiti
 def photodetachment_cross_section(wavenumber):
     """Photodetachment cross-section of O-.
 
+    Source: L. C. Lee, G. P. Smith, J. Chem. Phys. 70 (1979) 1727; 10 % on the plateau.
+    ASSUME: ions and atoms of all fine-structure levels have the threshold of O- 2P3/2 to O 3P2.
+
+    ValueError: beyond the table.
+
     Parameters
     ----------
     wavenumber : (W,) [m-1]
@@ -339,16 +324,6 @@ def photodetachment_cross_section(wavenumber):
     -------
     ndarray (W,) [m2]
         Linear between the measured points, 0 below the threshold (848.6 nm).
-
-    Raises
-    ------
-    ValueError
-        Beyond the table.
-
-    Notes
-    -----
-    Source: L. C. Lee, G. P. Smith, J. Chem. Phys. 70 (1979) 1727; 10 % on the plateau.
-    ASSUME: ions and atoms of all fine-structure levels have the threshold of O- 2P3/2 to O 3P2.
     """
     table = tables.load("radiation/photodetachment_oxygen")
     photon = np.r_[ELECTRON_AFFINITY, table["photon"] / (PLANCK * LIGHT_SPEED)]
@@ -365,6 +340,8 @@ def photodetachment_absorption(wavenumber, temperature, electron_density, atom_d
 
     .. math:: \kappa = n_-\, \sigma(\nu) \left(1 - e^{-h\nu/kT}\right)
 
+    Source: as `negative_oxygen_density` and `photodetachment_cross_section`.
+
     Parameters
     ----------
     wavenumber : (W,) [m-1]
@@ -378,10 +355,6 @@ def photodetachment_absorption(wavenumber, temperature, electron_density, atom_d
     Returns
     -------
     ndarray (W,) [m-1]
-
-    Notes
-    -----
-    Source: as `negative_oxygen_density` and `photodetachment_cross_section`.
     """
     density = negative_oxygen_density(temperature, electron_density, atom_density, partition_function)
     cross_section = photodetachment_cross_section(wavenumber)

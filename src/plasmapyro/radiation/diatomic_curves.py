@@ -36,6 +36,9 @@ def turning_points(vibration, rotation, reduced_mass, action):
         g(x) = \frac{1}{\sqrt{k}} \int_0^x \frac{B(y)\,dy}{\sqrt{G(x) - G(y)}}, \\
         r_\pm &= \sqrt{f^2 + f/g} \pm f, \qquad k = \hbar^2 / (2 \mu h c)
 
+    Source: R. Rydberg, Z. Phys. 73 (1931) 376; O. Klein, Z. Phys. 76 (1932) 226; A. L. G. Rees,
+    Proc. Phys. Soc. 59 (1947) 998, with :math:`y = x(1 - t^2)`, which removes the endpoint singularity.
+
     Parameters
     ----------
     vibration : (n,) [m-1]
@@ -49,11 +52,6 @@ def turning_points(vibration, rotation, reduced_mass, action):
     Returns
     -------
     inner, outer : (K,) [m]
-
-    Notes
-    -----
-    Source: R. Rydberg, Z. Phys. 73 (1931) 376; O. Klein, Z. Phys. 76 (1932) 226; A. L. G. Rees,
-    Proc. Phys. Soc. 59 (1947) 998, with :math:`y = x(1 - t^2)`, which removes the endpoint singularity.
     """
     action = positive("action", action, "1")[:, None]
     nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE_NODES)
@@ -75,6 +73,12 @@ def potential_curve(radius, vibration, rotation, reduced_mass, highest_level, we
     Inside the innermost turning point :math:`U = a + b\,r^{-12}`, outside the outermost
     :math:`U = D_e - C\,r^{-n}`; value and slope are continuous.
 
+    ASSUME: the wall exponent 12 and the power-law tail; they matter only for levels above `highest_level`
+    and for rotation beyond the spectroscopic range.
+
+    ValueError: turning points that fold back (constants used beyond their range) or a well depth below the
+    curve.
+
     Parameters
     ----------
     radius : (R,) [m]
@@ -88,16 +92,6 @@ def potential_curve(radius, vibration, rotation, reduced_mass, highest_level, we
     Returns
     -------
     (R,) [m-1]
-
-    Raises
-    ------
-    ValueError
-        Turning points that fold back (constants used beyond their range) or a well depth below the curve.
-
-    Notes
-    -----
-    ASSUME: the wall exponent 12 and the power-law tail; they matter only for levels above `highest_level`
-    and for rotation beyond the spectroscopic range.
     """
     radius = positive("radius", radius, "m")
     # Steps even in sqrt(x) are nearly even in r around the minimum, where the spline needs them.
@@ -134,6 +128,11 @@ def vibrational_states(radius, potential, reduced_mass, rotation_number, count, 
     on an even grid, with the kinetic matrix
     :math:`T_{ij} = k (-1)^{i-j} / \Delta^2 \times \{\pi^2/3,\ 2/(i-j)^2\}`.
 
+    Source: D. T. Colbert, W. H. Miller, J. Chem. Phys. 96 (1992) 1982, eq. 2.1; contraction to the lowest
+    states of one N in `NEIGHBOURS` (Z. Bacic, J. C. Light, Annu. Rev. Phys. Chem. 40 (1989) 469), which moves
+    levels by less than 1e-3 m-1. Beyond the barrier the potential is held at the barrier's height, so that a
+    level behind it appears once, as a bound level.
+
     Parameters
     ----------
     radius : (R,) [m]
@@ -155,13 +154,6 @@ def vibrational_states(radius, potential, reduced_mass, rotation_number, count, 
         Amplitudes with unit sum of squares: matrix elements are sums over the grid.
     bound : (N, count) bool
         Below the top of the centrifugal barrier (or the dissociation limit when there is none).
-
-    Notes
-    -----
-    Source: D. T. Colbert, W. H. Miller, J. Chem. Phys. 96 (1992) 1982, eq. 2.1; contraction to the lowest
-    states of one N in `NEIGHBOURS` (Z. Bacic, J. C. Light, Annu. Rev. Phys. Chem. 40 (1989) 469), which moves
-    levels by less than 1e-3 m-1. Beyond the barrier the potential is held at the barrier's height, so that a
-    level behind it appears once, as a bound level.
     """
     radius = increasing("radius", radius, "m")
     rotation_number = np.asarray(rotation_number)

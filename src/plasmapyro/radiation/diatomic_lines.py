@@ -45,6 +45,9 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     of the lower levels, twice as strongly), else 1. Then :math:`\sum_{J''F''} S = 1` exactly for each
     upper level of one parity.
 
+    Source: J. T. Hougen, NBS Monograph 115 (1970), section 5; normalised as E. E. Whiting et al.,
+    J. Mol. Spectrosc. 80 (1980) 249.
+
     Parameters
     ----------
     upper, lower : ElectronicState
@@ -60,11 +63,6 @@ def rotational_shares(upper, upper_vector, lower, lower_vector, quantum_number, 
     -------
     (J'', F', F'') [1]
         Zero where J'' + step is not among the quantum numbers.
-
-    Notes
-    -----
-    Source: J. T. Hougen, NBS Monograph 115 (1970), section 5; normalised as E. E. Whiting et al.,
-    J. Mol. Spectrosc. 80 (1980) 249.
     """
     partner = np.arange(len(quantum_number)) + step
     inside = (partner >= 0) & (partner < len(quantum_number))
@@ -87,6 +85,8 @@ def nuclear_weight(state, level_parity, nuclear_spin):
     Levels symmetric in the nuclei (total parity + of g states, - of u states) have
     :math:`(I+1)/(2I+1)`, antisymmetric ones :math:`I/(2I+1)`; different nuclei have 1.
 
+    Source: G. Herzberg, Spectra of Diatomic Molecules (1950), section III,2f.
+
     Parameters
     ----------
     state : ElectronicState
@@ -98,10 +98,6 @@ def nuclear_weight(state, level_parity, nuclear_spin):
     Returns
     -------
     ndarray [1]
-
-    Notes
-    -----
-    Source: G. Herzberg, Spectra of Diatomic Molecules (1950), section III,2f.
     """
     if not state.inversion:
         return np.ones(np.shape(level_parity))
@@ -115,6 +111,10 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
     .. math:: A = K\, g\, \tilde\nu^3\, R_{v'v''}^2\, S, \qquad K = \frac{16 \pi^3 (e a_0)^2}{3 \epsilon_0 h}
 
     with the line's own wavenumber, and g = 2 for a Sigma upper and Pi lower state, else 1.
+
+    Source: E. E. Whiting et al., J. Mol. Spectrosc. 80 (1980) 249; the moment is the one of C. O. Laux,
+    C. H. Kruger, JQSRT 48 (1992) 9. Lines of the two parities of a Pi-Pi transition coincide and are
+    given once with the weight of both.
 
     Parameters
     ----------
@@ -133,12 +133,6 @@ def transition_lines(upper, lower, moment, wavenumber_range, nuclear_spin):
         wavenumber, upper_energy, lower_energy [m-1], upper_degeneracy, lower_degeneracy [1],
         einstein_a [s-1], upper_v, lower_v, upper_j, lower_j [1], upper_component, lower_component (the
         index of F, from 0 in ascending energy) [1]; ascending wavenumber.
-
-    Notes
-    -----
-    Source: E. E. Whiting et al., J. Mol. Spectrosc. 80 (1980) 249; the moment is the one of C. O. Laux,
-    C. H. Kruger, JQSRT 48 (1992) 9. Lines of the two parities of a Pi-Pi transition coincide and are
-    given once with the weight of both.
     """
     low, high = increasing("wavenumber_range", wavenumber_range, "m-1")
     momentum = lower.quantum_number

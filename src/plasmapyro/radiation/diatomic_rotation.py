@@ -80,6 +80,11 @@ def rotational_levels(state, quantum_number, term, bound):
     :math:`\hat N^2` has only the eigenvalues N(N+1), N = J-S ... J+S, so the polynomial through
     :math:`E_v` at those N is the operator function itself.
 
+    Source: J. T. Hougen, The Calculation of Rotational Energy Levels and Rotational Line Intensities in
+    Diatomic Molecules, NBS Monograph 115 (1970), sections 2.1 and 4. No offset :math:`-\Lambda^2` goes
+    with :math:`\hat N^2`: the term values of Laher & Gilmore (1991) contain it.
+    ASSUME: no Lambda doubling (below 1 cm-1) and no spin-rotation interaction (0.003 N cm-1 in N2 A).
+
     Parameters
     ----------
     state : ElectronicState
@@ -93,13 +98,6 @@ def rotational_levels(state, quantum_number, term, bound):
     Returns
     -------
     Levels
-
-    Notes
-    -----
-    Source: J. T. Hougen, The Calculation of Rotational Energy Levels and Rotational Line Intensities in
-    Diatomic Molecules, NBS Monograph 115 (1970), sections 2.1 and 4. No offset :math:`-\Lambda^2` goes
-    with :math:`\hat N^2`: the term values of Laher & Gilmore (1991) contain it.
-    ASSUME: no Lambda doubling (below 1 cm-1) and no spin-rotation interaction (0.003 N cm-1 in N2 A).
     """
     momentum = np.asarray(quantum_number, dtype=float)
     sigma, spin = state.projection, state.spin
@@ -147,6 +145,9 @@ def parity(levels):
 
     with the upper sign for :math:`\Sigma^+`.
 
+    Source: H. Lefebvre-Brion, R. W. Field, The Spectra and Dynamics of Diatomic Molecules (2004),
+    eq. 3.2.86; the factor (-1)^(2 Sigma) is the same for all functions of a state.
+
     Parameters
     ----------
     levels : Levels
@@ -155,11 +156,6 @@ def parity(levels):
     Returns
     -------
     (v, J, F) [1]
-
-    Notes
-    -----
-    Source: H. Lefebvre-Brion, R. W. Field, The Spectra and Dynamics of Diatomic Molecules (2004),
-    eq. 3.2.86; the factor (-1)^(2 Sigma) is the same for all functions of a state.
     """
     mirrored = (levels.vector * levels.vector[:, :, ::-1, :]).sum(axis=2)
     sign = levels.state.reflection * (-1.0) ** np.rint(levels.quantum_number - levels.state.spin)
@@ -170,6 +166,8 @@ def clebsch_gordan(lower, step, projection, component):
     r"""Clebsch-Gordan coefficient of one photon and a rotating molecule.
 
     .. math:: \langle J''\,\Omega''\;1\,q | J'\,\Omega'\rangle, \qquad \Omega'' = \Omega' - q
+
+    Source: E. U. Condon, G. H. Shortley, The Theory of Atomic Spectra (1935), table 2 of chapter III.
 
     Parameters
     ----------
@@ -186,10 +184,6 @@ def clebsch_gordan(lower, step, projection, component):
     -------
     ndarray [1]
         Zero where a projection exceeds its J.
-
-    Notes
-    -----
-    Source: E. U. Condon, G. H. Shortley, The Theory of Atomic Spectra (1935), table 2 of chapter III.
     """
     j, m = np.broadcast_arrays(np.asarray(lower, dtype=float), np.asarray(projection, dtype=float))
     allowed = (np.abs(m) <= j + step) & (np.abs(m - component) <= j) & (j + step >= 0)

@@ -71,6 +71,8 @@ def rovibration(values, reduced_mass, highest_level, count, *, waves=True):
 
     .. math:: E_v(N) = T_0 + G(v) - G(0) + E^{DVR}_{vN} - E^{DVR}_{v0}
 
+    Source: as `diatomic_curves`.
+
     Parameters
     ----------
     values : dict
@@ -90,10 +92,6 @@ def rovibration(values, reduced_mass, highest_level, count, *, waves=True):
     wave : (N, R, v) [1] or None
         On `RADIUS`.
     bound : (v, N) bool
-
-    Notes
-    -----
-    Source: as `diatomic_curves`.
     """
     vibration = ladder(values["vibration"])
     depth = values["limit"] - values["origin"] + vibration(0.5)

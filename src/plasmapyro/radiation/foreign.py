@@ -28,6 +28,8 @@ def with_lines(radiation, band_response, name, wavelength, strength, amount):
 
     .. math:: L'_\lambda = L_\lambda + a\,L_{777} \sum_l f_l\,\delta(\lambda - \lambda_l)
 
+    ASSUME: optically thin, and narrower than a step of the grid, on which a line keeps its light and place.
+
     Parameters
     ----------
     radiation : Dataset, contract 'radiation' or 'spectrum'
@@ -42,10 +44,6 @@ def with_lines(radiation, band_response, name, wavelength, strength, amount):
     Returns
     -------
     Dataset of the same contract
-
-    Notes
-    -----
-    ASSUME: optically thin, and narrower than a step of the grid, on which a line keeps its light and place.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
     light = oxygen_triplet(slit, radiation["gas_radiance_slit"].values) * amount * np.asarray(strength)
@@ -93,6 +91,9 @@ def more_absorbed(radiation, band_response, depth):
 
     .. math:: L'_\lambda = L_\lambda \frac{1 - e^{-x}}{x}, \qquad x = d\,\frac{\tau_\lambda}{\max \tau}
 
+    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
+    evenly.
+
     Parameters
     ----------
     radiation, band_response : as of `with_lines`
@@ -102,11 +103,6 @@ def more_absorbed(radiation, band_response, depth):
     Returns
     -------
     Dataset of the same contract; its components are weakened alike.
-
-    Notes
-    -----
-    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
-    evenly.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
     tau = radiation["optical_depth"].values

@@ -33,6 +33,10 @@ def log_grid(wavelength_range, points):
 
     A thermal (Gaussian) profile then has one width for all lines of a species.
 
+    Source: van den Bekerom and Pannier, J. Quant. Spectrosc. Radiat. Transfer 261 (2021) 107476.
+
+    ValueError if the range does not increase or `points` is too small.
+
     Parameters
     ----------
     wavelength_range : (shortest, longest) [m]
@@ -42,15 +46,6 @@ def log_grid(wavelength_range, points):
     Returns
     -------
     Grid
-
-    Raises
-    ------
-    ValueError
-        If the range does not increase or `points` is too small.
-
-    Notes
-    -----
-    Source: van den Bekerom and Pannier, J. Quant. Spectrosc. Radiat. Transfer 261 (2021) 107476.
     """
     wavelength_range = positive("wavelength_range", wavelength_range, "m")
     shortest, longest = increasing("wavelength_range", wavelength_range, "m")

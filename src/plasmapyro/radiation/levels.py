@@ -15,6 +15,9 @@ COLDEST = 1500.0  # [K]: colder gas does not shine, and keeps its populations
 def departures(temperature, *, excitation=0.0, vibration=0.0):
     """Departures of a path whose atoms are excited, or whose N2 vibrates, at another temperature.
 
+    ASSUME: the levels of a species share its number density at their temperature; of N2 1P the upper state
+    keeps its population, and its lower state that of the gas.
+
     Parameters
     ----------
     temperature : (S,) [K]
@@ -26,11 +29,6 @@ def departures(temperature, *, excitation=0.0, vibration=0.0):
     Returns
     -------
     dict component -> departure, as `path.gas_path` takes them; empty for no change
-
-    Notes
-    -----
-    ASSUME: the levels of a species share its number density at their temperature; of N2 1P the upper state
-    keeps its population, and its lower state that of the gas.
     """
     found = {}
     if excitation:

@@ -47,6 +47,9 @@ class LineList:
     with electron density :math:`n_e`, density of all neutral particles :math:`n_0` and of the
     species itself :math:`n_s`.
 
+    ValueError: shapes that differ, NaN, a value out of range, or energies that do not differ by the
+    wavenumber.
+
     Parameters
     ----------
     component : name of the radiating system in the results ('N I', 'O I', 'N2 1P', ...)
@@ -82,11 +85,6 @@ class LineList:
         Of the strength of the whole system, one standard deviation or what its source states; NaN if unknown.
 
     A scalar given for a number is spread over the lines.
-
-    Raises
-    ------
-    ValueError
-        Shapes that differ, NaN, a value out of range, or energies that do not differ by the wavenumber.
     """
 
     component: str

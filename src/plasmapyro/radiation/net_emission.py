@@ -44,6 +44,8 @@ GROUND_TERMS = 3e6  # [m-1]: lines to levels below that also broaden by exchange
 def net_emission(gas, absorption_radius=0.0):
     """Net emission of the gas of a table in equilibrium, by pressure and temperature.
 
+    ASSUME: local thermal equilibrium; lines do not overlap, and the continuum does not take up lines.
+
     Parameters
     ----------
     gas : Dataset, contract 'gas'
@@ -54,10 +56,6 @@ def net_emission(gas, absorption_radius=0.0):
     Returns
     -------
     Dataset, contract 'net_emission'
-
-    Notes
-    -----
-    ASSUME: local thermal equilibrium; lines do not overlap, and the continuum does not take up lines.
     """
     radius = float(non_negative("absorption_radius", absorption_radius, "m"))
     temperature = gas.temperature.values[::STEP].astype(float)

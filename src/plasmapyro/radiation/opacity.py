@@ -44,6 +44,10 @@ def boltzmann_population(energy, degeneracy, temperature, number_density, partit
 
     .. math:: n_i = n\, \frac{g_i}{Q(T)}\, e^{-h c \tilde E_i / k T}
 
+    Source: Boltzmann distribution.
+
+    ValueError: temperature not > 0, density negative.
+
     Parameters
     ----------
     energy : array_like [m-1]
@@ -57,15 +61,6 @@ def boltzmann_population(energy, degeneracy, temperature, number_density, partit
     Returns
     -------
     ndarray [m-3]
-
-    Raises
-    ------
-    ValueError
-        Temperature not > 0, density negative.
-
-    Notes
-    -----
-    Source: Boltzmann distribution.
     """
     temperature = positive("temperature", temperature, "K")
     number_density = non_negative("number_density", number_density, "m-3")
@@ -80,6 +75,8 @@ def line_emission(lines, upper_population):
 
     .. math:: \varepsilon = \frac{h c \tilde\nu}{4 \pi} A\, n_u
 
+    Source: definition of the Einstein coefficient; Laux et al. (2003), equation 2.
+
     Parameters
     ----------
     lines : LineList
@@ -89,10 +86,6 @@ def line_emission(lines, upper_population):
     Returns
     -------
     ndarray (L,) [W m-3 sr-1]
-
-    Notes
-    -----
-    Source: definition of the Einstein coefficient; Laux et al. (2003), equation 2.
     """
     return lines.power * upper_population
 
@@ -132,6 +125,11 @@ def prepare(lines, grid):
 
     Lines outside the padded grid (half of `PADDING` on either side) reach in with their far wings.
 
+    Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
+    Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
+
+    ValueError if no line lies on the padded grid.
+
     Parameters
     ----------
     lines : LineList
@@ -140,16 +138,6 @@ def prepare(lines, grid):
     Returns
     -------
     Spreader
-
-    Raises
-    ------
-    ValueError
-        If no line lies on the padded grid.
-
-    Notes
-    -----
-    Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
-    Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
     """
     length = COARSENING * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / COARSENING)), real=True)
     first = (length - len(grid)) // 2
@@ -254,10 +242,7 @@ def _cardinal_spline(fraction):
 def require_resolution(grid, sigma, what):
     """Refuse a grid on which a Doppler profile spans less than `SMALLEST_SIGMA_STEPS` steps.
 
-    Raises
-    ------
-    ValueError
-        Says how many points would do.
+    ValueError: says how many points would do.
     """
     if sigma < SMALLEST_SIGMA_STEPS * grid.step:
         span = (grid.wavelength[-1], grid.wavelength[0])
@@ -352,6 +337,8 @@ def spread(spreader, strength, hwhm, sigma):
     which fade within a short window. No wing is cut; what the periodicity of the transform adds to the far
     wings is taken off on a coarse axis.
 
+    Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`.
+
     Parameters
     ----------
     spreader : Spreader
@@ -366,10 +353,6 @@ def spread(spreader, strength, hwhm, sigma):
     -------
     ndarray (G,) [strength]
         Integrates over all wavenumbers to the sum of the strengths.
-
-    Notes
-    -----
-    Source: as `prepare`. In wavenumber the Voigt profile is :math:`P/\tilde\nu`.
     """
     distinct = once(hwhm)
     low, high = distinct.min(), distinct.max()

@@ -130,6 +130,12 @@ class _Partition(dict):
 def gas_path(path_distance, temperature, number_density, *, excitation_temperature=None, departures=None):
     """Layers of uniform gas from a sampled sight line.
 
+    ASSUME: without the options, levels are populated at the gas temperature (local thermal equilibrium)
+    whatever the densities.
+
+    ValueError: unknown or missing species, negative or NaN density, temperature out of range, path not
+    increasing.
+
     Parameters
     ----------
     path_distance : (S,) [m]
@@ -147,16 +153,6 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     Returns
     -------
     GasPath
-
-    Raises
-    ------
-    ValueError
-        Unknown or missing species, negative or NaN density, temperature out of range, path not increasing.
-
-    Notes
-    -----
-    ASSUME: without the options, levels are populated at the gas temperature (local thermal equilibrium)
-    whatever the densities.
     """
     thickness = layer_thickness(path_distance)
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
@@ -213,6 +209,8 @@ def thin_lines(path, lines):
     :math:`\kappa = j/B(T_s)`, for no radiance on the path exceeds that of a black body at its highest
     temperature; :math:`b_s` bounds both.
 
+    Source: Kirchhoff's law.
+
     Parameters
     ----------
     path : GasPath
@@ -221,10 +219,6 @@ def thin_lines(path, lines):
     Returns
     -------
     tuple of ndarray : radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2 sr-1]
-
-    Notes
-    -----
-    Source: Kirchhoff's law.
     """
     by_line = np.zeros(len(lines))
     by_layer, bound = np.zeros(len(path.thickness)), np.zeros(len(path.thickness))
@@ -341,6 +335,10 @@ class PathRadiance:
 def surface_radiance(grid, emittance, temperature):
     r"""What a surface sends into a path, for `path_radiance`: :math:`\epsilon\, B_\lambda(T)`.
 
+    Source: Fagnani et al., eq. 2, first term, without window and atmosphere.
+
+    ValueError: emittance outside (0, 1], temperature not > 0.
+
     Parameters
     ----------
     grid : Grid
@@ -351,15 +349,6 @@ def surface_radiance(grid, emittance, temperature):
     Returns
     -------
     ndarray (G,) [W m-2 sr-1 m-1]
-
-    Raises
-    ------
-    ValueError
-        Emittance outside (0, 1], temperature not > 0.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 2, first term, without window and atmosphere.
 
     Examples
     --------
@@ -384,6 +373,12 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
 
     with the excess :math:`\rho` of `populations.absorption_excess`, 1 in equilibrium.
 
+    Source: Fagnani et al., sec. 4.2; Kirchhoff's law for the absorption.
+    ASSUME: within the profile of a line, emission over absorption varies as a black body.
+
+    ValueError if the grid is too coarse for the Doppler widths of a system where it emits, if the boundary
+    does not fit the grid or is negative, or if a departure names no component.
+
     Parameters
     ----------
     path : GasPath
@@ -397,17 +392,6 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
     PathRadiance
         Components in the order of the line lists, then `CONTINUA`, then `BOUNDARY` if there is one: what
         emerges of it. Thin radiance counts the gas alone.
-
-    Raises
-    ------
-    ValueError
-        If the grid is too coarse for the Doppler widths of a system where it emits, if the boundary does
-        not fit the grid or is negative, or if a departure names no component.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.2; Kirchhoff's law for the absorption.
-    ASSUME: within the profile of a line, emission over absorption varies as a black body.
     """
     unknown = set(path.departures) - {lines.component for lines in line_lists}
     if unknown:
@@ -458,10 +442,7 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
 def require_any_resolution(path, grid):
     """Refuse, without line lists, a grid too coarse even for the widest lines of a path that shines.
 
-    Raises
-    ------
-    ValueError
-        Says how many points these need; narrower lines may need more.
+    ValueError: says how many points these need; narrower lines may need more.
     """
     hottest = path.temperature.max()
     if hottest > SHINES:

@@ -23,10 +23,8 @@ class Departure:
     def factors(self, lines, layer):
         """Factors of the upper and lower levels of a line list in a layer: two (L,), > 0 and >= 0 [1].
 
-        Raises
-        ------
-        ValueError
-            An upper factor not > 0, a lower one negative, or a shape that fits neither lines nor layers.
+        ValueError: an upper factor not > 0, a lower one negative, or a shape that fits neither lines nor
+        layers.
         """
         upper = _at(self.upper, lines.upper_energy, layer, f"{lines.component}, upper levels")
         lower = _at(self.lower, lines.lower_energy, layer, f"{lines.component}, lower levels")
@@ -58,6 +56,8 @@ def _at(factor, energy, layer, what):
 def level_factors(level_energy, factor, *, tolerance=20.0):
     """Factors of single levels by their energy; every other level keeps 1.
 
+    ValueError: shapes that differ, a negative factor or energy.
+
     Parameters
     ----------
     level_energy : (E,) [m-1]
@@ -71,11 +71,6 @@ def level_factors(level_energy, factor, *, tolerance=20.0):
     -------
     function (energy (L,), layer) -> (L,)
         For `Departure`.
-
-    Raises
-    ------
-    ValueError
-        Shapes that differ, a negative factor or energy.
     """
     level_energy = np.atleast_1d(non_negative("level_energy", level_energy, "m-1"))
     factor = np.atleast_1d(non_negative("factor", factor, "1"))
@@ -100,6 +95,10 @@ def two_temperature_population(
               \exp\left(-\frac{h c (\tilde E_i - \tilde E_{rot,i})}{k T_{ve}}
               - \frac{h c \tilde E_{rot,i}}{k T}\right)
 
+    Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3.
+
+    ValueError: temperature not > 0, density negative.
+
     Parameters
     ----------
     energy, rotation : array_like [m-1]
@@ -114,15 +113,6 @@ def two_temperature_population(
     Returns
     -------
     ndarray [m-3]
-
-    Raises
-    ------
-    ValueError
-        Temperature not > 0, density negative.
-
-    Notes
-    -----
-    Source: C. Park, Nonequilibrium Hypersonic Aerothermodynamics (1990), section 1.3.
     """
     temperature = positive("temperature", temperature, "K")
     excitation_temperature = positive("excitation_temperature", excitation_temperature, "K")
@@ -141,6 +131,8 @@ def absorption_excess(lines, temperature, excitation_temperature, upper_factor=1
     with :math:`n_l g_u / n_u g_l = (b_l/b_u) \exp\frac{hc}{k} [\tilde\nu/T_{ve}
     + (\tilde E_{rot,u} - \tilde E_{rot,l})(1/T - 1/T_{ve})]`. In equilibrium it is 1, to the last bit.
 
+    Source: Einstein coefficients; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, section 2.
+
     Parameters
     ----------
     lines : LineList
@@ -152,10 +144,6 @@ def absorption_excess(lines, temperature, excitation_temperature, upper_factor=1
     -------
     ndarray (L,) [1]
         Negative where stimulated emission outweighs absorption.
-
-    Notes
-    -----
-    Source: Einstein coefficients; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, section 2.
     """
     planck = SECOND_RADIATION * lines.wavenumber / excitation_temperature
     between = 1 / temperature - 1 / excitation_temperature

@@ -24,6 +24,8 @@ def broad_share(phase):
 
     with c = `CROSSING`, w = `TRANSITION`.
 
+    Source: the splitting of P. P. Ewald, Ann. Phys. 369 (1921) 253, with the sharp part on the spot.
+
     Parameters
     ----------
     phase : array_like [1]
@@ -34,10 +36,6 @@ def broad_share(phase):
     ndarray [1]
         1 for the slowest, 0 for the fastest that the coarse grid holds; without a kink, so that the rest
         fades within a window as a Gaussian does.
-
-    Notes
-    -----
-    Source: the splitting of P. P. Ewald, Ann. Phys. 369 (1921) 253, with the sharp part on the spot.
     """
     place = np.asarray(phase) / np.pi
     # erfc, not erf: the tail keeps its digits.
@@ -50,6 +48,8 @@ def kaiser(fraction):
 
     .. math:: K(x) = \frac{\beta}{p \sinh\beta} I_0\left(\beta \sqrt{1 - (2 x / p)^2}\right)
 
+    Source: J. I. Jackson et al., IEEE Trans. Med. Imaging 10 (1991) 473.
+
     Parameters
     ----------
     fraction : (L,) [1]
@@ -59,10 +59,6 @@ def kaiser(fraction):
     -------
     ndarray (p, L) [1]
         At the p = `KAISER_POINTS` points; of integral 1, and sum 1 to 1e-12.
-
-    Notes
-    -----
-    Source: J. I. Jackson et al., IEEE Trans. Med. Imaging 10 (1991) 473.
     """
     place = 2 * (fraction + np.arange(KAISER_POINTS)[:, None]) / KAISER_POINTS - 1
     root = KAISER_SHAPE * np.sqrt(np.maximum(1 - place**2, 0))
@@ -76,6 +72,8 @@ def kaiser_transform(phase):
     .. math:: \hat K(\theta) = \frac{\beta}{\sinh\beta} \frac{\sinh s}{s}, \qquad
               s = \sqrt{\beta^2 - (p \theta / 2)^2}
 
+    Source: Jackson et al. (1991), equation 12.
+
     Parameters
     ----------
     phase : array_like [1]
@@ -84,10 +82,6 @@ def kaiser_transform(phase):
     Returns
     -------
     ndarray [1]
-
-    Notes
-    -----
-    Source: Jackson et al. (1991), equation 12.
     """
     root = np.sqrt(KAISER_SHAPE**2 - (KAISER_POINTS / 2 * np.asarray(phase)) ** 2)
     return KAISER_SHAPE / np.sinh(KAISER_SHAPE) * np.sinh(root) / root
@@ -145,6 +139,9 @@ def sharp_lines(place, points, step):
 def sharp_part(windows, strength, relative, sigma):
     """Sum over the lines of the sharp parts of their Voigt profiles on the grid (G,).
 
+    Source: Poisson's sum. A profile that the grid hardly resolves is sampled, not cut off at the highest
+    frequency of the grid, which would make it ring below zero: its first image is added there.
+
     Parameters
     ----------
     windows : SharpLines
@@ -157,11 +154,6 @@ def sharp_part(windows, strength, relative, sigma):
     -------
     ndarray (G,) [strength]
         Per unit of the logarithm of the wavenumber, as `opacity.spread`.
-
-    Notes
-    -----
-    Source: Poisson's sum. A profile that the grid hardly resolves is sampled, not cut off at the highest
-    frequency of the grid, which would make it ring below zero: its first image is added there.
     """
     width, own = relative[windows.lines, None], strength[windows.lines, None]
     wave = windows.place * _transform(own, width, sigma, windows.rate)

@@ -11,6 +11,8 @@ REACH = 5.0  # standard deviations; leaves out 6e-7 of the slit function
 def slit_wavelengths(wavelength, fwhm, samples_per_fwhm=5):
     """Coarse axis on which the slit function lies within the spectrum: `REACH` sigma from either end.
 
+    ValueError if the spectrum is too short for one slit function, or too coarse.
+
     Parameters
     ----------
     wavelength : (G,) [m]
@@ -21,11 +23,6 @@ def slit_wavelengths(wavelength, fwhm, samples_per_fwhm=5):
     Returns
     -------
     ndarray [m]
-
-    Raises
-    ------
-    ValueError
-        If the spectrum is too short for one slit function, or too coarse.
     """
     wavelength = increasing("wavelength", wavelength, "m")
     margin = REACH * _sigma(wavelength, fwhm)
@@ -44,6 +41,12 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
     .. math:: L_{slit}(\lambda) = \frac{\int L(\lambda')\, e^{-(\lambda'-\lambda)^2/2s^2}\, d\lambda'}
               {\int e^{-(\lambda'-\lambda)^2/2s^2}\, d\lambda'}, \qquad s = \mathrm{FWHM}/2.3548
 
+    Source: Fagnani et al., sec. 4.2 (FWHM 0.75 nm).
+    Deviation: their sec. 3.3 prints 0.75 um; 0.75 nm is meant.
+
+    ValueError if the slit function at a wanted wavelength reaches beyond the spectrum, or is narrower than
+    the grid.
+
     Parameters
     ----------
     wavelength : (G,) [m]
@@ -57,16 +60,6 @@ def through_slit(wavelength, radiance, wavelength_slit, fwhm):
     -------
     ndarray (..., K)
         The mean of a constant is the constant (both integrals by the same trapezoidal rule).
-
-    Raises
-    ------
-    ValueError
-        If the slit function at a wanted wavelength reaches beyond the spectrum, or is narrower than the grid.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.2 (FWHM 0.75 nm).
-    Deviation: their sec. 3.3 prints 0.75 um; 0.75 nm is meant.
     """
     wavelength = increasing("wavelength", wavelength, "m")
     sigma = _sigma(wavelength, fwhm)

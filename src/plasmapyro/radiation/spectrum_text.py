@@ -14,6 +14,11 @@ def compose_spectrum(wavelength, radiance):
     Two header lines, then wavelength [Angstrom], spectral radiance [W cm-2 sr-1 um-1] and its running
     integral [W cm-2 sr-1] (trapezoidal rule).
 
+    Source: columns as read by NEQAIR_INTEGRATION (D. Saunders, NASA Ames, CFD Utilities, 2018), for NEQAIR 14
+    and 15; that program ignores the third column, whose meaning here is our choice.
+
+    ValueError: wavelengths that do not increase.
+
     Parameters
     ----------
     wavelength : (G,) [m]
@@ -23,16 +28,6 @@ def compose_spectrum(wavelength, radiance):
     Returns
     -------
     str
-
-    Raises
-    ------
-    ValueError
-        Wavelengths that do not increase.
-
-    Notes
-    -----
-    Source: columns as read by NEQAIR_INTEGRATION (D. Saunders, NASA Ames, CFD Utilities, 2018), for NEQAIR 14
-    and 15; that program ignores the third column, whose meaning here is our choice.
     """
     wavelength = increasing("wavelength", wavelength, "m")
     angstrom, watts = wavelength / ANGSTROM, np.asarray(radiance) / PER_MICROMETRE

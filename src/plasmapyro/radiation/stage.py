@@ -34,6 +34,12 @@ def line_of_sight_radiance(
 ):
     r"""Radiance of the gas along a sight line, by component, as seen from its far end.
 
+    Source: Fagnani et al., sec. 4.2, second term of eq. 2.
+    ASSUME: local thermal equilibrium, but for `levels`.
+
+    ValueError: range without line data, a table on another grid; else see `gas_path`, `path_radiance`,
+    `table_path_radiance`, `require_cover`.
+
     Parameters
     ----------
     sightline : Dataset, contract 'sightline'
@@ -60,17 +66,6 @@ def line_of_sight_radiance(
         view through the slit, and the band signals: of the spectrum, of the same spectrum without absorption
         (thin), and of the lines and continuum without a grid (gridless). The attributes of the condition
         (`conditions.stated`) are those of the sight line.
-
-    Raises
-    ------
-    ValueError
-        Range without line data, a table on another grid; else see `gas_path`, `path_radiance`,
-        `table_path_radiance`, `require_cover`.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.2, second term of eq. 2.
-    ASSUME: local thermal equilibrium, but for `levels`.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m")
     grid = log_grid(wavelength_range, grid_points)
@@ -171,6 +166,13 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
 
     A surface of emittance :math:`\varepsilon` sends :math:`(1 - \varepsilon) L^{g,s}` towards the instrument.
 
+    Source: Fagnani et al., eq. 2, :math:`L^{g,s}` of the third term, which the paper neglects;
+    Modest, Radiative Heat Transfer, 3rd ed., chapter 1.
+    ASSUME: the rays start dark at the boundary of the field: torch and chamber walls do not glow.
+    ASSUME: neighbours of the stagnation point within the measured spot see the same gas.
+
+    ValueError if not exactly one ray has weight 0; else as `line_of_sight_radiance`.
+
     Parameters
     ----------
     view : Dataset, contract 'surface_view'
@@ -184,18 +186,6 @@ def reflected_radiance(view, band_response, *, wavelength_range, grid_points, sl
     Dataset, contract 'reflected_radiance'
         Specular and diffuse, by component, through the slit and in the bands, at the surface; and the band
         signals of every ray.
-
-    Raises
-    ------
-    ValueError
-        If not exactly one ray has weight 0; else as `line_of_sight_radiance`.
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 2, :math:`L^{g,s}` of the third term, which the paper neglects;
-    Modest, Radiative Heat Transfer, 3rd ed., chapter 1.
-    ASSUME: the rays start dark at the boundary of the field: torch and chamber walls do not glow.
-    ASSUME: neighbours of the stagnation point within the measured spot see the same gas.
     """
     wavelength_range = within("wavelength_range", wavelength_range, *WHOLE_RANGE, "m")
     weights = view["ray_weight"].values

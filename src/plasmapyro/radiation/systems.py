@@ -68,6 +68,9 @@ def line_lists(grid, species=SPECIES):
 def component_uncertainty(components, line_lists):
     """Relative uncertainty of the strength of each radiating component.
 
+    Source: the certificates of the tables. They hold for the strength at given densities and temperature,
+    errors of one system taken as common to all its lines; those of different systems are independent.
+
     Parameters
     ----------
     components : iterable of str
@@ -80,11 +83,6 @@ def component_uncertainty(components, line_lists):
     ndarray (C,) [1]
         Of atoms: NIST's classes weighed by emission (`atoms.line_uncertainty`); 0 for what is neither a
         system nor a continuum.
-
-    Notes
-    -----
-    Source: the certificates of the tables. They hold for the strength at given densities and temperature,
-    errors of one system taken as common to all its lines; those of different systems are independent.
     """
     known = CONTINUA_UNCERTAINTY | {lines.component: lines.relative_uncertainty for lines in line_lists}
     return np.array([known.get(name, 0.0) for name in components])

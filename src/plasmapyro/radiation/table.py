@@ -80,10 +80,7 @@ class EmissionTable:
 def table_nodes(lowest, highest, count=NODES):
     """Temperatures [K] in equal steps, (count,): in 1/T closest at the hot end, where Stark widths are steep.
 
-    Raises
-    ------
-    ValueError
-        Outside 200-15000 K, not increasing, or fewer than four.
+    ValueError: outside 200-15000 K, not increasing, or fewer than four.
     """
     lowest, highest = increasing(
         "table temperatures", within("table temperatures", (lowest, highest), *TEMPERATURE_RANGE, "K"), "K"
@@ -103,6 +100,12 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
     of it in the whole emission w of a system. The shift :math:`\delta` exceeds what an unresolved line may
     ripple below zero; it vanishes where nothing ripples.
 
+    Source: interpolation of ln kappa against 1/T as is common for k-tables (R. West, D. Crisp, L. Chen,
+    J. Quant. Spectrosc. Radiat. Transfer 43 (1990) 191).
+    ASSUME: at nodes too cold for the grid, Doppler widths are those the grid resolves.
+
+    ValueError as `gas_path` and `prepare`, nodes not increasing, or an unknown continuum.
+
     Parameters
     ----------
     line_lists : list of LineList
@@ -117,17 +120,6 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
     Returns
     -------
     EmissionTable
-
-    Raises
-    ------
-    ValueError
-        As `gas_path` and `prepare`, nodes not increasing, or an unknown continuum.
-
-    Notes
-    -----
-    Source: interpolation of ln kappa against 1/T as is common for k-tables (R. West, D. Crisp, L. Chen,
-    J. Quant. Spectrosc. Radiat. Transfer 43 (1990) 191).
-    ASSUME: at nodes too cold for the grid, Doppler widths are those the grid resolves.
     """
     if unknown := set(continua) - set(CONTINUA):
         raise ValueError(f"continua must be among {', '.join(CONTINUA)}; got {', '.join(sorted(unknown))}")
@@ -232,6 +224,11 @@ def _blend(rows, weights):
 def table_radiance(table, path):
     r"""Spectral radiance at the end of a path from tabulated emission.
 
+    Source: as `emission_table`; layers as in `transfer.cross_layer`.
+    ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
+
+    ValueError: path out of equilibrium or hotter than the table.
+
     Parameters
     ----------
     table : EmissionTable
@@ -244,16 +241,6 @@ def table_radiance(table, path):
     tuple : radiance by component (C, G), optical depth (G,), bound on what gas left out could change
         [W m-2 sr-1]: cold layers, and systems in layers that matter less than `path.NEGLIGIBLE` together.
         Components: those of the table, and its continua.
-
-    Raises
-    ------
-    ValueError
-        Path out of equilibrium or hotter than the table.
-
-    Notes
-    -----
-    Source: as `emission_table`; layers as in `transfer.cross_layer`.
-    ASSUME: gas colder than the table is transparent; the bound takes it at the lowest node.
     """
     radiance, _, depth, _, bound = _solved(table, path)
     return radiance, depth, bound + _cold_bound(table, path)
@@ -267,14 +254,11 @@ def table_total(table, path):
 def table_path_radiance(table, path):
     """As `path.path_radiance` of a path in equilibrium, from a table; see `table_radiance`.
 
+    ValueError as `table_radiance`, and a grid too coarse for the Doppler widths where a system emits.
+
     Returns
     -------
     PathRadiance
-
-    Raises
-    ------
-    ValueError
-        As `table_radiance`, and a grid too coarse for the Doppler widths where a system emits.
     """
     radiance, thin, depth, smooth, bound = _solved(table, path)
     warm = np.flatnonzero(path.temperature >= table.temperature[0])

@@ -8,6 +8,10 @@ from plasmapyro.checks import increasing
 def layer_thickness(path_distance):
     """Thickness of the layer each path point stands for: half the way to either neighbour.
 
+    ASSUME: the gas is uniform within a layer; second order in the spacing of the path points.
+
+    ValueError if the path does not increase strictly.
+
     Parameters
     ----------
     path_distance : (S,) [m]
@@ -17,15 +21,6 @@ def layer_thickness(path_distance):
     -------
     ndarray (S,) [m]
         Sums to the length of the path; the trapezoidal rule of the emission of thin gas.
-
-    Raises
-    ------
-    ValueError
-        If the path does not increase strictly.
-
-    Notes
-    -----
-    ASSUME: the gas is uniform within a layer; second order in the spacing of the path points.
     """
     path_distance = increasing("path_distance", path_distance, "m")
     if path_distance.size < 2:
@@ -39,6 +34,8 @@ def escape_fraction(optical_depth):
 
     .. math:: \eta(\tau) = \frac{1 - e^{-\tau}}{\tau}, \qquad \eta(0) = 1
 
+    Source: formal solution of the transfer equation in a uniform layer.
+
     Parameters
     ----------
     optical_depth : array_like [1]
@@ -47,10 +44,6 @@ def escape_fraction(optical_depth):
     Returns
     -------
     ndarray [1]
-
-    Notes
-    -----
-    Source: formal solution of the transfer equation in a uniform layer.
     """
     depth = np.asarray(optical_depth, dtype=float)
     absorbed = np.asarray(-depth)
@@ -67,6 +60,8 @@ def cross_layer(radiance, emission_coefficient, absorption_coefficient, thicknes
     The emission of each component is attenuated by the absorption of all, so components add up to
     the total; a thick layer at one temperature emits :math:`j/\kappa`, its source function.
 
+    Source: formal solution of the transfer equation in a uniform layer.
+
     Parameters
     ----------
     radiance : (C, G) [any spectral radiance]
@@ -79,10 +74,6 @@ def cross_layer(radiance, emission_coefficient, absorption_coefficient, thicknes
     Returns
     -------
     tuple of ndarray : radiance behind the layer (C, G) and optical depth of the layer (G,)
-
-    Notes
-    -----
-    Source: formal solution of the transfer equation in a uniform layer.
     """
     depth = absorption_coefficient * thickness
     escape = escape_fraction(depth)

@@ -48,6 +48,13 @@ class ErrorModes:
 def error_modes(path, thin_lines, wavelength, slit_fwhm, component, radiance, stated):
     """Modes of the error of the radiance of a path, as its tables state it.
 
+    The light of a component is shared out between its lines as it would be without absorption. A values: the
+    classes of NIST (A. Kramida et al., Atomic Spectra Database), per line. Bands: the certificates state the
+    strength of a system; ASSUME: sequences and bands differ by 0.4 and 0.3 of that, the order of the spread
+    between published sets for N2 1P (F. R. Gilmore, R. R. Laher & P. J. Espy, J. Phys. Chem. Ref. Data 21,
+    1005 (1992); C. O. Laux & C. H. Kruger, J. Quant. Spectrosc. Radiat. Transfer 48, 9 (1992)).
+    ASSUME: causes are independent; densities and temperatures are not among them.
+
     Parameters
     ----------
     path : GasPath
@@ -65,15 +72,6 @@ def error_modes(path, thin_lines, wavelength, slit_fwhm, component, radiance, st
     -------
     ErrorModes
         The first mode of a component is its strength as a whole.
-
-    Notes
-    -----
-    The light of a component is shared out between its lines as it would be without absorption. A values: the
-    classes of NIST (A. Kramida et al., Atomic Spectra Database), per line. Bands: the certificates state the
-    strength of a system; ASSUME: sequences and bands differ by 0.4 and 0.3 of that, the order of the spread
-    between published sets for N2 1P (F. R. Gilmore, R. R. Laher & P. J. Espy, J. Phys. Chem. Ref. Data 21,
-    1005 (1992); C. O. Laux & C. H. Kruger, J. Quant. Spectrosc. Radiat. Transfer 48, 9 (1992)).
-    ASSUME: causes are independent; densities and temperatures are not among them.
     """
     lines = {one.component: (one, values) for one, values in thin_lines}
     whole, sigma = np.maximum(radiance.sum(axis=0), TINY), slit_fwhm / FWHM_PER_SIGMA
@@ -135,6 +133,8 @@ def gained_by_width(depth):
 
     .. math:: \frac{d \ln W}{d \ln \gamma} = \frac{I_1(u)}{I_0(u) + I_1(u)}, \qquad u = \tau_0 / 2
 
+    Source: the equivalent width of R. Ladenburg & F. Reiche, Ann. Phys. 347, 181 (1913).
+
     Parameters
     ----------
     depth : array [1]
@@ -144,10 +144,6 @@ def gained_by_width(depth):
     -------
     array [1]
         0 for a thin line, 1/2 for a thick one.
-
-    Notes
-    -----
-    Source: the equivalent width of R. Ladenburg & F. Reiche, Ann. Phys. 347, 181 (1913).
     """
     first, second = ive(0, np.asarray(depth) / 2), ive(1, np.asarray(depth) / 2)
     return second / (first + second)

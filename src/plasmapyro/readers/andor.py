@@ -29,21 +29,10 @@ class Series(NamedTuple):
 
 
 def read_series(path):
-    """Read an ASCII export of a kinetic series, or of a single spectrum.
+    """The `Series` of an ASCII export of a kinetic series, or of a single spectrum.
 
-    Parameters
-    ----------
-    path : path
-
-    Returns
-    -------
-    Series
-
-    Raises
-    ------
-    Refusal
-        Not such a file, or incomplete: no times of the frames, no rows, a row of another length, a cell that
-        is no number, wavelengths that do not rise.
+    Refusal: not such a file, or incomplete: no times of the frames, no rows, a row of another length, a cell
+    that is no number, wavelengths that do not rise.
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)

@@ -28,30 +28,14 @@ DAY = 86400.0
 
 
 def read_log(path, period=None, zero=None):
-    """Read a log of burst strings, one per line, e.g. '12.30 UC T1250 Q0812.345 R0311.020 S1.000 I029'.
+    """A log of burst strings, one per line, e.g. '12.30 UC T1250 Q0812.345 R0311.020 S1.000 I029'.
 
-    Parameters
-    ----------
-    path : path
-    period : float [s], or None
-        Time between lines, if the log has no times of its own.
-    zero : str, or None
-        The log's own time (clock, date and clock, or seconds) at which the time shall be 0; None: that of
-        the first line.
+    Time (N,) [s] and letter -> (N,) array; temperatures in C or F as logged, NaN where the unit sends an
+    error code in place of a number (above or below range). `period` [s] between lines, if the log has no
+    times of its own; `zero`: the log's own time (clock, date and clock, or seconds) at which the time shall
+    be 0, by default that of the first line. Refusal: lines that are no burst strings, that lack an item
+    others have, or values the unit cannot send.
 
-    Returns
-    -------
-    (time, items)
-        (N,) [s] and a mapping of letter -> (N,) float array; temperatures in C or F as logged, NaN where
-        the unit sends an error code in place of a number (above or below range).
-
-    Raises
-    ------
-    Refusal
-        Lines that are no burst strings, that lack an item others have, or values the unit cannot send.
-
-    Notes
-    -----
     Source: maker's manual, Marathon MR, rev. E2 (04/2011), sec. 9.3.2 and table 5: the items of a burst
     string, their letters and ranges; the unit fixes their order, so the letters are read, not the places.
     """
@@ -87,37 +71,22 @@ def read_log(path, period=None, zero=None):
 
 
 def detector_signals(path, items, undo):
-    r"""Signals of the wide and the narrow band from the power items Q and R.
+    r"""Signals (2, N) of the wide and the narrow band from the power items Q and R of `read_log`, in their
+    unit.
 
     .. math:: S_1 = Q\,s\,(1 - B), \qquad S_2 = R\,(1 - B)
 
-    with the slope `s` if 'slope' is in `undo` and the attenuation `B` if 'attenuation' is.
+    with the slope `s` if 'slope' is in `undo` and the attenuation `B` if 'attenuation' is. Refusal: no powers
+    in the log; an item to undo that is not logged; or a slope other than 1 or an attenuation other than 0
+    while nothing says whether the powers contain them (`undo` None).
 
-    Parameters
-    ----------
-    path : path, for messages
-    items : mapping as from `read_log`
-    undo : collection of 'slope', 'attenuation', or None if the description does not say
-
-    Returns
-    -------
-    (2, N) ndarray [unit of the power items]
-
-    Raises
-    ------
-    Refusal
-        No powers in the log; an item to undo that is not logged; or a slope other than 1 or an attenuation
-        other than 0 while nothing says whether the powers contain them.
-
-    Notes
-    -----
     Source: the manual's table 5 names Q 'wide power' and R 'narrow power' and gives no unit; that they are
-    our S1 and S2 is an inference. ASSUME: the slope is the ratio of the emittances, wide over narrow,
-    by which the unit divides the ratio of the powers; if the powers are sent after that, it sits in
-    the wide one. ASSUME: the measured attenuation says by how much the powers lie below those of a full
-    black body at the two-colour temperature; if the powers are sent scaled up to that, 1 - B takes it back.
-    Whether they are is not in the manual and must be tested on the unit (change the slope before a steady
-    source and see whether Q changes), so it is asked for instead of guessed.
+    our S1 and S2 is an inference. ASSUME: the slope is the ratio of the emittances, wide over narrow, by
+    which the unit divides the ratio of the powers; if the powers are sent after that, it sits in the wide
+    one. ASSUME: the measured attenuation says by how much the powers lie below those of a full black body at
+    the two-colour temperature; if the powers are sent scaled up to that, 1 - B takes it back. Whether they
+    are is not in the manual and must be tested on the unit (change the slope before a steady source and see
+    whether Q changes), so it is asked for instead of guessed.
     """
     absent = [letter for letter in POWERS if letter not in items]
     if absent:

@@ -29,13 +29,7 @@ def describes(folder):
 
 
 def instruments(folder):
-    """Names of the instruments that calibration.yaml describes.
-
-    Raises
-    ------
-    Refusal
-        No such folder, no such file, or not YAML.
-    """
+    """Names of the instruments that calibration.yaml describes; Refusal without such a file."""
     return [name for name in INSTRUMENTS if name in _described(folder)[0]]
 
 
@@ -60,22 +54,7 @@ def check_calibration(folder):
 
 
 def read_points(folder):
-    """Calibration points of the pyrometer.
-
-    Parameters
-    ----------
-    folder : path
-        Holds calibration.yaml and the table it names under `pyrometer`.
-
-    Returns
-    -------
-    Dataset, contract 'calibration_points'
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault.
-    """
+    """Calibration points of the pyrometer (contract 'calibration_points') that calibration.yaml names."""
     section, origin = _section(folder, "pyrometer")
     name = section.file("file", "calibration_points.csv")
     marks, wanted = columns.marks(section), columns.wanted(section, POINTS, needed=POINTS)
@@ -106,21 +85,8 @@ def read_points(folder):
 def read_bands(folder):
     """Bands of a radiometer, and its calibration points if it does not show temperatures.
 
-    Parameters
-    ----------
-    folder : path
-        Holds calibration.yaml, the instrument file it names under `radiometer`, and a table of points.
-
-    Returns
-    -------
-    response : Dataset, contract 'response', as `read_instrument`; origin: the weaker of both
-    points : dict, empty for readings
-        `source_temperature` (N,) [K], and the signals (N,) of each band by its name.
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault.
+    Response as of `read_instrument`, its origin the weaker of both; points: `source_temperature` (N,) [K],
+    and the signals (N,) of each band by its name. calibration.yaml names both files under `radiometer`.
     """
     section, origin = _section(folder, "radiometer")
     faults, name = section.faults, section.file("instrument", needed=True)
@@ -155,21 +121,9 @@ def read_bands(folder):
 def read_exposures(folder):
     """Raw exposures of a source in front of the spectrometer, with what its radiance is certified to be.
 
-    Parameters
-    ----------
-    folder : path
-        Holds calibration.yaml and the files it names under `spectrometer`.
-
-    Returns
-    -------
-    Dataset, contract 'spectrometer_exposures'
-        Attributes: `linearity_coefficients`, `linearity_uncertainty`, `masked_pixels`, `dim_range` [m],
-        `hot_threshold`, `transmittance` and, where stated, `saturation_counts`: as in `calibrate_exposures`.
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault.
+    Contract 'spectrometer_exposures'; attributes as in `calibrate_exposures`: `linearity_coefficients`,
+    `linearity_uncertainty`, `masked_pixels`, `dim_range` [m], `hot_threshold`, `transmittance` and, where
+    stated, `saturation_counts`. calibration.yaml names the files under `spectrometer`.
     """
     section, origin = _section(folder, "spectrometer")
     folder, path, faults = Path(folder), section.path, section.faults
@@ -240,17 +194,9 @@ def read_exposures(folder):
 
 
 def read_line_lamp(folder):
-    """Spectrum of a Hg(Ar) lamp, if calibration.yaml names one under `spectrometer.line_lamp`.
+    """Spectrum of a Hg(Ar) lamp, if calibration.yaml names one under `spectrometer.line_lamp`, or None.
 
-    Returns
-    -------
-    (wavelength, net, fwhm), or None
-        (W,) [m] in vacuum; (W,) [count] without the dark, NaN where clipped; the stated rough width [m].
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault.
+    Wavelength (W,) [m] in vacuum; counts (W,) without the dark, NaN where clipped; stated rough width [m].
     """
     values, faults = _described(folder)
     section = description.Section(values, Path(folder) / NAME, "", faults).section("spectrometer")

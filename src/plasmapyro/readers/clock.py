@@ -93,25 +93,12 @@ def has_day(form):
 
 
 def times(path, words, lines, form, zero, set_back):
-    """Times [s] of the cells of a table, counted from `zero`.
+    """Times (N,) [s] of the cells of a table, counted from `zero`, and sentences on what is wrong with them.
 
-    Parameters
-    ----------
-    path : path, for messages
-    words, lines : lists of str and of int
-        Cells, and the lines they stand in.
-    form : str
-        Format of the cells, as `datetime.strptime` takes it.
-    zero : str
-        The moment that shall be 0, in the same format.
-    set_back : bool
-        The clock was set back by an hour during the record (end of summer time): undo it. It is never
-        guessed: a second record of the same hour looks the same.
-
-    Returns
-    -------
-    (time, faults)
-        (N,) array [s], NaN where a cell is missing or not of the format; sentences.
+    NaN where a cell is missing or not of the format `form`, as `datetime.strptime` takes it; `zero` is
+    written in it, too; `lines`: where the cells stand. `set_back`: the clock was set back by an hour during
+    the record (end of summer time): undo it. It is never guessed: a second record of the same hour looks the
+    same.
     """
     values = np.array([_value(word, form) for word in words])
     bad = [i for i, word in enumerate(words) if np.isnan(values[i]) and not missing(word)]

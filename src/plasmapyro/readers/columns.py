@@ -149,24 +149,11 @@ def _conversion(unit, column):
 
 
 def read_table(path, columns, delimiter=None, decimal=None):
-    """Columns of a text table in SI.
+    """Columns (N,) of a text table in SI by their names, NaN where a cell says so or is empty.
 
-    Parameters
-    ----------
-    path : path
-    columns : mapping of name -> `Column`
-        Header cells may carry the unit in brackets: 'Time [ms]', 'S1 (nA)'.
-    delimiter : key of `DELIMITERS`, or None to find it from the header
-    decimal : '.' or ',', or None to find it from the cells
-
-    Returns
-    -------
-    dict of name -> (N,) ndarray, NaN where a cell says so or is empty
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault, with the line.
+    `columns`: name -> `Column`; header cells may carry the unit in brackets: 'Time [ms]', 'S1 (nA)'. The
+    delimiter (of `DELIMITERS`) is found from the header, the decimal sign from the cells if None. Refusal
+    with one sentence per fault, with the line.
     """
     lines, ended = table_lines(path, LARGEST)
     stamped = columns["time"] if "time" in columns and columns["time"].format else None

@@ -50,12 +50,9 @@ class _Loader(yaml.BaseLoader):
 
 
 def load(path):
-    """Read test.yaml; return its mapping of words (every scalar is a str).
+    """Mapping of words (every scalar is a str) of a test.yaml.
 
-    Raises
-    ------
-    Refusal
-        Not text, not YAML, not a mapping; the message names the line.
+    Refusal: not text, not YAML, not a mapping; the message names the line.
     """
     lines, _ = read_lines(path, LARGEST)
     try:

@@ -39,11 +39,7 @@ def table_lines(path, limit):
     columns. Igor text: its waves are. LabVIEW measurements without a column of times get one from their
     interval, as do records of Yokogawa; readings with their unit behind each number ('+1.06E-05A') have it in
     the header, lines of names and numbers ('t=0.5 wide=1e-5') and archives of one value a line become rows.
-
-    Raises
-    ------
-    Refusal
-        As `read_lines`; or a file of arrays that is damaged, holds no columns, or needs a package.
+    Refusal as `read_lines`; or a file of arrays that is damaged, holds no columns, or needs a package.
     """
     if Path(path).suffix.lower() in ARRAYS:
         return _columns(path, _arrays(regular_file(path, LARGEST))), True
@@ -318,13 +314,7 @@ def _recorder(lines):
 
 
 def _archive(path, lines):
-    """The table of an archive of one value a line, with the name of what it is of (WinCC, KickStart).
-
-    Raises
-    ------
-    Refusal
-        If the values are not of the same moments.
-    """
+    """The table of an archive of one value a line, with the name of what it is of (WinCC, KickStart)."""
     for line in lines[:LOOKED_AT]:
         mark = next((one for one in MARKS if one in line), None)
         names = _cells(line, mark) if mark else []

@@ -15,19 +15,10 @@ EVENTS = ("injection", "plasma_off")
 
 
 def growing(path, patience=np.inf, poll=POLL):
-    """Lines of a file as they are completed; None at each look that finds no more.
+    """Lines of a text file as they are completed; None at each look that finds no more.
 
-    Parameters
-    ----------
-    path : path of a text file, UTF-8 or Latin-1
-    patience : float [s]
-        Ends when nothing has come for so long.
-    poll : float [s]
-
-    Raises
-    ------
-    Refusal
-        If the file shrinks, or a line has no end.
+    Ends when nothing has come for `patience` [s]; looks every `poll` [s]. Refusal if the file shrinks, or a
+    line has no end.
     """
     with open(path, "rb") as file:
         rest, last = b"", time.monotonic()
@@ -56,10 +47,8 @@ def _decoded(line):
 def samples_of_table(path, section, lines):
     """Samples of a table that a section `pyrometer` of test.yaml describes.
 
-    Yields
-    ------
-    dict of 'time' [s] and both signals [A], NaN where a cell is missing; a str that says why a line is none;
-    or None where no line has come
+    A dict of 'time' [s] and both signals [A], NaN where a cell is missing; a str that says why a line is
+    none; or None where no line has come.
     """
     section.file("file", "pyrometer.csv")
     delimiter, decimal = columns.marks(section)

@@ -60,21 +60,7 @@ def _quoted(word):
 
 
 def describe(folder):
-    """A first test.yaml for a folder of raw files.
-
-    Parameters
-    ----------
-    folder : path
-
-    Returns
-    -------
-    Guess
-
-    Raises
-    ------
-    Refusal
-        If nothing in the folder looks like signals of a pyrometer or spectra.
-    """
+    """A first test.yaml for a folder of raw files; Refusal if nothing in it looks like signals or spectra."""
     folder = Path(folder)
     files = [
         path

@@ -19,25 +19,13 @@ GUIDE = "see docs/your-own-data.md"
 
 
 def read_instrument(path):
-    """Bands of an instrument and what is known of it.
+    """Bands of an instrument (contract 'response') and what is known of it, from a YAML file.
 
-    Parameters
-    ----------
-    path : path of a YAML file
-        `bands`: a list of mappings with a `name` and `edges_nm`, or `centre_nm` and `width_nm`, or
-        `response`, the name of a file beside it with wavelengths [nm] in vacuum and responses. `calibration`:
-        'absolute'; 'relative', if a level common to all bands is not known; 'readings', if it shows kelvin.
-        `signal_uncertainty` [1], `range_k` [K, K].
-
-    Returns
-    -------
-    Dataset, contract 'response'
-        Attributes: `instrument`, `calibration`, `signal_uncertainty`, `instrument_range` [K], `origin`.
-
-    Raises
-    ------
-    Refusal
-        One sentence per fault.
+    `bands`: a list of mappings with a `name` and `edges_nm`, or `centre_nm` and `width_nm`, or `response`,
+    the name of a file beside it with wavelengths [nm] in vacuum and responses. `calibration`: 'absolute';
+    'relative', if a level common to all bands is not known; 'readings', if it shows kelvin.
+    `signal_uncertainty` [1], `range_k` [K, K]. Attributes: `instrument`, `calibration`, `signal_uncertainty`,
+    `instrument_range` [K], `origin`. Refusal with one sentence per fault.
     """
     path, faults = Path(path), []
     top = description.Section(description.load(path), path, "", faults)

@@ -66,14 +66,10 @@ def read_spectrum(path):
     """Read one spectrum file.
 
     The header is free text in the language of the program; only words common to the known languages are
-    looked for. The data stand between two lines that begin with '>>>>>' (OceanView: from the first to the
-    end of the file), in columns that a line of letters may name (Jaz: W D R S P).
-
-    Raises
-    ------
-    Refusal
-        Not such a file, or incomplete: fewer rows than the header promises, no end, a cell that is no number,
-        wavelengths that do not rise.
+    looked for. The data stand between two lines that begin with '>>>>>' (OceanView: from the first to the end
+    of the file), in columns that a line of letters may name (Jaz: W D R S P). Refusal: not such a file, or
+    incomplete: fewer rows than the header promises, no end, a cell that is no number, wavelengths that do not
+    rise.
     """
     lines, ended = read_lines(path, LARGEST)
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
@@ -243,17 +239,10 @@ def states_rates(path):
 
 
 def clipped(counts):
-    """Which samples of raw spectra are cut off by the converter.
+    """Which samples of raw spectra (..., W) [count] are cut off by the converter.
 
-    Parameters
-    ----------
-    counts : (..., W) array [count]
-
-    Returns
-    -------
-    (..., W) bool ndarray
-        True for samples at the highest value of their spectrum, if at least `LEAST_CLIPPED` neighbours share
-        it exactly and it exceeds `LEAST_CLIPPED_COUNTS`.
+    Those at the highest value of their spectrum, if at least `LEAST_CLIPPED` neighbours share it exactly and
+    it exceeds `LEAST_CLIPPED_COUNTS`.
     """
     counts = np.asarray(counts, dtype=float)
     top = np.max(counts, axis=-1, keepdims=True, initial=-np.inf, where=np.isfinite(counts))

@@ -40,26 +40,14 @@ ANGSTROM = re.compile(r"\u00c5|\u212b|[Aa]ngstr|ANGSTR|[\[(/]\s*A\s*($|[\])])", 
 def read_matrix(path, delimiter=None, decimal=None, stamps=None):
     """A table of spectra: first header cell anything, then wavelengths; each row a time and its values.
 
-    Where the first cell names wavelengths ('lambda', 'nm'), they stand in the first column instead, and
-    each other column is a spectrum below its time (a single one, such as a dark, below any word; the times
-    may stand in a row above). Where a later cell does, the table is long: a row per pixel, with its time or
-    the number of its frame. Lines of words above the table are passed over.
+    Where the first cell names wavelengths ('lambda', 'nm'), they stand in the first column instead, and each
+    other column is a spectrum below its time (a single one, such as a dark, below any word; the times may
+    stand in a row above). Where a later cell does, the table is long: a row per pixel, with its time or the
+    number of its frame. Lines of words above the table are passed over.
 
-    Parameters
-    ----------
-    path, delimiter, decimal : as in `read_table`
-    stamps : (format, zero), optional
-        The times are dates or times of day, counted from zero, see `clock`.
-
-    Returns
-    -------
-    (time, wavelength, values)
-        (N,), (W,) and (N, W) arrays in the units of the file; NaN for missing values.
-
-    Raises
-    ------
-    Refusal
-        As `read_table`; also if a header cell is no number or a spectrum has no time.
+    Time (N,), wavelength (W,) and values (N, W) in the units of the file; NaN for missing values. `stamps`:
+    (format, zero) of times that are dates or times of day, see `clock`. Refusal as `read_table`; also if a
+    header cell is no number or a spectrum has no time.
     """
     lines, ended = read_lines(path, LARGEST)
     require_end(path, lines, ended)

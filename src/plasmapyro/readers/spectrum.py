@@ -25,15 +25,10 @@ NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs
 def read_frames(path, least=LEAST_PIXELS):
     """Wavelengths (N,) [m] as the instrument gives them and frames (F, N) of a spectrum.
 
-    A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength
-    [nm] ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it
-    (as Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands. Fewer
-    rows than `least` are no spectrum.
-
-    Raises
-    ------
-    Refusal
-        No such file; no wavelengths that rise or fall; a line that is no row of numbers.
+    A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength [nm]
+    ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it (as
+    Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands. Refusal: no
+    such file; fewer rows than `least`; no wavelengths that rise or fall; a line that is no row of numbers.
     """
     lines, _ = read_lines(path, LARGEST)
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):

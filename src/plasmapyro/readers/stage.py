@@ -32,27 +32,11 @@ class Reading(NamedTuple):
 
 
 def read_test(folder):
-    """The test in a folder, as one dataset.
+    """The test (contract 'test') in a folder of `test.nc`, or of `test.yaml` and its raw files.
 
-    Parameters
-    ----------
-    folder : path
-        Of a folder that holds `test.nc`, or `test.yaml` and the raw files it describes; or of a netCDF file.
-
-    Returns
-    -------
-    Dataset, contract 'test'
-        SI, wavelengths in vacuum, time 0 at the zero the description states.
-
-    Raises
-    ------
-    ContractError
-        With one line per fault: file, line, what is wrong, what to do.
-
-    Notes
-    -----
-    ASSUME: spectrometers give wavelengths in air unless test.yaml says `wavelengths: vacuum`: makers
-    calibrate them with the air wavelengths of line lamps.
+    Or in a netCDF file. ContractError with one line per fault: file, line, what is wrong, what to do. ASSUME:
+    spectrometers give wavelengths in air unless test.yaml says `wavelengths: vacuum`: makers calibrate them
+    with the air wavelengths of line lamps.
     """
     return read_with_files(folder).test
 
@@ -66,45 +50,18 @@ def read_with_files(folder):
 
 
 def check_test(folder):
-    """Everything that is wrong with a test folder, at once.
-
-    Parameters
-    ----------
-    folder : path, as in `read_test`
-
-    Returns
-    -------
-    list of str, empty if the test can be read and processed
-    """
+    """Everything that is wrong with a test folder, at once: sentences; none if it can be processed."""
     return _read(folder)[1]
 
 
 def sources(folder):
-    """Paths of the files that `read_test` would read, sorted: for a workflow to depend on.
-
-    Parameters
-    ----------
-    folder : path
-
-    Returns
-    -------
-    list of Path; empty if the folder does not exist
-    """
+    """Paths of the files that `read_test` would read, sorted: for a workflow to depend on."""
     folder = Path(folder)
     return sorted(path for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else [folder]
 
 
 def condition_of(folder):
-    """Simulation that the test in a folder is to be compared with, as its file says.
-
-    Parameters
-    ----------
-    folder : path, as in `read_test`
-
-    Returns
-    -------
-    str, or None if the test does not say or cannot be read yet
-    """
+    """Simulation that the test in a folder is to be compared with, as its file says; None if it does not."""
     described = Path(folder) / "test.yaml"
     try:
         if described.exists():

@@ -15,26 +15,12 @@ EPOCH = np.datetime64("2000-01-01")
 
 
 def read_tdms(path, columns, joined=False):
-    """Channels of a TDMS file in SI.
+    """Channels (N,) of a TDMS file in SI by their names, 'time' included.
 
-    Parameters
-    ----------
-    path : path
-    columns : mapping of name -> `Column`
-        Column names are 'group/channel'. Without a column for time, the channels must be waveforms: their
-        start offset and increment give it.
-    joined : bool
-        The file is one of several of a record: the channels' start time (wf_start_time) is given as well,
-        so that the files share one clock.
-
-    Returns
-    -------
-    dict of name -> (N,) ndarray; 'time' included; of a joined waveform also 'start' [s] since 2000
-
-    Raises
-    ------
-    Refusal
-        npTDMS is not installed, the file is damaged, a channel is absent, or lengths and times differ.
+    `columns`: name -> `Column` of a channel 'group/channel'. Without a column for time, the channels must be
+    waveforms: their start offset and increment give it. `joined`: the file is one of several of a record, and
+    'start' [s] since 2000 (wf_start_time) is given as well, so that the files share one clock. Refusal:
+    npTDMS is not installed, the file is damaged, a channel is absent, or lengths and times differ.
     """
     try:
         from nptdms import TdmsFile
@@ -80,13 +66,7 @@ def read_tdms(path, columns, joined=False):
 
 
 def channels(path):
-    """Channels of a TDMS file: 'group/channel' -> (unit or None, whether it carries times).
-
-    Raises
-    ------
-    Refusal
-        As `read_tdms`.
-    """
+    """Channels of a TDMS file: 'group/channel' -> (unit or None, whether it carries times)."""
     try:
         from nptdms import TdmsFile
     except ImportError:

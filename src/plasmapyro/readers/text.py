@@ -93,29 +93,12 @@ def regular_file(path, limit):
 
 
 def read_lines(path, limit):
-    """Lines of a text file, without line ends.
+    """Lines of a text file, without line ends, and whether the last one is ended by one.
 
-    Parameters
-    ----------
-    path : path
-    limit : int
-        Largest size accepted [byte].
-
-    Returns
-    -------
-    (list of str, bool)
-        The lines, and whether the last one is ended by a line end.
-
-    Raises
-    ------
-    Refusal
-        If the file is absent, not plain, empty, too large, or not text.
-
-    Notes
-    -----
-    UTF-8 and UTF-16, with a byte order mark or without, else Windows-1252 letter by letter (Latin-1) or
-    that of Japan: the old acquisition programs write in that of their country. Numbers are ASCII in all of
-    them. A gzip file is unpacked.
+    UTF-8 and UTF-16, with a byte order mark or without, else Windows-1252 letter by letter (Latin-1) or that
+    of Japan: the old acquisition programs write in that of their country. Numbers are ASCII in all of them. A
+    gzip file is unpacked. Refusal if the file is absent, not plain, empty, larger than `limit` [byte], or not
+    text.
     """
     path = regular_file(path, limit)
     try:

@@ -29,14 +29,7 @@ def series(time):
 def time_edges(start, end, injection, off):
     """Edges (n+1,) [s] of bins from before injection to the end; finer where things happen.
 
-    Parameters
-    ----------
-    start, end, injection, off : float [s]
-        Of the record, and the two events.
-
-    Returns
-    -------
-    ndarray [s], with `injection` and `off` among them where the record holds them.
+    `injection` and `off` are among them where the record holds them.
     """
     scale = min(1.0, (off - injection) / SHORT)
     edges = [injection - LEAVE_OUT_BEFORE - _before(injection - LEAVE_OUT_BEFORE - start)]
@@ -75,11 +68,7 @@ def _graded(first, last, steps):
 def membership(begin, finish, edges, injection, off):
     """Bin of each sample (t,); -1 for those that straddle an event, lie in a gap or outside.
 
-    Parameters
-    ----------
-    begin, finish : (t,) arrays [s]
-        Of the integration of each sample.
-    edges : (n+1,) array [s]
+    `begin`, `finish` (t,) [s]: of the integration of each sample; `edges` (n+1,) [s].
     """
     middle = (begin + finish) / 2
     index = np.searchsorted(edges, middle, side="right") - 1
@@ -92,12 +81,7 @@ def membership(begin, finish, edges, injection, off):
 def pixel_edges(wavelength, gas, fwhm):
     """First pixels (P+1,) of the wavelength bins: fine where the gas has structure, none across a gap.
 
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    gas : (W,) array
-        Spectrum of the gas as the pixels see it.
-    fwhm : float [m] of the slit
+    `gas` (W,): its spectrum as the pixels (W,) [m] see it; `fwhm` [m] of the slit.
     """
     steepness = np.abs(np.gradient(np.log(np.maximum(gas, 1e-6 * gas.max()))))
     cost = np.cumsum(np.maximum(np.gradient(wavelength) / PIXEL_BIN, steepness / LINE_CHANGE))
@@ -140,17 +124,8 @@ def groups(time, switches, most):
 def thinned(instrument, off, most):
     """An instrument of a record with neighbours averaged to at most about `most` samples.
 
-    Parameters
-    ----------
-    instrument : `record.Instrument`
-    off : float [s] end of the plasma; no group straddles it, nor the injection
-    most : int
-
-    Returns
-    -------
-    `record.Instrument`
-        The same one if it is short enough. A mean is flagged as its samples are; it is over the sound ones,
-        and the time is theirs.
+    The same one if it is short enough. No group straddles the injection, nor `off` [s], the end of the
+    plasma. A mean is flagged as its samples are; it is over the sound ones, and the time is theirs.
     """
     if instrument.time.size <= most:
         return instrument

@@ -25,21 +25,11 @@ class Input(NamedTuple):
 
 
 def variables(inputs, axis="time"):
-    r"""The budget as variables of a dataset.
+    r"""The budget of inputs, independent of each other, as variables of a dataset, with their dimension
+    `axis`.
 
     .. math:: u_c^2(T) = \sum_i \left(\frac{\partial T}{\partial x_i}\right)^2 u^2(x_i)
 
-    Parameters
-    ----------
-    inputs : sequence of Input, independent of each other
-    axis : name of the dimension of their contributions
-
-    Returns
-    -------
-    dict name -> (dims, values)
-
-    Notes
-    -----
     Source: JCGM 100:2008, eq. 10 and the table of H.1.
     """
     rows = np.stack([one.contribution for one in inputs])
@@ -74,15 +64,13 @@ def of_family(name, group, covariance, sigmas, unit="", law="normal"):
     is how the estimate moves with what is stated of number i, so :math:`\mathrm{cov}(T, \theta_i)/\sigma_i`
     is what the uncertainty of that statement adds.
 
+    Source: linear Gaussian estimation. With the posterior covariance :math:`C = (J^T W J + P)^{-1}`, and P
+    diagonal for the numbers with priors, :math:`C = C J^T W J C + C P C`: noise first, then each prior.
+
     Parameters
     ----------
     covariance : (t, n) array [K times the unit], of the posterior
     sigmas : (n,) array, standard deviations of the prior
-
-    Notes
-    -----
-    Source: linear Gaussian estimation. With the posterior covariance :math:`C = (J^T W J + P)^{-1}`, and P
-    diagonal for the numbers with priors, :math:`C = C J^T W J C + C P C`: noise first, then each prior.
     """
     parts = covariance / sigmas
     single = parts.shape[1] == 1
@@ -106,8 +94,6 @@ def freedom(inputs, place):
 
     .. math:: \nu_{eff} = u_c^4 \Big/ \sum_i u_i^4 / \nu_i
 
-    Notes
-    -----
     Source: Welch-Satterthwaite, JCGM 100:2008, eq. G.2b.
     """
     total = combined(inputs)[place] ** 4

@@ -10,25 +10,12 @@ SMALLEST = 0.003  # [1] residual that harms nothing
 
 
 def lag(time, pair, moments, light, length, lags, bends=False):
-    """By how much spectra must be moved to fit the pyrometer best.
+    """Root mean square (L,) of what is left if spectra are moved by `lags` (L,) [s] against the pyrometer.
 
-    The light of a spectrum is taken as a sum of both bands, averaged over its exposure, and a constant: light
-    adds up. Its squares of relative residuals are compared for each lag. Where the light `bends` (counts of a
-    detector, as they are) a sum of it and of its square is.
-
-    Parameters
-    ----------
-    time : (t,) array [s]
-    pair : (2, t) array, without NaN
-    moments, light : (S,) arrays
-        Middles of the exposures [s]; light, > 0.
-    length : float [s], of an exposure
-    lags : (L,) array [s]
-    bends : bool
-
-    Returns
-    -------
-    (L,) ndarray, root mean square of the relative residuals; NaN where an exposure has no samples
+    The light (S,), > 0, of a spectrum is taken as a sum of both bands `pair` (2, t), averaged over its
+    exposure of `length` [s] about `moments` (S,) [s], and a constant: light adds up. Residuals are relative;
+    NaN where an exposure has no samples. Where the light `bends` (counts of a detector, as they are) a sum of
+    it and of its square is.
     """
     total = np.concatenate(
         [np.zeros((2, 1)), np.cumsum((pair[:, 1:] + pair[:, :-1]) / 2 * np.diff(time), axis=1)], axis=1
@@ -48,15 +35,9 @@ def lag(time, pair, moments, light, length, lags, bends=False):
 
 
 def within_second(test):
-    """Seconds by which the spectra must be moved, 0 to 1, where their dates are whole seconds, cut off.
+    """Seconds by which the spectra of a test must be moved, 0 to 1, where their dates are whole seconds.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test', of a pyrometer and a spectrometer
-
-    Returns
-    -------
-    float [s]; 0 where the light does not tell it
+    They are cut off; 0 where the light does not tell how much.
     """
     exposure = float(test.attrs.get("spectrometer_integration_time", 0.0))
     bends = "counts" in test

@@ -81,16 +81,14 @@ def course(wavelength, shape, length):
     and 1/4 is what the choice of the mean leaves open. Half is smooth and forgets itself over the length;
     in the other half the slope and the bend that such a course has at one place go on.
 
+    Without the second half a surface that is tilted or curved over 500 nm, but hardly rough, was too likely
+    one of another temperature: 95 % intervals held 51 to 85 % of them.
+
     Parameters
     ----------
     wavelength : (N,) array [m]
     shape : float [1], u1
     length : float [m], l
-
-    Notes
-    -----
-    Without the second half a surface that is tilted or curved over 500 nm, but hardly rough, was too likely
-    one of another temperature: 95 % intervals held 51 to 85 % of them.
     """
     x = (wavelength - np.mean(wavelength)) / length
     going = np.outer(x, x) + 0.75 * np.outer(x**2, x**2)

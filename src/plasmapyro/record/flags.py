@@ -62,19 +62,11 @@ def _noisy(values):
 
 
 def stuck(values, changing=False):
-    """Samples that repeat the last one in all channels for longer than chance: a logger that hangs.
+    """Samples (t,) that repeat the last one in all channels for longer than chance: a logger that hangs.
 
-    Parameters
-    ----------
-    values : (t, C) array, NaN where missing
-    changing : bool
-        The light is known to change: a record that never does is stuck throughout.
-
-    Returns
-    -------
-    (t,) bool ndarray
-        The first sample of such a run is a measurement and is not among them. Never in part of a record
-        without noise, nor at the lowest level of a channel: there is nothing to see.
+    `values` (t, C), NaN where missing; the light is known to be `changing`: a record that never does is stuck
+    throughout. The first sample of such a run is a measurement and is not among them. Never in part of a
+    record without noise, nor at the lowest level of a channel: there is nothing to see.
     """
     values = np.asarray(values, dtype=float)
     seen = np.isfinite(values).any(axis=0)
@@ -93,16 +85,7 @@ def stuck(values, changing=False):
 
 
 def clipped(values):
-    """Samples at the highest value of their channel, where it is reached in a run longer than chance.
-
-    Parameters
-    ----------
-    values : (t, C) array, NaN where missing
-
-    Returns
-    -------
-    (t, C) bool ndarray
-    """
+    """Samples (t, C) at the highest value of their channel, where a run longer than chance reaches it."""
     values = np.asarray(values, dtype=float)
     result = np.zeros(values.shape, dtype=bool)
     for channel, row in enumerate(values.T):
@@ -119,16 +102,9 @@ def clipped(values):
 
 
 def spiked(values):
-    """Samples, up to three in a row, far above, or below, both neighbours on either side of them.
+    """Samples (t, C), up to three in a row, far above, or below, both neighbours on either side of them.
 
-    Parameters
-    ----------
-    values : (t, C) array, NaN where missing
-
-    Returns
-    -------
-    (t, C) bool ndarray
-        A step or a bend of the record is none: it has one side in common with its neighbours.
+    A step or a bend of the record is none: it has one side in common with its neighbours.
     """
     result = np.zeros(np.shape(values), dtype=bool)
     for channel, row in enumerate(np.asarray(values, dtype=float).T):

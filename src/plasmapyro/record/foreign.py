@@ -18,24 +18,10 @@ REACH = 2.0  # widths of the slit to either side that hold it
 def narrow_light(wavelength, light, slit, sure=SURE):
     """Where light stands out of what is beside it, no wider than a line: wavelengths [m], strongest first.
 
-    Parameters
-    ----------
-    wavelength : (W,) array [m], ascending
-    light : (S, W) array
-        Spectra, calibrated but for a factor; NaN where there is none.
-    slit : float [m]
-        Full width at half maximum of a line.
-    sure : float
-        Standard deviations by which it must stand out.
-
-    Returns
-    -------
-    ndarray [m]
-
-    Notes
-    -----
-    Means over one width less those between one and two widths to either side. The light of a surface is
-    convex where it is steep, so that this is negative.
+    `light` (S, W): spectra, calibrated but for a factor, NaN where there is none; `slit` [m]: full width at
+    half maximum of a line, which must stand out by `sure` standard deviations. Means over one width less
+    those between one and two widths to either side. The light of a surface is convex where it is steep, so
+    that this is negative.
     """
     good = np.isfinite(light).all(axis=0)
     wavelength, mean = wavelength[good], light[:, good].mean(axis=0)

@@ -60,16 +60,7 @@ REMEDIES = {
 
 
 def faults(test):
-    """Every breach of the rules for a test.
-
-    Parameters
-    ----------
-    test : Dataset, meant to fulfil the contract 'test'
-
-    Returns
-    -------
-    list of str, empty if the test can be processed
-    """
+    """Every breach of the rules for a test, as sentences; none if it can be processed."""
     present = instruments(test)
     found = [] if present else ["no signals of a pyrometer, spectra or radiometer: one of them is needed"]
     found += _faults_of_variables(test, present)

@@ -40,6 +40,8 @@ def signal_noise(signals, block):
     covariance of each band with the others, which is the gas's, is taken off, then a and b follow by
     non-negative least squares.
 
+    ValueError if there are fewer than four blocks, or a signal has no noise.
+
     Parameters
     ----------
     signals : (C, n) array
@@ -50,11 +52,6 @@ def signal_noise(signals, block):
     -------
     floor : (C,) ndarray, unit of the signals
     relative : (C,) ndarray [1]
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than four blocks, or a signal has no noise.
     """
     from scipy.optimize import nnls
 

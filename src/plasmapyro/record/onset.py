@@ -66,24 +66,11 @@ def trend(time, values, window):
 
 
 def verdict(time, signals, window):
-    """Whether a window holds the gas alone.
+    """`Verdict` whether a window (2,) [s] of signals (2, t) holds the gas alone.
 
-    A surface adds light to both bands in another ratio than the gas. A gas that brightens as a whole
-    leaves the ratio alone, and so does its flicker: the ratio is the sharper test.
-
-    Parameters
-    ----------
-    time : (t,) array [s]
-    signals : (2, t) array, NaN where missing
-    window : (2,) floats [s]
-
-    Returns
-    -------
-    Verdict
-
-    Notes
-    -----
-    Deviation: the paper chooses its window by eye.
+    A surface adds light to both bands in another ratio than the gas. A gas that brightens as a whole leaves
+    the ratio alone, and so does its flicker: the ratio is the sharper test. Deviation: the paper chooses its
+    window by eye.
     """
     inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(signals).all(axis=0)
     inside &= (signals > 0).all(axis=0)
@@ -104,22 +91,10 @@ def verdict(time, signals, window):
 
 
 def onset(time, signals, begin, end):
-    """First time at which the surface shows, in windows that grow from `begin`.
+    """First time [s] at which the surface shows, in windows that grow from `begin`, and a window to propose.
 
-    Parameters
-    ----------
-    time : (t,) array [s]
-    signals : (2, t) array
-    begin, end : float [s]
-        Begin of the reference window; last time to look at (plasma off).
-
-    Returns
-    -------
-    onset : float [s]
-        NaN if it never shows.
-    window : (2,) list of floats [s], or None
-        Proposed: up to `PROPOSED` of the way to the onset; None if no onset is found, or too few samples
-        would remain.
+    NaN and None if it does not show until `end` (plasma off). The window reaches up to `PROPOSED` of the way
+    to the onset; None, too, if too few samples would remain.
     """
     ends = time[(time > begin) & (time <= end)]
     if ends.size < LEAST_SAMPLES:
@@ -138,22 +113,10 @@ def onset(time, signals, begin, end):
 
 
 def attributes(instrument, time, signals, window, end):
-    """Attributes that tell of the reference window of one instrument.
+    """Attributes, begun by the name of an instrument, that tell of its reference window (2,) [s].
 
-    Parameters
-    ----------
-    instrument : str
-        Begins their names.
-    time : (t,) array [s]
-    signals : (2, t) array
-    window : (2,) floats [s]
-    end : float [s], plasma off
-
-    Returns
-    -------
-    dict
-        `<instrument>_reference_verdict`; `_reference_bias` [1] (wide, narrow) if there are samples enough;
-        `_surface_onset` [s] and `_proposed_window` [s, s] if the surface shows at all.
+    `_reference_verdict`; `_reference_bias` [1] (wide, narrow) if there are samples enough; `_surface_onset`
+    [s] and `_proposed_window` [s, s] if the surface shows at all before `end`, plasma off.
     """
     found = verdict(time, signals, window)
     first, proposed = onset(time, signals, window[0], end)

@@ -6,18 +6,7 @@ COOLING = 1 / 3  # of the exposure: what of the time after the end of the plasma
 
 
 def phases(time, injection_time, plasma_off_time):
-    """Where a sample is in view, and where the plasma shines on it.
-
-    Parameters
-    ----------
-    time : (t,) array [s]
-    injection_time, plasma_off_time : float [s]
-
-    Returns
-    -------
-    injected, shining : (t,) bool ndarrays
-        From injection on; from injection to the end of the plasma, both included.
-    """
+    """Where samples (t,) [s] are in view, and where the plasma shines on them, both ends included."""
     time = np.asarray(time, dtype=float)
     injected = time >= injection_time
     return injected, injected & (time <= plasma_off_time)

@@ -64,7 +64,7 @@ class Choice(NamedTuple):
 
 
 def recommended(facts):
-    """Which temperature to take away, by one rule for all commands.
+    """The `Choice` of the temperature to take away, by one rule for all commands.
 
     1. Instruments that contradict each other, and no confirmed cause: none. Level and ratio of a single
        instrument are two numbers: held-out data of the same two confirm any cause that moves either.
@@ -73,14 +73,6 @@ def recommended(facts):
        method, which needs no absolute level.
     3. Else temperature and emissivity from a radiometer or spectra alone; the joint estimate, which uses all
        light; the paper's subtraction; Planck fits.
-
-    Parameters
-    ----------
-    facts : Facts
-
-    Returns
-    -------
-    Choice
     """
     given = [one for one in BEST_FIRST if one in facts.given]
     confirmed = facts.applied and "extended" in given and len(facts.instruments) != 1
@@ -146,21 +138,10 @@ def listed(words):
 
 
 def series(time, temperature, state, inputs, half_width=None, axis="time"):
-    """The recommended series as a dataset.
+    """The recommended series over `axis` ('time' or 'time_bin') as a dataset, contract 'temperature'.
 
-    Parameters
-    ----------
-    time : (t,) array [s]
-    temperature : (t,) array [K]
-    state : (t,) int array, see `status.MEANINGS`
-    inputs : list of `budget.Input`
-    half_width : (t,) array [K], optional
-        Of the 95 % interval; that of a normal law by default.
-    axis : 'time' or 'time_bin'
-
-    Returns
-    -------
-    Dataset, contract 'temperature' but for its attributes; NaN where the status is one without a value
+    NaN where the status is one without a value; attributes are not set. `half_width` (t,) [K] of the 95 %
+    interval is that of a normal law by default; `inputs`: of `budget.Input`.
     """
     known = np.isin(state, status.WITH_VALUE) & np.isfinite(temperature)
     blank = np.where(known, 1.0, np.nan)
@@ -181,19 +162,11 @@ def series(time, temperature, state, inputs, half_width=None, axis="time"):
 
 
 def of_correction(parts, found=(), missing=None):
-    """The recommended series of a correction from the results of the estimators.
+    """The recommended series (contract 'temperature') of a correction, from the results of the estimators.
 
-    Parameters
-    ----------
-    parts : list of Dataset
-        Of any of the contracts 'pyrometer_correction', 'spectrometer_correction', 'correction',
-        'joint_estimate', 'emissivity_estimate'.
-    found : sequence of mappings with `rule` and `saw`, as `quality.rule.Finding.entry`
-    missing : mapping, see `Facts`
-
-    Returns
-    -------
-    Dataset, contract 'temperature'; attributes `recommended`, `recommended_because`
+    `parts`: of any of the contracts 'pyrometer_correction', 'spectrometer_correction', 'correction',
+    'joint_estimate', 'emissivity_estimate'; `found`: entries of `quality.rule.Finding`; `missing`: see
+    `Facts`.
     """
     holding = {one: part for one, (name, _) in SERIES.items() for part in parts if name in part.variables}
     given = tuple(one for one, part in holding.items() if np.isfinite(part[SERIES[one][0]].values).any())

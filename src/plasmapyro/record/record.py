@@ -83,27 +83,12 @@ class Record:
 
 
 def record_of(test, calibrations, *, saturation_counts=np.inf, needed=()):
-    """The record of a test, made from its data and its calibrations.
+    """The record of a test from its data and its calibrations, with the instruments wanted that it holds.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test'
-    calibrations : mapping of the instruments that are wanted -> calibration, or None
-        'pyrometer': what stands there is not asked, its samples are signals. 'spectrometer': contract
-        'spectrometer_calibration', needed for counts. 'radiometer': contract 'radiometer_calibration'.
-    saturation_counts : float [count]
-        Raw counts of a spectrometer from here on are saturated.
-    needed : names of instruments that must be there
-
-    Returns
-    -------
-    Record
-        With those of the instruments wanted that the test holds.
-
-    Raises
-    ------
-    ValueError
-        Naming every fault of the test, or a calibration that does not fit it.
+    `calibrations`: instrument wanted -> calibration, or None. 'pyrometer': what stands there is not asked,
+    its samples are signals; 'spectrometer' (contract 'spectrometer_calibration'): needed for counts, raw ones
+    from `saturation_counts` on are saturated; 'radiometer': contract 'radiometer_calibration'. ValueError
+    names every fault of the test, an instrument `needed` that is absent, or a calibration that does not fit.
     """
     inputs.require(test, *needed)
     attributes, plasma = test.attrs, inputs.has_plasma(test)

@@ -7,17 +7,9 @@ FIGURES = {figure: words for figure, *words in (row.values() for row in rows("re
 
 
 def describe(name):
-    """Chapter, caption and alternative text of a figure.
+    """Chapter, caption and alternative text of a figure, by its file name without suffix.
 
-    Parameters
-    ----------
-    name : str
-        File name without suffix.
-
-    Raises
-    ------
-    KeyError
-        If no entry fits; the message says where to add one.
+    KeyError if no entry fits; the message says where to add one.
     """
     fitting = [start for start in FIGURES if name.startswith(start)]
     if not fitting:

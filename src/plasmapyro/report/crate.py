@@ -27,33 +27,16 @@ SNAKEMAKE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
 
 
 def compose(results, workflow, *, main, publication, versions):
-    """The text of `ro-crate-metadata.json`.
+    """The text of `ro-crate-metadata.json` (JSON-LD); the same inputs give the same bytes.
 
-    Parameters
-    ----------
-    results, workflow : mappings of path -> (SHA-256, size [byte])
-        What the run made, and the files it was made with (workflow and configuration), relative to the crate.
-    main : str
-        The Snakefile, one of `workflow`.
-    publication : mapping
-        `title`, `authors` (list of names), `date` (ISO 8601) and `licence` (URL) of the results.
-    versions : mapping of package -> version; `plasmapyro` must be among them
+    `results`, `workflow`: path relative to the crate -> (SHA-256, size [byte]) of what the run made, and what
+    it was made with; `main`: the Snakefile, one of the latter, ValueError if not; `publication`: `title`,
+    `authors` (names), `date` (ISO 8601) and `licence` (URL) of the results; `versions`: package -> version,
+    `plasmapyro` among them.
 
-    Returns
-    -------
-    str
-        JSON-LD; the same inputs give the same bytes.
-
-    Raises
-    ------
-    ValueError
-        If `main` is not one of the workflow's files.
-
-    Notes
-    -----
     Source: RO-Crate 1.1; Workflow Run Crate 0.5 (Leo et al. 2024, doi:10.1371/journal.pone.0309210).
-    Deviation: no start and end of the run, because a file with a clock time differs between equal runs;
-    times stand in the benchmark files.
+    Deviation: no start and end of the run, because a file with a clock time differs between equal runs; times
+    stand in the benchmark files.
     """
     if main not in workflow:
         raise ValueError(f"{main}: the main file must be one of the workflow's; got {', '.join(workflow)}")

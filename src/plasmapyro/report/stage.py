@@ -15,31 +15,11 @@ CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument",
 def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(), configuration=None):
     """The whole report as HTML text.
 
-    Parameters
-    ----------
-    figures : list of (name, bytes)
-        File name without suffix, and the PNG.
-    claims : Dataset, contract 'claims'
-    corrections : list of (test, Dataset)
-        Name of the test and its file of contract 'temperature', 'pyrometer_correction',
-        'spectrometer_correction' or 'joint_estimate'.
-    findings : list of dict
-        What contradicts itself in the tests, as in their `findings.json`.
-    diagnoses : list of (test, html)
-        Name of the test and the page of its diagnosis.
-    timings : list of (name, dict)
-        Job, and the row that `cost` noted (`s` [s], `max_rss` [MB], `cpu_time` [s]).
-    configuration : mapping, optional
-        Shown as it is.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    KeyError
-        If a figure has no words (see `captions`).
+    `figures`: (name without suffix, PNG); `claims`: contract 'claims'; `corrections`: (test, Dataset of
+    contract 'temperature', 'pyrometer_correction', 'spectrometer_correction' or 'joint_estimate');
+    `findings`: what contradicts itself in the tests, as in their `findings.json`; `diagnoses`: (test, its
+    page); `timings`: (job, row that `cost` noted: `s` [s], `max_rss` [MB], `cpu_time` [s]); `configuration`
+    is shown as it is. KeyError if a figure has no words (see `captions`).
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("plasmapyro.report", "."),

@@ -17,6 +17,10 @@ def directions(count, core_angle):
     by Gauss-Legendre quadrature in :math:`\theta` up to the core angle and in :math:`\ln\theta` beyond. About
     the normal of an axisymmetric field at its stagnation point the radiance does not depend on the azimuth.
 
+    Source: Modest, Radiative Heat Transfer, 3rd ed., chapter 1 (irradiation of a surface).
+
+    ValueError: too few directions or core angle out of range.
+
     Parameters
     ----------
     count : int
@@ -28,15 +32,6 @@ def directions(count, core_angle):
     Returns
     -------
     tuple of ndarray : polar angle (2 count,) [rad], increasing, and weight (2 count,) [1], sum 1
-
-    Raises
-    ------
-    ValueError
-        Too few directions or core angle out of range.
-
-    Notes
-    -----
-    Source: Modest, Radiative Heat Transfer, 3rd ed., chapter 1 (irradiation of a surface).
     """
     if int(count) != count or count < FEWEST_DIRECTIONS:
         raise ValueError(f"directions must be a whole number >= {FEWEST_DIRECTIONS}; got {count}")

@@ -60,6 +60,14 @@ def parse(text):
     last. Each layer becomes two path points, a quarter of the thinnest layer inside its ends, so that half
     the way between neighbours lies on the grid points.
 
+    Source: description and code of NEQAIR_DATA (D. Saunders, NASA Ames, CFD Utilities, 2013-2019), which
+    writes both layouts, and the header of the files of version 14. ASSUME: two temperatures at most; files in
+    which rotation differs from translation or vibration from the electrons are refused.
+
+    ValueError: one message with the number of the line: missing header, unknown or repeated species, no
+    number where one is due, negative density, positions that do not increase, a total that is not the sum of
+    the species, temperatures that no two-temperature gas has, a file that ends too early.
+
     Parameters
     ----------
     text : str
@@ -69,19 +77,6 @@ def parse(text):
     Dataset, contract 'sightline'
         Species that the file does not list have density 0; pressure from the densities and temperatures.
         Where vibration and electrons differ from translation and rotation, with `excitation_temperature`.
-
-    Raises
-    ------
-    ValueError
-        One message with the number of the line: missing header, unknown or repeated species, no number where
-        one is due, negative density, positions that do not increase, a total that is not the sum of the
-        species, temperatures that no two-temperature gas has, a file that ends too early.
-
-    Notes
-    -----
-    Source: description and code of NEQAIR_DATA (D. Saunders, NASA Ames, CFD Utilities, 2013-2019), which
-    writes both layouts, and the header of the files of version 14. ASSUME: two temperatures at most; files in
-    which rotation differs from translation or vibration from the electrons are refused.
     """
     lines = text.splitlines()
     if not any(line.strip() for line in lines):
@@ -99,6 +94,10 @@ def parse(text):
 def compose(sightline, version=15):
     r"""Text of a NEQAIR line-of-sight file from a sight line.
 
+    Source: as `parse`.
+
+    ValueError: unknown version.
+
     Parameters
     ----------
     sightline : Dataset, contract 'sightline'
@@ -112,15 +111,6 @@ def compose(sightline, version=15):
     str
         One grid point more than the path has points: grid points lie half the way between path points, where
         layers meet. Densities below 1e-99 cm-3 become 0.
-
-    Raises
-    ------
-    ValueError
-        Unknown version.
-
-    Notes
-    -----
-    Source: as `parse`.
     """
     if version not in VERSIONS:
         raise ValueError(f"version must be 14 or 15; got {version}")

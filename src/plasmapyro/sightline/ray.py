@@ -11,6 +11,11 @@ def towards(nose, angle):
 
     .. math:: z = z_0 - \zeta\cos\theta, \qquad r = \zeta\sin\theta
 
+    Source: Fagnani et al., fig. 5 and sec. 4.1. The path lies in a meridian plane, so it never
+    crosses the axis again.
+
+    ValueError: angle outside [0, pi/2].
+
     Parameters
     ----------
     nose : float [m]
@@ -21,16 +26,6 @@ def towards(nose, angle):
     Returns
     -------
     trace.Ray
-
-    Raises
-    ------
-    ValueError
-        Angle outside [0, pi/2].
-
-    Notes
-    -----
-    Source: Fagnani et al., fig. 5 and sec. 4.1. The path lies in a meridian plane, so it never
-    crosses the axis again.
     """
     angle = float(within("angle", angle, 0, np.pi / 2, "rad"))
     return Ray(np.array([nose, 0.0, 0.0]), np.array([-np.cos(angle), np.sin(angle), 0.0]), True)
@@ -41,6 +36,8 @@ def spread(path_distance, temperature, *, points, surface_length):
 
     The number of nodes per length is the mean of three densities, each of unit integral: uniform,
     :math:`1/(\zeta + \zeta_s)` and :math:`|d\ln T/d\zeta|`.
+
+    ValueError: fewer than two points, or surface_length not > 0.
 
     Parameters
     ----------
@@ -57,11 +54,6 @@ def spread(path_distance, temperature, *, points, surface_length):
     -------
     (points,) ndarray [m]
         Increasing strictly, both ends included.
-
-    Raises
-    ------
-    ValueError
-        Fewer than two points, or surface_length not > 0.
     """
     if points < 2:
         raise ValueError(f"points must be >= 2; got {points}")

@@ -27,6 +27,11 @@ def line_of_sight(
     exit. From the window to the instrument: laboratory air. Composition in LTE everywhere: of the
     gas that the flow names up to the window, of air beyond it.
 
+    Source: Fagnani et al., sec. 4.1 and fig. 5.
+
+    ValueError: distances out of order, a path that ends at a wall before the outer radius, a state outside
+    200 to 20000 K, or `face_node` or `face_midnode` that do not hold indices of nodes.
+
     Parameters
     ----------
     flow : Dataset
@@ -46,16 +51,6 @@ def line_of_sight(
         Contract 'sightline'; attributes `angle` [deg], `exit_distance` and `window_distance` [m], and those
         of the condition (`conditions.stated`). The `temperature_error` of the field, if it holds one, is
         carried along.
-
-    Raises
-    ------
-    ValueError
-        Distances out of order, a path that ends at a wall before the outer radius, a state outside
-        200 to 20000 K, or `face_node` or `face_midnode` that do not hold indices of nodes.
-
-    Notes
-    -----
-    Source: Fagnani et al., sec. 4.1 and fig. 5.
     """
     laboratory_temperature = float(positive("laboratory_temperature", laboratory_temperature, "K"))
     laboratory_pressure = float(positive("laboratory_pressure", laboratory_pressure, "Pa"))
@@ -104,13 +99,7 @@ def _condition(flow, angle):
 
 
 def beyond_the_field(exit_distance, window_distance, instrument_distance):
-    """Path distances [m] of the nodes between field and window, and between window and instrument.
-
-    Raises
-    ------
-    ValueError
-        Distances out of order.
-    """
+    """Path distances [m] of the nodes between field and window, and between window and instrument."""
     if not exit_distance < window_distance < instrument_distance - WINDOW_THICKNESS:
         raise ValueError(
             f"distances must satisfy exit < window < instrument; got {exit_distance:.4g},"
@@ -122,6 +111,8 @@ def beyond_the_field(exit_distance, window_distance, instrument_distance):
 
 def chord(flow, *, angle, points):
     """State of the gas from the stagnation point to the boundary of the flow field, at any angle.
+
+    ValueError as `line_of_sight`.
 
     Parameters
     ----------
@@ -136,11 +127,6 @@ def chord(flow, *, angle, points):
     -------
     Dataset
         Contract 'sightline'; attributes `angle` [deg] and `exit_distance` [m].
-
-    Raises
-    ------
-    ValueError
-        As `line_of_sight`.
     """
     inside = _inside(flow, angle, points)
     exit_distance = float(inside["path_distance"][-1])
@@ -156,6 +142,8 @@ def chord(flow, *, angle, points):
 def equilibrium_sightline(path_distance, temperature, pressure):
     """Sight line through given temperatures and pressures, in equilibrium at every point.
 
+    ValueError: path that does not increase, or a state outside 200 to 20000 K.
+
     Parameters
     ----------
     path_distance : array_like (S,) [m]
@@ -167,11 +155,6 @@ def equilibrium_sightline(path_distance, temperature, pressure):
     -------
     Dataset
         Contract 'sightline'.
-
-    Raises
-    ------
-    ValueError
-        Path that does not increase, or a state outside 200 to 20000 K.
     """
     distance = increasing("path_distance", path_distance, "m")
     temperature = np.broadcast_to(positive("temperature", temperature, "K"), distance.shape)
@@ -187,6 +170,8 @@ def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
     The first ray is the one a mirror would send into the instrument: specular reflection turns the line of
     sight by 180 degrees about the normal, which in an axisymmetric field is the same path. The others are
     the directions of the hemispherical mean. Each ends at the boundary of the flow field.
+
+    ValueError as `chord` and `hemisphere.directions`.
 
     Parameters
     ----------
@@ -205,11 +190,6 @@ def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
     -------
     Dataset
         Contract 'surface_view'; `ray_weight` is 0 for the mirrored ray, the others sum to 1.
-
-    Raises
-    ------
-    ValueError
-        As `chord` and `hemisphere.directions`.
     """
     angles, weights = directions(directions_count, core_angle)
     angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
@@ -218,18 +198,9 @@ def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
 
 
 def bundle(angles, weights, paths, title):
-    """Rays to the stagnation point as one Dataset, contract 'surface_view'.
+    """Rays (R,) to the stagnation point as one Dataset, contract 'surface_view'.
 
-    Parameters
-    ----------
-    angles : (R,) [rad]
-    weights : (R,) [1]
-    paths : sequence of R Dataset, contract 'sightline', of the same species
-    title : str
-
-    Returns
-    -------
-    Dataset, contract 'surface_view'
+    `angles` [rad]; `weights` [1]; `paths`: of contract 'sightline' and the same species.
     """
 
     def stacked(name):
@@ -283,6 +254,8 @@ def _inside(flow, angle, points):
 def on_line(flow, z, r, names):
     """Quantities of a computed flow at points on one straight line through its plane.
 
+    ValueError: a line outside the flow field.
+
     Parameters
     ----------
     flow : Dataset, contract 'flow'
@@ -293,11 +266,6 @@ def on_line(flow, z, r, names):
     Returns
     -------
     dict of name -> (P,) ndarray
-
-    Raises
-    ------
-    ValueError
-        A line outside the flow field.
     """
     z, r = np.atleast_1d(z), np.atleast_1d(r)
     field, distance = _field_of(flow, names), np.hypot(z - z[0], r - r[0])

@@ -170,18 +170,7 @@ def _around(matrix, ray, reach):
 
 
 def stretches(found):
-    """Stretches of the ray inside the field, cracks between cells closed.
-
-    Parameters
-    ----------
-    found : Crossings
-        Ordered by the distance of entry, at least one.
-
-    Returns
-    -------
-    ndarray (stretches, 2) [m]
-        First and last distance of each, rising.
-    """
+    """First and last distance (stretches, 2) [m] of the ray inside the field, cracks between cells closed."""
     furthest = np.maximum.accumulate(found.leave)
     crack = CRACK * np.median(found.leave - found.enter)
     breaks = np.flatnonzero(found.enter[1:] - furthest[:-1] > crack)
@@ -195,6 +184,8 @@ def values_along(field, ray, found, distance, names):
 
     .. math:: f = \sum_i \lambda_i f_i + \sum_{i<j} 4\lambda_i\lambda_j\,(f_{ij} - (f_i + f_j)/2)
 
+    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8.
+
     Parameters
     ----------
     field, ray : as in `crossings`
@@ -206,10 +197,6 @@ def values_along(field, ray, found, distance, names):
     Returns
     -------
     dict of name -> ndarray (S,)
-
-    Notes
-    -----
-    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8.
     """
     chosen = np.empty(len(distance), dtype=np.int64)
     for start in range(0, len(distance), ROWS):

@@ -40,26 +40,11 @@ class Plan:
 
 
 def make(study, start, power_step_kw):
-    """The Plan of a study.
+    """The Plan of a study, the key `study` of the configuration.
 
-    Parameters
-    ----------
-    study : mapping
-        The key `study` of the configuration, as its schema has it.
-    start : mapping
-        Values of FLOW_AXES at the cold start.
-    power_step_kw : float
-        Largest step of power in one part of a continuation.
-
-    Returns
-    -------
-    Plan
-
-    Raises
-    ------
-    ConfigurationError
-        More conditions than the limit, two values of an axis that cannot be told apart, a condition given
-        twice.
+    `start`: values of FLOW_AXES at the cold start; `power_step_kw`: largest step of power in one part of a
+    continuation. ConfigurationError: more conditions than the limit, two values of an axis that cannot be
+    told apart, a condition given twice.
     """
     axes = {axis: list(study["axes"][axis]) for axis in AXES}
     extra = [tuple(one[axis] for axis in AXES) for one in study.get("extra", [])]
@@ -79,17 +64,7 @@ def make(study, start, power_step_kw):
 
 
 def in_si(axes, extra):
-    """All conditions of a study as numbers in SI, the angle in radians.
-
-    Parameters
-    ----------
-    axes : mapping of AXES -> values
-    extra : sequence of mappings of AXES -> value
-
-    Returns
-    -------
-    (N, 5) ndarray, columns in the order of AXES
-    """
+    """All conditions (N, 5) of a study in SI, the angle in radians, columns in the order of AXES."""
     rows = [*product(*(axes[axis] for axis in AXES)), *(tuple(one[axis] for axis in AXES) for one in extra)]
     return np.array(rows, dtype=float) * (1e3, 100.0, 1e-3, 1.0, np.pi / 180)
 
@@ -110,21 +85,9 @@ def starting_tree(flows, start, power_step_kw, longest_chain):
 
     The parent is the known flow that needs the fewest parts of a continuation (see `flow.condition`); of
     those the one with the shortest chain behind it; of those the nearest. Known are the cold start, and the
-    flows nearer to it than this one whose own chain is not the longest allowed. So a study of any size has
-    no chain longer than `longest_chain`, and most of its flows can be computed side by side.
-
-    Parameters
-    ----------
-    flows : mapping of name -> values of FLOW_AXES
-    start : mapping
-        Values of FLOW_AXES at the cold start.
-    power_step_kw : float
-    longest_chain : int, >= 0
-        Flows in a row between the cold start and a flow; 0: every flow starts from the cold start.
-
-    Returns
-    -------
-    dict of name -> tuple of names
+    flows nearer to it than this one whose own chain is not the longest allowed, a number of flows >= 0. So a
+    study of any size has no chain longer than `longest_chain`, and most of its flows can be computed side by
+    side.
     """
     names, origin = list(flows), np.array(_place(start, power_step_kw))
     places = np.array([_place(one, power_step_kw) for one in flows.values()])
@@ -150,14 +113,7 @@ def starting_tree(flows, start, power_step_kw, longest_chain):
 def check(config):
     """Refuse a study whose values are right one by one but do not fit the rest of the configuration.
 
-    Parameters
-    ----------
-    config : the main configuration, with the key `study`
-
-    Raises
-    ------
-    ConfigurationError
-        Names every value that does not fit, and the rule.
+    ConfigurationError names every value that does not fit, and the rule.
     """
     study, torch, view = config["study"], config["flow"]["torch"], config["sightline"]
     values = {axis: [*study["axes"][axis], *(one[axis] for one in study.get("extra", []))] for axis in AXES}

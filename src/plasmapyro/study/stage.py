@@ -34,25 +34,12 @@ ROUND_OFF = 1e-12  # relative, between values that are the same but for a change
 def flow(
     gas, start, *, known=(), neighbours=(), numerical_power, chamber_pressure, mass_flow_rate, **settings
 ):
-    """Steady flow at one condition, or a dataset that says why there is none.
+    """Steady flow at one condition, or a dataset that says why there is none (contract 'study_flow').
 
     That a flow was not found is a result of the study, not a fault of the run: the plasma may go out there,
-    or the flow may have no steady state. Every other fault is raised.
-
-    Parameters
-    ----------
-    gas, start, neighbours, numerical_power, chamber_pressure, mass_flow_rate
-        As in `flow.stage.condition`.
-    known : sequence of Dataset, contract 'study_flow'
-        Other flows of the study; those without a flow are left out.
-    settings
-        The other arguments of `flow.stage.condition` but `error_mesh_ratio`: errors are not estimated.
-
-    Returns
-    -------
-    Dataset, contract 'study_flow'
-        That of the flow with `flow_status` 0; or `flow_status` 1 (the plasma goes out), 2 (no steady flow was
-        found) with the attribute `reason` and none of the fields.
+    or the flow may have no steady state. `flow_status` 1 or 2 says so, with the attribute `reason` and none
+    of the fields. Every other fault is raised. Arguments as of `flow.stage.condition`, errors are not
+    estimated; `known`: other flows of the study, of which those without a flow are left out.
     """
     found = [one.drop_vars("flow_status") for one in known if int(one.flow_status) == COMPUTED]
     place = {
@@ -87,21 +74,10 @@ def signal(
     grid_points,
     slit_fwhm,
 ):
-    """Band signals of the gas and its highest temperature along one line of sight; the spectrum is not kept.
+    """Band signals of the gas and its highest temperature along one line of sight (contract 'study_signal').
 
-    Parameters
-    ----------
-    flow : Dataset, contract 'study_flow'
-    response : Dataset, contract 'response'
-    angle : float [rad]
-    points, window_distance, instrument_distance, laboratory_temperature, laboratory_pressure
-        As in `sightline.stage.line_of_sight`.
-    wavelength_range, grid_points, slit_fwhm
-        As in `radiation.stage.line_of_sight_radiance`.
-
-    Returns
-    -------
-    Dataset, contract 'study_signal'; NaN where there is no flow.
+    NaN where there is no flow; the spectrum is not kept. Settings as of `sightline.stage.line_of_sight` and
+    `radiation.stage.line_of_sight_radiance`.
     """
     place = {name: flow[name] for name in FLOW_DIMS}
     gas_signal, peak, origin = np.full(len(BANDS), np.nan), np.nan, "modelled"
@@ -136,6 +112,10 @@ def signal(
 def gather(signals, response, curve, *, conditions, object_temperature, limit_temperature, error_level):
     """All conditions of a study along named dimensions: gas, visibility, reading, limit of the error.
 
+    Source: Fagnani et al., secs. 4.2 to 4.4, as in `analysis.stage`.
+
+    ValueError: a condition without a signal, an emittance outside (0, 1].
+
     Parameters
     ----------
     signals : iterable of Dataset, contract 'study_signal'
@@ -154,15 +134,6 @@ def gather(signals, response, curve, *, conditions, object_temperature, limit_te
     Dataset, contract 'study'
         Dimensions are the values that occur, rising. Where a combination was not asked for or has no flow,
         numbers are NaN and `study_status` says which of the two.
-
-    Raises
-    ------
-    ValueError
-        A condition without a signal, an emittance outside (0, 1].
-
-    Notes
-    -----
-    Source: Fagnani et al., secs. 4.2 to 4.4, as in `analysis.stage`.
     """
     conditions = np.atleast_2d(np.asarray(conditions, dtype=float))
     temperature = increasing("object_temperature", object_temperature, "K")

@@ -20,26 +20,12 @@ OF_SLIT = 0.05  # [1] ASSUME of the square of the width of the slit: 2.5 % of it
 
 
 def gas_library(condition, radiation, variations, *, fwhm):
-    """Templates of the gas for one test.
+    """Templates of the gas for one test, that of a simulated condition.
 
-    Parameters
-    ----------
-    condition : str
-        Simulation to compare with.
-    radiation : mapping condition -> Dataset, contract 'radiation'
-        Those that share all but the power with the condition, and its slit, say what another power does.
-    variations : Dataset, contract 'gas_variations', of the condition, or None
-    fwhm : float [m]
-        Slit of the spectrometer. A narrower one than that of the library is taken as that of the library.
-
-    Returns
-    -------
-    GasLibrary
-
-    Raises
-    ------
-    ValueError
-        Unknown condition, or varied spectra that are not on its axis.
+    `radiation`: condition -> Dataset; those that share all but the power with it, and its slit, say what
+    another power does. `variations` of the condition, or None; `fwhm` [m]: slit of the spectrometer. A
+    narrower one than that of the library is taken as that of the library. ValueError: unknown condition, or
+    varied spectra that are not on its axis.
     """
     if condition not in radiation:
         raise ValueError(f"condition must be among {', '.join(radiation)}; got {condition!r}")
@@ -125,16 +111,7 @@ def _of_scale(wavelength, light, fwhm):
 
 
 def rungs(condition, radiation):
-    """Conditions that share all but the power with one of them, seen through the same slit; by rising power.
-
-    Parameters
-    ----------
-    condition, radiation : as in `gas_library`
-
-    Returns
-    -------
-    list of str, the condition among them
-    """
+    """Conditions that share all but the power with one of them, itself among them, and its slit; by power."""
     own = radiation[condition]
     same = {
         name: one
@@ -146,16 +123,7 @@ def rungs(condition, radiation):
 
 
 def remarks(condition, radiation, variations):
-    """What the simulations at hand leave out, in sentences for the report.
-
-    Parameters
-    ----------
-    condition, radiation, variations : as in `gas_library`
-
-    Returns
-    -------
-    list of str
-    """
+    """What the simulations at hand leave out, in sentences for the report; arguments as of `gas_library`."""
     alone = len(rungs(condition, radiation)) == 1
     reason = (
         f"{condition} does not state its power"

@@ -32,6 +32,8 @@ def gas_variations(sightline, view, radiation, table=None, *, pressure, boundary
     given as that light. The light that falls on the surface is absorbed on its way: seen end on, the core of
     the torch keeps half of its strong lines.
 
+    ASSUME: away from the wall a change of temperature leaves the gas in equilibrium at its pressure.
+
     Parameters
     ----------
     sightline : Dataset, contract 'sightline'
@@ -52,10 +54,6 @@ def gas_variations(sightline, view, radiation, table=None, *, pressure, boundary
         atoms and of vibration of N2 (relative), optical depth of the strongest line; and `added_radiance`
         (addition, wavelength_slit): reflected as by a mirror and a matt surface per 1 - emittance, a wall of
         1600 K, CN at the wall.
-
-    Notes
-    -----
-    ASSUME: away from the wall a change of temperature leaves the gas in equilibrium at its pressure.
     """
     slit, fwhm = radiation["wavelength_slit"].values, float(radiation.attrs["slit_fwhm"])
     fine = radiation["wavelength"].values

@@ -208,22 +208,12 @@ def vertex(left, middle, right):
 
 
 def line_groups(wavelength, component, radiance):
-    """Split a spectrum into groups of lines whose strengths err independently.
+    """Groups of lines whose strengths err independently: names (G,), and light (G, K) that adds up to the
+    whole.
 
-    Parameters
-    ----------
-    wavelength : (K,) [m]
-    component : sequence of names (C,)
-    radiance : (C, K) [W m-2 sr-1 m-1]
-
-    Returns
-    -------
-    names (G,), radiance (G, K), adding up to the whole.
-
-    Notes
-    -----
-    ASSUME: lines of one atom with less than 1 nm of darkness between them (a multiplet) share an error of
-    strength, as do the faint lines of one atom, and the bands of N2 1P of one sequence.
+    Of the `radiance` (C, K) [W m-2 sr-1 m-1] of components. ASSUME: lines of one atom with less than 1 nm of
+    darkness between them (a multiplet) share an error of strength, as do the faint lines of one atom, and the
+    bands of N2 1P of one sequence.
     """
     names, rows = [], []
     whole = radiance.sum()

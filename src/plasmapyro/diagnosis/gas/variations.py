@@ -28,6 +28,9 @@ class GasEmission:
     .. math:: j_\lambda(T) = \sum_l n_u(T) \frac{A h c \tilde\nu}{4\pi} g(\lambda - \lambda_l)
               + \kappa_c B_\lambda(T)
 
+    Source: thin limit of the transfer equation (along the sight line of the default torch 4e-5 of a band
+    signal is absorbed). ASSUME: Lorentz wings are neglected; only ratios of such spectra are used.
+
     Parameters
     ----------
     line_lists : list of LineList
@@ -42,11 +45,6 @@ class GasEmission:
     temperature : (N,) [K]
     plain : (N, C, K) [W m-3 sr-1 m-1]
         Components: the line lists, then all continua.
-
-    Notes
-    -----
-    Source: thin limit of the transfer equation (along the sight line of the default torch 4e-5 of a band
-    signal is absorbed). ASSUME: Lorentz wings are neglected; only ratios of such spectra are used.
     """
 
     def __init__(self, line_lists, wavelength_slit, slit_fwhm, pressure, nitrogen):

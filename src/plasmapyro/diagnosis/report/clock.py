@@ -6,13 +6,7 @@ TIMES = ("time", "start", "end", "at_time", "plasma_off_time")  # keys of a repo
 
 
 def on_clock(diagnosis, injection):
-    """The diagnosis with every time on the clock of the test.
-
-    Parameters
-    ----------
-    diagnosis : stage.Diagnosis, times from the injection
-    injection : float [s] on the clock of the test
-    """
+    """The diagnosis with every time on the clock of the test, where the injection is at `injection` [s]."""
     if injection == 0:
         return diagnosis
     return replace(

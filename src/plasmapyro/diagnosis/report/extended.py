@@ -87,10 +87,6 @@ def proposed(findings):
     What it was given itself comes first: as it was, or as the fit leaves it if it was fitted to these data.
     Terms of the test are proposed where held-out data speak for them; a power that `simulation.compare` calls
     wrong.
-
-    Returns
-    -------
-    (tuple of Term, tuple of Term)
     """
     fit = findings.final if findings.applied else findings.base.solution
     model, errors = findings.model, np.sqrt(np.maximum(np.diag(fit.covariance), 0))

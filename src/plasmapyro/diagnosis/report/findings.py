@@ -82,8 +82,6 @@ class Findings:
 
         of K numbers with the inverse covariance P before and M after the data.
 
-        Notes
-        -----
         Source: D. J. Spiegelhalter et al., J. R. Stat. Soc. B 64 (2002) 583, for normal laws.
         """
         fitter, factor = self.base.fitter, self.base.solution.factor

@@ -93,18 +93,9 @@ def measurements():
 def following(model, fit, groups=(), apart=None):
     """Measurements ranked by the kelvin of uncertainty that each removes, and the best one after the first.
 
-    Parameters
-    ----------
-    model : Model
-    fit : Solution of it
-    groups : sequence of lists of ids
-        Effects that the data do not tell apart.
-    apart : mapping id -> [K]
-        How far the temperature moves by an effect; the spread in a group counts as uncertainty.
-
-    Returns
-    -------
-    list of dict, by the schema of `diagnosis.json`
+    Entries by the schema of `diagnosis.json`. `groups`: lists of ids of effects that the data do not tell
+    apart; `apart`: id -> [K], how far the temperature moves by an effect; the spread in a group counts as
+    uncertainty.
     """
     state, known = Following(model, fit), measurements()
     open_groups = [group for group in groups if len(group) > 1]

@@ -17,6 +17,8 @@ def half_width(sigma, bound, level=LEVEL):
     With :math:`G(x) = x \Phi(x) + \phi(x)` the left side is :math:`\sigma [G((q+a)/\sigma) -
     G((q-a)/\sigma)] / a - 1`.
 
+    Source: JCGM 101:2008 (GUM Supplement 1), 6.4.2 and 7.7: propagated distributions, not their variances.
+
     Parameters
     ----------
     sigma, bound : arrays of one shape, the unit of the number
@@ -27,10 +29,6 @@ def half_width(sigma, bound, level=LEVEL):
     Returns
     -------
     ndarray, the unit of the number
-
-    Notes
-    -----
-    Source: JCGM 101:2008 (GUM Supplement 1), 6.4.2 and 7.7: propagated distributions, not their variances.
     """
     sigma, bound = np.broadcast_arrays(np.asarray(sigma, dtype=float), np.asarray(bound, dtype=float))
     scale = np.hypot(sigma, bound)
@@ -52,6 +50,9 @@ def estimated_beside_bounded(variance, covariance, prior):
     mean leaves :math:`\mathrm{cov}(T, u)\,u/\sigma_u^2` in T, bounded by :math:`a = \sqrt 3\,
     |\mathrm{cov}(T, u)|/\sigma_u`; the other errors are normal with the rest of the variance.
 
+    Source: linear Gaussian estimation, e.g. C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006),
+    eq. A.6, for the true instead of the assumed law of u.
+
     Parameters
     ----------
     variance, covariance : arrays of one shape, [T^2], [T u]
@@ -62,11 +63,6 @@ def estimated_beside_bounded(variance, covariance, prior):
     Returns
     -------
     ndarray, the unit of T
-
-    Notes
-    -----
-    Source: linear Gaussian estimation, e.g. C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006),
-    eq. A.6, for the true instead of the assumed law of u.
     """
     share = np.abs(covariance) / prior
     return half_width(np.sqrt(np.maximum(variance - share**2, 0.0)), np.sqrt(3.0) * share)

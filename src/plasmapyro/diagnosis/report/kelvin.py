@@ -13,16 +13,9 @@ SURFACE = 0.5  # [1] of the light: with less of it from the surface nothing is j
 
 
 def judged_span(model, solution):
-    """First and last time [s] at which a warm surface gives most of what some instrument sees.
+    """First and last time [s] from the injection when a warm surface is most of what an instrument sees.
 
-    Parameters
-    ----------
-    model : Model
-    solution : Solution of it
-
-    Returns
-    -------
-    (2,) floats [s] from the injection; (inf, -inf) if it never does
+    (inf, -inf) if it never is.
     """
     first, last = np.inf, -np.inf
     for instrument, gas, predicted in zip(model.instruments, solution.gas, solution.prediction, strict=True):
@@ -36,20 +29,10 @@ def judged_span(model, solution):
 
 
 def paper_temperature(signals, moment, record, reading, reference=None):
-    """Corrected temperature of the paper and its status, from signals on bins.
+    """Corrected temperature (n,) [K] of the paper and its status (n,), from signals (n, 2) [A] on bins.
 
-    Parameters
-    ----------
-    signals : (n, 2) array [A]
-    moment : (n,) array [s] from the injection
-    record : Record of the test
-    reading : `experiment.correction.Reading`
-    reference : pair of (2,) arrays [A], mean and standard uncertainty; of the samples of the test by default
-
-    Returns
-    -------
-    temperature : (n,) ndarray [K]
-    status : (n,) int8 ndarray
+    `moment` (n,) [s] from the injection; `reference`: mean and standard uncertainty (2,) [A], of the samples
+    of the test by default.
     """
     if reference is None:
         reference = reference_of(record)

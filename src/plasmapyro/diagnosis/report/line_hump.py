@@ -48,13 +48,9 @@ def factors(library, spectrum):
 def line_hump(library, strengths, explanations, calibration=False):
     """Line and hump of the gas against the simulation: the measured point and where explanations lead.
 
-    Parameters
-    ----------
-    library : GasLibrary
-    strengths : (spectrum (K,), relative errors of line and hump), what the fit makes of the gas
-    explanations : mapping id -> (name, amplitudes, function amplitude -> spectrum (K,))
-    calibration : bool
-        Whether the throughput of an instrument left its prior: surface and gas err alike.
+    `strengths`: spectrum (K,) and relative errors of line and hump, what the fit makes of the gas;
+    `explanations`: id -> (name, amplitudes, function amplitude -> spectrum (K,)); `calibration`: whether the
+    throughput of an instrument left its prior: surface and gas err alike.
     """
     spectrum, errors = strengths
     line, hump = factors(library, spectrum)

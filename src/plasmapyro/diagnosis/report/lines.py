@@ -33,20 +33,10 @@ def lines_left(findings):
 def species_left(wavelength, left, sigma, library):
     """Species behind light that a model leaves, and the effects that would explain it.
 
-    Parameters
-    ----------
-    wavelength : ndarray (C,) [m]
-        Of the channels, in vacuum.
-    left, sigma : ndarray (C,) [W m-2 sr-1 m-1]
-        Mean light besides the model while the plasma burns, and its standard deviation.
-    library : Library
-        Of the gas: its O I triplet is the unit of the amplitude.
-
-    Returns
-    -------
-    list of dict
-        `species`, `probability`, `lines` [m] (in air), `rivals`, and `effect` with id, amplitude and its
-        standard `uncertainty`, as under the key `effects`.
+    `left`, `sigma` (C,) [W m-2 sr-1 m-1]: mean light besides the model while the plasma burns, and its
+    standard deviation, in channels [m] in vacuum; the O I triplet of the library is the unit of the
+    amplitude. One dict each: `species`, `probability`, `lines` [m] (in air), `rivals`, and `effect` with id,
+    amplitude and its standard `uncertainty`, as under the key `effects`.
     """
     usable = np.isfinite(left) & (sigma < 1e3 * np.median(sigma))
     wavelength, left, sigma = wavelength[usable], left[usable], sigma[usable]

@@ -22,22 +22,12 @@ HEAD = "| measured on | base | extended | change ± standard error | |", "|---|-
 
 
 def loop_page(name, base, extended, corrections, predictions, terms=(), beside=None):
-    """Markdown text of the loop base -> diagnosis -> extended.
+    """Markdown text of the loop base -> diagnosis -> extended of a test.
 
-    Parameters
-    ----------
-    name : str
-        Of the test.
-    base, extended : mappings, reports of the diagnosis without and with what was named
-    corrections : pair (base, extended) of (pyrometer, spectrometer) corrections
-    predictions : mapping name of a test -> pair (base, extended) of `simulation.predicted.Prediction`
-    terms : sequence of Term
-        What was changed in the simulation.
-    beside : mapping name of a test -> `claims.beside.Beside` of the base, extended and measured gas, optional
-
-    Returns
-    -------
-    str
+    `base`, `extended`: reports of the diagnosis without and with what was named; `corrections`: of each,
+    those of pyrometer and spectrometer; `predictions`: test -> pair of `simulation.predicted.Prediction`;
+    `terms`: what was changed in the simulation; `beside`: test -> `claims.beside.Beside` of the base,
+    extended and measured gas.
     """
     named = base["extended"]["terms"] if base["extended"] else []
     words = {row["id"]: row for row in base["candidates"]}

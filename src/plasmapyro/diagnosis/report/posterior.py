@@ -12,14 +12,6 @@ def posterior(findings):
 
     `slope` (t, d) [K] is :math:`B = \mathrm{cov}(T, \theta)\,\mathrm{cov}(\theta)^{-1}`: other tests that
     move the numbers by x move the temperature by B x.
-
-    Parameters
-    ----------
-    findings : Findings
-
-    Returns
-    -------
-    dict, by the schema of `diagnosis.json`
     """
     model, fit = findings.model, findings.final if findings.applied else findings.base.solution
     after, before, at_hand = posterior_of(model, fit), prior_of(model), stated(model)

@@ -35,17 +35,7 @@ ASSUMPTIONS = (
 
 
 def report_of(findings, temperature):
-    """Everything that is said of a test.
-
-    Parameters
-    ----------
-    findings : Findings
-    temperature : Dataset, contract 'diagnosis_temperature'
-
-    Returns
-    -------
-    dict, by the schema of `diagnosis.json`
-    """
+    """Everything that is said of a test, by the schema of `diagnosis.json`."""
     shift = largest_shift(findings, temperature)
     entries, hidden = [*candidates(findings), *entries_of(findings)], limits(findings)
     verdict = _verdict(findings, entries, hidden, shift)

@@ -7,16 +7,7 @@ SHORTEST = 1e-3  # [s], width of a bin
 
 
 def residual_map(findings):
-    """Data, models and residuals.
-
-    Parameters
-    ----------
-    findings : Findings
-
-    Returns
-    -------
-    Dataset, contract 'residual_map'
-    """
+    """Data, models and residuals, contract 'residual_map'."""
     times = findings.times
     edges = np.stack([times, times], axis=1)
     variables, coordinates = {}, {"time_bin": times, "model": ["base", "extended"]}

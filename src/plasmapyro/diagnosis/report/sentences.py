@@ -13,21 +13,10 @@ def verdict_sentences(
 ):
     """Sentences of a verdict; the first stands alone.
 
-    Parameters
-    ----------
-    status : str
-    candidates : mapping id -> entry of the report
-    named, of_gas : lists of ids
-        What the thermometer asks for, and what the spectrum of the gas asks of the simulation.
-    p_value : float
-    unknown_name : str or None
-        Of the structure that remains.
-    gained : Gain or None
-    limits : list of entries of the report, worst first
-    unsure : list of str
-        Why the base fit is not adequate, why names are not certain, or parameters far from their priors.
-    held : list of str
-        Light in the view that the base model holds besides.
+    `candidates`: id -> entry of the report; `named`, `of_gas`: ids that the thermometer asks for, and what
+    the spectrum of the gas asks of the simulation; `unknown_name`: of the structure that remains; `limits`:
+    entries of the report, worst first; `unsure`: why the base fit is not adequate, why names are not certain,
+    or parameters far from their priors; `held`: light in the view that the base model holds besides.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
     names, gas = (

@@ -18,16 +18,8 @@ LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature,
 def temperatures(findings, against=(), contradicted=((), "")):
     """Temperatures with 95 % intervals at the middles of all bins, and the one to take away.
 
-    Parameters
-    ----------
-    findings : Findings
-    against : sequence of str
-        What says that instruments contradict each other, see `record.recommended`.
-    contradicted : times [s] and a sentence, see `stage.diagnose`
-
-    Returns
-    -------
-    Dataset, contract 'diagnosis_temperature'
+    Contract 'diagnosis_temperature'. `against`: what says that instruments contradict each other, see
+    `record.recommended`; `contradicted`: see `stage.diagnose`.
     """
     unlike, words = _unlike(findings, *contradicted)
     if unlike.all():
@@ -160,15 +152,13 @@ def unlike_throughput(model, solution, basis):
     with the mean m and the variance v that the fit gives the logarithm g of the throughput with its narrow
     prior; the wide one makes them :math:`m' = m / (1 + h v), v' = v / (1 + h v)`.
 
+    The linear case of `estimate.throughput`, which takes the path along with the level.
+
     Returns
     -------
     shift : (t,) ndarray [K], root of the mean square about the temperature of the fit; 0 where a second
         instrument or other tests contradict such a throughput
     facts : dict, as those of `estimate.throughput.in_doubt`; empty where the shift is 0
-
-    Notes
-    -----
-    The linear case of `estimate.throughput`, which takes the path along with the level.
     """
     if [one.source for one in model.instruments] != ["pyrometer"] or not model.plasma:
         return np.zeros(len(basis)), {}
@@ -199,15 +189,13 @@ def other_clock(solution, basis, times):
 
     Data tell how far the clocks are apart, not which is that of the test: the fit takes the spectrometer's.
 
+    Source: first order of the displaced series; as large as that shift, like what is named and not confirmed.
+
     Parameters
     ----------
     solution : fit, with the clocks named in its `settings`; 0 K where there are none
     basis : (t, K) array, from its knots to the temperatures [K] at `times`
     times : (t,) array [s]
-
-    Notes
-    -----
-    Source: first order of the displaced series; as large as that shift, like what is named and not confirmed.
     """
     late = sum(one.late for one in solution.settings)
     return late * np.gradient(basis @ solution.state.knots, times) if late else np.zeros(len(times))

@@ -200,19 +200,8 @@ def settled(simulated, settings=(), wrong=()):
     """Fitter whose errors of the simulation are relative to the light that it fits, and the fit.
 
     Relative to the measured light, errors would be small where this one is, and fits would err downwards.
+    `settings`: effects that are switched on; `wrong`: radiating systems that may have any strength.
 
-    Parameters
-    ----------
-    simulated : Simulated
-    settings : effects that are switched on
-    wrong : names of radiating systems that may have any strength
-
-    Returns
-    -------
-    Fitter, Fit
-
-    Notes
-    -----
     Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
     """
     fitter, fit = Fitter(simulated, simulated.measured.simulated, wrong), None
@@ -336,8 +325,6 @@ class Fitter:
     def spread(self, fit):
         """The Birge ratio [1] of a fit, squared: its chi-squared per number where that is above 1.
 
-        Notes
-        -----
         Source: R. T. Birge, Phys. Rev. 40, 207 (1932).
         """
         rest = self.white(self.measured.value - self.light(fit))[0]

@@ -38,8 +38,6 @@ class MeasuredGas:
         Where a model disagrees with the data in shape, errors that are relative to the data pull every fit to
         too little light.
 
-        Notes
-        -----
         Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
         """
         ratio = np.where(self.value > DARK, light / np.maximum(self.value, DARK), 1.0)
@@ -55,17 +53,7 @@ class MeasuredGas:
 
 
 def measured_gas(model, solution):
-    """Measured light of the gas from a fit with a free gas.
-
-    Parameters
-    ----------
-    model : Model
-    solution : Solution
-
-    Returns
-    -------
-    MeasuredGas
-    """
+    """Measured light of the gas from the solution of a model with a free gas."""
     brightness = np.exp(solution.state.values[model.index["gas"]])
     levels = [model.gas_level(which) for which in range(len(model.instruments))]
     level, simulated = (np.concatenate(rows) for rows in zip(*levels, strict=True))

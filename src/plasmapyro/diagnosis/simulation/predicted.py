@@ -43,23 +43,10 @@ class Prediction:
 
 
 def predicted(test, radiation, reading, calibration, spectrometer_calibration, *, saturation_counts):
-    """What a simulation foretells of the gas of a test.
+    """What a simulation ('radiation', of its condition) foretells of the gas of a test with both instruments.
 
-    Parameters
-    ----------
-    test : Dataset, contract 'test', with both instruments
-    radiation : Dataset, contract 'radiation', of its condition
-    reading : `experiment.correction.Reading`
-    calibration, spectrometer_calibration : Datasets
-    saturation_counts : float [count]
-
-    Returns
-    -------
-    Prediction
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 12, with the simulated for the measured reference.
+    Raw counts from `saturation_counts` on are saturated. Source: Fagnani et al., eq. 12, with the simulated
+    for the measured reference.
     """
     calibrations = {"pyrometer": calibration, "spectrometer": spectrometer_calibration}
     record = record_of(test, calibrations, saturation_counts=saturation_counts)
@@ -92,17 +79,9 @@ def predicted(test, radiation, reading, calibration, spectrometer_calibration, *
 
 
 def foretold(tests, calibration, spectrometer_calibration, *, limits, saturation_counts):
-    """What simulations foretell of the gas of tests.
+    """What simulations foretell of the gas of tests: name -> a `Prediction` for each simulation.
 
-    Parameters
-    ----------
-    tests : mapping name -> (Dataset of the contract 'test', then Datasets of the contract 'radiation')
-    calibration, spectrometer_calibration : Datasets
-    limits, saturation_counts : as of `stage.diagnose`
-
-    Returns
-    -------
-    dict name -> list of `Prediction`, one for each simulation
+    `tests`: name -> (test, then Datasets of the contract 'radiation'); `limits`: as of `stage.diagnose`.
     """
     found = {}
     for name, (test, *simulated) in tests.items():

@@ -55,12 +55,7 @@ class Line:
 def systems_of(fitter, fit):
     """Each `System` of the light of a condition, those that are too faint to be measured left out.
 
-    Parameters
-    ----------
-    fitter : compare.Fitter
-        With those systems free whose strength is beyond what is stated.
-    fit : compare.Fit
-        Whose power and brightness they are held against.
+    They are held against power and brightness of the fit, those free whose strength is beyond what is stated.
     """
     simulated, library = fitter.simulated, fitter.simulated.model.library
     ratio, by_power, error = _shares(fitter, fit)
