@@ -50,19 +50,19 @@ blind: .venv/installed
 	$(BIN)/python workflow/blind/run.py --seed $(SEED) $(CASES) --share $(SHARE) --publish docs/scoreboard
 
 reproduce: .venv/tested
-	$(BIN)/python workflow/reproduce.py
+	$(BIN)/python tests/runs/reproduce.py
 
 compare: figures report .venv/tested
-	$(BIN)/python workflow/reproduce.py --results results
+	$(BIN)/python tests/runs/reproduce.py --results results
 	PLASMAPYRO_RESULTS=results $(BIN)/pytest -q --numprocesses $(CORES) tests/blind/test_main_story.py tests/pages/test_commands_on_results.py tests/report \
 	  tests/radiation/test_stored_table.py \
 	  tests/test_public_functions.py::test_the_shipped_simulations_are_those_of_a_run
 
 slurm: figures .venv/tested
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python workflow/slurm_check.py
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python tests/runs/slurm_check.py
 
 faults: .venv/tested
-	$(BIN)/python workflow/faults.py
+	$(BIN)/python tests/runs/faults.py
 
 fuzz: .venv/tested
 	PLASMAPYRO_FUZZ=$(COUNT) $(BIN)/pytest -q --numprocesses $(CORES) $(FUZZERS)

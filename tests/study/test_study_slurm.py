@@ -8,7 +8,7 @@ import pytest
 from clone import copy_of_the_project
 from small_study import ROOT, prepare, snakemake
 
-SCRIPT = ROOT / "workflow/slurm/one_machine.sh"
+SCRIPT = ROOT / "tests/runs/one_machine.sh"
 PLAIN = "/usr/bin:/bin"  # where Debian does not put the daemons
 CANNOT = 2  # exit code of the script where there can be no Slurm
 

@@ -30,7 +30,7 @@ import threading
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__", ".pytest_cache", ".ruff_cache")
 MOST_JOBS, LATEST_KILL = 4, 4.0  # a kill comes when up to so many jobs of a run began, up to so many s later
 SMALL_DISK, LARGE_DISK = "2m", "400m"

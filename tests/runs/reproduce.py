@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "tests" / "reference"
 LEFT_OUT = (".git", ".venv", ".snakemake", "results", "__pycache__")
 # Another machine rounds otherwise; the flow stops iterating when a step changes the temperature by less than

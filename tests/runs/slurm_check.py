@@ -1,6 +1,6 @@
 """Does a run through a real Slurm give the bytes of a local run?
 
-Starts Slurm on this machine (workflow/slurm/one_machine.sh; Debian: apt-get install slurm-wlm munge; as
+Starts Slurm on this machine (tests/runs/one_machine.sh; Debian: apt-get install slurm-wlm munge; as
 root), runs the workflow in a clean copy of the project through profiles/slurm, and compares every netCDF file
 with the results of the local run in results/. For a part of the job, name its results as for Snakemake.
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from reproduce import LEFT_OUT, ROOT, differing_files
 
-SLURM = ROOT / "workflow" / "slurm" / "one_machine.sh"
+SLURM = ROOT / "tests" / "runs" / "one_machine.sh"
 
 
 def run_through_slurm(folder, configfile, targets, taken):
