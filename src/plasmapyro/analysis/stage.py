@@ -18,17 +18,10 @@ from plasmapyro.radiation.planck import blackbody_radiance
 
 
 def gather(radiation, *, emittance):
-    """Band signals of the gas of all conditions, side by side.
+    """Band signals of the gas of all conditions, side by side (contract 'gas_signal'), sorted by power.
 
-    Parameters
-    ----------
-    radiation : mapping of condition name -> Dataset, contract 'radiation'
-        Their attributes say power and pressure (`conditions.stated`); NaN of those that do not.
-    emittance : sequence of float [1], of the surface in each condition
-
-    Returns
-    -------
-    Dataset, contract 'gas_signal', sorted by power
+    Of the light of each condition, whose attributes say power and pressure (`conditions.stated`, NaN if they
+    do not), and the emittance of the surface in it.
     """
     if not radiation:
         raise ValueError("no power condition: at least one radiation file is needed")
@@ -57,18 +50,7 @@ def _of_conditions(gas):
 def visibility(gas, response, *, object_temperature, visibility_level):
     """Visibility factors of all bands, and the surface temperatures at which they reach given levels.
 
-    Source: Fagnani et al., eq. 10, sec. 4.3.
-
-    Parameters
-    ----------
-    gas : Dataset, contract 'gas_signal'
-    response : Dataset, contract 'response'
-    object_temperature : (T,) array [K], strictly increasing
-    visibility_level : sequence of float [1], in (0, 1)
-
-    Returns
-    -------
-    Dataset, contract 'visibility'
+    `object_temperature` [K] rises; levels lie in (0, 1). Source: Fagnani et al., eq. 10, sec. 4.3.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     surface = gas.sample_emittance.values[:, None, None] * blackbody_signals(temperature, response)[None]
@@ -98,19 +80,8 @@ def visibility(gas, response, *, object_temperature, visibility_level):
 def apparent_temperature(gas, response, curve, *, object_temperature):
     """Temperature read on each condition's surface through the gas, and its relative error.
 
-    Source: Fagnani et al., eqs. 4 to 7. ASSUME: thin atmosphere, uniform window, no reflected gas
-    radiation (their sec. 2).
-
-    Parameters
-    ----------
-    gas : Dataset, contract 'gas_signal'
-    response : Dataset, contract 'response'
-    curve : Dataset, contract 'ratio_curve'
-    object_temperature : (T,) array [K], strictly increasing
-
-    Returns
-    -------
-    Dataset, contract 'apparent_temperature'; NaN and a status where the curve gives no reading.
+    `object_temperature` [K] rises; NaN and a status where the curve gives no reading. Source: Fagnani et al.,
+    eqs. 4 to 7. ASSUME: thin atmosphere, uniform window, no reflected gas radiation (their sec. 2).
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     reading, status = _read(gas, response, curve, gas.sample_emittance.values[:, None], temperature[None])
@@ -131,20 +102,7 @@ def apparent_temperature(gas, response, curve, *, object_temperature):
 def error_map(gas, response, curve, *, object_temperature, emittance, error_level):
     """Relative error over surface temperature and emittance, and the curve of one error level.
 
-    Source: Fagnani et al., eq. 7, sec. 4.4.
-
-    Parameters
-    ----------
-    gas : Dataset, contract 'gas_signal'
-    response : Dataset, contract 'response'
-    curve : Dataset, contract 'ratio_curve'
-    object_temperature : (T,) array [K], strictly increasing
-    emittance : (E,) array [1], strictly increasing in (0, 1]
-    error_level : float [1], > 0
-
-    Returns
-    -------
-    Dataset, contract 'error_map'
+    `object_temperature` [K] rises, as does the emittance, in (0, 1]. Source: Fagnani et al., eq. 7, sec. 4.4.
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     emittance = increasing("emittance", emittance, "1")
@@ -168,21 +126,8 @@ def error_map(gas, response, curve, *, object_temperature, emittance, error_leve
 def transient(gas, response, curve, *, conditions, time, initial_temperature, gain, natural_frequency):
     """Apparent temperature while a sample heats as a critically damped second-order system.
 
-    Source: Fagnani et al., eq. 11, sec. 4.5.
-
-    Parameters
-    ----------
-    gas : Dataset, contract 'gas_signal'
-    response : Dataset, contract 'response'
-    curve : Dataset, contract 'ratio_curve'
-    conditions : names of the conditions to show
-    time : (t,) array [s], strictly increasing
-    initial_temperature, gain : float [K]
-    natural_frequency : float [s-1]
-
-    Returns
-    -------
-    Dataset, contract 'transient'
+    Of the named conditions, at times [s] that rise; temperatures [K] and frequency [s-1] as of
+    `transient.step_response`. Source: Fagnani et al., eq. 11, sec. 4.5.
     """
     missing = sorted(set(conditions) - set(gas.condition.values))
     if missing:
@@ -208,19 +153,9 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
 
 
 def surface_radiance(*, object_temperature, emittance, wavelength):
-    """Radiance of a grey surface at several temperatures, to be set beside that of the gas.
+    """Radiance of a grey surface at several temperatures [K], to be set beside that of the gas.
 
     Source: Fagnani et al., sec. 4.2.
-
-    Parameters
-    ----------
-    object_temperature : (T,) array [K]
-    emittance : float [1]
-    wavelength : (W,) array [m]
-
-    Returns
-    -------
-    Dataset, contract 'surface_radiance'
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     wavelength = increasing("wavelength", wavelength, "m")

@@ -24,21 +24,10 @@ VALIDATED = 1.1  # [1] of a Monte Carlo over a linear uncertainty: a weak signal
 
 
 def read_measured(reading, signals, saturated):
-    """Temperature the pyrometer reads from its signals as they are.
+    """Temperature (t,) [K] the pyrometer reads from its signals (2, t) [A] as they are, and its status (t,).
 
-    Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the paper takes the surface as grey (slope 1).
-
-    Parameters
-    ----------
-    reading : Reading
-    signals : (2, t) array [A], wide and narrow, NaN where missing
-    saturated : (t,) bool array
-
-    Returns
-    -------
-    temperature : (t,) ndarray [K]
-        NaN unless the status is valid or extrapolated.
-    status : (t,) int8 ndarray, see `status.MEANINGS`
+    NaN unless the status is valid or extrapolated. Source: Fagnani et al., eq. 6 and sec. 5.2. Deviation: the
+    paper takes the surface as grey (slope 1).
     """
     ratio = signal_ratio(*signals) / reading.slope
     temperature, status = invert_quadratic(ratio, *reading.fit)
@@ -49,24 +38,11 @@ def read_measured(reading, signals, saturated):
 
 
 def read_corrected(reading, signals, corrected, uncertainty, injected, saturated):
-    """Temperature from the corrected signals, and why there is none.
+    """Temperature (t,) [K] from the corrected signals (2, t) [A] and their uncertainty, and its status (t,).
 
-    Source: Fagnani et al., eqs. 6 and 13, sec. 5.2.
-
-    Parameters
-    ----------
-    reading : Reading
-    signals, corrected, uncertainty : (2, t) arrays [A]
-        Measured signals, corrected ones, and the uncertainty of these.
-    injected, saturated : (t,) bool arrays
-
-    Returns
-    -------
-    temperature : (t,) ndarray [K]
-        NaN unless the status is valid, extrapolated or gas dominated.
-    status : (t,) int8 ndarray, see `status.MEANINGS`
-        The first that holds: not injected, missing, saturated, no signal, below or above the range, gas
-        dominated, extrapolated, valid.
+    NaN unless the status is valid, extrapolated or gas dominated. The first that holds: not injected,
+    missing, saturated, no signal, below or above the range, gas dominated, extrapolated, valid. Source:
+    Fagnani et al., eqs. 6 and 13, sec. 5.2.
     """
     detected = (corrected > reading.detection_level * uncertainty).all(axis=0)
     ratio = np.where(detected, signal_ratio(*corrected), np.nan) / reading.slope
@@ -122,23 +98,12 @@ class Reading:
         return np.hypot(self.signal_uncertainty * signals, floor)
 
     def corrected(self, signals, reference, reference_uncertainty, injected, shining, saturated):
-        r"""Signals of the surface and the temperature they give.
+        r"""Signals (2, t) [A] of the surface, their uncertainty, temperature (t,) [K] and status (t,).
 
         .. math:: T_{corr} = H_c^{-1}\!\left(\frac{S_1 - S_{1,ref}}{S_2 - S_{2,ref}}\right)
 
-        Source: Fagnani et al., eqs. 6 and 13, with the quadratic fit of the calibration points (sec. 3.2).
-
-        Parameters
-        ----------
-        signals : (2, t) array [A]
-        reference, reference_uncertainty : (2,) arrays [A], see `signals.reference_signal`
-        injected, shining, saturated : (t,) bool arrays
-
-        Returns
-        -------
-        corrected, uncertainty : (2, t) ndarrays [A]
-        temperature : (t,) ndarray [K]
-        status : (t,) int8 ndarray, see `status.MEANINGS`
+        `reference`, `reference_uncertainty` (2,) [A], see `signals.reference_signal`. Source: Fagnani et al.,
+        eqs. 6 and 13, with the quadratic fit of the calibration points (sec. 3.2).
         """
         corrected = corrected_signal(signals, reference, injected, shining)
         uncertainty = corrected_signal_uncertainty(
@@ -237,21 +202,12 @@ def budget_of(reading, signals, gas, gas_uncertainty, monte_carlo=None):
 
     .. math:: T = H_c^{-1}\!\left(\frac{S_1 - g\,G_1 - o_1}{(S_2 - g\,G_2 - o_2)\,s}\right)
 
-    with the level g of the gas, an error o of its mean, and the slope s of the emittance.
+    with the level g of the gas, an error o of its mean, and the slope s of the emittance. Arguments as of
+    `temperature_uncertainty`, whose result is `monte_carlo` (t,) [K]: where that exceeds the linear
+    uncertainty by more than a tenth, all contributions grow in proportion.
 
     Source: JCGM 100:2008, eqs. 10 and 13 (the three coefficients are correlated); 101:2008, sec. 8, for the
     comparison with Monte Carlo.
-
-    Parameters
-    ----------
-    reading, signals, gas, gas_uncertainty : as of `temperature_uncertainty`
-    monte_carlo : (t,) array [K], optional
-        What that gives; where it exceeds the linear uncertainty by more than a tenth, all contributions grow
-        in proportion.
-
-    Returns
-    -------
-    list of `record.budget.Input`
     """
 
     errors = reading.error(signals)

@@ -34,22 +34,13 @@ class LocalCurves(NamedTuple):
 
 
 def local_curves(wavelength, temperature):
-    r"""Table of Planck curves around a temperature.
+    r"""Table of Planck curves around a temperature [K], at rising wavelengths (W,) [m].
 
     .. math:: \frac{L_\lambda(\beta)}{L_{\lambda_0}(\beta)} = \sum_k C_{k\lambda}\,T_k(x), \qquad
               x = \frac{\beta - \beta_0}{h}, \quad \beta = 1/T
 
     In the limit of Wien the curves are exp(-c_2 (1/lambda - 1/lambda_0) beta) but for a factor, whose
     Chebyshev series falls as (a/2)^k / k!; the width of the table keeps a at `REACH`.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m], rising
-    temperature : float [K]
-
-    Returns
-    -------
-    LocalCurves
     """
     ends = 1 / np.array([wavelength[-1], wavelength[0]])
     anchor = float(2 / ends.sum())
@@ -64,19 +55,10 @@ def local_curves(wavelength, temperature):
 
 
 def fit_normalised_near(curves, radiance, usable, pivot, start):
-    """`spectra.fit_normalised` of many spectra with the same usable pixels, within a table.
+    """`spectra.fit_normalised` (D,) [K] of many spectra with the same usable pixels, within a table.
 
-    Parameters
-    ----------
-    curves : LocalCurves
-    radiance : (D, W) array, finite also where not usable
-    usable, pivot : (W,) bool arrays, with a usable pixel in the pivot
-    start : float [K]
-
-    Returns
-    -------
-    (D,) ndarray [K]
-        NaN where the fit does not settle within the table, or where the pivot is not > 0.
+    `radiance` (D, W) is finite also where not usable, a usable pixel in the pivot. NaN where the fit does not
+    settle within the table, or where the pivot is not > 0.
     """
     basis = np.where(usable, curves.coefficient, 0.0)
     chosen = usable & pivot
@@ -101,19 +83,8 @@ def fit_normalised_near(curves, radiance, usable, pivot, start):
 def fit_scaled_near(curves, radiance, noise, usable, start):
     """`spectra.fit_scaled` of many spectra with the same noise and usable pixels, within a table.
 
-    Parameters
-    ----------
-    curves : LocalCurves
-    radiance : (D, W) array [W m-2 sr-1 m-1], finite also where not usable
-    noise : (W,) array [W m-2 sr-1 m-1], > 0 where usable
-    usable : (W,) bool array
-    start : float [K]
-
-    Returns
-    -------
-    temperature : (D,) ndarray [K]
-    scale : (D,) ndarray [1]
-        NaN where the fit does not settle within the table.
+    `radiance` (D, W) is finite also where not usable, the noise (W,) > 0 where usable. NaN where the fit does
+    not settle within the table.
     """
     weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
     basis = curves.coefficient * weight

@@ -22,21 +22,12 @@ class FrameFit(NamedTuple):
 
 
 def pivot_signal_to_noise(corrected, noise, gas_error, chosen):
-    r"""Mean corrected radiance of the pivot pixels over its standard uncertainty.
+    r"""Mean corrected radiance of the `chosen` pivot pixels over its standard uncertainty, (S,) [1].
 
     .. math:: u^2 = \frac1{N^2}\sum_n \sigma_n^2 + \Big(\frac1N \sum_n v L^{ref}_n\Big)^2
 
-    The noise of N pixels averages out, the level of the gas does not.
-
-    Parameters
-    ----------
-    corrected, noise, gas_error : (S, W) arrays [W m-2 sr-1 m-1]
-    chosen : (S, W) bool array
-        Usable pixels of the pivot.
-
-    Returns
-    -------
-    (S,) ndarray [1], NaN without a usable pixel
+    The noise of N pixels averages out, the level of the gas does not. Arguments (S, W); NaN without a usable
+    pixel.
     """
     count = np.maximum(chosen.sum(axis=1), 1)
 
@@ -49,22 +40,11 @@ def pivot_signal_to_noise(corrected, noise, gas_error, chosen):
 
 
 def factor_errors(wavelength, source_temperature, source_uncertainty, factor_uncertainty, draws, generator):
-    r"""Draws of the relative error of the calibration factor, common to all exposures.
+    r"""Draws (draws, W) [1] of the relative error of the calibration factor, common to all exposures.
 
     .. math:: \delta f = \frac{L^{bb}(T_s + \delta T)}{L^{bb}(T_s)} - 1 + \delta_\lambda
 
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    source_temperature, source_uncertainty : float [K]
-    factor_uncertainty : (W,) array [1]
-        Relative, from counting noise; NaN in unusable pixels.
-    draws : int
-    generator : numpy Generator
-
-    Returns
-    -------
-    (draws, W) ndarray [1]
+    with the relative `factor_uncertainty` (W,) from counting noise, NaN in unusable pixels.
     """
     actual = source_temperature + source_uncertainty * generator.standard_normal((draws, 1))
     bias = blackbody_radiance(wavelength, actual) / blackbody_radiance(wavelength, source_temperature) - 1
@@ -150,19 +130,7 @@ def _beyond(temperature, temperature_range):
 
 
 def fitted_curve(wavelength, temperature, usable, pivot):
-    """Black body at each temperature over its mean at the pivot pixels; NaN for NaN.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    temperature : (S,) array [K]
-    usable : (S, W) bool array
-    pivot : (W,) bool array
-
-    Returns
-    -------
-    (S, W) ndarray [1]
-    """
+    """Black body (S, W) at each temperature (S,) [K] over its mean at the pivot pixels; NaN for NaN."""
     curve = np.full(usable.shape, np.nan)
     found = np.isfinite(temperature)
     if found.any():

@@ -11,19 +11,7 @@ STARTS = 24  # trial temperatures from which the best starts the iteration
 
 
 def normalised(values, usable, pivot):
-    """Values over their mean in the pivot pixels.
-
-    Parameters
-    ----------
-    values : (R, W) array
-    usable : (R, W) bool array
-    pivot : (W,) bool array
-
-    Returns
-    -------
-    (R, W) ndarray
-        NaN in rows without a usable pivot pixel or with a pivot that is not > 0.
-    """
+    """Values (R, W) over their mean in the pivot pixels (W,); NaN in rows where that is not > 0."""
     return values / _pivot_mean(values, usable, pivot)[:, None]
 
 
@@ -43,18 +31,7 @@ def trial_curves(wavelength, temperature_range):
 
 
 def nearest_trial(trials, radiance, noise, usable):
-    """Trial temperature whose curve, with a free scale, lies closest to a spectrum.
-
-    Parameters
-    ----------
-    trials : pair as from `trial_curves`
-    radiance, noise : (W,) arrays [W m-2 sr-1 m-1]
-    usable : (W,) bool array
-
-    Returns
-    -------
-    (1,) ndarray [K]
-    """
+    """Temperature (1,) [K] of `trial_curves` whose curve, of any scale, lies closest to a spectrum (W,)."""
     temperature, curves = trials
     weight = np.where(usable, 1 / np.where(usable, noise, 1.0) ** 2, 0.0)
     product = np.einsum("nw,w->n", curves, weight * np.where(usable, radiance, 0.0))

@@ -101,17 +101,8 @@ def _atoms(density, argon):
 def joined(table, temperature, argon, nitrogen):
     """Properties of the whole (`gas.stage.properties`) from those of the others at their own pressure.
 
-    Parameters
-    ----------
-    table : dict of ndarray (T,)
-        Density [kg m-3], enthalpy [J kg-1], heat capacity [J kg-1 K-1] and what argon leaves as it is.
-    temperature : ndarray (T,) [K]
-    argon, nitrogen : float [1]
-        As in `densities`.
-
-    Returns
-    -------
-    dict of ndarray
+    `table`: over temperature (T,) [K], density [kg m-3], enthalpy [J kg-1], heat capacity [J kg-1 K-1] and
+    what argon leaves as it is; `argon`, `nitrogen` [1] as in `densities`.
     """
     share = mass_share(argon, nitrogen)
     capacity = 2.5 * BOLTZMANN / particle_mass("Ar")

@@ -114,22 +114,12 @@ def _logarithmic_curves(x, y):
 
 
 def debye_length(temperature, electron_density):
-    r"""Debye length with electrons and ions screening.
+    r"""Debye length [m] with electrons and ions screening; temperature [K], electron density [m-3] > 0.
 
     .. math:: \lambda_D = \sqrt{\frac{\epsilon_0 k T}{2 n_e e^2}}
 
-    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827. ASSUME: ions screen like
-    electrons (singly charged, same temperature), as in Mutation++.
-
-    Parameters
-    ----------
-    temperature : ndarray [K]
-    electron_density : ndarray [m-3]
-        > 0, shape of `temperature`.
-
-    Returns
-    -------
-    ndarray [m]
+    Source: Mason, Munn & Smith, Phys. Fluids 10 (1967) 1827. ASSUME: ions screen like electrons (singly
+    charged, same temperature), as in Mutation++.
     """
     energy = VACUUM_PERMITTIVITY * BOLTZMANN * temperature
     return np.sqrt(energy / (2 * electron_density * ELEMENTARY_CHARGE**2))
@@ -165,19 +155,10 @@ def coulomb_integrals(kind, temperature, electron_density):
 
 
 def heavy_integrals(temperature, electron_density):
-    """Collision integrals of all pairs of heavy species.
+    """Collision integrals of all pairs of heavy species, at temperatures (points,) [K].
 
     Source: neutral pairs Wright et al. (2005), ion-neutral Levin & Wright (2004), ion-ion
     `coulomb_integrals`. ASSUME: beyond the ends of a table a power law with the end's slope.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    electron_density : (points,) ndarray [m-3], > 0
-
-    Returns
-    -------
-    HeavyIntegrals
     """
     size = ELECTRON
     shape = (temperature.size, size, size)
@@ -201,19 +182,10 @@ def heavy_integrals(temperature, electron_density):
 
 
 def electron_integrals(temperature, electron_density):
-    """Collision integrals of electrons with every species.
+    """Collision integrals of electrons with every species, at temperatures (points,) [K].
 
-    Source: neutrals Wright et al. (2005), charged `coulomb_integrals`. ASSUME: Q14 = Q15 = Q13 for
-    neutrals, for which no B*, C* of higher order are published (Magin & Degrez 2004).
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    electron_density : (points,) ndarray [m-3], > 0
-
-    Returns
-    -------
-    ElectronIntegrals
+    Source: neutrals Wright et al. (2005), charged `coulomb_integrals`. ASSUME: Q14 = Q15 = Q13 for neutrals,
+    for which no B*, C* of higher order are published (Magin & Degrez 2004).
     """
     values = {name: np.empty((temperature.size, ELECTRON)) for name in ("11", "12", "13", "14", "15")}
     for i, _, curves in _pair_curves("collisions_electron_neutral"):

@@ -134,22 +134,9 @@ def _slopes(fraction):
 
 
 def number_density(temperature, pressure, nitrogen=AIR["N2"]):
-    r"""Number densities of a mixture of N2 and O2 in chemical equilibrium, :math:`n_s = x_s p / k T`.
+    """Number densities [m-3] of a mixture of N2 and O2 in chemical equilibrium, :math:`n_s = x_s p / k T`.
 
-    ValueError as `composition`.
-
-    Parameters
-    ----------
-    temperature : array_like [K]
-    pressure : array_like [Pa]
-        Broadcast against each other.
-    nitrogen : float [1]
-        As in `composition`.
-
-    Returns
-    -------
-    ndarray [m-3]
-        Shape of the broadcast arguments + (11,), species in the order of `species.SPECIES`.
+    Arguments, shape and ValueError as of `composition`.
     """
     mole_fraction = composition(temperature, pressure, nitrogen)
     total = np.asarray(pressure) / (BOLTZMANN * np.asarray(temperature))
@@ -157,38 +144,18 @@ def number_density(temperature, pressure, nitrogen=AIR["N2"]):
 
 
 def species_enthalpy(temperature):
-    """Enthalpy of one particle of each species, formation (at 298.15 K) included.
+    """Enthalpy (..., 11) [J] of one particle of each species, formation (at 298.15 K) included.
 
-    Source: NASA-9 polynomials, as `composition`.
-
-    Parameters
-    ----------
-    temperature : array_like [K]
-        200 to 20000.
-
-    Returns
-    -------
-    ndarray [J]
-        Shape of `temperature` + (11,).
+    Source: NASA-9 polynomials, as `composition`; 200 to 20000 K.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     return standard_state("standard_enthalpies_RT", temperature) * (BOLTZMANN * temperature)[..., None]
 
 
 def species_heat_capacity(temperature):
-    """Heat capacity at constant pressure of each species, over the Boltzmann constant.
+    """Heat capacity (..., 11) [1] at constant pressure of each species, over the Boltzmann constant.
 
-    Source: NASA-9 polynomials, as `composition`.
-
-    Parameters
-    ----------
-    temperature : array_like [K]
-        200 to 20000.
-
-    Returns
-    -------
-    ndarray [1]
-        Shape of `temperature` + (11,); 5/2 for a particle without internal energy.
+    5/2 for a particle without internal energy. Source: NASA-9 polynomials, as `composition`; 200 to 20000 K.
     """
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
     return standard_state("standard_cp_R", temperature)
@@ -252,57 +219,26 @@ def composition_slope(temperature, mole_fraction, enthalpy):
 
 
 def density(temperature, pressure, mole_fraction):
-    """Density of an ideal mixture, rho = p m / k T with the mean mass m.
-
-    Parameters
-    ----------
-    temperature : ndarray [K]
-    pressure : ndarray [Pa]
-        Broadcasts against `temperature`.
-    mole_fraction : ndarray [1]
-        Shape of the broadcast + (11,).
-
-    Returns
-    -------
-    ndarray [kg m-3]
-        Shape of the broadcast.
-    """
+    """Density (...) [kg m-3] of an ideal mixture (..., 11), rho = p m / k T with the mean mass m."""
     return pressure * (mole_fraction @ MASS) / (BOLTZMANN * temperature)
 
 
 def enthalpy(mole_fraction, species_enthalpy):
-    """Specific enthalpy of the mixture, zero for cold air at 298.15 K.
+    """Specific enthalpy (...) [J kg-1] of a mixture (..., 11), zero for cold air at 298.15 K.
 
-    Parameters
-    ----------
-    mole_fraction : (..., 11) ndarray [1]
-    species_enthalpy : (..., 11) ndarray [J]
-        Per particle.
-
-    Returns
-    -------
-    (...) ndarray [J kg-1]
+    `species_enthalpy` (..., 11) [J] per particle.
     """
     return np.sum(mole_fraction * species_enthalpy, axis=-1) / (mole_fraction @ MASS)
 
 
 def heat_capacity(temperature, mole_fraction, species_enthalpy, species_heat_capacity):
-    r"""Equilibrium specific heat at constant pressure, dh/dT with the composition following.
+    r"""Equilibrium specific heat [J kg-1 K-1] at constant pressure, dh/dT with the composition following.
 
     .. math:: c_p = \Big[\sum_s x_s c_s + \sum_s x_s h_s \frac{d\ln n_s}{dT}\Big] \Big/ \sum_s x_s m_s
 
-    Source: S. Gordon, B. J. McBride, NASA RP-1311 (1994), section 2.5. Deviation: Cantera's own heat
-    capacity is the frozen one, the first term.
-
-    Parameters
-    ----------
-    temperature : (...) ndarray [K]
-    mole_fraction, species_enthalpy [J], species_heat_capacity [1] : ndarray
-        Shape (..., 11), per particle.
-
-    Returns
-    -------
-    (...) ndarray [J kg-1 K-1]
+    Per particle, enthalpy [J] and heat capacity over k [1] of the species (..., 11). Source: S. Gordon, B. J.
+    McBride, NASA RP-1311 (1994), section 2.5. Deviation: Cantera's own heat capacity is the frozen one, the
+    first term.
     """
     slope, total = composition_slope(temperature, mole_fraction, species_enthalpy)
     amount = slope + mole_fraction * np.asarray(total)[..., None]

@@ -127,21 +127,11 @@ def two_temperature_partition_function(species, temperature, excitation_temperat
 
 @cache
 def atomic_levels(species):
-    """Levels of an atom or atomic ion.
+    """Energies [m-1] above the ground level and degeneracies [1] of the levels of one of `ATOMS`.
 
     Source: NIST Atomic Spectra Database, see `data/gas/levels_*.yml`. ASSUME: the sum ends with the levels
     observed (n about 12 for N, 19 for O), those above the ionisation limit included; the Rydberg levels
     beyond, up to the cut-off by the plasma (n about 40 at 50 mbar), would add 0.6 % to Q of N at 10000 K.
-
-    Parameters
-    ----------
-    species : str
-        One of `ATOMS`.
-
-    Returns
-    -------
-    tuple of ndarray
-        Energy [m-1] above the ground level, and degeneracy [1].
     """
     table = tables.load("gas/levels_" + species.replace("+", "_plus"))
     return _sealed(table["energy"], table["degeneracy"])

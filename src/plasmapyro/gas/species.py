@@ -31,12 +31,7 @@ MOST_ARGON = 0.02
 def gas_name(nitrogen, argon=0.0):
     """What files call a cold gas: 'air', 'N2', 'O2', or such as 'N2:0.9 O2:0.1'; 'air Ar:0.0093' with argon.
 
-    Parameters
-    ----------
-    nitrogen : float [1]
-        Mole fraction of N2 in the mixture of N2 and O2, 0 to 1.
-    argon : float [1]
-        Mole fraction of argon in the whole, 0 to `MOST_ARGON`.
+    `nitrogen`: mole fraction of N2 in the N2 and O2; `argon`: in the whole, up to `MOST_ARGON`.
     """
     nitrogen = float(within("nitrogen", nitrogen, 0.0, 1.0, "1"))
     argon = float(within("argon", argon, 0.0, MOST_ARGON, "1"))
@@ -111,15 +106,5 @@ _TRACE_MASS = {
 
 
 def particle_mass(name):
-    """Mass of one particle [kg] of a species of air or of a trace.
-
-    Parameters
-    ----------
-    name : str
-        In `SPECIES` or `TRACES`.
-
-    Returns
-    -------
-    float [kg]
-    """
+    """Mass [kg] of one particle of a species of air or of a trace."""
     return float(_TRACE_MASS[name] if name in TRACES else MASS[SPECIES.index(name)])

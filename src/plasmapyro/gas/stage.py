@@ -60,24 +60,9 @@ def gas_table(*, temperature, pressure, nitrogen=AIR["N2"], argon=0.0):
 
 
 def properties(temperature, pressure, enthalpy, heat_capacity, nitrogen):
-    """All properties at one pressure.
+    """All properties at one pressure, named as in the contract 'gas', SI, (points,) or (points, 11).
 
-    Parameters
-    ----------
-    temperature : ndarray [K]
-        Shape (points,).
-    pressure : float or ndarray [Pa]
-    enthalpy : ndarray [J]
-        Per particle of each species, shape (points, 11).
-    heat_capacity : ndarray [1]
-        Per particle of each species over k, shape (points, 11).
-    nitrogen : float [1]
-        As in `gas_table`.
-
-    Returns
-    -------
-    dict of ndarray
-        Named as in the contract 'gas', SI, shape (points,) or (points, 11).
+    Of each species (points, 11), per particle: enthalpy [J], heat capacity over k [1].
     """
     pressure = positive("pressure", pressure, "Pa")
     x = equilibrium.composition(temperature, pressure, nitrogen)

@@ -1,6 +1,9 @@
 """Transport coefficients of the eleven-species air plasma: Chapman-Enskog method.
 
-Arrays of points: temperature (points,), mole fractions (points, 11) in the order of `species.SPECIES`.
+Arrays of points: `temperature` (points,) [K]; `mole_fraction` (points, 11) [1] in the order of
+`species.SPECIES`; `polarisation` a (points, 10) [W m-1 K-1] of `energy_polarisation`, the conductivity of
+each heavy species, screened by the others; `diffusion` n D (points, 11, 11) [m-1 s-1]; `integrals` of
+`collisions`; coefficients (points,).
 """
 
 import numpy as np
@@ -14,28 +17,18 @@ REDUCED_MASS = HEAVY_MASS[:, None] * HEAVY_MASS / MASS_SUM
 
 
 def pair_viscosity(temperature, q22):
-    r"""Viscosity of an imaginary gas of each pair of heavy species.
+    r"""Viscosity (points, 10, 10) [Pa s] of an imaginary gas of each pair of heavy species; q22 [m2].
 
     .. math:: \mu_{ij} = \frac{5}{16}\frac{\sqrt{2\pi m_{ij} k T}}{Q^{(2,2)}_{ij}},
               \quad m_{ij} = \frac{m_i m_j}{m_i + m_j}
 
     Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-21.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    q22 : (points, 10, 10) ndarray [m2]
-
-    Returns
-    -------
-    (points, 10, 10) ndarray [Pa s]
-        The diagonal holds the pure species.
     """
     return 5 / 16 * np.sqrt(2 * np.pi * REDUCED_MASS * BOLTZMANN * temperature[:, None, None]) / q22
 
 
 def viscosity(temperature, mole_fraction, integrals):
-    r"""Viscosity of the mixture, first Chapman-Enskog approximation.
+    r"""Viscosity [Pa s] of the mixture, first Chapman-Enskog approximation.
 
     .. math:: \mu = \sum_i x_i \alpha_i, \qquad \sum_j H_{ij}\alpha_j = x_i
 
@@ -45,16 +38,6 @@ def viscosity(temperature, mole_fraction, integrals):
 
     Source: Hirschfelder, Curtiss & Bird (1954), eqs. 8.2-22 to 25. Each row is divided by its mole
     fraction, so that absent species do no harm. The electrons carry no momentum worth mention.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    mole_fraction : (points, 11) ndarray [1]
-    integrals : HeavyIntegrals
-
-    Returns
-    -------
-    (points,) ndarray [Pa s]
     """
     x = mole_fraction[:, HEAVY]
     base = 2 / pair_viscosity(temperature, integrals.q22) * (REDUCED_MASS / MASS_SUM)
@@ -66,7 +49,7 @@ def viscosity(temperature, mole_fraction, integrals):
 
 
 def energy_polarisation(temperature, mole_fraction, integrals):
-    r"""Response of the heavy species to a temperature gradient, second Chapman-Enskog approximation.
+    r"""Response a (points, 10) [W m-1 K-1] of the heavy species to a temperature gradient, second order.
 
     .. math:: \sum_j L_{ij} a_j = 4 x_i
 
@@ -80,17 +63,6 @@ def energy_polarisation(temperature, mole_fraction, integrals):
 
     Source: Muckenfuss & Curtiss, J. Chem. Phys. 29 (1958) 1273; Hirschfelder, Curtiss & Bird (1954),
     eqs. 8.2-36 to 40.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    mole_fraction : (points, 11) ndarray [1]
-    integrals : HeavyIntegrals
-
-    Returns
-    -------
-    (points, 10) ndarray [W m-1 K-1]
-        a_i, the conductivity of a pure species, screened by the others.
     """
     x = mole_fraction[:, HEAVY]
     pair = 15 / 4 * BOLTZMANN * pair_viscosity(temperature, integrals.q22) / (2 * REDUCED_MASS)
@@ -105,48 +77,24 @@ def energy_polarisation(temperature, mole_fraction, integrals):
 
 
 def heavy_conductivity(mole_fraction, polarisation):
-    r"""Translational thermal conductivity of the heavy species, :math:`\lambda = \sum_i x_i a_i`.
+    r"""Translational thermal conductivity [W m-1 K-1] of the heavy species, :math:`\lambda = \sum_i x_i a_i`.
 
     Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-33 with the diffusive part left out, which
     `reactive_conductivity` holds.
-
-    Parameters
-    ----------
-    mole_fraction : (points, 11) ndarray [1]
-    polarisation : (points, 10) ndarray [W m-1 K-1]
-        From `energy_polarisation`.
-
-    Returns
-    -------
-    (points,) ndarray [W m-1 K-1]
     """
     return np.einsum("pi,pi->p", mole_fraction[:, HEAVY], polarisation)
 
 
 def thermal_diffusion_ratio(mole_fraction, polarisation, diffusion, integrals):
-    r"""Thermal diffusion ratios of the heavy species over their mole fractions.
+    r"""Thermal diffusion ratios (points, 11) [1] of the heavy species over their mole fractions.
 
     .. math:: \frac{\chi_i}{x_i} = \frac{1}{10k}\sum_{j \ne i}
               \frac{x_j (12 C^*_{ij} - 10)}{n D_{ij}}\,\frac{m_i a_j - m_j a_i}{m_i + m_j}
 
-    Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (heavy-particle thermal diffusion
-    ratios); for two species the same as Hirschfelder, Curtiss & Bird (1954), eq. 8.2-50.
-    A positive ratio drives a species to the cold side.
-
-    Parameters
-    ----------
-    mole_fraction : (points, 11) ndarray [1]
-    polarisation : (points, 10) ndarray [W m-1 K-1]
-        From `energy_polarisation`.
-    diffusion : (points, 11, 11) ndarray [m-1 s-1]
-        From `diffusion`.
-    integrals : HeavyIntegrals
-
-    Returns
-    -------
-    (points, 11) ndarray [1]
-        Zero for electrons, whose thermal diffusion only changes the field that
-        keeps the current zero (ASSUME).
+    A positive ratio drives a species to the cold side; 0 for electrons, whose thermal diffusion only changes
+    the field that keeps the current zero (ASSUME). Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424
+    (heavy-particle thermal diffusion ratios); for two species the same as Hirschfelder, Curtiss & Bird
+    (1954), eq. 8.2-50.
     """
     strength = (12 * integrals.cstar - 10) * mole_fraction[:, None, HEAVY] / diffusion[:, HEAVY, HEAVY]
     share = HEAVY_MASS[:, None] * polarisation[:, None, :] - HEAVY_MASS * polarisation[:, :, None]
@@ -181,18 +129,7 @@ def diffusion(temperature, heavy, electron):
 
     .. math:: n D_{ij} = \frac{3}{16}\frac{\sqrt{2\pi k T / m_{ij}}}{Q^{(1,1)}_{ij}}
 
-    Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-44.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    heavy : HeavyIntegrals
-    electron : ElectronIntegrals
-
-    Returns
-    -------
-    (points, 11, 11) ndarray [m-1 s-1]
-        The electron-electron entry is infinite (no friction).
+    Infinite between electrons (no friction). Source: Hirschfelder, Curtiss & Bird (1954), eq. 8.2-44.
     """
     result = np.full((temperature.size, ELECTRON + 1, ELECTRON + 1), np.inf)
     thermal = 2 * np.pi * BOLTZMANN * temperature
@@ -204,24 +141,13 @@ def diffusion(temperature, heavy, electron):
 
 
 def internal_conductivity(mole_fraction, heat_capacity, diffusion):
-    r"""Thermal conductivity by internal energy of the heavy species (Eucken's correction).
+    r"""Thermal conductivity [W m-1 K-1] by internal energy of the heavy species (Eucken's correction).
 
     .. math:: \lambda_{int} = \sum_i \frac{x_i (c_i/k - 5/2) k}{\sum_j x_j / (n D_{ij})}
 
-    Source: Hirschfelder, J. Chem. Phys. 26 (1957) 282. ASSUME: internal energy diffuses with
-    the particle (elastic D, no inelastic correction); that includes electronic energy of atoms.
-
-    Parameters
-    ----------
-    mole_fraction : (points, 11) ndarray [1]
-    heat_capacity : (points, 11) ndarray [1]
-        Heat capacity per particle at constant pressure over k.
-    diffusion : (points, 11, 11) ndarray [m-1 s-1]
-        From `diffusion`.
-
-    Returns
-    -------
-    (points,) ndarray [W m-1 K-1]
+    with the heat capacities c (points, 11) of a particle at constant pressure, given over k. Source:
+    Hirschfelder, J. Chem. Phys. 26 (1957) 282. ASSUME: internal energy diffuses with the particle (elastic D,
+    no inelastic correction); that includes electronic energy of atoms.
     """
     x = mole_fraction[:, HEAVY]
     resistance = np.einsum("pj,pij->pi", x, 1 / diffusion[:, HEAVY, HEAVY])
@@ -229,7 +155,7 @@ def internal_conductivity(mole_fraction, heat_capacity, diffusion):
 
 
 def diffusion_matrix(mole_fraction, diffusion):
-    r"""Fluxes of the species per driving force, without electric current.
+    r"""Number fluxes (points, 11, 11) [m-1 s-1] per driving force, without electric current.
 
     Solves the Stefan-Maxwell equations for :math:`F_i = \sum_j M_{ij} d_j`:
 
@@ -238,16 +164,7 @@ def diffusion_matrix(mole_fraction, diffusion):
 
     Source: Magin & Degrez, J. Comput. Phys. 198 (2004) 424 (Stefan-Maxwell system).
 
-    Parameters
-    ----------
-    mole_fraction : (points, 11) ndarray [1]
-    diffusion : ndarray [m-1 s-1]
-        n D, shape (points, 11, 11), from `diffusion`.
-
-    Returns
-    -------
-    (points, 11, 11) ndarray [m-1 s-1]
-        Number fluxes per gradient of the mole fractions; forces must add up to zero.
+    Driving forces are gradients of the mole fractions, which must add up to zero.
     """
     size = mole_fraction.shape[1]
     matrix = _stefan_maxwell(mole_fraction, diffusion)
@@ -276,7 +193,7 @@ def _stefan_maxwell(mole_fraction, diffusion):
 
 
 def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion, thermal_ratio):
-    r"""Thermal conductivity by diffusion of the reacting species, without electric current.
+    r"""Thermal conductivity [W m-1 K-1] by diffusion of the reacting species, without electric current.
 
     The species fluxes :math:`F_i = x_i V_i` per unit temperature gradient solve the Stefan-Maxwell
     equations with the driving force of the equilibrium composition, of thermal diffusion and of the
@@ -292,22 +209,8 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
     Butler & Brokaw, J. Chem. Phys. 26 (1957) 1636, except that theirs forbids the diffusion of
     elements. ASSUME: elements stay uniform (no demixing), as in the LTE code of the paper.
 
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    mole_fraction : (points, 11) ndarray [1]
-    slope : ndarray [K-1]
-        dx/dT at equilibrium and uniform elements, shape (points, 11).
-    enthalpy : ndarray [J]
-        Per particle, shape (points, 11).
-    diffusion : ndarray [m-1 s-1]
-        n D, shape (points, 11, 11).
-    thermal_ratio : ndarray [1]
-        chi/x, shape (points, 11), from `thermal_diffusion_ratio`.
-
-    Returns
-    -------
-    (points,) ndarray [W m-1 K-1]
+    `slope` dx/dT (points, 11) [K-1] at equilibrium and uniform elements; `enthalpy` (points, 11) [J] of
+    a particle.
     """
     force = slope + mole_fraction * thermal_ratio / temperature[:, None]
     matrix = _stefan_maxwell(mole_fraction, diffusion)
@@ -317,20 +220,10 @@ def reactive_conductivity(temperature, mole_fraction, slope, enthalpy, diffusion
 
 
 def electron_matrix(mole_fraction, integrals):
-    r"""Matrix of the electron gas, order 3, over :math:`(64 x_e/75k)\sqrt{m_e/2\pi kT}`.
+    r"""Matrix (points, 3, 3) [m2] of the electron gas, order 3, over :math:`(64 x_e/75k)\sqrt{m_e/2\pi kT}`.
 
     Source: Devoto, Phys. Fluids 10 (1967) 2105 (elements q^mp), in the notation of Magin & Degrez, J. Comput.
     Phys. 198 (2004) 424: electrons are decoupled from heavy particles by their mass.
-
-    Parameters
-    ----------
-    mole_fraction : (points, 11) ndarray [1]
-    integrals : ElectronIntegrals
-
-    Returns
-    -------
-    (points, 3, 3) ndarray [m2]
-        Symmetric.
     """
     x, electrons = mole_fraction[:, HEAVY], mole_fraction[:, ELECTRON]
 
@@ -356,22 +249,12 @@ def electron_matrix(mole_fraction, integrals):
 
 
 def electron_conductivity(temperature, mole_fraction, integrals):
-    r"""Thermal conductivity of the electrons, third approximation.
+    r"""Thermal conductivity [W m-1 K-1] of the electrons, third approximation.
 
     .. math:: \lambda_e = \frac{75 k}{64}\sqrt{\frac{2\pi kT}{m_e}}
               \frac{x_e \Lambda_{22}}{\Lambda_{11}\Lambda_{22} - \Lambda_{12}^2}
 
     Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    mole_fraction : (points, 11) ndarray [1]
-    integrals : ElectronIntegrals
-
-    Returns
-    -------
-    (points,) ndarray [W m-1 K-1]
     """
     matrix = electron_matrix(mole_fraction, integrals)
     share = matrix[:, 2, 2] / (matrix[:, 1, 1] * matrix[:, 2, 2] - matrix[:, 1, 2] ** 2)
@@ -380,23 +263,13 @@ def electron_conductivity(temperature, mole_fraction, integrals):
 
 
 def electrical_conductivity(temperature, mole_fraction, integrals):
-    r"""Electrical conductivity, third approximation.
+    r"""Electrical conductivity [S m-1], third approximation.
 
     .. math:: \sigma = \frac{n_e e^2}{kT}\,D_e, \qquad
               n D_e = \frac{3}{16}\sqrt{\frac{2\pi kT}{m_e}}\,(\Lambda^{-1})_{00}
 
-    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order).
-    ASSUME: the current of the ions is neglected.
-
-    Parameters
-    ----------
-    temperature : (points,) ndarray [K]
-    mole_fraction : (points, 11) ndarray [1]
-    integrals : ElectronIntegrals
-
-    Returns
-    -------
-    (points,) ndarray [S m-1]
+    Source: Devoto, Phys. Fluids 10 (1967) 2105 (simplified expressions, third order). ASSUME: the current of
+    the ions is neglected.
     """
     inverse = np.linalg.inv(electron_matrix(mole_fraction, integrals))[:, 0, 0]
     thermal = BOLTZMANN * temperature

@@ -105,18 +105,7 @@ def fit_quadratic(temperature, ratio, covariance):
 
 
 def quadratic_ratio(temperature, coefficient, fit_range):
-    """Ratio of the quadratic fit, its equation in `fit_quadratic`.
-
-    Parameters
-    ----------
-    temperature : (...) array [K]
-    coefficient : (3,) array [1]
-    fit_range : (2,) array [K]
-
-    Returns
-    -------
-    (...) ndarray [1]
-    """
+    """Ratio of the quadratic fit, its equation in `fit_quadratic`, at temperatures (...) [K]."""
     return np.polynomial.polynomial.polyval(scaled(temperature, fit_range), coefficient)
 
 
@@ -194,19 +183,10 @@ def invert_quadratic(ratio, coefficient, fit_range, instrument_range):
 
 
 def spread(draws):
-    """Standard uncertainty of Monte Carlo draws: half the width of their central 68.27 %.
+    """Standard uncertainty (...) of Monte Carlo draws (D, ...): half the width of their central 68.27 %.
 
-    Equal to the standard deviation for normal draws, and finite as long as fewer than 15.87 % of them
-    are infinite on either side.
-
-    Parameters
-    ----------
-    draws : (D, ...) array
-
-    Returns
-    -------
-    (...) ndarray
-        NaN where a draw is NaN or an edge of the interval is infinite.
+    Equal to the standard deviation for normal draws, and finite as long as fewer than 15.87 % of them are
+    infinite on either side; NaN where a draw is NaN.
     """
     draws = np.sort(draws, axis=0)  # NaN sorts last and so reaches the upper edge only if frequent
     count = draws.shape[0]

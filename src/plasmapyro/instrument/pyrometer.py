@@ -10,18 +10,7 @@ GREY_STEPS = 12  # of Gauss and Newton; five give 1 mK within a table
 
 
 def blackbody_signal(temperature, wavelength, responsivity):
-    """Band signal of a black body, on the wavelengths of the response.
-
-    Parameters
-    ----------
-    temperature : (...) array [K], > 0
-    wavelength : (R,) array [m]
-    responsivity : (R,) array [1]
-
-    Returns
-    -------
-    (...) ndarray [W m-2 sr-1]
-    """
+    """Band signal (...) [W m-2 sr-1] of a black body [K], on the wavelengths (R,) [m] of the response."""
     radiance = blackbody_radiance(wavelength, np.asarray(temperature, dtype=float)[..., None])
     return band_signal(wavelength, responsivity, radiance)
 
@@ -36,14 +25,6 @@ def signal_ratio(signal_wide, signal_narrow):
     """Ratio of the band signals, NaN where either is not > 0 (a ratio of noise is no ratio).
 
     Source: Fagnani et al., eq. 4, left side.
-
-    Parameters
-    ----------
-    signal_wide, signal_narrow : (...) arrays, same unit
-
-    Returns
-    -------
-    (...) ndarray [1]
     """
     wide, narrow = np.broadcast_arrays(
         np.asarray(signal_wide, dtype=float), np.asarray(signal_narrow, dtype=float)

@@ -114,17 +114,9 @@ def _orthogonal_slope(x, y):
 
 
 def hot_pixels(dark, threshold):
-    """Pixels whose dark signal lies far above that of their neighbours.
+    """Pixels (W,) whose dark signal [count] lies far above that of their neighbours.
 
-    Parameters
-    ----------
-    dark : (W,) array [count]
-    threshold : float [1]
-        In standard deviations of the pattern of its surroundings (robust).
-
-    Returns
-    -------
-    (W,) bool ndarray
+    `threshold` [1] in standard deviations of the pattern of its surroundings (robust).
     """
     dark = np.asarray(dark, dtype=float)
     padded = np.pad(dark, AROUND, mode="reflect")
@@ -170,32 +162,17 @@ def net_rate(light, dark, *, integration_time, coefficients, masked, dim, noise_
 def above_baseline(counts, coefficients, masked):
     """Linear signal (..., W) [count] above the electrical baseline, dark charge included.
 
-    Parameters
-    ----------
-    counts : (..., W) array [count], raw
-    coefficients : as in `linear_signal`
-    masked : indices of pixels that no light reaches
-        Empty: no baseline is taken off; light less dark still loses it, the linearity sees it as signal.
-
-    Returns
-    -------
-    (..., W) ndarray [count]
+    `masked`: pixels that no light reaches. Without any no baseline is taken off; light less dark still loses
+    it, the linearity sees it as signal.
     """
     counts = np.asarray(counts, dtype=float)
     return linear_signal(counts - baseline(counts, masked) if len(masked) else counts, coefficients)
 
 
 def combined(rates, noise, usable):
-    """Mean of several exposures, weighted with their noise, of the usable pixels only.
+    """Mean rate and noise (W,) [count s-1] of exposures (E, W), weighted with their noise, of usable pixels.
 
-    Parameters
-    ----------
-    rates, noise : (E, W) arrays [count s-1]
-    usable : (E, W) bool array
-
-    Returns
-    -------
-    (rate, noise) : (W,) ndarrays [count s-1], NaN where no exposure is usable
+    NaN where no exposure is usable.
     """
     good = usable & np.isfinite(rates) & (noise > 0)
     weight = np.where(good, 1 / np.where(good, noise, 1.0) ** 2, 0.0)
@@ -206,23 +183,12 @@ def combined(rates, noise, usable):
 
 
 def certified_source(wavelength, certificate_wavelength, certificate_value):
-    r"""Spectral radiance or irradiance of a certified lamp between the points of its certificate.
+    r"""Spectral radiance or irradiance (W,) of a certified lamp between the points (C,) of its certificate.
 
-    Interpolates :math:`\ln(E\lambda^5)` linearly in :math:`1/\lambda`, in which a Planckian in Wien's
-    limit is a straight line.
-
-    Source: the usual interpolation of FEL certificates; J. H. Walker et al., NBS Special Publication
-    250-20 (1987), sec. 5, takes the same form with a polynomial for the emissivity of tungsten.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    certificate_wavelength : (C,) array [m], rising
-    certificate_value : (C,) array, > 0, any unit per wavelength
-
-    Returns
-    -------
-    (W,) ndarray, unit of the certificate; NaN outside it
+    Interpolates :math:`\ln(E\lambda^5)` linearly in :math:`1/\lambda`, in which a Planckian in Wien's limit
+    is a straight line; NaN outside. Source: the usual interpolation of FEL certificates; J. H. Walker et al.,
+    NBS Special Publication 250-20 (1987), sec. 5, takes the same form with a polynomial for the emissivity of
+    tungsten.
     """
     points = increasing("certificate_wavelength", certificate_wavelength, "m")
     value = np.log(positive("certificate_value", certificate_value, "W") * points**5)

@@ -6,22 +6,11 @@ from plasmapyro.checks import increasing, positive, within
 
 
 def silicon_absorption(wavelength, table_wavelength, table_coefficient):
-    r"""Absorption coefficient of silicon between the points of a table.
+    r"""Absorption coefficient (...) [m-1] of silicon between the points (N,) of a table.
 
-    Monotone cubic interpolation of :math:`\ln\alpha(\lambda)`: the coefficient falls by four decades
-    over the bands, and its logarithm is smooth.
-
-    ValueError if a wavelength lies outside the table (no extrapolation) or the table is not as stated.
-
-    Parameters
-    ----------
-    wavelength : (...) array [m], within the table
-    table_wavelength : (N,) array [m], strictly increasing
-    table_coefficient : (N,) array [m-1], > 0
-
-    Returns
-    -------
-    (...) ndarray [m-1]
+    Monotone cubic interpolation of :math:`\ln\alpha(\lambda)`: the coefficient falls by four decades over the
+    bands, and its logarithm is smooth. ValueError if a wavelength lies outside the table (no extrapolation)
+    or the table is not as stated.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -32,23 +21,13 @@ def silicon_absorption(wavelength, table_wavelength, table_coefficient):
 
 
 def layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness):
-    r"""Share of the entering photons that each layer of a sandwich detector absorbs.
+    r"""Share [1] of the entering photons that each layer of a sandwich detector absorbs, top and bottom.
 
     .. math:: \eta_1 = 1 - e^{-\alpha d_1}, \qquad \eta_2 = e^{-\alpha d_1}\,(1 - e^{-\alpha d_2})
 
-    The top layer takes the short wavelengths; the bottom layer sees what the top layer lets through.
-
-    Source: Beer-Lambert. ASSUME: every absorbed photon is collected in its layer, one pass, no
-    reflection between the layers, no dependence of the surface reflectance on wavelength.
-
-    Parameters
-    ----------
-    absorption_coefficient : (...) array [m-1], > 0
-    top_thickness, bottom_thickness : float [m], > 0
-
-    Returns
-    -------
-    top, bottom : (...) ndarrays [1]
+    The top layer takes the short wavelengths; the bottom layer sees what the top layer lets through. Source:
+    Beer-Lambert. ASSUME: every absorbed photon is collected in its layer, one pass, no reflection between the
+    layers, no dependence of the surface reflectance on wavelength.
     """
     alpha = positive("absorption_coefficient", absorption_coefficient, "m-1")
     top = float(positive("top_thickness", top_thickness, "m"))
@@ -57,21 +36,12 @@ def layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness):
 
 
 def long_pass(wavelength, edge, edge_sigma):
-    r"""Transmittance of a long-pass filter with an error-function edge.
+    r"""Transmittance (...) [1] of a long-pass filter with an error-function edge.
 
     .. math:: \tau = \tfrac12\,[1 + \mathrm{erf}((\lambda - \lambda_e) / \sqrt2\,\sigma_e)]
 
-    Parameters
-    ----------
-    wavelength : (...) array [m]
-    edge : float [m]
-        Where half is transmitted.
-    edge_sigma : float [m], > 0
-        Standard deviation of the edge; 10 % to 90 % takes 2.56 of it.
-
-    Returns
-    -------
-    (...) ndarray [1]
+    where half is transmitted at the edge [m]; 10 % to 90 % takes 2.56 of its standard deviation `edge_sigma`
+    [m].
     """
     from scipy.special import ndtr
 

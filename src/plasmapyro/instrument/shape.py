@@ -27,21 +27,11 @@ class Comparison(NamedTuple):
 
 
 def planck_shape(wavelength, spectrum, band):
-    r"""Temperature of the black body with the shape of a spectrum.
+    r"""Temperature of the black body with the shape of a spectrum (W,), within a band (2,) [m].
 
-    Minimises :math:`\overline{(y_i / (c L^{bb}_i(T)) - 1)^2}` over `c` and `T`.
-
-    ValueError: fewer than 10 usable samples in the band, or a shape beyond 500 to 10 000 K.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    spectrum : (W,) array, any unit per wavelength; samples that are not finite and > 0 are left out
-    band : (2,) floats [m]
-
-    Returns
-    -------
-    Shape
+    Minimises :math:`\overline{(y_i / (c L^{bb}_i(T)) - 1)^2}` over `c` and `T`; samples that are not finite
+    and > 0 are left out. ValueError: fewer than 10 usable samples in the band, or a shape beyond 500 to 10
+    000 K.
     """
     from scipy.optimize import minimize_scalar
 
@@ -71,18 +61,7 @@ def planck_shape(wavelength, spectrum, band):
 
 
 def compare(wavelength, spectrum, reference, band):
-    """How a spectrum differs from a reference: in the temperature of its shape, in level, and beyond both.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    spectrum, reference : (W,) arrays, same unit
-    band : (2,) floats [m]
-
-    Returns
-    -------
-    Comparison
-    """
+    """How a spectrum differs from a reference: in the temperature of its shape, in level, and beyond both."""
     mine, its = (planck_shape(wavelength, values, band) for values in (spectrum, reference))
     used = (wavelength >= band[0]) & (wavelength <= band[1])
     with np.errstate(divide="ignore", invalid="ignore"):

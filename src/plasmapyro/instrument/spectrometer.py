@@ -10,20 +10,9 @@ STATUS = dict(enumerate("usable no_signal saturated missing hot masked left_out"
 
 
 def pixel_status(counts, background, saturation, least_net):
-    """Which pixels of a spectrum can be used.
+    """Which pixels (..., W) can be used: `USABLE`, `NO_SIGNAL`, `SATURATED`, `MISSING` (0 to 3).
 
-    Parameters
-    ----------
-    counts, background : (..., W) arrays [count], NaN where missing
-    saturation : float [count]
-        Raw counts from here on are clipped by the converter.
-    least_net : float [count]
-        Net counts up to here are no signal.
-
-    Returns
-    -------
-    (..., W) int8 ndarray
-        `USABLE` (0), `NO_SIGNAL` (1), `SATURATED` (2), `MISSING` (3).
+    Raw counts from `saturation` on are clipped by the converter; net counts up to `least_net` are no signal.
     """
     counts, background = np.broadcast_arrays(counts, background)
     status = np.full(counts.shape, USABLE, dtype="int8")
@@ -92,24 +81,14 @@ def measured_radiance(counts, background, factor, integration_time):
 
 
 def local_noise(values, block):
-    r"""Standard deviation of the noise along the last axis, from second differences in blocks.
+    r"""Standard deviation (..., W) of the noise along the last axis, from second differences in blocks.
 
     .. math:: \hat\sigma = 1.4826\,\mathrm{median}|y_{i-1} - 2y_i + y_{i+1}| / \sqrt6
 
-    A smooth signal cancels in the second difference, a single spike does not move the median.
-
-    Deviation: the paper states no noise model; this one asks nothing of the maker. ASSUME: noise
-    independent from pixel to pixel; where lines vary within three pixels it comes out too large.
-
-    Parameters
-    ----------
-    values : (..., W) array, may hold NaN
-    block : int
-        Samples per estimate; the estimates are joined linearly.
-
-    Returns
-    -------
-    (..., W) ndarray, same unit; NaN where a block holds no three neighbours
+    A smooth signal cancels in the second difference, a single spike does not move the median. The estimates
+    of blocks of so many samples are joined linearly; NaN where one holds no three neighbours. Deviation: the
+    paper states no noise model; this one asks nothing of the maker. ASSUME: noise independent from pixel to
+    pixel; where lines vary within three pixels it comes out too large.
     """
     values = np.asarray(values, dtype=float)
     count = values.shape[-1]

@@ -134,28 +134,18 @@ def _tabulated_widths(atom, labels, wavenumber, upper_binding):
 
 
 def stark_widths(atom, labels, wavenumber, upper_binding):
-    r"""Stark half widths per electron density at 10 kK, and their temperature exponents.
+    r"""Stark half widths (L,) [m2] per electron density at 10 kK, and their temperature exponents (L,) [1].
 
-    Tabulated multiplets: power law through Griem's 5000 K and 20000 K values (within 2 % of the one at
-    10000 K). All other lines: the power law in the binding energy of the upper level
+    Tabulated multiplets: power law through Griem's 5000 K and 20000 K values (within 2 % of the one at 10000
+    K). All other lines: the power law in the binding energy of the upper level
 
     .. math:: \ln w_S = a - b \ln \tilde E_u
 
-    fitted to the tabulated multiplets of the system, with their median exponent; b = 2 where fewer than
-    four are tabulated (the ions).
+    fitted to the tabulated multiplets of the system, with their median exponent; b = 2 where fewer than four
+    are tabulated (the ions). `labels`: of each line lower orbital and term, upper orbital and term.
 
-    Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4.
-    ASSUME: C I, Ar I and Si I broaden like N I and C II like N II at equal binding, for want of a table.
-
-    Parameters
-    ----------
-    atom : Atom
-    labels : list of (lower orbital, lower term, upper orbital, upper term)
-    wavenumber, upper_binding : (L,) [m-1]
-
-    Returns
-    -------
-    tuple of ndarray (L,) : [m2], [1]
+    Source: Griem (1974), appendix IV. The fit scatters by a factor of about 1.4. ASSUME: C I, Ar I and Si I
+    broaden like N I and C II like N II at equal binding, for want of a table.
     """
     width, power, _ = _tabulated_widths(atom, labels, wavenumber, upper_binding)
     like = ATOMS[atom.stark[1]]
@@ -207,19 +197,7 @@ def _multiplets(table):
 
 
 def line_uncertainty(accuracy, emission):
-    """Relative uncertainty of a sum of lines, their errors taken as one: classes weighed by emission.
-
-    Parameters
-    ----------
-    accuracy : (L,) of str
-        NIST's class of each line.
-    emission : (L,) [any]
-        >= 0.
-
-    Returns
-    -------
-    float [1]
-    """
+    """Relative uncertainty [1] of a sum of lines (L,), their errors one: NIST's classes by emission."""
     return float(np.average([ACCURACY[word] for word in accuracy], weights=emission))
 
 

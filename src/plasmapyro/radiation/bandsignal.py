@@ -29,21 +29,9 @@ def two_bands(response, what):
 
 
 def respond(wavelength, response_wavelength, responsivity):
-    """Responsivity at a wavelength: linear between table points.
+    """Responsivity [1] at a wavelength [m]: linear between the points (R,) of a table, 0 outside it.
 
     ValueError if `response_wavelength` does not increase.
-
-    Parameters
-    ----------
-    wavelength : array_like [m]
-    response_wavelength : (R,) [m]
-        Strictly increasing.
-    responsivity : (R,) [1]
-
-    Returns
-    -------
-    ndarray [1]
-        0 outside the table, where the instrument is blind.
     """
     response_wavelength = increasing("response_wavelength", response_wavelength, "m")
     return np.interp(wavelength, response_wavelength, responsivity, left=0.0, right=0.0)
@@ -98,24 +86,13 @@ def band_signal(wavelength, responsivity, radiance):
 def gridless_signal(
     lines, continuum_wavelength, continuum, wavelength_range, response_wavelength, responsivity
 ):
-    r"""Signal of optically thin gas without resolving a line.
+    r"""Signal [W m-2 sr-1] of optically thin gas without resolving a line.
 
     .. math:: S = \sum_l \tilde R(\lambda_l)\, L_l + \int \tilde R\, L_c\, d\lambda
 
-    Source: thin limit of the transfer equation. Lines are taken as narrow against the response.
-
-    Parameters
-    ----------
-    lines : iterable of (wavelength (L,) [m], radiance by line (L,) [W m-2 sr-1])
-    continuum_wavelength, continuum : (W,) [m], [W m-2 sr-1 m-1]
-        Increasing; linear between points.
-    wavelength_range : (shortest, longest) [m]
-        Lines outside do not count.
-    response_wavelength, responsivity : (R,) [m], [1]
-
-    Returns
-    -------
-    float [W m-2 sr-1]
+    `lines`: pairs of wavelength (L,) [m] and radiance by line (L,) [W m-2 sr-1], which counts within the
+    range; continuum (W,) [W m-2 sr-1 m-1], linear between its points. Source: thin limit of the transfer
+    equation. Lines are taken as narrow against the response.
     """
     total = 0.0
     for wavelength, radiance in lines:

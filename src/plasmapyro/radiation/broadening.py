@@ -47,20 +47,11 @@ def doppler_sigma(temperature, mass):
 
 
 def natural_hwhm(upper_decay, lower_decay):
-    r"""Half width by the finite life of both levels.
+    r"""Half width [m-1] by the finite life of both levels, of their decays [s-1] by all lines together.
 
     .. math:: \gamma_{nat} = \frac{A_u + A_l}{4 \pi c}
 
     Source: Griem (1974), section I.1; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, table 3.
-
-    Parameters
-    ----------
-    upper_decay, lower_decay : array_like [s-1]
-        Sum of the Einstein coefficients of each level.
-
-    Returns
-    -------
-    ndarray [m-1]
     """
     upper_decay = non_negative("upper_decay", upper_decay, "s-1")
     lower_decay = non_negative("lower_decay", lower_decay, "s-1")
@@ -68,24 +59,14 @@ def natural_hwhm(upper_decay, lower_decay):
 
 
 def mean_square_radius(binding, angular_momentum):
-    r"""Mean square distance of the outer electron from the core, hydrogen-like.
+    r"""Mean square distance [m2] of the outer electron from the core, hydrogen-like; never below a_0^2.
 
     .. math:: \langle r^2 \rangle = \frac{n^2}{2} \left(5 n^2 + 1 - 3 l (l+1)\right) a_0^2,
               \qquad n^2 = R_\infty / \tilde E
 
-    Source: Bates and Damgaard (1949), as used by Laux et al. (2003), section 3.
-
-    Parameters
-    ----------
-    binding : array_like [m-1]
-        Energy below the ionisation limit the level belongs to, > 0.
-    angular_momentum : array_like [1]
-        :math:`l` of the outer electron.
-
-    Returns
-    -------
-    ndarray [m2]
-        Not below :math:`a_0^2`: the formula turns negative for levels that are not hydrogen-like.
+    with the energy E [m-1] > 0 below the ionisation limit the level belongs to. The formula turns negative
+    for levels that are not hydrogen-like. Source: Bates and Damgaard (1949), as used by Laux et al. (2003),
+    section 3.
     """
     square = RYDBERG / positive("binding", binding, "m-1")
     orbital = np.asarray(angular_momentum)
@@ -94,27 +75,14 @@ def mean_square_radius(binding, angular_momentum):
 
 
 def van_der_waals_hwhm(upper_radius, lower_radius, polarisability, reduced_mass, temperature):
-    r"""Half width per neutral perturber, impact theory with Unsold's :math:`C_6`.
+    r"""Half width [m2] = [m-1 per m-3] per neutral perturber, impact theory with Unsold's :math:`C_6`.
 
     .. math:: \gamma_W = \frac{8.08}{4 \pi c} \left( \frac{e^2 \alpha}{4 \pi \varepsilon_0 \hbar}
               \left| \langle r_u^2 \rangle - \langle r_l^2 \rangle \right| \right)^{2/5} \bar v^{3/5},
               \qquad \bar v = \sqrt{8 k T / \pi \mu}
 
-    Source: Unsold (1955), section 82; Griem (1974), chapter II.
-
-    Parameters
-    ----------
-    upper_radius, lower_radius : array_like [m2]
-        Mean square radii of the levels.
-    polarisability : float [m3]
-        :math:`\alpha` of the perturber (volume).
-    reduced_mass : float [kg]
-        :math:`\mu` of radiator and perturber.
-    temperature : float [K]
-
-    Returns
-    -------
-    ndarray [m2] = [m-1 per m-3]
+    with the mean square radii [m2] of the levels, the polarisability (volume) [m3] of the perturber and the
+    reduced mass [kg] of radiator and perturber. Source: Unsold (1955), section 82; Griem (1974), chapter II.
     """
     shift = COULOMB_SQUARE * polarisability * np.abs(upper_radius - lower_radius) * 2 * np.pi / PLANCK
     speed = np.sqrt(8 * BOLTZMANN * temperature / (np.pi * reduced_mass))
@@ -122,25 +90,14 @@ def van_der_waals_hwhm(upper_radius, lower_radius, polarisability, reduced_mass,
 
 
 def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
-    r"""Half width a level contributes by exchange with unexcited atoms of its kind, per such atom.
+    r"""Half width [m2] = [m-1 per m-3] a level contributes by exchange with unexcited atoms of its kind.
 
     .. math:: w_R = \frac{3 r_e}{8 \pi} \frac{f}{\tilde\nu_R} \sqrt{g_0 / g},
               \qquad f = \frac{A}{8 \pi^2 r_e c\, \tilde\nu_R^2} \frac{g}{g_0}
 
-    Source: Griem (1974), section II.4, in the form of Laux et al. (2003), equation 18.
-
-    Parameters
-    ----------
-    wavenumber : array_like [m-1]
-        Of the resonance line from the level to the ground term; the level's energy.
-    decay : array_like [s-1]
-        Its Einstein coefficient; 0 where there is no such line.
-    degeneracy, ground_degeneracy : array_like [1]
-
-    Returns
-    -------
-    ndarray [m2] = [m-1 per m-3]
-        To be added for both levels of a line.
+    of the resonance line from the level to the ground term, whose wavenumber is the level's energy [m-1] and
+    whose decay is A [s-1], 0 where there is no such line. To be added for both levels of a line. Source:
+    Griem (1974), section II.4, in the form of Laux et al. (2003), equation 18.
     """
     wavenumber = positive("wavenumber", wavenumber, "m-1")
     weight = degeneracy / ground_degeneracy
@@ -151,25 +108,13 @@ def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
 def lorentz_hwhm(
     lines, temperature, electron_density, neutral_density, own_density, electron_temperature=None
 ):
-    """Sum of the Lorentz half widths of a line list in one gas state, as `LineList` defines it.
+    """Lorentz half widths [m-1] of a line list in one gas state, summed as `LineList` defines it.
 
-    Source: Griem (1974): widths of independent Lorentz mechanisms add.
-    ASSUME: Stark widths are the electron-impact ones (isolated lines, linear in the electron density);
-    ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
-
-    Parameters
-    ----------
-    lines : LineList
-    temperature : float [K]
-    electron_density, neutral_density, own_density : float [m-3]
-        Of the electrons, of all neutral particles, and of the radiating species.
-    electron_temperature : float [K], optional
-        For the Stark widths, where it is not that of the heavy particles.
-
-    Returns
-    -------
-    ndarray [m-1]
-        One per line.
+    Densities [m-3] of the electrons, of all neutral particles, and of the radiating species;
+    `electron_temperature` [K] for the Stark widths, where it is not that of the heavy particles. Source:
+    Griem (1974): widths of independent Lorentz mechanisms add. ASSUME: Stark widths are the electron-impact
+    ones (isolated lines, linear in the electron density); ion broadening (below 10 % at 1e22 m-3) and line
+    shifts are left out.
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
     hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE

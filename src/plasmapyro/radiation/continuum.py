@@ -1,7 +1,8 @@
 """Continuous absorption of air plasma: free electrons at ions and neutrals, and photoionisation.
 
 Every function gives an absorption coefficient with stimulated emission counted as negative absorption;
-the emission coefficient is that times the black body (Kirchhoff), the gas being in equilibrium.
+the emission coefficient is that times the black body (Kirchhoff), the gas being in equilibrium. Arguments
+are wavenumbers (W,) [m-1], the temperature [K], number densities [m-3] and partition functions [1] of atoms.
 """
 
 import re
@@ -44,22 +45,10 @@ def _gaunt_table():
 
 
 def gaunt_factor(wavenumber, temperature):
-    """Maxwell-averaged free-free Gaunt factor of a unit charge.
+    """Maxwell-averaged free-free Gaunt factor (W,) [1] of a unit charge, at wavenumbers (W,) [m-1].
 
+    160-39000 K; h nu / k T within 0.1-1000, ValueError outside; interpolated in the logarithms of both.
     Source: de Avillez and Breitschwerdt, Astron. Astrophys. 580 (2015) A124.
-
-    ValueError: outside the table.
-
-    Parameters
-    ----------
-    wavenumber : (W,) [m-1]
-    temperature : float [K]
-        160-39000 K; h nu / k T within 0.1-1000.
-
-    Returns
-    -------
-    ndarray (W,) [1]
-        Interpolated in the logarithms of both arguments.
     """
     interpolate, _ = _gaunt_table()
     ratio = _photon_ratio(wavenumber, temperature)
@@ -68,24 +57,13 @@ def gaunt_factor(wavenumber, temperature):
 
 
 def electron_ion_absorption(wavenumber, temperature, electron_density, ion_density):
-    r"""Free-free absorption of electrons at singly charged ions.
+    r"""Free-free absorption (W,) [m-1] of electrons at singly charged ions of all kinds together.
 
     .. math:: \kappa = \frac43 \sqrt{\frac{2\pi}{3 m k T}}\,
               \left(\frac{e^2}{4\pi\varepsilon_0}\right)^3
               \frac{n_e n_i\, g_{ff}}{m\, h\, c\, \nu^3} \left(1 - e^{-h\nu/kT}\right)
 
     Source: Rybicki and Lightman, Radiative Processes in Astrophysics, eq. 5.18a, in SI.
-
-    Parameters
-    ----------
-    wavenumber : (W,) [m-1]
-    temperature : float [K]
-    electron_density, ion_density : float [m-3]
-        Ions of all kinds together.
-
-    Returns
-    -------
-    ndarray (W,) [m-1]
     """
     ratio = _photon_ratio(wavenumber, temperature)
     front = 4 / 3 * np.sqrt(2 * np.pi / (3 * ELECTRON_MASS * BOLTZMANN * temperature)) * COULOMB_SQUARE**3
@@ -105,26 +83,14 @@ def _neutral_table(species):
 
 
 def electron_atom_absorption(species, wavenumber, temperature, electron_density, atom_density):
-    r"""Free-free absorption of electrons at nitrogen or oxygen atoms.
+    r"""Free-free absorption (W,) [m-1] of electrons at nitrogen or oxygen atoms, `species` 'N' or 'O'.
 
     .. math:: \kappa = k_{ff}(T, \lambda)\; n_{atom}\; n_e k T
 
-    Source: Ramsbottom, Bell and Berrington, J. Phys. B 25 (1992) 1443 (N); John, Mon. Not. R. Astron. Soc.
-    172 (1975) 305 (O). The tables hold stimulated emission already.
-    ASSUME: beyond their temperatures (N 1800-12600 K, O 1000-15000 K) the power law of the last interval
-    goes on: below them there are no free electrons, above them the ions rule.
-
-    Parameters
-    ----------
-    species : 'N' or 'O'
-    wavenumber : (W,) [m-1]
-    temperature : float [K]
-    electron_density, atom_density : float [m-3]
-
-    Returns
-    -------
-    ndarray (W,) [m-1]
-        Linear in the logarithms of temperature, wavelength and coefficient.
+    Linear in the logarithms of temperature, wavelength and coefficient. Source: Ramsbottom, Bell and
+    Berrington, J. Phys. B 25 (1992) 1443 (N); John, Mon. Not. R. Astron. Soc. 172 (1975) 305 (O). The tables
+    hold stimulated emission already. ASSUME: beyond their temperatures (N 1800-12600 K, O 1000-15000 K) the
+    power law of the last interval goes on: below them there are no free electrons, above them the ions rule.
     """
     points = np.column_stack([np.full_like(wavenumber, np.log(temperature)), -np.log(wavenumber)])
     coefficient = np.exp(_neutral_table(species)(points))
@@ -250,27 +216,12 @@ def bound_free(species, wavenumber):
 
 
 def free_bound_absorption(bound_free, wavenumber, temperature, number_density, partition_function):
-    r"""Absorption by photoionisation of the excited levels of an atom.
+    r"""Absorption (W,) [m-1] by photoionisation of excited levels of an atom, on the axis of `bound_free`.
 
     .. math:: \kappa = \left(1 - e^{-h\nu/kT}\right) \sum_i n_i \sigma_i(\nu)
 
-    Its emission is the recombination (free-bound) continuum.
-
-    Source: Laux et al. (2003); TOPbase cross-sections hold no stimulated emission.
-
-    Parameters
-    ----------
-    bound_free : BoundFree
-    wavenumber : (W,) [m-1]
-        The axis of `bound_free`.
-    temperature : float [K]
-    number_density : float [m-3]
-        Of the atom.
-    partition_function : float [1]
-
-    Returns
-    -------
-    ndarray (W,) [m-1]
+    Its emission is the recombination (free-bound) continuum. Source: Laux et al. (2003); TOPbase
+    cross-sections hold no stimulated emission.
     """
     population = boltzmann_population(
         bound_free.energy, bound_free.degeneracy, temperature, number_density, partition_function
@@ -281,25 +232,13 @@ def free_bound_absorption(bound_free, wavenumber, temperature, number_density, p
 
 
 def negative_oxygen_density(temperature, electron_density, atom_density, partition_function):
-    r"""Density of O- in Saha equilibrium with electrons and oxygen atoms.
+    r"""Density [m-3] of O- in Saha equilibrium with electrons, of their temperature, and oxygen atoms.
 
     .. math:: n_- = n_e n_O \frac{Q_-}{2 Q_O} \left(\frac{h^2}{2 \pi m k T}\right)^{3/2} e^{E_A/kT},
               \qquad Q_- = 4 + 2 e^{-\Delta/kT}
 
     Source: M. N. Saha, Phil. Mag. 40 (1920) 472. ASSUME: O- is in equilibrium with e- and O; at 50 mbar
     collisions destroy it within microseconds. It is no species of the composition: 1e-5 of the electrons.
-
-    Parameters
-    ----------
-    temperature : float [K]
-        Of the electrons.
-    electron_density, atom_density : float [m-3]
-    partition_function : float [1]
-        Of O.
-
-    Returns
-    -------
-    float [m-3]
     """
     weight = 4 + 2 * np.exp(-SECOND_RADIATION * NEGATIVE_ION_SPLITTING / temperature)
     wave = PLANCK**2 / (2 * np.pi * ELECTRON_MASS * BOLTZMANN * temperature)
@@ -308,22 +247,11 @@ def negative_oxygen_density(temperature, electron_density, atom_density, partiti
 
 
 def photodetachment_cross_section(wavenumber):
-    """Photodetachment cross-section of O-.
+    """Photodetachment cross-section (W,) [m2] of O- at wavenumbers (W,) [m-1].
 
-    Source: L. C. Lee, G. P. Smith, J. Chem. Phys. 70 (1979) 1727; 10 % on the plateau.
-    ASSUME: ions and atoms of all fine-structure levels have the threshold of O- 2P3/2 to O 3P2.
-
-    ValueError: beyond the table.
-
-    Parameters
-    ----------
-    wavenumber : (W,) [m-1]
-        At most 1.5605e6 (640.8 nm), the end of the table.
-
-    Returns
-    -------
-    ndarray (W,) [m2]
-        Linear between the measured points, 0 below the threshold (848.6 nm).
+    Linear between the measured points, 0 below the threshold (848.6 nm); ValueError beyond the table (640.8
+    nm). Source: L. C. Lee, G. P. Smith, J. Chem. Phys. 70 (1979) 1727; 10 % on the plateau. ASSUME: ions and
+    atoms of all fine-structure levels have the threshold of O- 2P3/2 to O 3P2.
     """
     table = tables.load("radiation/photodetachment_oxygen")
     photon = np.r_[ELECTRON_AFFINITY, table["photon"] / (PLANCK * LIGHT_SPEED)]
@@ -336,25 +264,11 @@ def photodetachment_cross_section(wavenumber):
 
 
 def photodetachment_absorption(wavenumber, temperature, electron_density, atom_density, partition_function):
-    r"""Absorption by photodetachment of O-; its emission is that of radiative attachment.
+    r"""Absorption (W,) [m-1] by photodetachment of O-; its emission is that of radiative attachment.
 
     .. math:: \kappa = n_-\, \sigma(\nu) \left(1 - e^{-h\nu/kT}\right)
 
     Source: as `negative_oxygen_density` and `photodetachment_cross_section`.
-
-    Parameters
-    ----------
-    wavenumber : (W,) [m-1]
-        As in `photodetachment_cross_section`.
-    temperature : float [K]
-    electron_density, atom_density : float [m-3]
-        Of electrons and oxygen atoms.
-    partition_function : float [1]
-        Of O.
-
-    Returns
-    -------
-    ndarray (W,) [m-1]
     """
     density = negative_oxygen_density(temperature, electron_density, atom_density, partition_function)
     cross_section = photodetachment_cross_section(wavenumber)

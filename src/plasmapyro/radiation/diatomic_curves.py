@@ -13,16 +13,9 @@ TURNING_POINTS = 160  # per limb; halving them moves no level by more than 1e-3 
 
 
 def kinetic_factor(reduced_mass):
-    r"""Factor of -d2/dr2 in the Schroedinger equation, :math:`\hbar^2 / (2\mu h c)`.
+    r"""Factor [m-1 m2] of -d2/dr2 in the Schroedinger equation, :math:`\hbar^2 / (2\mu h c)`; mass [kg].
 
-    Parameters
-    ----------
-    reduced_mass : float [kg]
-
-    Returns
-    -------
-    float [m-1 m2]
-        The rotational constant at separation r is this over r squared.
+    The rotational constant at separation r is this over r squared.
     """
     return PLANCK / (8 * np.pi**2 * LIGHT_SPEED * positive("reduced_mass", reduced_mass, "kg"))
 

@@ -80,24 +80,11 @@ def photon_coupling(upper, lower, quantum_number, step):
 
 
 def nuclear_weight(state, level_parity, nuclear_spin):
-    r"""Weight of nuclear spin of levels of two equal nuclei with integer spin I, over :math:`(2I+1)^2`.
+    """Weight [1] of nuclear spin of levels of two equal nuclei with integer spin I, over :math:`(2I+1)^2`.
 
-    Levels symmetric in the nuclei (total parity + of g states, - of u states) have
-    :math:`(I+1)/(2I+1)`, antisymmetric ones :math:`I/(2I+1)`; different nuclei have 1.
-
-    Source: G. Herzberg, Spectra of Diatomic Molecules (1950), section III,2f.
-
-    Parameters
-    ----------
-    state : ElectronicState
-    level_parity : array_like [1]
-        Total parity, +1 or -1.
-    nuclear_spin : int [1]
-        I, not used for different nuclei.
-
-    Returns
-    -------
-    ndarray [1]
+    Levels symmetric in the nuclei (total parity + of g states, - of u states) have :math:`(I+1)/(2I+1)`,
+    antisymmetric ones :math:`I/(2I+1)`; different nuclei have 1. Source: G. Herzberg, Spectra of Diatomic
+    Molecules (1950), section III,2f.
     """
     if not state.inversion:
         return np.ones(np.shape(level_parity))
@@ -194,17 +181,7 @@ def _line_weights(upper, lower, nuclear_spin):
 
 
 def emission_weights(lines, temperature):
-    r"""Relative emission of each line in thermal equilibrium, :math:`g' A \tilde\nu \exp(-E'/kT)`, sum 1.
-
-    Parameters
-    ----------
-    lines : dict or LineList-like mapping with einstein_a, upper_degeneracy, upper_energy, wavenumber
-    temperature : float [K]
-
-    Returns
-    -------
-    (L,) [1]
-    """
+    r"""Relative emission (L,) of lines in thermal equilibrium, :math:`g' A \tilde\nu \exp(-E'/kT)`, sum 1."""
     temperature = positive("temperature", temperature, "K")
     energy = lines["upper_energy"] - lines["upper_energy"].min()
     weight = lines["upper_degeneracy"] * lines["einstein_a"] * lines["wavenumber"]
@@ -213,21 +190,10 @@ def emission_weights(lines, temperature):
 
 
 def strong_enough(lines, temperatures, lost_fraction):
-    """Which lines to keep so that little of the optically thin emission is lost at each temperature.
+    """Which lines (L,) to keep so that little of the optically thin emission is lost at each temperature.
 
-    A line stays when, at one of the temperatures, it is not among the faintest ones that together
-    emit less than `lost_fraction` of the whole list.
-
-    Parameters
-    ----------
-    lines : dict as from `transition_lines`
-    temperatures : (T,) [K]
-    lost_fraction : float [1]
-        In (0, 1].
-
-    Returns
-    -------
-    (L,) bool
+    A line stays when, at one of the temperatures (T,) [K], it is not among the faintest ones that together
+    emit less than `lost_fraction` (in (0, 1]) of the whole list.
     """
     lost_fraction = fraction("lost_fraction", lost_fraction)
     keep = np.zeros(len(lines["wavenumber"]), dtype=bool)

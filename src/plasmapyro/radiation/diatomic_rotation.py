@@ -139,23 +139,13 @@ def _operator_function(matrix, node, value):
 
 
 def parity(levels):
-    r"""Total parity, +1 or -1, of the levels of a Sigma state.
+    r"""Total parity (v, J, F), +1 or -1, of the levels of a Sigma state.
 
     .. math:: \sigma_v |\Sigma; J\rangle = \pm (-1)^{J - S} |-\Sigma; J\rangle
 
-    with the upper sign for :math:`\Sigma^+`.
-
-    Source: H. Lefebvre-Brion, R. W. Field, The Spectra and Dynamics of Diatomic Molecules (2004),
-    eq. 3.2.86; the factor (-1)^(2 Sigma) is the same for all functions of a state.
-
-    Parameters
-    ----------
-    levels : Levels
-        With Lambda = 0.
-
-    Returns
-    -------
-    (v, J, F) [1]
+    with the upper sign for :math:`\Sigma^+`. Source: H. Lefebvre-Brion, R. W. Field, The Spectra and Dynamics
+    of Diatomic Molecules (2004), eq. 3.2.86; the factor (-1)^(2 Sigma) is the same for all functions of a
+    state.
     """
     mirrored = (levels.vector * levels.vector[:, :, ::-1, :]).sum(axis=2)
     sign = levels.state.reflection * (-1.0) ** np.rint(levels.quantum_number - levels.state.spin)
@@ -163,27 +153,13 @@ def parity(levels):
 
 
 def clebsch_gordan(lower, step, projection, component):
-    r"""Clebsch-Gordan coefficient of one photon and a rotating molecule.
+    r"""Clebsch-Gordan coefficient [1] of one photon and a rotating molecule.
 
     .. math:: \langle J''\,\Omega''\;1\,q | J'\,\Omega'\rangle, \qquad \Omega'' = \Omega' - q
 
-    Source: E. U. Condon, G. H. Shortley, The Theory of Atomic Spectra (1935), table 2 of chapter III.
-
-    Parameters
-    ----------
-    lower : array_like [1]
-        J''.
-    step : int
-        J' - J'', one of -1, 0, 1.
-    projection : array_like [1]
-        Omega'; broadcasts against `lower`.
-    component : int
-        q, one of -1, 0, 1.
-
-    Returns
-    -------
-    ndarray [1]
-        Zero where a projection exceeds its J.
+    with `lower` J'', `step` J' - J'' and `component` q among -1, 0, 1, `projection` Omega'; 0 where a
+    projection exceeds its J. Source: E. U. Condon, G. H. Shortley, The Theory of Atomic Spectra (1935), table
+    2 of chapter III.
     """
     j, m = np.broadcast_arrays(np.asarray(lower, dtype=float), np.asarray(projection, dtype=float))
     allowed = (np.abs(m) <= j + step) & (np.abs(m - component) <= j) & (j + step >= 0)

@@ -26,21 +26,11 @@ _ROTATION = {"be": 1, "alphae": -1, "gammae": 1, "deltae": 1, "epsilone": 1}
 
 
 def state_constants(table_name, species, state):
-    """Spectroscopic constants of an electronic state.
+    """Spectroscopic constants of an electronic state, such as 'B3Pi_g' of 'N2' in 'gas/diatomic_nitrogen'.
 
-    Parameters
-    ----------
-    table_name : str
-        'gas/diatomic_nitrogen' or 'gas/diatomic_oxygen'.
-    species, state : str
-        As in the table: 'N2', 'B3Pi_g'.
-
-    Returns
-    -------
-    dict
-        The row of the table (SI) with, in addition, the ascending coefficients `vibration` of
-        G(v + 1/2) and `rotation` of B(v + 1/2) and the energy `origin` of v = 0 above v = 0 of the
-        first state of the species, all [m-1].
+    The row of the table (SI) with, in addition, the ascending coefficients `vibration` of G(v + 1/2) and
+    `rotation` of B(v + 1/2) and the energy `origin` of v = 0 above v = 0 of the first state of the species,
+    all [m-1].
     """
     table = tables.load(table_name)
     rows = np.flatnonzero(table["species"] == species)
@@ -108,18 +98,10 @@ def rovibration(values, reduced_mass, highest_level, count, *, waves=True):
 
 
 def transition_moments(upper_wave, lower_wave, electronic):
-    r"""Moments :math:`\langle v' N' | R_e(r) | v'' N'' \rangle` with N' - N'' = -1, 0, 1.
+    r"""Moments :math:`\langle v' N' | R_e(r) | v'' N'' \rangle` (3, v', v'', N'') [e a0].
 
-    Parameters
-    ----------
-    upper_wave, lower_wave : (N, R, v) [1]
-        As from `vibrational_states`.
-    electronic : (R,) [e a0]
-
-    Returns
-    -------
-    (3, v', v'', N'') [e a0]
-        Zero where N' would leave the table.
+    The steps N' - N'' are -1, 0, 1. Of waves (N, R, v) as from `vibrational_states` and `electronic` (R,) [e
+    a0]; 0 where N' would leave the table.
     """
     weighted = lower_wave * electronic[:, None]
     count = len(lower_wave)
@@ -132,23 +114,12 @@ def transition_moments(upper_wave, lower_wave, electronic):
 
 
 def moments_of_probabilities(probability, upper_state, upper_term, lower_state, lower_term):
-    r"""Band moments that give the probabilities of rotationless bands.
+    r"""Band moments (v', v'') [e a0] that give the probabilities [s-1] of rotationless bands.
 
     .. math:: R_{v'v''}^2 = A_{v'v''} / (K\, g\, \tilde\nu_{v'v''}^3)
 
-    with K and g of `diatomic_lines.transition_lines`.
-
-    Parameters
-    ----------
-    probability : (v', v'') [s-1]
-    upper_state, lower_state : ElectronicState
-    upper_term, lower_term : (v, N) [m-1]
-        As from `rovibration`.
-
-    Returns
-    -------
-    (v', v'') [e a0]
-        Zero where the upper level lies below the lower.
+    with K and g of `diatomic_lines.transition_lines` and terms as from `rovibration`; 0 where the upper level
+    lies below the lower.
     """
     origin = upper_term[:, None, 0] - lower_term[None, :, 0]
     factor = EINSTEIN_FACTOR * orbital_doubling(upper_state, lower_state)

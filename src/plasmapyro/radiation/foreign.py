@@ -28,22 +28,10 @@ def with_lines(radiation, band_response, name, wavelength, strength, amount):
 
     .. math:: L'_\lambda = L_\lambda + a\,L_{777} \sum_l f_l\,\delta(\lambda - \lambda_l)
 
-    ASSUME: optically thin, and narrower than a step of the grid, on which a line keeps its light and place.
-
-    Parameters
-    ----------
-    radiation : Dataset, contract 'radiation' or 'spectrum'
-    band_response : Dataset, contract 'response', or None for a spectrum without bands
-    name : str
-        Of the species: a component of the result.
-    wavelength, strength : (L,) [m], [1]
-        In vacuum; shares of the light of all lines together.
-    amount : float [1]
-        a, of the light of the triplet of O I in the simulation.
-
-    Returns
-    -------
-    Dataset of the same contract
+    with the amount a [1] and the light of the triplet of O I in the simulation; `strength` (L,): shares f of
+    all lines at vacuum wavelengths (L,) [m]; `name`: the species, a component of the result. `band_response`
+    is None for a spectrum without bands. ASSUME: optically thin, and narrower than a step of the grid, on
+    which a line keeps its light and place.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
     light = oxygen_triplet(slit, radiation["gas_radiance_slit"].values) * amount * np.asarray(strength)
@@ -62,15 +50,8 @@ def with_continuum(radiation, band_response, amount):
     .. math:: L'_\lambda = L_\lambda + a\,\langle L \rangle \frac{c_\lambda}{\langle c \rangle}, \qquad
               c_\lambda = \lambda^{-2} e^{-c_2/\lambda T}
 
-    Parameters
-    ----------
-    radiation, band_response : as of `with_lines`
-    amount : float [1]
-        a, of the mean light behind the slit; less than 0 takes light away, as far as there is any.
-
-    Returns
-    -------
-    Dataset of the same contract
+    with the amount a [1] of the mean light behind the slit; less than 0 takes light away, as far as there is
+    any.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
     level = amount * float(radiation["gas_radiance_slit"].mean()) / continuum(slit).mean()
@@ -87,22 +68,12 @@ def continuum(wavelength):
 
 
 def more_absorbed(radiation, band_response, depth):
-    r"""The light of a gas whose lines absorb themselves more than simulated.
+    r"""The light of a gas whose lines absorb themselves more than simulated; components are weakened alike.
 
     .. math:: L'_\lambda = L_\lambda \frac{1 - e^{-x}}{x}, \qquad x = d\,\frac{\tau_\lambda}{\max \tau}
 
-    Source: uniform slab, K. R. Lang, Astrophysical Formulae; ASSUME: emission and absorption are mixed
-    evenly.
-
-    Parameters
-    ----------
-    radiation, band_response : as of `with_lines`
-    depth : float [1]
-        d >= 0, further optical depth of the strongest line.
-
-    Returns
-    -------
-    Dataset of the same contract; its components are weakened alike.
+    with the further optical depth d >= 0 of the strongest line. Source: uniform slab, K. R. Lang,
+    Astrophysical Formulae; ASSUME: emission and absorption are mixed evenly.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
     tau = radiation["optical_depth"].values
@@ -163,15 +134,7 @@ def rippled(radiance, sightline, ripple):
 
     .. math:: \langle L(T (1 + a \sin\omega t)) \rangle
 
-    Parameters
-    ----------
-    radiance : function sightline -> Dataset, contract 'radiation'
-    sightline : Dataset, contract 'sightline'
-    ripple : float [1], a
-
-    Returns
-    -------
-    Dataset as of `radiance`; the errors that it states and the optical depth are those of the mean gas.
+    `radiance`: sightline -> light; the errors that it states and the optical depth are those of the mean gas.
     """
     middle, size = radiance(sightline), fraction("ripple", ripple)
     parts = [radiance(warmer(sightline, size * phase)) for phase in RIPPLE]

@@ -26,26 +26,14 @@ class Grid:
 
 
 def log_grid(wavelength_range, points):
-    r"""Grid uniform in :math:`\ln\tilde\nu` from one vacuum wavelength to another.
+    r"""Grid uniform in :math:`\ln\tilde\nu` from one vacuum wavelength [m] to another, of G >= 16 points.
 
     .. math:: \tilde\nu_i = \lambda_{max}^{-1} e^{i \Delta}, \qquad
               \Delta = \frac{\ln(\lambda_{max}/\lambda_{min})}{G - 1}
 
-    A thermal (Gaussian) profile then has one width for all lines of a species.
-
-    Source: van den Bekerom and Pannier, J. Quant. Spectrosc. Radiat. Transfer 261 (2021) 107476.
-
-    ValueError if the range does not increase or `points` is too small.
-
-    Parameters
-    ----------
-    wavelength_range : (shortest, longest) [m]
-    points : int
-        G, at least 16.
-
-    Returns
-    -------
-    Grid
+    A thermal (Gaussian) profile then has one width for all lines of a species. Source: van den Bekerom and
+    Pannier, J. Quant. Spectrosc. Radiat. Transfer 261 (2021) 107476. ValueError if the range does not
+    increase or `points` is too small.
     """
     wavelength_range = positive("wavelength_range", wavelength_range, "m")
     shortest, longest = increasing("wavelength_range", wavelength_range, "m")

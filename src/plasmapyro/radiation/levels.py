@@ -15,20 +15,10 @@ COLDEST = 1500.0  # [K]: colder gas does not shine, and keeps its populations
 def departures(temperature, *, excitation=0.0, vibration=0.0):
     """Departures of a path whose atoms are excited, or whose N2 vibrates, at another temperature.
 
-    ASSUME: the levels of a species share its number density at their temperature; of N2 1P the upper state
-    keeps its population, and its lower state that of the gas.
-
-    Parameters
-    ----------
-    temperature : (S,) [K]
-        Of the gas, by layers.
-    excitation, vibration : float [1]
-        Relative change of the temperature of all levels of the atoms, and of the vibrational levels of the
-        upper state of N2 1P.
-
-    Returns
-    -------
-    dict component -> departure, as `path.gas_path` takes them; empty for no change
+    By component, as `path.gas_path` takes them; empty for no change. `temperature` (S,) [K] of the layers,
+    relative change [1] of the temperature of all levels of the atoms (`excitation`) and of the vibrational
+    levels of the upper state of N2 1P. ASSUME: the levels of a species share its number density at their
+    temperature; of N2 1P the upper state keeps its population, and its lower state that of the gas.
     """
     found = {}
     if excitation:

@@ -42,20 +42,11 @@ GROUND_TERMS = 3e6  # [m-1]: lines to levels below that also broaden by exchange
 
 
 def net_emission(gas, absorption_radius=0.0):
-    """Net emission of the gas of a table in equilibrium, by pressure and temperature.
+    """Net emission (contract 'net_emission') of the gas of a table in equilibrium.
 
-    ASSUME: local thermal equilibrium; lines do not overlap, and the continuum does not take up lines.
-
-    Parameters
-    ----------
-    gas : Dataset, contract 'gas'
-        Gives the axes: its pressures, and every tenth of its temperatures.
-    absorption_radius : float [m]
-        R, of the hot gas that takes up its own light; 0 for none.
-
-    Returns
-    -------
-    Dataset, contract 'net_emission'
+    At its pressures and every tenth of its temperatures; `absorption_radius` [m]: of the hot gas that takes
+    up its own light; 0 for none. ASSUME: local thermal equilibrium; lines do not overlap, and the continuum
+    does not take up lines.
     """
     radius = float(non_negative("absorption_radius", absorption_radius, "m"))
     temperature = gas.temperature.values[::STEP].astype(float)
@@ -141,17 +132,8 @@ def _binding(atom, energy):
 def escape(depth, ratio):
     r"""Share of a line's light that leaves the middle of a sphere, :math:`\int\phi\,e^{-\kappa R\phi}d\nu`.
 
-    Parameters
-    ----------
-    depth : ndarray [1]
-        :math:`\kappa R` over the Doppler width (sqrt 2 sigma): optical depth for a profile of unit area in
-        that unit.
-    ratio : ndarray [1]
-        Lorentz half width over the Doppler width; same shape.
-
-    Returns
-    -------
-    ndarray [1]
+    `depth` [1] :math:`\kappa R` over the Doppler width (sqrt 2 sigma), optical depth for a profile of unit
+    area in that unit; `ratio` [1] of the Lorentz half width to it.
     """
     profile = wofz(PROFILE + 1j * np.maximum(ratio, 1e-6)[..., None]).real / np.sqrt(np.pi)
     beyond = ratio / np.pi / PROFILE[-1]  # area of the wing that the offsets leave out, thin by then

@@ -71,21 +71,11 @@ def boltzmann_population(energy, degeneracy, temperature, number_density, partit
 
 
 def line_emission(lines, upper_population):
-    r"""Power emitted in each line, per volume and solid angle, integrated over the line.
+    r"""Power (L,) [W m-3 sr-1] emitted in each line, integrated over it, by upper levels (L,) [m-3].
 
     .. math:: \varepsilon = \frac{h c \tilde\nu}{4 \pi} A\, n_u
 
     Source: definition of the Einstein coefficient; Laux et al. (2003), equation 2.
-
-    Parameters
-    ----------
-    lines : LineList
-    upper_population : (L,) [m-3]
-        Of the upper levels, whatever made them.
-
-    Returns
-    -------
-    ndarray (L,) [W m-3 sr-1]
     """
     return lines.power * upper_population
 
@@ -123,21 +113,10 @@ class Spreader:
 def prepare(lines, grid):
     """Place a line list on a grid, once for all gas states.
 
-    Lines outside the padded grid (half of `PADDING` on either side) reach in with their far wings.
-
-    Source: van den Bekerom and Pannier (2021) for the grid; Lee and Greengard, SIAM Rev. 46 (2004) 443 and
-    Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with B-splines and deconvolution.
-
-    ValueError if no line lies on the padded grid.
-
-    Parameters
-    ----------
-    lines : LineList
-    grid : Grid
-
-    Returns
-    -------
-    Spreader
+    Lines outside the padded grid (half of `PADDING` on either side) reach in with their far wings. ValueError
+    if no line lies on the padded grid. Source: van den Bekerom and Pannier (2021) for the grid; Lee and
+    Greengard, SIAM Rev. 46 (2004) 443 and Essmann et al., J. Chem. Phys. 103 (1995) 8577 for spreading with
+    B-splines and deconvolution.
     """
     length = COARSENING * next_fast_len(int(np.ceil(len(grid) * (1 + PADDING) / COARSENING)), real=True)
     first = (length - len(grid)) // 2

@@ -183,16 +183,7 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
 
 
 def incident_path(ray):
-    """Layers of a ray of a 'surface_view', which counts from the surface, towards the surface.
-
-    Parameters
-    ----------
-    ray : Dataset, contract 'surface_view', of one ray
-
-    Returns
-    -------
-    GasPath
-    """
+    """Layers of a ray of a 'surface_view', which counts from the surface, towards the surface."""
     distance = ray["ray_distance"].values[::-1]
     species = [str(name) for name in ray["species"].values]
     density = dict(zip(species, ray["ray_number_density"].values[:, ::-1], strict=True))
@@ -246,12 +237,7 @@ def thin_lines(path, lines):
 def thin_continuum(path, wavelength, absorption):
     """Continuum radiance if nothing were absorbed (W,), and the bound of `thin_lines` by layer (S,).
 
-    Parameters
-    ----------
-    path : GasPath
-    wavelength : (W,) [m]
-        Descending.
-    absorption : (S, components, W) [m-1]
+    Wavelength (W,) [m] descends; absorption (S, components, W) [m-1].
     """
     depth = absorption.sum(axis=1) * path.thickness[:, None]
     radiance = (depth * blackbody_radiance(wavelength, path.electron_temperature[:, None])).sum(axis=0)

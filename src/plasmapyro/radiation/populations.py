@@ -54,23 +54,11 @@ def _at(factor, energy, layer, what):
 
 
 def level_factors(level_energy, factor, *, tolerance=20.0):
-    """Factors of single levels by their energy; every other level keeps 1.
+    """Factors (energy (L,), layer) -> (L,) of single levels, for `Departure`; every other level keeps 1.
 
-    ValueError: shapes that differ, a negative factor or energy.
-
-    Parameters
-    ----------
-    level_energy : (E,) [m-1]
-        Above the lowest level of the species.
-    factor : (E,) [1]
-        Population over that of equilibrium (departure coefficient).
-    tolerance : float [m-1]
-        How far a line's level may lie from the energy given.
-
-    Returns
-    -------
-    function (energy (L,), layer) -> (L,)
-        For `Departure`.
+    `factor` (E,): population over that of equilibrium of levels (E,) [m-1] above the lowest one of the
+    species, `tolerance` [m-1]: how far off a line's level may lie. ValueError: shapes that differ, a negative
+    factor or energy.
     """
     level_energy = np.atleast_1d(non_negative("level_energy", level_energy, "m-1"))
     factor = np.atleast_1d(non_negative("factor", factor, "1"))
@@ -122,28 +110,16 @@ def two_temperature_population(
 
 
 def absorption_excess(lines, temperature, excitation_temperature, upper_factor=1.0, lower_factor=1.0):
-    r"""Absorption of each line over the one its emission would entail at the excitation temperature.
+    r"""Absorption (L,) of lines over the one their emission would entail at the excitation temperature.
 
     .. math:: \rho = \frac{n_l g_u / n_u g_l - 1}{e^{h c \tilde\nu / k T_{ve}} - 1}, \qquad
               \int \kappa\, d\tilde\nu = \frac{A}{8\pi c \tilde\nu^2}
               \left(\frac{g_u}{g_l} n_l - n_u\right) = \rho\, \frac{\varepsilon}{B_{\tilde\nu}(T_{ve})}
 
-    with :math:`n_l g_u / n_u g_l = (b_l/b_u) \exp\frac{hc}{k} [\tilde\nu/T_{ve}
-    + (\tilde E_{rot,u} - \tilde E_{rot,l})(1/T - 1/T_{ve})]`. In equilibrium it is 1, to the last bit.
-
-    Source: Einstein coefficients; Laux et al., Plasma Sources Sci. Technol. 12 (2003) 125, section 2.
-
-    Parameters
-    ----------
-    lines : LineList
-    temperature, excitation_temperature : float [K]
-    upper_factor, lower_factor : array_like [1]
-        Of the populations, > 0 and >= 0.
-
-    Returns
-    -------
-    ndarray (L,) [1]
-        Negative where stimulated emission outweighs absorption.
+    with :math:`n_l g_u / n_u g_l = (b_l/b_u) \exp\frac{hc}{k} [\tilde\nu/T_{ve} + (\tilde E_{rot,u} - \tilde
+    E_{rot,l})(1/T - 1/T_{ve})]` and the factors b on the populations. In equilibrium it is 1, to the last
+    bit; negative where stimulated emission outweighs absorption. Source: Einstein coefficients; Laux et al.,
+    Plasma Sources Sci. Technol. 12 (2003) 125, section 2.
     """
     planck = SECOND_RADIATION * lines.wavenumber / excitation_temperature
     between = 1 / temperature - 1 / excitation_temperature

@@ -44,21 +44,12 @@ def broad_share(phase):
 
 
 def kaiser(fraction):
-    r"""Kaiser-Bessel kernel that puts a line on the coarse grid.
+    r"""Kaiser-Bessel kernel (p, L) [1] that puts lines on the coarse grid, at p = `KAISER_POINTS` points.
 
     .. math:: K(x) = \frac{\beta}{p \sinh\beta} I_0\left(\beta \sqrt{1 - (2 x / p)^2}\right)
 
-    Source: J. I. Jackson et al., IEEE Trans. Med. Imaging 10 (1991) 473.
-
-    Parameters
-    ----------
-    fraction : (L,) [1]
-        Of a step, from the edge of the kernel to the first point.
-
-    Returns
-    -------
-    ndarray (p, L) [1]
-        At the p = `KAISER_POINTS` points; of integral 1, and sum 1 to 1e-12.
+    `fraction` (L,): of a step, from the edge of the kernel to the first point; of integral 1, and sum 1 to
+    1e-12. Source: J. I. Jackson et al., IEEE Trans. Med. Imaging 10 (1991) 473.
     """
     place = 2 * (fraction + np.arange(KAISER_POINTS)[:, None]) / KAISER_POINTS - 1
     root = KAISER_SHAPE * np.sqrt(np.maximum(1 - place**2, 0))
@@ -67,21 +58,12 @@ def kaiser(fraction):
 
 
 def kaiser_transform(phase):
-    r"""Fourier transform of the kernel.
+    r"""Fourier transform of the kernel, at angular frequencies times the step of the coarse grid, 0 to pi.
 
     .. math:: \hat K(\theta) = \frac{\beta}{\sinh\beta} \frac{\sinh s}{s}, \qquad
               s = \sqrt{\beta^2 - (p \theta / 2)^2}
 
     Source: Jackson et al. (1991), equation 12.
-
-    Parameters
-    ----------
-    phase : array_like [1]
-        Angular frequency times step of the coarse grid, 0 to pi.
-
-    Returns
-    -------
-    ndarray [1]
     """
     root = np.sqrt(KAISER_SHAPE**2 - (KAISER_POINTS / 2 * np.asarray(phase)) ** 2)
     return KAISER_SHAPE / np.sinh(KAISER_SHAPE) * np.sinh(root) / root
@@ -105,20 +87,9 @@ class SharpLines:
 
 
 def sharp_lines(place, points, step):
-    """Windows around lines at their places on the grid.
+    """Windows around lines at places (L,) on the grid, in steps from its first point.
 
-    Parameters
-    ----------
-    place : (L,) [1]
-        Of the lines, in steps from the first point of the grid.
-    points : int
-        Of the grid.
-    step : float [1]
-        Of the grid, in the logarithm of the wavenumber.
-
-    Returns
-    -------
-    SharpLines
+    `step` [1] of the grid's `points`, in the logarithm of the wavenumber.
     """
     nearest = np.rint(place).astype(int)
     lines = np.flatnonzero((nearest > -WINDOW // 2) & (nearest < points + WINDOW // 2))

@@ -9,20 +9,9 @@ REACH = 5.0  # standard deviations; leaves out 6e-7 of the slit function
 
 
 def slit_wavelengths(wavelength, fwhm, samples_per_fwhm=5):
-    """Coarse axis on which the slit function lies within the spectrum: `REACH` sigma from either end.
+    """Coarse axis [m] on which the slit function lies within the spectrum: `REACH` sigma from either end.
 
     ValueError if the spectrum is too short for one slit function, or too coarse.
-
-    Parameters
-    ----------
-    wavelength : (G,) [m]
-        Increasing.
-    fwhm : float [m]
-    samples_per_fwhm : int
-
-    Returns
-    -------
-    ndarray [m]
     """
     wavelength = increasing("wavelength", wavelength, "m")
     margin = REACH * _sigma(wavelength, fwhm)

@@ -136,17 +136,7 @@ def line_of_sight_radiance(
 
 
 def radiating_path(sightline, levels=None):
-    """Layers of a sight line.
-
-    Parameters
-    ----------
-    sightline : Dataset, contract 'sightline'
-    levels : mapping, as of `line_of_sight_radiance`
-
-    Returns
-    -------
-    GasPath
-    """
+    """Layers of a sight line, with `levels` as of `line_of_sight_radiance`."""
     excitation, temperature = sightline.get("excitation_temperature"), sightline["temperature"].values
     species = [str(name) for name in sightline["species"].values]
     return gas_path(

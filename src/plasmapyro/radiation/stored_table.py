@@ -11,22 +11,11 @@ from plasmapyro.radiation.table import EmissionTable, equilibrium_table
 
 
 def stored_table(*, wavelength_range, grid_points, pressure, nitrogen):
-    """The emission table of a mixture of N2 and O2 in equilibrium.
+    """The emission table (contract 'emission_table') of a mixture of N2 and O2 in equilibrium.
 
-    Parameters
-    ----------
-    wavelength_range : (shortest, longest) [m]
-        Vacuum, within 650-2500 nm (the line tables).
-    grid_points : int
-    pressure : float [Pa]
-        For the widths of lines; densities are those of the paths.
-    nitrogen : float [1]
-        Mole fraction of N2 in the cold gas.
-
-    Returns
-    -------
-    Dataset, contract 'emission_table'
-        As `table.EmissionTable`; the lines of the molecules one system after the other.
+    As `table.EmissionTable`; the lines of the molecules one system after the other. Wavelengths in vacuum,
+    within 650-2500 nm (the line tables); the pressure [Pa] sets the widths of lines, densities are those of
+    the paths.
     """
     table = equilibrium_table(log_grid(wavelength_range, grid_points), pressure, nitrogen)
     molecules = [lines for lines in table.lines if lines.component in SYSTEMS]

@@ -31,19 +31,10 @@ SYSTEMS = (*ATOMS, *MOLECULES)
 
 
 def line_lists(grid, species=SPECIES):
-    """Line lists of all systems of the species of a gas, on a grid.
+    """Line lists of all systems of the species of a gas, on a grid, in the order of `SYSTEMS`.
 
-    Parameters
-    ----------
-    grid : Grid
-    species : iterable of str
-        Those of the gas. Carbon's systems join where it holds carbon.
-
-    Returns
-    -------
-    list of LineList
-        In the order of `SYSTEMS`; none for species that are not in the gas, nor systems without a line on
-        the grid.
+    None for species that are not in the gas, nor systems without a line on the grid. Carbon's systems join
+    where it holds carbon.
     """
     reach, species = _molecular_range(grid), set(species)
     infrared = grid.wavenumber[0] * TABLE_RANGE[1] < 1 - ROUNDING
@@ -66,23 +57,12 @@ def line_lists(grid, species=SPECIES):
 
 
 def component_uncertainty(components, line_lists):
-    """Relative uncertainty of the strength of each radiating component.
+    """Relative uncertainty (C,) [1] of the strength of radiating components, systems and continua.
 
-    Source: the certificates of the tables. They hold for the strength at given densities and temperature,
-    errors of one system taken as common to all its lines; those of different systems are independent.
-
-    Parameters
-    ----------
-    components : iterable of str
-        Names of systems and continua.
-    line_lists : list of LineList
-        As from `line_lists`.
-
-    Returns
-    -------
-    ndarray (C,) [1]
-        Of atoms: NIST's classes weighed by emission (`atoms.line_uncertainty`); 0 for what is neither a
-        system nor a continuum.
+    Of atoms NIST's classes weighed by emission (`atoms.line_uncertainty`); 0 for what is neither a system nor
+    a continuum. Source: the certificates of the tables. They hold for the strength at given densities and
+    temperature, errors of one system taken as common to all its lines; those of different systems are
+    independent.
     """
     known = CONTINUA_UNCERTAINTY | {lines.component: lines.relative_uncertainty for lines in line_lists}
     return np.array([known.get(name, 0.0) for name in components])

@@ -166,19 +166,7 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
 
 
 def equilibrium_table(grid, pressure, nitrogen=AIR["N2"]):
-    """The table of all systems and continua of a mixture of N2 and O2 in equilibrium, 1500 to 15000 K.
-
-    Parameters
-    ----------
-    grid : Grid
-    pressure : float [Pa]
-    nitrogen : float [1]
-        Mole fraction of N2 in the cold gas.
-
-    Returns
-    -------
-    EmissionTable
-    """
+    """The table of all systems and continua of a mixture of N2 and O2 in equilibrium, 1500 to 15000 K."""
     nodes = np.array(EQUILIBRIUM_NODES, dtype=float)
     density = equilibrium_density(nodes, pressure, nitrogen)
     return emission_table(lists_of_systems(grid), grid, nodes, dict(zip(SPECIES, density.T, strict=True)))
@@ -255,10 +243,6 @@ def table_path_radiance(table, path):
     """As `path.path_radiance` of a path in equilibrium, from a table; see `table_radiance`.
 
     ValueError as `table_radiance`, and a grid too coarse for the Doppler widths where a system emits.
-
-    Returns
-    -------
-    PathRadiance
     """
     radiance, thin, depth, smooth, bound = _solved(table, path)
     warm = np.flatnonzero(path.temperature >= table.temperature[0])

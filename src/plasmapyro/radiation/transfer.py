@@ -6,21 +6,11 @@ from plasmapyro.checks import increasing
 
 
 def layer_thickness(path_distance):
-    """Thickness of the layer each path point stands for: half the way to either neighbour.
+    """Thickness (S,) [m] of the layer each path point stands for: half the way to either neighbour.
 
-    ASSUME: the gas is uniform within a layer; second order in the spacing of the path points.
-
-    ValueError if the path does not increase strictly.
-
-    Parameters
-    ----------
-    path_distance : (S,) [m]
-        Strictly increasing, at least two points.
-
-    Returns
-    -------
-    ndarray (S,) [m]
-        Sums to the length of the path; the trapezoidal rule of the emission of thin gas.
+    They sum to the length of the path; the trapezoidal rule of the emission of thin gas. ASSUME: the gas is
+    uniform within a layer; second order in the spacing of the path points. ValueError if the path does not
+    increase strictly.
     """
     path_distance = increasing("path_distance", path_distance, "m")
     if path_distance.size < 2:
@@ -30,20 +20,12 @@ def layer_thickness(path_distance):
 
 
 def escape_fraction(optical_depth):
-    r"""Part of a uniform layer's emission that leaves the layer.
+    r"""Part [1] of a uniform layer's emission that leaves the layer, by its optical depth [1].
 
     .. math:: \eta(\tau) = \frac{1 - e^{-\tau}}{\tau}, \qquad \eta(0) = 1
 
-    Source: formal solution of the transfer equation in a uniform layer.
-
-    Parameters
-    ----------
-    optical_depth : array_like [1]
-        Of the layer; negative where stimulated emission outweighs absorption.
-
-    Returns
-    -------
-    ndarray [1]
+    Less than 0 where stimulated emission outweighs absorption. Source: formal solution of the transfer
+    equation in a uniform layer.
     """
     depth = np.asarray(optical_depth, dtype=float)
     absorbed = np.asarray(-depth)

@@ -129,21 +129,12 @@ def _of_lines(lines, values, path, wavelength, sigma):
 
 
 def gained_by_width(depth):
-    r"""Relative change of a line's light per relative change of its Lorentz width.
+    r"""Relative change of a line's light per relative change of its Lorentz width: 0 if thin, 1/2 if thick.
 
     .. math:: \frac{d \ln W}{d \ln \gamma} = \frac{I_1(u)}{I_0(u) + I_1(u)}, \qquad u = \tau_0 / 2
 
-    Source: the equivalent width of R. Ladenburg & F. Reiche, Ann. Phys. 347, 181 (1913).
-
-    Parameters
-    ----------
-    depth : array [1]
-        Optical depth at the centre of a line of a uniform gas.
-
-    Returns
-    -------
-    array [1]
-        0 for a thin line, 1/2 for a thick one.
+    with the optical depth at the centre of a line of a uniform gas. Source: the equivalent width of R.
+    Ladenburg & F. Reiche, Ann. Phys. 347, 181 (1913).
     """
     first, second = ive(0, np.asarray(depth) / 2), ive(1, np.asarray(depth) / 2)
     return second / (first + second)
