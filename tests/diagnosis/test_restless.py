@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.fit.parameter import Parameter
-from plasmapyro.diagnosis.fit.persistent import GAS_WANDER, wandering_gas
-from plasmapyro.diagnosis.fit.restless import LEAST_RATIO, MOST, OF_SERIES, rougher, wandering
+from plasmapyro.diagnosis.fit.persistent import GAS_WANDER, WANDER, persistent, wandering_gas
+from plasmapyro.diagnosis.fit.restless import (
+    LEAST_RATIO,
+    LEAST_WANDER,
+    MOST,
+    OF_SERIES,
+    rougher,
+    steadier,
+    wandering,
+)
 
 SPREAD = 0.3  # [1]: 39 second differences, the largest left out, know a standard deviation to 15 %
 
@@ -57,6 +65,45 @@ def test_an_event_is_no_wandering():
 def test_data_that_say_nothing_change_nothing():
     count = len(wandering_gas(-20.0, 330.0))
     assert wandering(*fitted(np.zeros(count), GAS_WANDER**2 * np.eye(count))) is None
+
+
+def steady(true, error, drift=0.0, seed=1):
+    """Factor of the gain of a pyrometer that wanders by `true` of what is assumed and drifts besides, its
+    knots seen with an error, both in units of that; the posterior of a normal law."""
+    pyrometer = SimpleNamespace(kind="pyrometer", channels=2, band=(), known=None)
+    errors = persistent(pyrometer, -20.0, 330.0)
+    own = [one.id == "wander_pyrometer" for one in errors.parameters]
+    sigma, root = WANDER["pyrometer"], errors.time[:, own]
+    random = np.random.default_rng(seed)
+    gain = true * root @ random.standard_normal(len(root)) + drift * errors.knots / 300
+    seen = gain + error * random.standard_normal(len(root))
+    covariance = np.linalg.inv(np.eye(len(root)) + root.T @ root / error**2)
+    values, block = np.zeros(len(own)), np.eye(len(own)) * WANDER["ratio"] ** 2
+    values[own] = sigma * covariance @ root.T @ seen / error**2
+    block[np.ix_(own, own)] = sigma**2 * covariance
+    model = SimpleNamespace(persistent=[errors], places=[slice(0, len(own))], size=0)
+    found = steadier(model, SimpleNamespace(state=SimpleNamespace(values=values), covariance=block))
+    assert "wander_ratio" not in found  # of which the data say nothing
+    return found.get("wander_pyrometer", 1.0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gains_that_wander_less_than_assumed_do_so(seed):
+    assert steady(0.5, 0.02, seed=seed) == pytest.approx(0.5, rel=SPREAD)
+    assert steady(0.5, 0.02, drift=5.0, seed=seed) == pytest.approx(0.5, rel=SPREAD)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gains_as_steady_as_assumed_stay_so(seed):
+    assert steady(1.0, 0.02, seed=seed) > 1 - SPREAD
+
+
+def test_no_gain_is_as_steady_as_its_seconds():
+    assert steady(0.01, 0.02) == LEAST_WANDER
+
+
+def test_noise_tells_no_steady_gain():
+    assert steady(0.01, 3.0) == 1.0
 
 
 @pytest.mark.parametrize(("true", "error"), [(3.0, 0.5), (3.0, 2.0), (0.8, 0.5)])

@@ -9,7 +9,7 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
-from plasmapyro.diagnosis.fit.restless import rougher, wandering
+from plasmapyro.diagnosis.fit.restless import rougher, steadier, wandering
 from plasmapyro.record import binning
 
 RESTLESS = 3  # fits at most with a gas that wanders, or series that are rough, more and more
@@ -219,6 +219,11 @@ def fit_base(model, rounds=2):
         if sigma is None:
             break
         model = _restless(model, sigma)
+        fitter = Fitter(model, fitter.noise)
+        solution = fitter.fit(solution.state, tolerance=0.02)
+    factors = steadier(model, solution)
+    if factors:
+        model = _scaled(model, factors)
         fitter = Fitter(model, fitter.noise)
         solution = fitter.fit(solution.state, tolerance=0.02)
     for _ in range(RESTLESS):

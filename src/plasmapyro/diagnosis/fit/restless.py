@@ -8,6 +8,9 @@ LEAST_RATIO = 1.3  # [1] of a variance beyond which it is raised
 MOST = 0.03  # [1] standard deviation beyond which a gas does not wander but changes
 OF_SERIES = ("smooth_stray", "wander_smooth", "smooth_series")  # errors that each series draws anew
 LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor of a step, at most
+OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer")
+LEAST_WANDER = 1 / 3  # [1] of what is assumed: seconds do not tell what drifts over minutes
+ASSUMED = 4.0  # second differences that what is assumed counts as
 NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
 
 
@@ -61,4 +64,38 @@ def rougher(model, solution):
         square = np.sum(value[own] ** 2) / max(told[own].sum(), LEAST_TOLD)
         if square > LEAST_RATIO:
             factors[identity] = min(float(np.sqrt(square)), LARGEST)
+    return factors
+
+
+def steadier(model, solution):
+    r"""Factors {id: f} of standard deviations of gains that wander less than is assumed.
+
+    .. math:: f^2 = \frac{n_0 + \sum_i d_i^2/\sigma_i^2}{n_0 + \sum_i (1 - \mathrm{var}\,d_i/\sigma_i^2)}
+
+    with the second differences d of neighbouring knots after the fit and their variances, over those before
+    the data, and `ASSUMED` for :math:`n_0`; what drifts or steps in a few knots is no wandering, so only the
+    least ones are asked, as in `wandering`. At least `LEAST_WANDER`.
+
+    Notes
+    -----
+    Source: D. J. C. MacKay, Neural Computation 4 (1992) 415, eq. 4.9, with an inverse gamma law before.
+    """
+    factors = {}
+    for errors, places in zip(model.persistent, model.places, strict=True):
+        identities = np.array([one.id for one in errors.parameters])
+        for identity in OF_GAINS:
+            own = np.flatnonzero(identities == identity)
+            if not own.size:
+                continue
+            rows = np.diff(errors.time[:, own], n=2, axis=0)
+            at = np.arange(places.start, places.stop)[own]
+            sigma = errors.parameters[own[0]].sigma
+            prior = sigma**2 * np.sum(rows**2, axis=1)
+            value = np.sort((rows @ solution.state.values[at]) ** 2 / prior)
+            block = solution.covariance[np.ix_(model.size + at, model.size + at)]
+            told = np.sum(1 - np.einsum("ij,jk,ik->i", rows, block, rows) / prior)
+            square = value.size * value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL
+            factor = max(float(np.sqrt((ASSUMED + square) / (ASSUMED + told))), LEAST_WANDER)
+            if factor < 1 / np.sqrt(LEAST_RATIO):
+                factors[identity] = factor
     return factors
