@@ -20,6 +20,7 @@ from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.diagnosis.select.structures import may_be_gas
 from plasmapyro.diagnosis.simulation.compare import compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
@@ -161,7 +162,7 @@ def diagnose(
         comparison = comparison.without_names()
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
-    if selection.unknown_class or elsewhere:
+    if elsewhere or selection.unknown_class and may_be_gas(selection.unknown_class):
         comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None

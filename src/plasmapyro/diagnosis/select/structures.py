@@ -10,6 +10,7 @@ from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
 
 SMOOTH_MAP = "smooth"  # id of the class that has two axes
+GAS_OF_TIME = {"zero", "moment"}  # what adds light for a time: more of a gas's, in the mean
 MAP_WAVES = 8
 WALK_STEPS = 40
 ZERO = 0.01  # [1], of the usual signal: unit of a zero that wanders
@@ -94,6 +95,16 @@ def seen_by(identity):
     if identity == SMOOTH_MAP or "left" in words:  # a pattern that comes and goes
         return {"instrument": "spectrometer", "axis": "time and wavelength"}
     return {"instrument": "spectrometer", "axis": "wavelength"}
+
+
+def may_be_gas(identity):
+    """Whether what lies behind a class of structures changes the spectrum of the gas that was measured: no
+    pyrometer does, nor a gain of the spectrometer that changes in time."""
+    seen = seen_by(identity)
+    steady = {"instrument": "spectrometer", "axis": "time"}
+    return seen["instrument"] != "pyrometer" and (
+        seen != steady or bool(GAS_OF_TIME & {*identity.split("_")})
+    )
 
 
 def structures_of(model, solution):
