@@ -12,6 +12,7 @@ from small_laboratory import OFF, error_modes, gas_components, temperature_of
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
+from plasmapyro.diagnosis.effects.gas import lines_of
 from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
@@ -398,6 +399,19 @@ def test_a_line_that_nobody_simulated_is_found_at_its_wavelength(fitted, record,
     other = foreign(radiation, np.array([gone, 1.0 + 0 * axis, 1.0 + 0 * axis]))
     lines = [line for line in compared(fitted(record(), other)).lines if line.strength > 0]
     assert min(abs(line.wavelength - 926.6e-9) for line in lines) < 0.8e-9  # a pixel
+
+
+@pytest.mark.parametrize(("atom", "strength", "names"), [("Ar I", 0.5, ["Ar"]), ("Kr I", 1.0, [])])
+def test_an_atom_has_all_of_its_lines(fitted, record, atom, strength, names):
+    """Krypton at 811.3 nm looks as argon at 811.5 does through such a slit; its other lines do not."""
+    base = fitted(record())
+    gas = measured_gas(base.model, base.solution)
+    simulated = Simulated(base.model, gas, {})
+    shines = simulated.light(0.0, 0.0, (Setting(lines_of(atom), strength, {}),))
+    gas = replace(gas, value=gas.value + shines - simulated.light(0.0, 0.0, ()))
+    found = compare(base.model, gas, {"Ar": CATALOGUE["Ar"], "Cu": CATALOGUE["Cu"]}, draws=300)
+    assert list(found.rivals) == names
+    assert any(line.strange for line in found.lines) == (not names)
 
 
 @pytest.mark.parametrize(("power", "brightness"), [(0.0, 0.5), (0.1, -0.7), (-0.2, 0.5)])

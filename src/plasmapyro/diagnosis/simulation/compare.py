@@ -11,10 +11,11 @@ from scipy.special import chdtrc
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, log_prior, numbers_of, with_numbers
 from plasmapyro.diagnosis.simulation.simulated import Simulated
-from plasmapyro.diagnosis.simulation.systems import lines_of, systems_of
+from plasmapyro.diagnosis.simulation.systems import brightest_line, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
+FOREIGN = {"Ar", "Cu"}  # effects that are lines of an atom which the simulated gas has not
 CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
@@ -136,6 +137,8 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
             free = spectroscopy(simulated, same)
         if tried[best].objective > free - CLEARER or not admissible(tried[best], model.library):
             break
+        if best in FOREIGN and not all_lines(fitter, final, tried[best]):
+            break
         least = tried[best].objective
         near = least + ALIKE + KIN * (base.objective - least)
         rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
@@ -255,6 +258,12 @@ def spectroscopy(simulated, kept=()):
         fitter, fit = min(fits, key=lambda one: one[1].objective)
         wrong, best = fitter.wrong, min(best, fit.objective)
     return best
+
+
+def all_lines(fitter, before, fit):
+    """Whether the newest effect of a fit, the lines of an atom, explains clearly more than one line does,
+    wherever it shines: another atom may have one of them, and not the others."""
+    return before.objective - fit.objective > brightest_line(fitter, before) + CLEARER
 
 
 def admissible(fit, library):

@@ -122,8 +122,31 @@ def _stated(simulated, name, light):
 
 def lines_of(fitter, fit, threshold):
     """Each `Line` that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
+    library, spread = fitter.simulated.model.library, fitter.spread(fit)
+    for centres, strength, information in _single_lines(fitter, fit):
+        gain = strength**2 * information
+        limit = spread * (threshold + 2 * np.log(centres.size))
+        for place in np.flatnonzero(gain > limit):
+            if gain[place] == gain[max(place - 3, 0) : place + 4].max():
+                strange = strength[place] > 0 and not _beside_lines(library, centres[place])
+                error = float(np.sqrt(spread / information[place]))
+                yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
+
+
+def brightest_line(fitter, fit):
+    """Chi-squared that one line more, wherever it shines, gains beside a fit."""
+    gains = [
+        np.max(np.maximum(strength, 0) ** 2 * information)
+        for _, strength, information in _single_lines(fitter, fit)
+    ]
+    return max(gains, default=0.0)
+
+
+def _single_lines(fitter, fit):
+    """Wavelengths (k,) [m] of lines within each spectrometer, their strengths (k,) over the mean light, each
+    the only one beside a fit, and the inverse variances (k,) of these."""
     model, measured = fitter.simulated.model, fitter.measured
-    rest, spread = fitter.white(measured.value - fitter.light(fit))[0], fitter.spread(fit)
+    rest = fitter.white(measured.value - fitter.light(fit))[0]
     for which, one in enumerate(model.instruments):
         if one.weight is not None:
             continue
@@ -135,14 +158,7 @@ def lines_of(fitter, fit, threshold):
         rows[:, inside] = shapes.T * mean / level
         white = fitter.white(rows)
         information = np.sum(white**2, axis=1)
-        strength = white @ rest / information
-        gain = strength**2 * information
-        limit = spread * (threshold + 2 * np.log(centres.size))
-        for place in np.flatnonzero(gain > limit):
-            if gain[place] == gain[max(place - 3, 0) : place + 4].max():
-                strange = strength[place] > 0 and not _beside_lines(model.library, centres[place])
-                error = float(np.sqrt(spread / information[place]))
-                yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
+        yield centres, white @ rest / information, information
 
 
 def _beside_lines(library, wavelength):
