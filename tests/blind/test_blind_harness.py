@@ -451,8 +451,8 @@ def test_calibration_table_holds_shares_of_right_answers_as_of_the_full_mix():
         for name in ["winE"] * 30 + ["clock"] * 30
     ]
     rows = {status: calibrate.steps(cases) for status, cases in calibrate.pairs(records).items()}
-    # Nulls count 400/40 each, singles of SNR 20 132/120: of 466 that are called none, 400 are.
-    assert rows["null"][0][1] == pytest.approx(400 / (400 + 60 * 132 / 120), abs=0.01)
+    # Nulls count 400/40 each, singles of SNR 20 168/120: of 484 that are called none, 400 are.
+    assert rows["null"][0][1] == pytest.approx(400 / (400 + 60 * 168 / 120), abs=0.01)
     assert sum(size for _, _, size in rows["named"]) == 60
     assert [right for _, right, _ in rows["named"]] == pytest.approx([0.5] * len(rows["named"]), abs=0.02)
 

@@ -11,6 +11,12 @@ from blind import reasons
 LEVEL = 0.95
 GAS = {"P_eff", "T_exc", "T_vib", "ripple", "selfabs", "contin", "bl", "gas_drift", "refl"}
 BIASED = 10.0  # [K] from which a temperature counts as wrong
+MIX = {  # cases of a full set, by kind and SNR; of two effects either would be right
+    ("null", None): 400,
+    **{("single", snr): 120 for snr in (2.0, 3.0, 5.0)},
+    **{("single", snr): 168 for snr in (8.0, 12.0, 20.0, 35.0, 50.0)},
+    ("outside", None): 200,
+}
 RESAMPLED = 1000  # draws behind the intervals of medians and means
 
 
@@ -224,28 +230,46 @@ def _ratios(rows, which):
     ]
 
 
-def calibration_error(pairs, bins=10):
-    """Expected calibration error of pairs (stated probability, right or not) (n, 2)."""
-    stated, right = pairs.T
-    place = np.minimum((stated * bins).astype(int), bins - 1)
-    return sum(abs((stated - right)[place == one].sum()) for one in range(bins)) / stated.size
+def rung(one):
+    """Place of a case in the mix."""
+    return one["kind"], one["effects"][0]["snr"] if one["kind"] == "single" else None
+
+
+def weights(cases):
+    """How often each of some cases stands in a full set, over how often in these."""
+    number = Counter(map(rung, cases))
+    return [MIX[rung(one)] / number[rung(one)] for one in cases]
+
+
+def _places(probability, bins):
+    return np.minimum((probability * bins).astype(int), bins - 1)
+
+
+def calibration_error(rows, bins=10):
+    """Expected calibration error of rows (stated probability, right or not, weight) (n, 3)."""
+    stated, right, weight = rows.T
+    place, excess = _places(stated, bins), weight * (stated - right)
+    return sum(abs(excess[place == one].sum()) for one in range(bins)) / weight.sum()
 
 
 def stated(done):
-    """Probabilities of the most probable answers, and whether these are right."""
+    """Probabilities of the most probable answers, whether these are right, and the weights of the cases."""
+    used = [one for one in done if one["stated"] is not None and rung(one) in MIX]
     return [
-        (one["stated"], one["stated_right"])
-        for one in done
-        if one["stated"] is not None and one["kind"] in ("null", "single", "outside")
+        (one["stated"], one["stated_right"], weight) for one, weight in zip(used, weights(used), strict=True)
     ]
 
 
 def reliability(done, bins=10):
     """How often answers of about one stated probability are right: rows (stated, right, number)."""
-    pairs = np.array(stated(done), dtype=float).reshape(-1, 2)
-    place = np.minimum((pairs[:, 0] * bins).astype(int), bins - 1)
-    groups = [pairs[place == one] for one in range(bins)]
-    return [[*map(float, group.mean(axis=0)), len(group)] for group in groups if len(group)]
+    rows = np.array(stated(done), dtype=float).reshape(-1, 3)
+    place = _places(rows[:, 0], bins)
+    groups = [rows[place == one] for one in range(bins)]
+    return [
+        [*map(float, np.average(group[:, :2], axis=0, weights=group[:, 2])), len(group)]
+        for group in groups
+        if len(group)
+    ]
 
 
 def _cost(done):

@@ -12,7 +12,7 @@ import csv
 import hashlib
 import io
 import sys
-from collections import Counter, defaultdict
+from collections import defaultdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -20,37 +20,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 import yaml
 
-from blind import run
+from blind import board, run
 
 TARGET = Path(__file__).resolve().parents[2] / "src/plasmapyro/data/diagnosis/stated_probability"
-MIX = {  # cases of the full set that are within reach, by kind and SNR
-    ("null", None): 400,
-    ("single", 2.0): 169,
-    ("single", 3.0): 163,
-    ("single", 5.0): 155,
-    ("single", 8.0): 147,
-    ("single", 12.0): 150,
-    ("single", 20.0): 132,
-    ("single", 50.0): 115,
-    ("outside", None): 90,
-}
 IN_STEP = 30  # cases that make one row
 PRIOR = 1.0  # cases right and wrong that every row is given
 
 
-def rung(one):
-    """Place of a case in the mix."""
-    return one["kind"], one["effects"][0]["snr"] if one["kind"] == "single" else None
-
-
 def pairs(records):
     """{status: list of (stated, right, weight)} of finished cases."""
-    used = [one for one in records if one["outcome"] == "scored" and rung(one) in MIX]
-    number = Counter(map(rung, used))
+    used = [one for one in records if one["outcome"] == "scored" and board.rung(one) in board.MIX]
     found = defaultdict(list)
-    for one in used:
+    for one, weight in zip(used, board.weights(used), strict=True):
         score = one["score"]
-        weight = MIX[rung(one)] / number[rung(one)]
         found[score["basis"]].append((score["uncalibrated"], score["stated_right"], weight))
     return found
 
@@ -107,8 +89,8 @@ def main(arguments=None):
         "origin": "synthetic",
         "obtained": f"{number} blind cases of the seeds {', '.join(options.seeds)}",
         "licence": "own work",
-        "valid": "tests like the simulated ones; 'none' as frequent as among 400 nulls, 1030 single effects"
-        " of SNR 2 to 50 and 90 effects outside the catalogue",
+        "valid": "tests like the simulated ones; 'none' as frequent as among 400 nulls, 1200 single effects"
+        " of SNR 2 to 50 and 200 effects outside the catalogue",
         "uncertainty": "binomial, from the number of cases of a row",
         "sha256": hashlib.sha256(content).hexdigest(),
     }
