@@ -86,17 +86,9 @@ def parser(names=COMMANDS):
 
 
 def main(arguments=None):
-    """Run the command line.
+    """Run the command line on words, those of the process by default; the exit status.
 
-    Parameters
-    ----------
-    arguments : list of str, optional
-        Those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit status: 0 done, 2 bad input or usage, 1 a fault of ours; what a command says otherwise.
+    0 done, 2 bad input or usage, 1 a fault of ours; what a command says otherwise.
     """
     if arguments is None:
         gc.disable()

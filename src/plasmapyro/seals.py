@@ -28,16 +28,9 @@ def unseal(path):
 
 
 def noted(path):
-    """SHA-256 that a workflow noted of a file when it wrote it.
+    """SHA-256 that a workflow noted of a file when it wrote it, None if nothing is noted.
 
-    Parameters
-    ----------
-    path : path
-        Anywhere; the folder of results is recognised by its notes, in a workflow or out of it.
-
-    Returns
-    -------
-    str, or None if nothing is noted
+    The folder of results is recognised by its notes, in a workflow or out of it.
     """
     path = Path(os.path.realpath(path))
     for folder in path.parents:

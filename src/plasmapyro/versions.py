@@ -8,12 +8,7 @@ PACKAGES = ("numpy", "scipy", "xarray", "netCDF4", "cantera", "scikit-fem", "net
 
 @cache
 def versions():
-    """Version of the package and of what it computes with; 'not installed' where there is none.
-
-    Returns
-    -------
-    tuple of (name, version)
-    """
+    """Pairs of name and version of the package and of what it computes with; 'not installed' without one."""
     return tuple((name, _version(name)) for name in ("plasmapyro", *PACKAGES))
 
 

@@ -11,20 +11,10 @@ SHAPES = ("box", "gaussian")
 
 
 def transmittance(edges, centre, fwhm, shape):
-    r"""Mean transmittance of a filter in each bin, peak 1.
+    r"""Mean transmittance (..., B) [1] of filters (...) in each bin between edges (B + 1,) [m], peak 1.
 
-    A box passes the share of the bin that it covers; a Gaussian is integrated over the bin,
-    :math:`\bar\tau = \frac{\sqrt{2\pi}\sigma}{\Delta\lambda}[\Phi(x_2) - \Phi(x_1)]`.
-
-    Parameters
-    ----------
-    edges : (B + 1,) [m], increasing
-    centre, fwhm : (...) [m], > 0
-    shape : 'box' or 'gaussian'
-
-    Returns
-    -------
-    ndarray (..., B) [1]
+    A box passes the share of the bin that it covers; a Gaussian is integrated over the bin, :math:`\bar\tau =
+    \frac{\sqrt{2\pi}\sigma}{\Delta\lambda}[\Phi(x_2) - \Phi(x_1)]`.
     """
     if shape not in SHAPES:
         raise ValueError(f"filter shape must be one of {', '.join(SHAPES)}; got {shape!r}")
@@ -39,27 +29,12 @@ def transmittance(edges, centre, fwhm, shape):
 
 
 def efficiency(name, wavelength, detectors, silicon, silicon_thickness):
-    r"""Modelled quantum efficiency of a detector.
+    r"""Modelled quantum efficiency (B,) [1] of a detector of the table 'instrument/detectors'.
 
-    Silicon absorbs in one layer, :math:`\eta = \eta_0 (1 - e^{-\alpha d})`; the compounds pass a band with
-    error-function edges, :math:`\eta = \eta_0 [\Phi(x_{on}) - \Phi(x_{off})]`.
-
-    Source: certificates of the tables. ASSUME: no curve of a real detector; limits are the makers'
-    nominal ones.
-
-    ValueError: unknown detector.
-
-    Parameters
-    ----------
-    name : of the detector
-    wavelength : (B,) [m]
-    detectors : table 'instrument/detectors'
-    silicon : table of the absorption coefficient
-    silicon_thickness : float [m]
-
-    Returns
-    -------
-    ndarray (B,) [1]; zero where the table of silicon ends
+    Silicon absorbs in one layer, :math:`\eta = \eta_0 (1 - e^{-\alpha d})`, zero where its table ends; the
+    compounds pass a band with error-function edges, :math:`\eta = \eta_0 [\Phi(x_{on}) - \Phi(x_{off})]`.
+    Source: certificates of the tables. ASSUME: no curve of a real detector; limits are the makers' nominal
+    ones.
     """
     row = detector_row(name, detectors)
     peak = detectors["efficiency"][row]
@@ -84,16 +59,9 @@ def detector_row(name, detectors):
 
 
 def air_loss(edges, bands):
-    r"""Weak-line bound on what room air absorbs per metre in each bin: :math:`W / \Delta\tilde\nu`.
+    r"""Weak-line bound on what room air absorbs in each bin (B,) [m-1]: :math:`W / \Delta\tilde\nu`.
 
-    Parameters
-    ----------
-    edges : (B + 1,) [m]
-    bands : table 'instrument/air_bands' with `first`, `last` [m] and `equivalent_width` [m-1 per m of path]
-
-    Returns
-    -------
-    ndarray (B,) [m-1]
+    `bands`: table 'instrument/air_bands', with the equivalent width W [m-1 per m of path].
     """
     middle, loss = (edges[1:] + edges[:-1]) / 2, np.zeros(edges.size - 1)
     for first, last, equivalent in zip(bands["first"], bands["last"], bands["equivalent_width"], strict=True):

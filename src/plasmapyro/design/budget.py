@@ -75,20 +75,9 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
 
     .. math:: I = \frac{e}{hc}\, G \int \lambda\, \eta\, \tau\, L_\lambda\, d\lambda
 
-    Parameters
-    ----------
-    responses : (D, N, B) [1]
-        Quantum efficiency times filter, mean of each bin.
-    edges : (B + 1,) [m]
-    gas_radiance : (C, B) [W m-2 sr-1 m-1]
-    receiver : Receiver
-    resistance_area : (D,) [ohm m2], of the detector at zero bias
-    air : (B,) [1], absorbed between window and instrument
-    reference_temperature : float [K], that weighs the mean wavelength and air
-
-    Returns
-    -------
-    Currents
+    `responses` (D, N, B) [1]: quantum efficiency times filter, mean of each bin; `gas_radiance` (C, B) [W m-2
+    sr-1 m-1]; `resistance_area` (D,) [ohm m2] of the detector at zero bias; `air` (B,) [1], absorbed between
+    window and instrument; `reference_temperature` [K] weighs the mean wavelength and air.
     """
     middle, size = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     weight = responses * (ELEMENTARY_CHARGE / (PLANCK * LIGHT_SPEED) * receiver.throughput * middle * size)
@@ -116,21 +105,11 @@ def _black_bodies(middle, reference_temperature):
 
 
 def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1500.0):
-    r"""Weights :math:`c_i` of the logarithms of band signals: :math:`F = \sum_i c_i \ln I_i, \sum c_i = 0`.
+    r"""Weights c (D, N) of the logarithms of band signals: :math:`F = \sum_i c_i \ln I_i, \sum c_i = 0`.
 
     One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration, slopes
     and the gas, for a given sensitivity, :math:`c \propto C^{-1}(d - \bar d\,\mathbf 1)` with :math:`d_i =
-    d\ln I_i/d\ln T`.
-
-    Parameters
-    ----------
-    signal : Currents
-    uncertainties : Uncertainties
-    gas_covariance : (D, N, N) [1], of ln(1 + gas over surface); None for no gas
-
-    Returns
-    -------
-    ndarray (D, N)
+    d\ln I_i/d\ln T`. `gas_covariance` (D, N, N) [1], of ln(1 + gas over surface); None for no gas.
     """
     designs, bands = signal.wavelength.shape
     if bands <= 2:

@@ -30,20 +30,11 @@ def bin_edges(wavelength_range, bin_width):
 
 
 def binned(wavelength, radiance, edges):
-    r"""Mean of a spectrum in each bin; the integral over every bin is that of the spectrum.
+    r"""Mean of a spectrum (..., G) in each bin (..., B); the integral over every bin is that of the spectrum.
 
     .. math:: \bar L_b = \frac{1}{\Delta\lambda}\int_b L_\lambda\,d\lambda
 
-    Parameters
-    ----------
-    wavelength : (G,) [m], increasing
-    radiance : (..., G) [W m-2 sr-1 m-1]
-    edges : (B + 1,) [m], within the wavelengths but for round-off
-
-    Returns
-    -------
-    ndarray (..., B) [W m-2 sr-1 m-1]
-        Of the trapezoidal rule; linear in the running integral between grid points.
+    Of the trapezoidal rule; linear in the running integral between grid points (G,) [m].
     """
     running = cumulative_trapezoid(radiance, wavelength, axis=-1, initial=0.0)
     rows = running.reshape(-1, wavelength.size)
@@ -56,19 +47,10 @@ class AirSpectra:
     through it."""
 
     def __init__(self, pressure, hottest, *, wavelength_range, grid_points, nodes, bin_width):
-        """Tabulate.
+        """Tabulate, for paths nowhere hotter than `hottest` [K]; ValueError as `bin_edges`, `emission_table`.
 
-        ValueError as `bin_edges`, `emission_table`.
-
-        Parameters
-        ----------
-        pressure : float [Pa]
-            For the widths of lines; densities are those of the paths.
-        hottest : float [K]
-            Of all paths.
-        wavelength_range, bin_width : [m]
-        grid_points, nodes : int
-            Wavelengths of the engine and temperatures of the table.
+        The pressure [Pa] is for the widths of lines; densities are those of the paths. `grid_points`: of the
+        engine, `nodes`: temperatures of the table.
         """
         self.edges = bin_edges(wavelength_range, bin_width)
         self.grid = log_grid(wavelength_range, grid_points)
@@ -83,11 +65,7 @@ class AirSpectra:
     def radiance(self, path_distance, temperature, density, *, apart=True):
         """Mean radiance in the bins [W m-2 sr-1 m-1] at the end of a path, by component (C, B) or not (B,).
 
-        Parameters
-        ----------
-        path_distance, temperature : (S,) [m], [K]
-            The light travels from the first point to the last.
-        density : (species, S) [m-3]
+        The light travels from the first point (S,) to the last; density (species, S) [m-3].
         """
         eleven = dict(zip(SPECIES, density, strict=False))  # traces are left out
         path = gas_path(path_distance, temperature, eleven)

@@ -127,23 +127,13 @@ def _diffuse(air, view):
 
 
 def band_design(spectra, response, tables, *, settings):
-    """Search, confirm and rank pyrometers by the error that they make behind the gas.
+    """Search, confirm and rank pyrometers (contract 'band_design') by their errors behind the gas.
 
     What is minimised: the root mean square of the total error over conditions (each as computed, colder and
     hotter), temperatures and emittances. For a robust optimum, the excess of the change of its gain over the
     tolerance is added, in all gases of the bench and in that of 10 kW less and more. ASSUME: errors of
-    different sources are independent.
-
-    Parameters
-    ----------
-    spectra : Dataset, contract 'gas_spectra'
-    response : Dataset, contract 'response', of the reference instrument
-    tables : mapping with the tables `detectors`, `silicon`, `air`, `filters`, `pyrometers`
-    settings : mapping, the keys of `design` in the configuration
-
-    Returns
-    -------
-    Dataset, contract 'band_design'
+    different sources are independent. `response` is that of the reference instrument; `tables` and
+    `settings`: see `settings`.
     """
     bench = make_bench(spectra, tables, settings)
     judge = Judge(bench, spectra.numerical_power.values, response, settings)

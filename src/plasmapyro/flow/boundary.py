@@ -22,24 +22,10 @@ PROFILE_EXPONENT = 8  # nearly a plug, with a boundary layer of a tenth of the s
 
 
 def fixed_values(space, torch, properties, mass_flow_rate, feed_temperature, walls, adiabatic_walls=()):
-    """Dirichlet conditions of the four fields.
+    """Dirichlet conditions of the four fields: where unknowns (size,) are fixed, and their values.
 
-    Parameters
-    ----------
-    space : Space
-    torch : Torch
-    properties : GasProperties
-    mass_flow_rate : float [kg s-1]
-    feed_temperature : float [K]
-    walls : mapping of `geometry.WALLS` -> temperature [K]
-    adiabatic_walls : sequence of str, of `geometry.WALLS`
-        Their temperature is free but where they meet the inlet or a wall that is not among them.
-
-    Returns
-    -------
-    fixed : (space.size,) bool array
-    values : (space.size,) array
-        In the units of the unknowns; zero where not fixed.
+    `walls`: of `geometry.WALLS` -> temperature [K]; that of `adiabatic_walls` is free but where they meet the
+    inlet or a wall that is not among them.
     """
     fixed, values = np.zeros(space.size, bool), np.zeros(space.size)
 

@@ -18,12 +18,7 @@ from plasmapyro.flow.physics import LOG_TEMPERATURE, ROW_SCALE
 
 
 class Conduction:
-    """Conduction term of the energy rows, weight 2 pi r.
-
-    Parameters
-    ----------
-    space : Space of the four flow fields
-    """
+    """Conduction term of the energy rows on the space of the four flow fields, weight 2 pi r."""
 
     def __init__(self, space):
         cells = space.cells

@@ -23,18 +23,11 @@ LARGEST_SUBSPACE = 20
 
 
 def coupled_solution(block, rest, right_hand_side, tolerance):
-    """Solve (A + B) x = b.
+    """Solve (A + B) x = b, of functions b -> P b and A P b, P near A^-1, and x -> B x.
 
-    ArithmeticError if a product is not finite.
-
-    Parameters
-    ----------
-    block : function, b -> P b and A P b, P near A^-1
-    rest : function, x -> B x
-    right_hand_side : (N,)
-    tolerance : float [1]
-        Of the residual relative to b. After `LARGEST_SUBSPACE` iterations the best solution so far is
-        returned: a step of Newton's method is not exact anyway.
+    The residual relative to b is below the tolerance; after `LARGEST_SUBSPACE` iterations the best solution
+    so far is returned: a step of Newton's method is not exact anyway. ArithmeticError if a product is not
+    finite.
     """
     scale = np.linalg.norm(right_hand_side)
     if scale == 0:

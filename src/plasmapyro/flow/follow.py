@@ -56,18 +56,8 @@ LEAST_PART = 1 / 4  # of the first part of the way: where a state cannot be cont
 def follow(problem, state, air, origin, target, power_step, final, label):
     """Problem at `target` and its Result, from a state at `origin`.
 
-    NotConverged: names the two conditions between which the flow is lost, and what became of it beyond.
-
-    Parameters
-    ----------
-    problem, state : Problem at `origin` and its solution
-    air : Air
-    origin, target : Condition
-    power_step : float [W]
-        See `Condition.parts_to`.
-    final : Schedule
-        Of the last part.
-    label : str
+    `power_step` [W]: see `Condition.parts_to`; `final`: schedule of the last part. NotConverged names the two
+    conditions between which the flow is lost, and what became of it beyond.
     """
     first = 1 / max(int(np.ceil(origin.parts_to(target, power_step) - 1e-9)), 1)
     share, part, here = 0.0, first, origin

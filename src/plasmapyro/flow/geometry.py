@@ -220,19 +220,10 @@ def _shapes(torch, mesh_factor):
 
 
 def build_mesh(torch, mesh_factor):
-    """Triangles of flow domain and box.
+    """Triangles of flow domain and box; `mesh_factor` > 0 multiplies every cell size of the flow domain.
 
-    Parameters
-    ----------
-    torch : Torch
-    mesh_factor : float [1]
-        Multiplies every cell size of the flow domain, > 0.
-
-    Returns
-    -------
-    MeshTri
-        Subdomains 'flow' and 'box'; boundaries 'far' (outside of the box) and 'axis'.
-        ASSUME: straight edges; the sagitta at the nose is 3 um for edges of 0.8 mm.
+    Subdomains 'flow' and 'box'; boundaries 'far' (outside of the box) and 'axis'. ASSUME: straight edges; the
+    sagitta at the nose is 3 um for edges of 0.8 mm.
     """
     SetMessageImportance(0)
     geometry = OCCGeometry(_shapes(torch, float(positive("mesh_factor", mesh_factor, "1"))), dim=2)

@@ -158,17 +158,7 @@ class Induction:
         return other
 
     def solve(self, conductivity):
-        """Fields for 1 A of coil amplitude.
-
-        Parameters
-        ----------
-        conductivity : (E, Q) array [S m-1]
-            At the quadrature points of the flow triangles, >= 0.
-
-        Returns
-        -------
-        Coupling
-        """
+        """Fields for 1 A of coil amplitude, of a conductivity (E, Q) [S m-1] >= 0 of the flow triangles."""
         omega, space, plasma = self.angular_frequency, self._space, self.plasma
         strength = omega * VACUUM_PERMEABILITY * conductivity
         derivatives = np.zeros((*strength.shape, 3, 3))

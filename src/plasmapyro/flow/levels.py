@@ -107,19 +107,9 @@ def solved_on(level, known, case, condition, schedule=COARSER):
 
 
 def estimated_error(known, coarser, case, condition):
-    """Error of the temperature at the nodes [K] and observed order, from coarser meshes.
+    """Error of the temperature at the nodes [K] and observed order, from coarser meshes (level -> Solution).
 
-    Parameters
-    ----------
-    known : Solution at `condition`
-    coarser : mapping of level -> Solution
-        Those that are known already.
-    case : Case
-    condition : Condition
-
-    Returns
-    -------
-    error, order; None if the first coarser mesh has no steady solution; order NaN if the second has none
+    None if the first coarser mesh has no steady solution; order NaN if the second has none.
     """
     found = []
     for level in range(1, COARSEST + 1):

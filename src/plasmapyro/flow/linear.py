@@ -36,15 +36,9 @@ SINGLE = {"d": np.dtype(np.float32), "D": np.dtype(np.complex64)}
 class Factorised:
     """Solver for matrices that share the pattern of the first one.
 
-    Parameters
-    ----------
-    groups : (N,) integer array
-        Node of each unknown; the unknowns of a node are eliminated one after the other, in their own order.
-    kept : (N,) integer array, optional
-        Rows and columns of the matrices that make up the system; all if not given.
-    rank : integer array, optional
-        Place of each node in the order of elimination, see `dissection`; from the graph of the first matrix
-        if not given.
+    `groups` (N,): node of each unknown; the unknowns of a node are eliminated one after the other, in their
+    own order. `kept`: rows and columns that make up the system, all by default. `rank`: place of each node in
+    the order of elimination, see `dissection`; from the graph of the first matrix by default.
     """
 
     def __init__(self, groups, kept=None, rank=None):

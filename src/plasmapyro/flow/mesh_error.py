@@ -26,18 +26,10 @@ ORDER_RANGE = (1.0, 3.0)
 
 
 def mesh_error(known, coarser, ratio):
-    """Estimated error of the temperature at the nodes of ln T [K], and the observed order.
+    """Estimated error (N,) [K] of the temperature at the nodes of ln T, and the observed order.
 
-    Parameters
-    ----------
-    known : Solution
-    coarser : one or two Solutions, the first with cells `ratio` times as large, the second with cells
-        the square of `ratio` times as large.
-    ratio : float [1], > 1
-
-    Returns
-    -------
-    error (N,) [K] and order; NaN for the order of two meshes
+    `coarser`: one or two Solutions on cells `ratio` > 1 times as large, and its square; the order of two
+    meshes is NaN.
     """
     space = known.problem.space
     points = space.points(LOG_TEMPERATURE)

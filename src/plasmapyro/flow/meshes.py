@@ -11,13 +11,7 @@ SAME_FACTOR = 1e-9  # relative
 
 
 class Meshes:
-    """Function mesh_factor -> mesh as from `geometry.build_mesh`.
-
-    Parameters
-    ----------
-    torch : Torch
-    known : sequence of (mesh_factor, MeshTri)
-    """
+    """Function mesh_factor -> mesh as from `geometry.build_mesh`; `known`: pairs of both."""
 
     def __init__(self, torch, known=()):
         self._torch, self._known = torch, list(known)

@@ -37,21 +37,13 @@ def longest_run(same):
 
 
 def steps(values):
-    r"""Height of the step around each place, over and above the slopes of the record before and after it.
+    r"""Height (n,) of the step between samples, over and above the slopes of the record on either side of it.
 
     .. math:: H_i = x_{i+2} - x_{i-1} - \tfrac32 (b_- + b_+)
 
-    with the slopes b of lines through `SIDE` samples up to i - 1 and from i + 2 on. A bend of the record,
-    where only the slope changes, gives none.
-
-    Parameters
-    ----------
-    values : (n,) array, evenly spaced
-
-    Returns
-    -------
-    height, deviations : (n,) ndarrays
-        Of the step between each sample and the next, 0 near the ends; over the usual scatter of such heights.
+    with the slopes b of lines through `SIDE` samples up to i - 1 and from i + 2 on, 0 near the ends, and the
+    same over the usual scatter of such heights. A bend of the record, where only the slope changes, gives
+    none.
     """
     height = np.zeros(values.size)
     if values.size < 4 * SIDE:

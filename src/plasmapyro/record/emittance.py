@@ -22,22 +22,12 @@ HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 
 def tilt(slope, response):
-    r"""Slope b of the emittance over wavelength that gives the bands a ratio of emittances.
+    r"""Slope b [m-1] of the emittance over wavelength that gives the bands, wide over narrow, a ratio s.
 
     .. math:: \varepsilon(\lambda) = \varepsilon\,[1 + b\,(\lambda - \lambda_0)], \qquad
               s = \frac{1 + b\,(\bar\lambda_1 - \lambda_0)}{1 + b\,(\bar\lambda_2 - \lambda_0)}
 
-    with the mean wavelengths of the light of a hot surface in the bands.
-
-    Parameters
-    ----------
-    slope : float [1], > 0
-        Emittance in the wide band over that in the narrow one.
-    response : Dataset, contract 'response'
-
-    Returns
-    -------
-    float [m-1], 0 for a grey surface
+    with the mean wavelengths of the light of a hot surface in the bands; 0 for a grey surface.
     """
     if slope == 1:
         return 0.0

@@ -131,22 +131,13 @@ def spiked(values):
 
 
 def rounded(values, gas):
-    r"""Samples where one of two channels bends away from the other: near its end, without a plateau.
+    r"""Samples (t, 2) where one of two channels bends away from the other: near its end, without a plateau.
 
     .. math:: \frac{d \ln S_c}{d \ln S_o} < 0.85 \text{ of what it is below}
 
-    at the top of channel c over the other one o. A surface brightens in both bands by powers of its
-    temperature whose quotient changes by some per cent over the range.
-
-    Parameters
-    ----------
-    values, gas : (t, 2) arrays, NaN where missing
-        Signals, and how much of them is light of the gas.
-
-    Returns
-    -------
-    (t, 2) bool ndarray
-        All samples of c above the level where its slope falls below `SOUND_SLOPE` for good.
+    at the top of channel c over the other one o: all above the level where its slope falls below
+    `SOUND_SLOPE` for good. A surface brightens in both bands by powers of its temperature whose quotient
+    changes by some per cent over the range. `gas` (t, 2): how much of the signals is light of the gas.
     """
     own = values - gas
     good = (own > RULES * values).all(axis=1) & (own > 0).all(axis=1)

@@ -34,24 +34,12 @@ def smoothed(signal, samples):
 
 
 def signal_noise(signals, block):
-    r"""Noise of the signals of C bands, :math:`\sigma^2 = a^2 + b^2 S^2`.
+    r"""Noise of the signals of C bands, :math:`\sigma^2 = a^2 + b^2 S^2`: floors a (C,) and shares b (C,).
 
-    Third differences, to which a steep course is small, of samples of like S (a running median); the
-    covariance of each band with the others, which is the gas's, is taken off, then a and b follow by
-    non-negative least squares.
-
-    ValueError if there are fewer than four blocks, or a signal has no noise.
-
-    Parameters
-    ----------
-    signals : (C, n) array
-    block : int
-        Samples per estimate.
-
-    Returns
-    -------
-    floor : (C,) ndarray, unit of the signals
-    relative : (C,) ndarray [1]
+    Third differences, to which a steep course is small, of samples of like S (a running median), `block` per
+    estimate; the covariance of each band with the others, which is the gas's, is taken off, then a and b
+    follow by non-negative least squares. ValueError if there are fewer than four blocks, or a signal has no
+    noise.
     """
     from scipy.optimize import nnls
 
@@ -130,22 +118,12 @@ def alike(level, bend):
 
 
 def flicker(time, signals, chosen):
-    r"""Flicker of the gas from what each two bands share where only gas is seen.
+    r"""Flicker of the gas from what each two bands share where only gas is seen: its size [1] and time [s].
 
     .. math:: \langle \ln S_i(t)\,\ln S_j(t + k\Delta)\rangle = \sigma_f^2\,e^{-k\Delta/\tau_f},\quad i \ne j
 
-    Parameters
-    ----------
-    time : (n,) array [s]
-    signals : (C, n) array
-    chosen : sequence of (n,) bool arrays
-        Windows without surface, each detrended by a straight line.
-
-    Returns
-    -------
-    standard_deviation : float [1]
-    correlation_time : float [s]
-        NaN for both if no window holds 30 samples, or the bands share nothing (one band: with none).
+    in the windows `chosen` (n,), each detrended by a straight line. NaN for both if no window holds 30
+    samples, or the bands share nothing (one band: with none).
     """
     total, pairs = np.zeros(LAGS), np.zeros(LAGS)
     step = np.median(np.diff(time))

@@ -38,16 +38,8 @@ def trend(time, values, window):
     .. math:: S = a + b u^p, \quad u = \frac{t - t_0}{t_1 - t_0}, \qquad
               u^2(b) = \frac{s^2}{\sum (u^p - \overline{u^p})^2}\,\frac{1 + r_1}{1 - r_1}
 
-    with the lag-one correlation r_1 (>= 0) of the residuals, p among `POWERS`.
-
-    Parameters
-    ----------
-    time, values : (n,) arrays, without NaN, n >= `LEAST_SAMPLES`
-    window : (2,) floats [s]
-
-    Returns
-    -------
-    Trend
+    with the lag-one correlation r_1 (>= 0) of the residuals, p among `POWERS`, of at least `LEAST_SAMPLES`
+    samples.
     """
     share = (time - window[0]) / (window[1] - window[0])
     found = []

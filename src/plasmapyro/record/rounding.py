@@ -28,14 +28,8 @@ class Rounding:
 
         with the step q and the share f of samples that are another value than the one before: only where
         noise or heating moves them do samples err on their own. The square is a rule of thumb: at most 1.2
-        times too small and 2.6 times too large, for noise from a fiftieth of a step to twelve.
-
-        Source: uniform error of rounding, JCGM 100:2008 (GUM), F.2.2.1; of independent ones, the mean.
-
-        Parameters
-        ----------
-        level : (...) of the means
-        number : (...) of samples behind each
+        times too small and 2.6 times too large, for noise from a fiftieth of a step to twelve. Source:
+        uniform error of rounding, JCGM 100:2008 (GUM), F.2.2.1; of independent ones, the mean.
         """
         if not self.level.size:
             return np.zeros(np.broadcast_shapes(np.shape(level), np.shape(number)))

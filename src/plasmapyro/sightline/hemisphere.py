@@ -9,29 +9,18 @@ CORE_RANGE = (0.01, 60.0)  # [deg]
 
 
 def directions(count, core_angle):
-    r"""Polar angles and weights of the view-factor weighted mean over a hemisphere.
+    r"""Polar angles [rad], rising, and weights, sum 1, of the view-factor weighted mean over a hemisphere.
 
     .. math:: \bar L = \frac{1}{\pi}\int L \cos\theta\, d\Omega
               = \int_0^{\pi/2} L(\theta)\, \sin 2\theta\, d\theta \approx \sum_i w_i L(\theta_i)
 
-    by Gauss-Legendre quadrature in :math:`\theta` up to the core angle and in :math:`\ln\theta` beyond. About
-    the normal of an axisymmetric field at its stagnation point the radiance does not depend on the azimuth.
+    by Gauss-Legendre quadrature in :math:`\theta` up to the core angle and in :math:`\ln\theta` beyond,
+    `count` >= 4 each. About the normal of an axisymmetric field at its stagnation point the radiance does not
+    depend on the azimuth. `core_angle` [rad]: half angle under which the stagnation point sees the bright
+    core of the torch. Its edge is sharp: the quadrature converges fast when the angle is right to a tenth.
 
-    Source: Modest, Radiative Heat Transfer, 3rd ed., chapter 1 (irradiation of a surface).
-
-    ValueError: too few directions or core angle out of range.
-
-    Parameters
-    ----------
-    count : int
-        Directions within the core angle, and as many beyond; at least 4.
-    core_angle : float [rad]
-        Half angle under which the stagnation point sees the bright core of the torch. Its edge is sharp: the
-        quadrature converges fast when the angle is right to a tenth.
-
-    Returns
-    -------
-    tuple of ndarray : polar angle (2 count,) [rad], increasing, and weight (2 count,) [1], sum 1
+    Source: Modest, Radiative Heat Transfer, 3rd ed., chapter 1 (irradiation of a surface). ValueError: too
+    few directions or core angle out of range.
     """
     if int(count) != count or count < FEWEST_DIRECTIONS:
         raise ValueError(f"directions must be a whole number >= {FEWEST_DIRECTIONS}; got {count}")

@@ -110,23 +110,10 @@ def beyond_the_field(exit_distance, window_distance, instrument_distance):
 
 
 def chord(flow, *, angle, points):
-    """State of the gas from the stagnation point to the boundary of the flow field, at any angle.
+    """State of the gas (contract 'sightline') from the stagnation point to the boundary of the flow field.
 
-    ValueError as `line_of_sight`.
-
-    Parameters
-    ----------
-    flow : Dataset
-        Contract 'flow', with the attribute `stagnation_point_z` [m].
-    angle : float [rad]
-        Between the path and the axis, 0 to pi/2.
-    points : int
-        Nodes, >= 2.
-
-    Returns
-    -------
-    Dataset
-        Contract 'sightline'; attributes `angle` [deg] and `exit_distance` [m].
+    At any `angle` to the axis, 0 to pi/2 [rad], on `points` nodes; attributes `angle` [deg] and
+    `exit_distance` [m]. ValueError as `line_of_sight`.
     """
     inside = _inside(flow, angle, points)
     exit_distance = float(inside["path_distance"][-1])
@@ -140,21 +127,10 @@ def chord(flow, *, angle, points):
 
 
 def equilibrium_sightline(path_distance, temperature, pressure):
-    """Sight line through given temperatures and pressures, in equilibrium at every point.
+    """Sight line through given temperatures [K] and pressures [Pa], in equilibrium at every point.
 
-    ValueError: path that does not increase, or a state outside 200 to 20000 K.
-
-    Parameters
-    ----------
-    path_distance : array_like (S,) [m]
-        Increasing, towards the observer.
-    temperature, pressure : array_like [K], [Pa]
-        Shape (S,), or one value for all points.
-
-    Returns
-    -------
-    Dataset
-        Contract 'sightline'.
+    Of points (S,) [m] that rise towards the observer, or one value for all of them. ValueError: path that
+    does not increase, or a state outside 200 to 20000 K.
     """
     distance = increasing("path_distance", path_distance, "m")
     temperature = np.broadcast_to(positive("temperature", temperature, "K"), distance.shape)
@@ -165,31 +141,13 @@ def equilibrium_sightline(path_distance, temperature, pressure):
 
 
 def surface_view(flow, *, mirror_angle, directions_count, core_angle, points):
-    """State of the gas along the rays that light the stagnation point.
+    """State of the gas (contract 'surface_view') along the rays that light the stagnation point.
 
     The first ray is the one a mirror would send into the instrument: specular reflection turns the line of
-    sight by 180 degrees about the normal, which in an axisymmetric field is the same path. The others are
-    the directions of the hemispherical mean. Each ends at the boundary of the flow field.
-
-    ValueError as `chord` and `hemisphere.directions`.
-
-    Parameters
-    ----------
-    flow : Dataset
-        Contract 'flow', with the attribute `stagnation_point_z` [m].
-    mirror_angle : float [rad]
-        Between the line of sight of the instruments and the axis, 0 to pi/2.
-    directions_count : int
-        Rays of the hemispherical mean.
-    core_angle : float [rad]
-        As in `hemisphere.directions`.
-    points : int
-        Nodes per ray, >= 2.
-
-    Returns
-    -------
-    Dataset
-        Contract 'surface_view'; `ray_weight` is 0 for the mirrored ray, the others sum to 1.
+    sight, at `mirror_angle` [rad] to the axis, by 180 degrees about the normal, which in an axisymmetric
+    field is the same path; its `ray_weight` is 0. The others are the directions of the hemispherical mean
+    (`hemisphere.directions`), whose weights sum to 1. Each has `points` nodes and ends at the boundary of the
+    flow field. ValueError as `chord` and `hemisphere.directions`.
     """
     angles, weights = directions(directions_count, core_angle)
     angles, weights = np.append(float(mirror_angle), angles), np.append(0.0, weights)
@@ -252,20 +210,10 @@ def _inside(flow, angle, points):
 
 
 def on_line(flow, z, r, names):
-    """Quantities of a computed flow at points on one straight line through its plane.
+    """Quantities (P,) of a computed flow, by their names, at points on one straight line through its plane.
 
-    ValueError: a line outside the flow field.
-
-    Parameters
-    ----------
-    flow : Dataset, contract 'flow'
-    z, r : (P,) arrays [m]
-        Axial position and distance from the axis; the outermost are the first and the last.
-    names : sequence of str
-
-    Returns
-    -------
-    dict of name -> (P,) ndarray
+    `z`, `r` (P,) [m]: the outermost points are the first and the last. ValueError: a line outside the flow
+    field.
     """
     z, r = np.atleast_1d(z), np.atleast_1d(r)
     field, distance = _field_of(flow, names), np.hypot(z - z[0], r - r[0])

@@ -54,23 +54,11 @@ class Crossings:
 
 
 def crossings(field, ray, reach):
-    r"""Every simplex that the ray crosses, with the distances of entry and exit.
+    r"""Every simplex that the ray crosses up to `reach` [m], in the order of the distance of entry.
 
-    A barycentric coordinate along the ray is :math:`\lambda(t) = a + b t + c\,r(t)` with the distance
-    from the axis :math:`r(t)` in an axisymmetric field and c = 0 otherwise; the cell is crossed where all
-    are >= 0.
-
-    Parameters
-    ----------
-    field : Field
-    ray : Ray
-    reach : float [m]
-        Length of the ray.
-
-    Returns
-    -------
-    Crossings
-        Ordered by the distance of entry.
+    A barycentric coordinate along the ray is :math:`\lambda(t) = a + b t + c\,r(t)` with the distance from
+    the axis :math:`r(t)` in an axisymmetric field and c = 0 otherwise; the cell is crossed where all are >=
+    0.
     """
     near = _near(field, ray, reach)
     matrix = _barycentric(field, near)
@@ -180,23 +168,12 @@ def stretches(found):
 
 
 def values_along(field, ray, found, distance, names):
-    r"""Fields along the ray, linear in each simplex, quadratic where it has middle nodes.
+    r"""Fields (S,) along the ray by their names, linear in simplices, quadratic with middle nodes.
 
     .. math:: f = \sum_i \lambda_i f_i + \sum_{i<j} 4\lambda_i\lambda_j\,(f_{ij} - (f_i + f_j)/2)
 
-    Source: Zienkiewicz & Taylor, The Finite Element Method, 5th ed., chapter 8.
-
-    Parameters
-    ----------
-    field, ray : as in `crossings`
-    found : Crossings
-    distance : ndarray (S,) [m]
-        Inside the stretches.
-    names : sequence of keys of `field.values`
-
-    Returns
-    -------
-    dict of name -> ndarray (S,)
+    at distances (S,) [m] inside the stretches of the crossings found. Source: Zienkiewicz & Taylor, The
+    Finite Element Method, 5th ed., chapter 8.
     """
     chosen = np.empty(len(distance), dtype=np.int64)
     for start in range(0, len(distance), ROWS):

@@ -81,15 +81,7 @@ class Effect:
 def effect(identity, shape=MappingProxyType({})):
     """Decorator that makes a formula the `Effect` of a row of `effects.csv`.
 
-    Parameters
-    ----------
-    identity : str
-    shape : mapping name -> (numbers at which the effect is looked for, bounds)
-        It is looked for at every combination of the numbers.
-
-    Returns
-    -------
-    function formula -> Effect
+    `shape`: name -> (numbers at which the effect is looked for, bounds); every combination of them is tried.
     """
     row = REGISTER[identity]
     tried = {number: values for number, (values, _) in shape.items() if values}
