@@ -51,7 +51,7 @@ def diagnosed_on(laboratory, test, **changes):
         )
 
 
-@pytest.mark.parametrize("by", [10.0, 30.0, -5.0, 1e4])
+@pytest.mark.parametrize("by", [-5.0, 1e4])
 def test_a_diagnosis_does_not_depend_on_the_clock_of_the_test(laboratory, record, by):
     settings = {"window_loss": 0.03}
     plain = diagnosed_on(laboratory, record(**settings))
