@@ -56,10 +56,11 @@ def test_hidden_files_that_systems_leave_behind_are_no_configurations(tmp_path):
 
 def test_a_rule_of_a_condition_that_stands_in_the_schema_beside_it_holds():
     with pytest.raises(configuration.ConfigurationError) as caught:
-        configuration.check({**GOOD, "flow": {"probe_temperature_k": 5000}}, CONDITION, "90kW.yaml")
-    assert "flow.probe_temperature_k: 5000 is greater than the maximum of 3500 (Temperature of" in str(
-        caught.value
-    )
+        own = {"probe_temperature_k": 5000, "adiabatic_walls": ["roof"]}
+        configuration.check({**GOOD, "flow": own}, CONDITION, "90kW.yaml")
+    message = str(caught.value)
+    assert "flow.probe_temperature_k: 5000 is greater than the maximum of 3500 (Temperature of" in message
+    assert "flow.adiabatic_walls.0: 'roof'" in message
 
 
 def shipped():
@@ -122,16 +123,18 @@ def test_the_conditions_of_the_claims_differ_in_their_power_only():
         "wet": {**case, "chamber_pressure_mbar": 20},
         "twin": dict(case),
         "own": {**case, "cfd": {}},
+        "mixed": {**case, "flow": {"mixing": 0.1}},
     }
     del conditions["own"]["numerical_power_kw"]
     configuration.check_together(config, conditions, tests)  # as the user's own conditions they may be there
-    config["claims"]["conditions"] += ["wet", "twin", "own"]
+    config["claims"]["conditions"] += ["wet", "twin", "own", "mixed"]
     with pytest.raises(configuration.ConfigurationError) as caught:
         configuration.check_together(config, conditions, tests)
     message = str(caught.value)
     assert "chamber_pressure_mbar is 20 in 'wet' and 50 in '50kW'" in message
     assert "'90kW' and 'twin' have the same numerical_power_kw" in message
     assert "'own' lacks numerical_power_kw" in message
+    assert "'mixed' has another flow than '50kW'" in message
 
 
 def test_measurements_that_nothing_would_be_held_against_are_refused():

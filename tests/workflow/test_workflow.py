@@ -383,24 +383,9 @@ def test_minimal_takes_two_conditions(project):
 @pytest.mark.parametrize(
     ("file", "old", "new", "message"),
     [
-        ("config/conditions/90kW.yaml", "emittance:", "emitance:", "did you mean 'emittance'?"),
-        (
-            "config/conditions/90kW.yaml",
-            "emittance:",
-            "flow: {mixing: 0.1}\nemittance:",
-            "'90kW' has another flow than '50kW'",
-        ),
-        (
-            "config/conditions/90kW.yaml",
-            "emittance:",
-            "flow: {adiabatic_walls: [roof]}\nemittance:",
-            "flow.adiabatic_walls.0: 'roof'",
-        ),
         ("config/config.yaml", "slit_fwhm_nm:", "slit_fwmh_nm:", "did you mean 'slit_fwhm_nm'?"),
-        ("config/config.yaml", "angle_deg: 35", "angle_deg: 135", "sightline.angle_deg: 135"),
         ("config/tests/csic_160kW.yaml", "data_folder:", "datafolder:", "did you mean 'data_folder'?"),
         ("config/config.yaml", "field_condition: 90kW", "field_condition: 91kW", "did you mean '90kW'?"),
-        ("config/config.yaml", "sightline:", "sightline: [", "config/config.yaml: not readable as YAML"),
         ("config/conditions/90kW.yaml", "emittance:", "emittance: !!int ''\nx:", "90kW.yaml: not readable"),
         ("config/tests/csic_160kW.yaml", "data_folder: ", "data_folder: a{b}/", "holds braces"),
         (
@@ -472,11 +457,8 @@ def half_way(project):
 
 
 def test_a_second_call_has_nothing_to_do(half_way):
-    assert (
-        "Nothing to be done"
-        in snakemake(half_way, "results/instrument/response.nc").stderr
-        + snakemake(half_way, "results/instrument/response.nc").stdout
-    )
+    run = snakemake(half_way, "results/instrument/response.nc")
+    assert NOTHING in run.stdout + run.stderr
 
 
 NOTHING = "Nothing to be done"
@@ -507,20 +489,19 @@ def test_a_finished_folder_may_be_moved_copied_or_cloned_again(finished):
     assert NOTHING in said(moved)
 
 
-@pytest.mark.parametrize(
-    ("edited", "expected"),
-    [
-        ("workflow/scripts/ratio_curve.py", {"ratio_curve"}),
-        ("workflow/scripts/response.py", {"response", "ratio_curve", "twin_calibration"}),
-        ("workflow/scripts/claims.py", set()),
-    ],
-)
-def test_an_edited_script_runs_again(finished, edited, expected):
-    path = finished / edited
-    path.write_text(path.read_text() + "# edited\n")
-    run = snakemake(finished, "--dry-run", *TARGETS)
-    found = set() if NOTHING in run.stdout + run.stderr else planned(run).keys()
-    assert found == expected, run.stdout
+def test_an_edited_script_runs_again(finished):
+    for edited, expected in (
+        ("ratio_curve", {"ratio_curve"}),
+        ("response", {"response", "ratio_curve", "twin_calibration"}),
+        ("claims", set()),
+    ):
+        path = finished / f"workflow/scripts/{edited}.py"
+        words = path.read_text()
+        path.write_text(words + "# edited\n")
+        run = snakemake(finished, "--dry-run", *TARGETS)
+        found = set() if NOTHING in run.stdout + run.stderr else planned(run).keys()
+        assert found == expected, run.stdout
+        path.write_text(words)
 
 
 def test_every_script_is_an_input_of_its_rule(project):
