@@ -49,7 +49,7 @@ def test_amplitudes_are_counted_as_the_catalogue_counts():
     case = {"case": {"world": "second"}, "base": {"off": 150.0}}
     assert in_catalogue({"effect": "winE", "amplitude": 0.1}, case) == pytest.approx(0.05)
     assert in_catalogue({"effect": "eps_T", "amplitude": 0.1}, case) == 0.1
-    assert in_catalogue({"effect": "edge1", "amplitude": 5.0}, case) is None
+    assert in_catalogue({"effect": "edge_p", "amplitude": 0.1}, case) is None
     grains = {"effect": "particles", "amplitude": 1e-3, "shape": {"grain_k": 2500.0}}
     wien = np.exp(1.438776877e-2 / 0.95e-6 * (1 / 2300 - 1 / 2500))
     assert in_catalogue(grains, {"case": {}}) == pytest.approx(1e-3 * wien, rel=2e-3)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from plasmapyro.diagnosis.fit.model import _parted
 from plasmapyro.diagnosis.fit.observation import band_nodes, band_weights
 
 WAVELENGTH = 1e-9 * np.arange(700.0, 1101.0, 0.5)
@@ -32,3 +33,17 @@ def test_a_response_that_moves_changes_its_weights_without_jumps():
     signal = np.array([band_weights(edges, WAVELENGTH + 1e-9 * one, RESPONSE) @ light for one in shift])
     slope = np.diff(np.log(signal)) / 1e-3
     assert np.abs(np.diff(slope)).max() < 0.02 * np.median(slope)  # a jump of half a nanometre: 100 times it
+
+
+@pytest.mark.parametrize("by", [-12.0, 7.0])
+def test_a_filter_moves_its_flank_and_leaves_the_fall_of_the_detector(by):
+    """A filter that rises from 740 to 780 nm before a detector that falls from 900 nm on, 0.5 nm apart."""
+    nm = WAVELENGTH * 1e9
+
+    def product(moved):
+        return np.interp(nm - moved, [740, 780], [0, 1]) * np.interp(nm, [900, 1100], [1, 0.1])
+
+    other = _parted(WAVELENGTH, product(0.0), -by * 1e-9)  # whose axis moves as a whole by as much
+    seen = np.interp(nm, nm + by, other, left=np.nan, right=np.nan)
+    inside = np.isfinite(seen)
+    np.testing.assert_allclose(seen[inside], product(by)[inside], atol=1e-12)

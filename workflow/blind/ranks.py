@@ -30,8 +30,6 @@ OTHER = {
         "selfabs": "depth at each place of the path",
         "refl": "another view of the torch",
         "scat": "light that it adds, too",
-        "edge1": "the blue flank alone",
-        "edge2": "the blue flank alone",
         "edge_p": "a cover of emittance 0.8",
         "edge_s": "a cover of emittance 0.8",
     },

@@ -15,18 +15,22 @@ SECOND_ORDER = (  # [nm] in the first order, strength, tail to the blue: what wo
 
 
 def shifted_response(band):
-    """Formula of the response of a band moved along the wavelength, amplitude in nm."""
+    """Formula of the response of a band moved along the wavelength, amplitude in nm: its short-wave flank,
+    which a filter makes, and its fall to long waves, the detector's, by the share `detector` of that."""
 
-    def shift(scene, amplitude):
-        moved = list(scene.response_shift)
-        moved[band] += amplitude * NANOMETRE
-        return scene.but(response_shift=tuple(moved))
+    def shift(scene, amplitude, *, detector):
+        x = amplitude * NANOMETRE
+        flank, end = list(scene.response_shift), list(scene.detector_shift)
+        flank[band] += x
+        end[band] += (detector - 1) * x
+        return scene.but(response_shift=tuple(flank), detector_shift=tuple(end))
 
     return shift
 
 
-wide_edges = effect("edge1")(shifted_response(0))
-narrow_edges = effect("edge2")(shifted_response(1))
+DETECTOR = {"detector": ((1.0, 0.0), (0.0, 1.0))}
+wide_edges = effect("edge1", shape=DETECTOR)(shifted_response(0))
+narrow_edges = effect("edge2", shape=DETECTOR)(shifted_response(1))
 
 
 @effect("resp_long")

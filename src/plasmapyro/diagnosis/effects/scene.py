@@ -33,6 +33,7 @@ class Scene:
     path: np.ndarray | float = 1.0
     added: np.ndarray | float = 0.0
     response_shift: tuple = (0.0, 0.0)
+    detector_shift: tuple = (0.0, 0.0)
     response_tail: float = 0.0
     wavelength_shift: float = 0.0
     slit_sigma2: float = 0.0

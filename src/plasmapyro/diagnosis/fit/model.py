@@ -345,7 +345,7 @@ class Model:
     def _channel_weight(self, instrument, scene):
         if instrument.weight is None:
             return None
-        key = (*scene.response_shift, scene.response_tail)
+        key = (*scene.response_shift, *scene.detector_shift, scene.response_tail)
         if not any(key):
             return instrument.weight
         if key not in self._weights:
@@ -357,10 +357,11 @@ class Model:
         wavelength, responses = self.response
         weight, first = instrument.weight.copy(), 0
         tail = 1 + scene.response_tail * np.clip((wavelength - TAIL[0]) / (TAIL[1] - TAIL[0]), 0, 1)
-        each = zip(scene.response_shift, responses, instrument.node_edges, strict=True)
-        for band, (shift, row, edges) in enumerate(each):
-            part = slice(first, first + edges.size - 1)
+        for band, (row, edges) in enumerate(zip(responses, instrument.node_edges, strict=True)):
+            part, shift = slice(first, first + edges.size - 1), scene.response_shift[band]
             plain = band_weights(edges, wavelength, row)
+            if any(scene.detector_shift[band : band + 1]):
+                row = _parted(wavelength, row, scene.detector_shift[band])
             other = band_weights(edges, wavelength + shift, row * tail)
             # The nodes of the gas hold means over the unchanged response: change by what the change does.
             weight[band, part] = instrument.weight[band, part] + (other - plain)
@@ -415,3 +416,13 @@ def moved(axis, spectra, shift, sigma2):
     turn = 2j * np.pi * frequency
     change = np.exp(turn * shift - 2 * (np.pi * frequency) ** 2 * sigma2)
     return np.fft.irfft(np.fft.rfft(spectra, axis=-1) * change, axis.size, axis=-1)
+
+
+def _parted(wavelength, response, shift):
+    """A response whose fall beyond its peak, the detector's, is moved by `shift` [m]; what lets its
+    short-wave flank rise, a filter, stays."""
+    peak = int(np.argmax(response))
+    top = response[peak]
+    flank = np.where(np.arange(response.size) < peak, response, top)
+    fall = np.where(np.arange(response.size) < peak, top, response)
+    return flank * np.interp(wavelength - shift, wavelength, fall) / top
