@@ -33,10 +33,10 @@ try:
     )
     TESTS = configuration.load_folder(config["tests"], "config/schema_test.yaml")
 
+    # With bands the pyrometer that the paper's and the twin's tests are of is another instrument.
     BANDS = "bands" in config["instrument"]
-    if BANDS:  # the pyrometer that the paper's and the twin's tests are of is another instrument
-        LEFT_OUT = [name for name, case in TESTS.items() if "pyrometer" in case["instruments"]]
-        TESTS = {name: case for name, case in TESTS.items() if name not in LEFT_OUT}
+    LEFT_OUT = [name for name, case in TESTS.items() if BANDS and "pyrometer" in case["instruments"]]
+    TESTS = {name: case for name, case in TESTS.items() if name not in LEFT_OUT}
     CHANGES = {}  # of the light of the gas, by condition
     STATED = (config["instrument"], *CONDITIONS.values(), *TESTS.values())
     if any("effects" in case for case in STATED):  # the import takes a second
@@ -82,7 +82,7 @@ try:
         configuration.check_targets(sys.argv[1:], CONDITIONS, config["conditions"])
         DAMAGED, BUSY = workspace.begin("results", SETTINGS)
         workspace.digest_once()
-        if BANDS and LEFT_OUT:
+        if LEFT_OUT:
             logger.warning(f"instrument.bands: tests of a pyrometer are left out: {', '.join(LEFT_OUT)}")
         for path in DAMAGED:
             logger.warning(f"{path} no longer had the bytes it was written with; it is computed again")

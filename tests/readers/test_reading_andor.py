@@ -1,6 +1,8 @@
 """Series of Andor's program, and an emittance over wavelength, in folders of our own making."""
 
 import json
+import re
+import shutil
 
 import numpy as np
 import pytest
@@ -48,7 +50,7 @@ def series(path, light, exposure, frames=6, seed=0):
     )
     rows = [
         ",".join([f"{w:.5f}", *(f"{c:.0f}" for c in column), ""])
-        for w, column in zip(AIR, counts.T, strict=True)
+        for w, column in zip(AIR, np.minimum(counts, 65535).T, strict=True)
     ]
     path.write_text(HEADER.format(exposure, exposure, frames) + "\n".join(rows) + "\n")
 
@@ -318,6 +320,19 @@ def test_what_a_longer_exposure_saturates_is_not_scaled_out_of_sight(place, tmp_
     assert test.attrs["exposures_joined"] == 1
     lost = np.isnan(test.counts.values)
     assert lost.sum() == 6 and lost[:, 40].sum() == 6
+
+
+@pytest.mark.parametrize(
+    ("exposure", "words"),
+    [(2000, "all are saturated: take it again"), (200, r"no usable pixel; 2\d\d pixels are saturated")],
+    ids=["all", "all but a few"],
+)
+def test_spectra_beyond_the_converter_are_said_to_be_saturated(place, tmp_path, capsys, exposure, words):
+    shutil.copytree(place / "test", tmp_path / "test")
+    series(tmp_path / "test/light.asc", furnace(1173.15), exposure)
+    given = ["correct", tmp_path / "test", "--instrument", place / "lab", "--out", tmp_path / "t.nc"]
+    assert cli.main([str(word) for word in given]) == 2
+    assert re.search(words, capsys.readouterr().err)
 
 
 def test_several_exposures_before_a_bent_scale_are_refused(place, tmp_path, capsys):

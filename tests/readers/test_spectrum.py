@@ -6,7 +6,7 @@ import pytest
 from plasmapyro.readers.spectrum import read_frames
 from plasmapyro.readers.text import Refusal
 
-ROWS = [(400 + 0.5 * k, 10 + k, 12 + k) for k in range(25)]
+ROWS = [(400 + 0.5 * k, 10 + k % 7, 12 + k % 7) for k in range(25)]
 
 
 @pytest.mark.parametrize(
@@ -79,3 +79,41 @@ def test_a_cell_without_a_number_is_no_light(tmp_path, word):
     path = tmp_path / "s.txt"
     path.write_text("".join(f"{a},{word if k == 3 else b}\n" for k, (a, b, _) in enumerate(ROWS)))
     assert np.flatnonzero(np.isnan(read_frames(path)[1][0])).tolist() == [3]
+
+
+@pytest.mark.parametrize(
+    ("head", "again"),
+    [
+        ("wavelength,wavelength [um],I\n", lambda place, nm: nm / 1000),
+        ("", lambda place, nm: round(nm, 1)),
+        ("nm,pixel,I\n", lambda place, nm: place + 1),
+    ],
+    ids=["in um", "again, without names", "pixels"],
+)
+def test_a_scale_that_is_there_twice_is_no_signal(tmp_path, head, again):
+    path = tmp_path / "s.csv"
+    path.write_text(head + "".join(f"{a},{again(k, a)},{b}\n" for k, (a, b, _) in enumerate(ROWS)))
+    np.testing.assert_array_equal(read_frames(path)[1], [[row[1] for row in ROWS]])
+
+
+@pytest.mark.parametrize(
+    ("head", "second", "words"),
+    [
+        ("nm,I,nm,I\n", lambda nm: 2 * nm - 190.3, "column 3 is a second scale of wavelengths, from 609.7"),
+        ("", lambda nm: 1.3 * nm, "column 3 is a second scale"),
+        ("nm,I,,I\n", lambda nm: nm * 1.00028, "column 3 is a second scale"),
+    ],
+    ids=["two detectors", "without names", "air and vacuum"],
+)
+def test_two_scales_are_refused(tmp_path, head, second, words):
+    path = tmp_path / "s.csv"
+    path.write_text(head + "".join(f"{a},{b},{second(a)},{c}\n" for a, b, c in ROWS))
+    with pytest.raises(Refusal, match=words):
+        read_frames(path)
+
+
+def test_wavelengths_alone_are_refused(tmp_path):
+    path = tmp_path / "s.csv"
+    path.write_text("".join(f"{a},{k},{a / 1000}\n" for k, (a, *_) in enumerate(ROWS)))
+    with pytest.raises(Refusal, match="without a signal"):
+        read_frames(path)

@@ -98,6 +98,12 @@ def test_an_estimate_counts_where_it_is_valid(quantity, status, words):
     assert "5000" not in row
 
 
+def test_a_report_without_claims_says_so_and_which_tests_are_not_there():
+    page = compose([], None, [("mine", corrected())], without=["theirs", "twin"])
+    assert "claims of the paper" in page and "of that pyrometer: theirs, twin." in page
+    assert "Show all claims" not in page and "behind the claims" not in page and ">mine<" in page
+
+
 def test_words_of_a_user_are_not_taken_as_markup(page):
     assert "a &lt;b&gt;bold&lt;/b&gt; claim" in page
 

@@ -20,11 +20,11 @@ timings = [
 ]
 page = compose(
     figures,
-    io.read(given.claims, "claims"),
+    io.read(given.claims, "claims") if given.claims else None,
     list(zip(keys.tests, (io.read(one, Path(one).stem) for one in given.corrections), strict=True)),
     findings=[one for path in given.findings for one in json.loads(io.read_text(path))],
     diagnoses=list(zip(keys.diagnosed, map(io.read_text, given.diagnoses), strict=True)),
     timings=timings,
-    configuration=keys.configuration,
+    **keys.shown,
 )
 io.write_text(page, snakemake.output[0])

@@ -119,7 +119,10 @@ def estimate_emissivity(
     prior, smooth, alone = fitted(course_freedom(told, light.middle.size))
     room = None if record.window or name == "radiometer" else _lamp(record, light, prior, alone, data, noise)
     misfit = np.sqrt(np.nansum(alone.residual**2, axis=1) / np.maximum(np.isfinite(data).sum(axis=1), 1))
-    state[used & ~alone.converged] = status.NO_SIGNAL
+    over = (light.flag & (flags.SATURATED | flags.CLIPPED) > 0).any(axis=1)
+    # Of light from which no temperature comes.
+    unread = np.where(over, status.SATURATED, status.NO_SIGNAL).astype("int8")
+    state = np.where(used & ~alone.converged, unread, state)
     unlike = used & (misfit > MISFIT)
     state[unlike] = status.CONTRADICTED
     # What is not light of a hot surface says nothing about its neighbours; the errors of bins last.
@@ -142,7 +145,7 @@ def estimate_emissivity(
         stays = np.pad(kept, ((0, 0), (0, room.columns.shape[1])), constant_values=1.0)
         found = follow(light.channels, whole, stays, data, noise, np.concatenate([linear, of_room], axis=-1))
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
-    state[lost] = status.NO_SIGNAL
+    state = np.where(lost, unread, state)
     # Judged without a lamp, whose free spectrum takes up much that is none.
     pull = log_emissivity(bare, 0.0, prior.basis[:, :smooth])[0] / np.hypot(level, shape)
     pulled = np.isin(state, (status.VALID, status.GAS_DOMINATED))

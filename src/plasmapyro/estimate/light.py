@@ -8,7 +8,9 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.estimate.emissivity import Channels
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
+from plasmapyro.record import flags
 from plasmapyro.record.emittance import ANY_LEVEL
+from plasmapyro.record.inputs import SHORTER
 
 LINES = 0.01  # [1] ASSUME: of the gas in a channel, beyond its common change: its lines do not keep in step
 BASELINE = 0.15  # ASSUME: of a pixel's noise: how far the baseline of a frame is off that of the dark
@@ -141,14 +143,16 @@ def _trapezoid(nodes):
 
 def _bins(frames, width):
     pixel = np.flatnonzero(np.isfinite(frames.value).any(axis=0) & (frames.flag == 0).any(axis=0))
+    full = np.flatnonzero((frames.flag & flags.SATURATED > 0).all(axis=0)).size
+    why = f"; {full} pixels are saturated in all spectra: {SHORTER}" if full else ""
     if not pixel.size:
-        raise ValueError("the spectra hold no usable pixel")
+        raise ValueError(f"the spectra hold no usable pixel{why}")
     place = ((frames.wavelength[pixel] - frames.wavelength[pixel[0]]) / width).astype(int)
     names, first, count = np.unique(place, return_index=True, return_counts=True)
     if names.size < LEAST_BINS:
         raise ValueError(
             f"the usable pixels fill {names.size} bins of {width * 1e9:g} nm; temperature and emissivity need"
-            f" {LEAST_BINS}"
+            f" {LEAST_BINS}{why}"
         )
     weight = (place == names[:, None]) / count[:, None]
     return Bins(pixel, first, weight)

@@ -19,6 +19,8 @@ from plasmapyro.readers.text import quote, read_lines, refuse
 
 LARGEST = 32_000_000  # [byte]
 HEADER_LINES = 100
+# [1] by which steps of a scale differ, two scales of one detector, and one scale in two units (powers of ten)
+EVEN, ALIKE, SAME, UNITS = 0.3, 1e-3, 1e-5, (-3, 0, 1)
 NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs?\b", re.IGNORECASE)
 
 
@@ -27,8 +29,9 @@ def read_frames(path, least=LEAST_PIXELS):
 
     A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength [nm]
     ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it (as
-    Andor Solis exports them); a column named as dark is subtracted. NaN where no number stands. Refusal: no
-    such file; fewer rows than `least`; no wavelengths that rise or fall; a line that is no row of numbers.
+    Andor Solis exports them); a column named as dark is subtracted, one of the same wavelengths, or of pixel
+    numbers, left out. NaN where no number stands. Refusal: no such file; fewer rows than `least`; no
+    wavelengths that rise or fall, or two scales of them; a line that is no row of numbers.
     """
     lines, _ = read_lines(path, LARGEST)
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):
@@ -59,12 +62,40 @@ def read_frames(path, least=LEAST_PIXELS):
             f"it must hold {least} or more, rising or falling, in nm (or um; or Angstrom, if its name"
             " says so)",
         )
+    if own.shape[1] > 2:
+        names, own = _without_scales(path, names, own)
     dark = [bool(DARK.search(name) and not DERIVED.search(name)) for name in names[1:]]
     dark += [False] * (own.shape[1] - 1 - len(dark))
     frames = own[:, 1:].T
     if any(dark) and not all(dark):
         frames = frames[~np.array(dark)] - frames[dark].mean(axis=0)
     return wavelength, frames
+
+
+def _without_scales(path, names, table):
+    """Names and columns (N, C) without numbers of pixels and without the first, in any unit, once more."""
+    names, kept = names + [""] * (table.shape[1] - len(names)), [0]
+    for place in range(1, table.shape[1]):
+        column = table[:, place]
+        step, ratio = np.diff(column), column / table[:, 0]
+        even, alike = (
+            np.all(np.abs(one - one.mean()) < most * abs(one.mean()))
+            for one, most in ((step, EVEN), (ratio, ALIKE))
+        )
+        if not (spectra_table.WAVES.search(names[place]) or even or alike):
+            kept.append(place)
+            continue
+        pixels = column.min() in (0, 1) and (np.abs(step) == 1).all()
+        same = alike and np.isclose(np.log10(abs(ratio.mean())), UNITS, atol=SAME).any()
+        if not pixels and not same:
+            refuse(
+                path,
+                f"column {place + 1} is a second scale of wavelengths, from {column[0]:g} to {column[-1]:g}",
+                "leave one scale in the file, and what was measured on it",
+            )
+    if len(kept) == 1:
+        refuse(path, "holds wavelengths without a signal", "it needs wavelength [nm] and signal in columns")
+    return [names[place] for place in kept], table[:, kept]
 
 
 def _why(values):

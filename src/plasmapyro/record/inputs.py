@@ -52,6 +52,7 @@ def has_plasma(test):
     return attributes.get("condition") != "none" or "reference_window" in attributes
 
 
+SHORTER = "take it again with a shorter exposure"
 REMEDIES = {
     "background_counts": "; counts need a dark spectrum of the same exposure: name its file as"
     " `spectrometer.background`, or record one",
@@ -106,7 +107,8 @@ def _faults_of_variables(test, present):
         elif name in AXES and (np.isnan(values).any() or not (np.diff(values) > 0).all()):
             yield f"{name}: must increase strictly, without NaN"
         elif np.isnan(values).all():
-            yield f"{name}: holds no sample"
+            at_end = name == "counts" and "saturated" in test.variables
+            yield f"{name}: holds no sample" + f", all are saturated: {SHORTER}" * at_end
         elif name in PLAUSIBLE:
             low, high = PLAUSIBLE[name]
             size = np.abs(values[np.isfinite(values) & (values != 0)])

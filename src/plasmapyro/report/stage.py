@@ -12,14 +12,17 @@ from plasmapyro.versions import versions
 CHAPTERS = ["Test", "Diagnosis", "Errors", "Gas radiance", "Flow", "Instrument", "Design"]
 
 
-def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(), configuration=None):
+def compose(
+    figures, claims, corrections, findings=(), diagnoses=(), timings=(), configuration=None, without=()
+):
     """The whole report as HTML text.
 
-    `figures`: (name without suffix, PNG); `claims`: contract 'claims'; `corrections`: (test, Dataset of
-    contract 'temperature', 'pyrometer_correction', 'spectrometer_correction' or 'joint_estimate');
-    `findings`: what contradicts itself in the tests, as in their `findings.json`; `diagnoses`: (test, its
-    page); `timings`: (job, row that `cost` noted: `s` [s], `max_rss` [MB], `cpu_time` [s]); `configuration`
-    is shown as it is. KeyError if a figure has no words (see `captions`).
+    `figures`: (name without suffix, PNG); `claims`: contract 'claims', or None with another instrument than
+    the paper's; `corrections`: (test, Dataset of contract 'temperature', 'pyrometer_correction',
+    'spectrometer_correction' or 'joint_estimate'); `findings`: what contradicts itself in the tests, as in
+    their `findings.json`; `diagnoses`: (test, its page); `timings`: (job, row that `cost` noted: `s` [s],
+    `max_rss` [MB], `cpu_time` [s]); `configuration` is shown as it is; `without`: tests that the run left
+    out. KeyError if a figure has no words (see `captions`).
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("plasmapyro.report", "."),
@@ -29,18 +32,21 @@ def compose(figures, claims, corrections, findings=(), diagnoses=(), timings=(),
         undefined=jinja2.StrictUndefined,
     )
     described = sorted(((name, *describe(name), picture) for name, picture in figures), key=_natural)
+    attributes = {} if claims is None else claims.attrs
+    made_by = {"plasmapyro": attributes["plasmapyro_version"]} if "plasmapyro_version" in attributes else {}
     known = [(chapter, [rest for rest in described if rest[1] == chapter]) for chapter in CHAPTERS]
     return environment.get_template("template.html").render(
         chapters=[(chapter, shown) for chapter, shown in known if shown],
-        claims=_claim_rows(claims),
-        counts=_verdicts(claims),
+        claims=[] if claims is None else list(_claim_rows(claims)),
+        counts={} if claims is None else _verdicts(claims),
+        without=without,
         tests=[_summary(name, corrected) for name, corrected in corrections],
         findings=sorted(findings, key=lambda one: one["severity"]),
         diagnoses=diagnoses,
         timings=_times(timings),
-        versions=dict(versions()) | {"plasmapyro": claims.attrs.get("plasmapyro_version", "")},
+        versions=dict(versions()) | made_by,
         configuration=json.dumps(configuration or {}, indent=1, default=str),
-        sources=claims.attrs.get("sources", "").splitlines(),
+        sources=attributes.get("sources", "").splitlines(),
     )
 
 
