@@ -103,6 +103,58 @@ def test_the_interval_holds_the_truth_and_the_error_falls_threefold():
     assert np.mean(after) < np.mean(before) / 3
 
 
+def heated(random, hertz=5.0, noise=5.0):
+    """A surface heated from cold behind gas of 110 kW, drawn as the command assumes."""
+    elasticity = module._elasticity(gas(), "110kW", 1.0)
+    light = np.exp(elasticity * 0.05 * random.standard_normal() + 0.1 * random.standard_normal(2))
+    times = np.arange(0.0, 40.0, 1 / hertz)
+    truth = 1750.0 - 1000.0 * np.exp(-times / random.uniform(5.0, 15.0))
+    shown = display(truth, light * POWERS["110kW"], 0.85 * np.exp(0.05 * random.standard_normal()))
+    return times, truth, np.round(shown + noise * random.standard_normal(times.size))
+
+
+def of_record(times, shown, **options):
+    """Corrected with what the command assumes; the noise is that of the record."""
+    assumed = {"emittance_uncertainty": 0.05, "power_uncertainty": 0.05, "engine_uncertainty": 0.1}
+    options = {"condition": "110kW", "quantum": 1.0, "draws": 100, "seed": 1, **assumed, **options}
+    return correct_reading(gas(), response(), calibration(), time=times, reading=shown, **options)
+
+
+def test_a_surface_heated_through_the_least_reading_tells_the_gas():
+    """With all that the command assumes, noise found in the record: hot side of five records."""
+    random = np.random.default_rng(2)
+    held, before, after = [], [], []
+    for _ in range(5):
+        times, truth, shown = heated(random)
+        found = of_record(times, shown)
+        assert found.attrs["noise"] == pytest.approx(5.0, rel=0.5)
+        turn, moment = found.attrs["turning_temperature"], found.attrs["heated_through"]
+        assert np.interp(moment, times, truth) == pytest.approx(turn, abs=20.0)
+        assert (found.corrected_reading_status.values != 1).all()
+        low, high, middle = (found[f"surface_temperature{end}"].values for end in ("_low", "_high", ""))
+        cold = (times < moment - 0.5) & np.isfinite(middle)
+        assert np.median(np.abs(middle - truth)[cold]) < 10.0
+        hot = (truth > turn) & np.isfinite(middle)
+        held.extend(((truth >= low) & (truth <= high))[hot])
+        wrong = hot & (np.abs(shown - truth) >= 30.0)
+        before.extend(np.abs(shown - truth)[wrong])
+        after.extend(np.abs(middle - truth)[wrong])
+    assert np.mean(held) > 0.9 and len(before) > 20
+    assert np.mean(after) < np.mean(before) / 4
+
+
+def test_a_hot_surface_that_cools_and_warms_again_tells_no_gas():
+    times = np.arange(0.0, 40.0, 0.2)
+    truth = 1700.0 - 350.0 * np.exp(-(((times - 20.0) / 6.0) ** 2))
+    shown = np.round(display(truth, POWERS["110kW"]) + 3.0 * np.random.default_rng(1).standard_normal(200))
+    found = of_record(times, shown)
+    assert np.isnan(found.attrs["heated_through"])
+    times, _, shown = heated(np.random.default_rng(2))
+    for options, passes in (({}, True), ({"at_least": 1300.0}, False), ({"floor": 1600.0}, False)):
+        found = of_record(times, shown, **options)
+        assert np.isfinite(found.attrs["heated_through"]) == passes
+
+
 def test_gas_that_outshines_every_surface_leaves_no_reading_to_correct():
     found = correct(np.array([1500.0]), "90kW", {"60kW": (1.0, 1.0), "90kW": (1e9, 1e7)})
     assert np.isnan(found.surface_temperature.values).all()

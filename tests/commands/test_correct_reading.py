@@ -116,7 +116,7 @@ def test_a_condition_of_ones_own_is_found_and_only_its_ladder_says_what_power_do
     nitrogen = gas({"60kW": (1.0, 0.2), "70kW": (1.5, 0.3), "71kW": (3.0, 0.6)})
     nitrogen = nitrogen.assign_coords(condition=["n60", "n70", "air71"])
     stated = nitrogen.assign(first_of_ladder=("condition", ["n60", "n60", "air71"]))
-    table = "time [s] Ts [K]\n1 1400\n2 1500\n"
+    table = "time [s] Ts [K]\n1 1400\n2 1700\n"
     width = []
     for own in (nitrogen, stated):
         io.write(own, results / "analysis/gas_signal_own.nc", "gas_signal")

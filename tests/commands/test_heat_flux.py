@@ -36,9 +36,18 @@ def test_a_flat_calorimeter_takes_less(capsys):
     assert 0.55 < found[1] / found[0] < 0.7  # Num-2: 0.60
 
 
+def test_a_measured_pair_gets_names_and_a_wrong_unit_is_asked_about(capsys):
+    assert cli.main(["heat-flux", "15", "30", "--measured-kw-m2", "500", "50", *FEW]) == 0
+    first, second = capsys.readouterr().out.split("500 kW/m2 at 15 Pa:")[1].split("50 kW/m2 at 30 Pa:")
+    assert "mixing" in first and "what decides next" in first and "is it in kW/m2" not in first
+    assert "unknown 1.00" in second and "is it in kW/m2" in second
+
+
 @pytest.mark.parametrize(
     "words, message",
     [
+        (["15", "30", "--measured-kw-m2", "500"], "a heat flux for each PITOT; got 1 for 2"),
+        (["0.15"], "got 0.15 Pa (1 mbar is 100 Pa)"),
         (
             ["15", "--pressure-mbar", "15"],
             "chamber pressure must lie in 25 to 200 mbar, where jets were computed; got 15 mbar",

@@ -1,5 +1,6 @@
 """Readings of probes in a flow, and what measured pairs say of a family of flows."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ from half_disc import POINT, flow
 from plasmapyro import configuration, contracts
 from plasmapyro.facility.jet import Jet, edge_ahead, jet_ahead, own_heat_flux, own_pressure
 from plasmapyro.facility.probes import Calorimeter, heat_flux, pitot_pressure
-from plasmapyro.facility.stage import _together, _verdict, facility, probe_readings
+from plasmapyro.facility.stage import _together, _verdict, _with_causes, facility, probe_readings
 from plasmapyro.facility.verdict import as_markdown
+from plasmapyro.gas.species import AIR
 from plasmapyro.gas.stage import gas_table
 from plasmapyro.quantities import in_si
 
@@ -75,7 +77,7 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
         written["heat_flux_kw_m2"]["recombination"] = known
         configuration.check(condition | {"emittance": 0.8, "measured": written}, SCHEMA, "test")
     found = probe_readings(
-        invented, gas, rates=["kossyi"], recombination=[1.0, 0.0],
+        invented.assign(mass_flow_rate=0.010), gas, rates=["kossyi"], recombination=[1.0, 0.0],
         probe_radius=RADIUS, wall_temperature=350.0,
         pitot_radius=[RADIUS], measured=in_si(written),
     )  # fmt: skip
@@ -103,16 +105,42 @@ def test_readings_stand_beside_what_was_measured(invented, gas, caplog):
     assert 0.55 < low / sphere < 0.7
 
 
-def test_a_pair_that_the_jet_itself_gives_asks_for_that_jet():
-    jet = Jet(4800.0, 5000.0, 95.0, 0.7)
+@pytest.mark.parametrize("nitrogen", [AIR["N2"], 1.0])
+def test_a_pair_that_the_jet_itself_gives_asks_for_that_jet(nitrogen):
+    jet = Jet(4800.0, 5000.0, 95.0, 0.7, nitrogen)
     wall = {"radius": 0.02, "shape": "blunt", "wall_temperature": 400.0, "recombination": [0.03, 0.03]}
     flux, _ = heat_flux(jet, Calorimeter(0.02, "blunt", 400.0, 0.03), "kossyi")
     read = pitot_pressure(jet, 0.008, wall_temperature=400.0)
     measured = {"pitot_pressure": {"value": read}, "heat_flux": wall | {"value": flux}}
-    said = _together(measured, [("Pa", 0, 0, read, read), None], jet, jet, "kossyi")
+    said, asked = _together(measured, [("Pa", 0, 0, read, read), None], jet, jet, "kossyi")
+    assert asked.speed == pytest.approx(95.0, rel=1e-3)
     numbers = [float(word.strip("(),")) for word in said.split() if word.strip("(),")[0].isdigit()]
     assert len(numbers) == 6 and numbers[1::2] == pytest.approx(numbers[::2], rel=2e-3)
     assert (numbers[1], numbers[5]) == (4800.0, 95.0)
+
+
+def test_a_pair_of_ones_own_gets_causes(caplog):
+    """Num-2 as its file has it: 300 kW/m2 on a flat probe."""
+    caplog.set_level("INFO")
+    wall = {"radius": 0.025, "shape": "blunt", "wall_temperature": 350.0, "recombination": [0.1, 0.01]}
+    pair = {
+        "heat_flux": wall | {"value": 300e3, "uncertainty": 30e3},
+        "pitot_pressure": {"value": 15.0, "uncertainty": 0.75, "radius": 0.025, "wall_temperature": 350.0},
+    }
+    jet, none = Jet(4700.0, 5000.0, 90.0, 0.7), xr.Dataset()
+    found = _with_causes(none, pair, jet, 0.016, "kossyi")
+    probability = found.cause_probability.to_series()
+    assert probability.sum() == pytest.approx(1.0)
+    assert probability[[name for name in probability.index if "mixing" in name]].sum() > 0.6
+    assert any(line.startswith("causes: mixing") for line in caplog.messages)
+    assert any("causes: what decides next" in line for line in caplog.messages)
+    for other, mass_flow, reason in (
+        (replace(jet, nitrogen=0.9), 0.016, "jets were computed in air"),
+        (jet, 0.010, "with 16 g/s"),
+        (replace(jet, pressure=1500.0), 0.016, "chamber pressure must lie in 25 to 200 mbar"),
+    ):
+        assert _with_causes(none, pair, other, mass_flow, "kossyi") is none
+        assert "causes: not known" in caplog.messages[-1] and reason in caplog.messages[-1]
 
 
 @pytest.mark.parametrize(
@@ -120,6 +148,7 @@ def test_a_pair_that_the_jet_itself_gives_asks_for_that_jet():
     [
         ("heat_flux", ("W m-2", 50e3, 5e3, 4e5, 5e5), "too high, 8 times; was it written in kW/m2?"),
         ("pitot_pressure", ("Pa", 5015, 1, 15, 15), "written in Pa and not with the chamber's pressure?"),
+        ("heat_flux", ("W m-2", 5e5, 100, 4e5, 5e5), "uncertainty of 0.02 %; is it in kW/m2, not a share?"),
         ("coil_current", ("A", 400, 20, 566, 566), "8.3 standard uncertainties too high"),
     ],
 )
@@ -205,5 +234,7 @@ def test_the_page_has_a_row_for_each_pair_probe_and_cause():
     probes, names = page.split("## Names")
     assert probes.count("| Num-2 |") == probes.count("| ZU1 |") == 2
     assert "explains: some admissible recombination" in probes
-    assert names.index("| Num-2 | mixing") < names.index("| Num-2 | unknown |") < names.index("| ZU1 |")
+    assert (
+        names.index("| Num-2 | mixing+") < names.index("| ZU1 | unknown |") and "| Num-2 | unknown |" in names
+    )
     assert "| Num-2 | recombination |" not in names

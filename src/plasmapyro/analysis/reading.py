@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from plasmapyro.analysis.heated_through import heated_through, scatter
 from plasmapyro.checks import flags, non_negative, positive
 from plasmapyro.instrument.pyrometer import blackbody_signals, invert_ratio
 
@@ -17,14 +18,14 @@ STATUS = {
     2: "below_what_the_gas_allows",
     3: "below_the_floor_of_the_instrument",
     4: "near_the_least_reading_of_the_gas",
-    5: "above_the_surfaces_considered",
+    5: "beyond_the_surfaces_considered",
     6: "without_a_reading",
 }
 
 
 def correct_reading(
     gas, response, curve, *, condition, time, reading, slope=1.0, quantum=0.0, floor=0.0, at_least=0.0,
-    noise=0.0, emittance=None, emittance_uncertainty, power_uncertainty, engine_uncertainty, draws, seed,
+    noise=None, emittance=None, emittance_uncertainty, power_uncertainty, engine_uncertainty, draws, seed,
 ):  # fmt: skip
     r"""Surface temperature behind the computed gas of a condition, from what a pyrometer displayed.
 
@@ -33,7 +34,9 @@ def correct_reading(
 
     is inverted for T. From cold surfaces, where the gas is read, the display falls to a least value and
     rises again with the surface: one reading belongs to two surfaces. The hot one is `surface_temperature`,
-    the cold one `other_temperature`, unless the surface is known to be at least so warm.
+    the cold one `other_temperature`, unless the surface is known to be at least so warm. Where the record
+    shows the surface heated through the least reading (`heated_through`), that reading tells the gas, and
+    before that moment the surface is the cold one.
 
     The interval holds 95 % of draws over power (which moves both gas signals along those of the other
     conditions), the signals of both bands, emittance, noise and the quantum of the display.
@@ -51,9 +54,10 @@ def correct_reading(
     slope : float [1]
         Setting of the instrument: ratio of the emittances (wide over narrow) it was told.
     quantum, noise : float [K]
-        Step of the display; standard deviation of one reading.
+        Step of the display; standard deviation of one reading, by default the scatter of the record.
     floor, at_least : float [K]
-        Least temperature the instrument displays; surface known to be no colder (a thermocouple below it).
+        Least temperature the instrument displays; surface known to be no colder (a thermocouple below it):
+        if that is above the turn, no surface was heated through it.
     emittance : float [1], optional
         That of the condition by default.
     emittance_uncertainty, power_uncertainty, engine_uncertainty : float [1]
@@ -67,58 +71,79 @@ def correct_reading(
     names = list(gas.condition.values)
     if condition not in names:
         raise ValueError(f"no condition '{condition}'; known: {', '.join(map(str, names))}")
-    for name, value in (("quantum", quantum), ("noise", noise), ("floor", floor)):
+    for name, value in (("quantum", quantum), ("floor", floor)):
         non_negative(name, value, "K")
     positive("slope", slope, "1")
     case = gas.sel(condition=condition)
     emittance = float(positive("emittance", case.sample_emittance if emittance is None else emittance, "1"))
-    signal = case.gas_signal.sel(band=list(BANDS)).values
-    reading = np.asarray(reading, dtype=float)
+    reading, time = np.asarray(reading, dtype=float), np.asarray(time, dtype=float)
     surfaces = np.arange(SURFACES[0], SURFACES[1] + STEP / 2, STEP)
     black = blackbody_signals(surfaces, response)
+    noise = scatter(reading) if noise is None else non_negative("noise", noise, "K")
 
-    def branches(light, grey):
-        """Display over the surfaces, with the place of its least value."""
-        ratio = (grey * black[0] + light[0]) / (grey * black[1] + light[1])
+    def display(light, black=black):
+        """Display of black bodies' signals behind gas whose signals over the emittance are exp(light)."""
+        wide, narrow = black + np.exp(light)[:, None]
         shown, _ = invert_ratio(
-            float(curve.sensitivity_ratio) * ratio / slope,
+            float(curve.sensitivity_ratio) * wide / narrow / slope,
             curve.calibration_temperature.values,
             curve.calibration_ratio.values,
         )
-        shown = np.where(np.isnan(shown), np.inf, shown)
-        return shown, _turn(shown)
+        return np.where(np.isnan(shown), np.inf, shown)
 
-    shown, turn = branches(signal, emittance)
-    hot = _on_branch(reading, shown[turn:], surfaces[turn:])
-    cold = _on_branch(reading, shown[: turn + 1][::-1], surfaces[: turn + 1][::-1])
-    two = np.isfinite(cold) & (cold >= at_least)
-    random = np.random.default_rng(seed)
-    elasticity = _elasticity(gas, condition, power_uncertainty)
+    def at(surface, light):
+        """Display of surfaces [K]."""
+        shown = display(light, np.stack([np.interp(surface, surfaces, one) for one in black]))
+        return np.minimum(shown, curve.calibration_temperature.values[-1])
+
+    def turn(light):
+        shown = display(light)
+        return surfaces[_turn(shown)], shown.min()
+
+    light = np.log(case.gas_signal.sel(band=list(BANDS)).values / emittance)
+    along = power_uncertainty * _elasticity(gas, condition, power_uncertainty)
+    covariance = np.outer(along, along) + engine_uncertainty**2 * np.eye(2) + emittance_uncertainty**2
+    moment = np.nan
+    if at_least < turn(light)[0]:
+        seen, sigma = np.where(reading < floor, np.nan, reading), np.hypot(noise, quantum / np.sqrt(12.0))
+        passed = heated_through(time, seen, at, turn, light, covariance, sigma)
+        light, covariance, moment = passed or (light, covariance, moment)
+    before = time < moment  # the surface is still colder than that of the least reading
+    shown = display(light)
+    turn = _turn(shown)
+
+    def surface(reading, shown):
+        """Surfaces of readings on the cold and on the hot branch."""
+        place = _turn(shown)
+        cold = _on_branch(reading, shown[: place + 1][::-1], surfaces[: place + 1][::-1])
+        return cold, _on_branch(reading, shown[place:], surfaces[place:])
+
+    cold, hot = surface(reading, shown)
+    two = np.isfinite(cold) & (cold >= at_least) & np.isnan(moment)
+    found = np.where(before, cold, hot)
+    random, root = np.random.default_rng(seed), _root(covariance)
     drawn = np.empty((draws, reading.size))
     for row in drawn:
-        power = power_uncertainty * random.standard_normal()
-        light = signal * np.exp(elasticity * power + engine_uncertainty * random.standard_normal(2))
-        grey = emittance * np.exp(emittance_uncertainty * random.standard_normal())
+        own = light + root @ random.standard_normal(2)
         true = reading + noise * random.standard_normal(reading.size)
         true = true + quantum * (random.random(reading.size) - 0.5)
-        there, place = branches(light, grey)
-        row[:] = _on_branch(true, there[place:], surfaces[place:])
+        row[:] = np.where(before, *surface(true, display(own)))
     known = np.isfinite(drawn).mean(axis=0)
     low, high = np.full((2, reading.size), np.nan)
-    sure = np.isfinite(hot) & (known >= LEAST_SHARE)
+    sure = np.isfinite(found) & (known >= LEAST_SHARE)
     if sure.any():
         low[sure], high[sure] = np.nanquantile(drawn[:, sure], QUANTILES, axis=0)
     status = np.where(two, 1, 0)
-    status[np.isfinite(hot) & ~sure] = 4
-    status[~np.isfinite(hot)] = 2
-    status[reading > shown[-1]] = 5
+    status[np.isfinite(found) & ~sure] = 4
+    status[~np.isfinite(found)] = 5
+    status[reading < shown[turn]] = 2
     status[reading < floor] = 3
     status[np.isnan(reading)] = 6
     given = np.isin(status, (0, 1))
     return xr.Dataset(
         {
             "apparent_temperature": ("time", reading),
-            "surface_temperature": ("time", np.where(given, hot, np.nan)),
+            "surface_temperature": ("time", np.where(given, found, np.nan)),
             "surface_temperature_low": ("time", np.where(given, low, np.nan)),
             "surface_temperature_high": ("time", np.where(given, high, np.nan)),
             "other_temperature": ("time", np.where(given & two, cold, np.nan)),
@@ -126,9 +151,20 @@ def correct_reading(
             "object_temperature": ("object_temperature", surfaces),
             "display": ("object_temperature", np.where(np.isfinite(shown), shown, np.nan)),
         },
-        {"time": np.asarray(time, dtype=float)},
-        {"least_reading": float(shown[turn]), "turning_temperature": float(surfaces[turn])},
+        {"time": time},
+        {
+            "least_reading": float(shown[turn]),
+            "turning_temperature": float(surfaces[turn]),
+            "heated_through": float(moment),
+            "noise": float(noise),
+        },
     )
+
+
+def _root(covariance):
+    """Matrix R with R R^T = covariance, also of one without any uncertainty."""
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def _turn(shown):

@@ -154,6 +154,11 @@ def summary(result):
             f"95 % intervals of the surface +-{np.nanmin(half):.1f} to {np.nanmax(half):.1f} K; what an"
             " ablating surface itself adds to the light (CN, C2) is not among it"
         )
+    if np.isfinite(moment := result.attrs["heated_through"]):
+        lines.append(
+            f"at {moment:.2f} s the surface is heated through the least reading, which tells the gas; before"
+            " it the cold surface is given (if it was never so cold: --at-least-k)"
+        )
     if below := int((status == BELOW).sum()):
         lines.append(
             f"{below} readings are below {result.attrs['least_reading']:.0f} K, which no surface shows"

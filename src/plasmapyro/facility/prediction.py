@@ -12,6 +12,7 @@ from plasmapyro.gas.species import AIR
 RATES = ("kossyi", "park")
 NOSES = (0.005, 0.0125, 0.025)  # [m]
 RECOMBINATION = (0.01, 0.1, 1.0)
+MASS_FLOW = 0.016  # [kg s-1] of the jets of the table
 RADIUS = 0.025  # [m]: hemisphere whose heat flux the table holds
 RADII = (0.002, 0.1)  # [m] of calorimeters that may be asked for
 SLOW = 0.1  # of the chamber pressure: a Pitot pressure at Mach 0.4; beyond, density follows the speed
@@ -236,7 +237,7 @@ def predict(
     dict
         Of each of `QUANTITIES` the 2.5, 50 and 97.5 % quantiles, (3, n) in SI; those of `mixing` (3,) at the
         pair; `inside` (n,), share of the draws between the computed flows; `explained`, share that meets the
-        pair.
+        pair; `share` (n,) of what the hemisphere of 25 mm takes.
 
     Raises
     ------
@@ -252,7 +253,7 @@ def predict(
     if pitot.min() < LEAST_PITOT:
         raise ValueError(
             f"the Pitot pressure must be {LEAST_PITOT:g} Pa or more: less asks for under half of the 16 g/s"
-            f" that jets were computed with; got {pitot.min():g} Pa"
+            f" that jets were computed with; got {pitot.min():g} Pa (1 mbar is 100 Pa)"
         )
     within("radius of the calorimeter", radius, *RADII, "m")
     for name, (low, high) in (("recombination", recombination), ("radii of the Pitot nose", nose)):
@@ -289,11 +290,13 @@ def predict(
     share = weights(there, jets(gas).mixing)  # (d, n, m)
     ends = np.exp(np.quantile(np.einsum("dnm,dmnq->dnq", share, values), ENDS, axis=0))
     result = {name: ends[..., k] for k, name in enumerate(QUANTITIES)}
+    result["share"] = np.ones(len(pitot))
     if (radius, shape) != (RADIUS, "hemisphere"):
         middle = float(np.sqrt(np.prod(recombination)))
         states = zip(result["temperature"][1], result["speed"][1], strict=True)
         wall = radius, shape, middle, pressure
-        result["heat_flux"] *= [_other(*wall, *state, GASES[gas]) for state in states]
+        result["share"] = np.array([_other(*wall, *state, GASES[gas]) for state in states])
+        result["heat_flux"] *= result["share"]
     return {
         **result,
         "mixing": np.quantile(mixing[met], ENDS),

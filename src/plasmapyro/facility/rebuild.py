@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.checks import positive
 from plasmapyro.facility.jet import Jet
 from plasmapyro.facility.probes import density, enthalpy, heat_flux
+from plasmapyro.gas.species import AIR
 
 TEMPERATURES = (1200.0, 9000.0)  # [K] between which the edge is looked for
 FIRST_TEMPERATURE = 4500.0  # [K]
@@ -22,7 +23,10 @@ class Rebuilt:
     speed: float
 
 
-def rebuild(measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chemistry, pitot_factor):
+def rebuild(
+    measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chemistry, pitot_factor,
+    nitrogen=AIR["N2"],
+):  # fmt: skip
     r"""Edge state of the jet that gives a measured pair on a calorimeter of assumed catalysis.
 
     .. math:: q(T_e, U; \gamma) = q_{meas}, \qquad U = \sqrt{2 p_{dyn} / (K\rho_e(T_e))}
@@ -40,6 +44,8 @@ def rebuild(measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chem
         See `stagnation_line.solve`.
     pitot_factor : float [1]
         K: what friction on the Pitot probe multiplies the dynamic pressure with.
+    nitrogen : float [1]
+        Mole fraction of N2 in the cold gas.
 
     Returns
     -------
@@ -55,10 +61,10 @@ def rebuild(measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chem
     positive("dynamic_pressure", dynamic_pressure, "Pa")
 
     grid = np.linspace(*TEMPERATURES, 391)
-    levels = np.array([enthalpy(Jet(one, pressure, 0.0, 0.0)) for one in grid])
+    levels = np.array([enthalpy(Jet(one, pressure, 0.0, 0.0, nitrogen)) for one in grid])
     temperature, line = FIRST_TEMPERATURE, None
     for _ in range(LARGEST_COUNT):
-        jet = _jet(temperature, pressure, dynamic_pressure / pitot_factor)
+        jet = _jet(temperature, pressure, dynamic_pressure / pitot_factor, nitrogen)
         flux, line = heat_flux(jet, calorimeter, chemistry, line)
         if abs(flux / target - 1) < TOLERANCE:
             return Rebuilt(jet.temperature, enthalpy(jet), jet.speed)
@@ -72,6 +78,6 @@ def rebuild(measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chem
     )
 
 
-def _jet(temperature, pressure, dynamic_pressure):
-    still = Jet(float(temperature), float(pressure), 0.0, 0.0)
+def _jet(temperature, pressure, dynamic_pressure, nitrogen):
+    still = Jet(float(temperature), float(pressure), 0.0, 0.0, nitrogen)
     return replace(still, speed=float(np.sqrt(2 * dynamic_pressure / density(still))))

@@ -9,7 +9,9 @@ import xarray as xr
 
 from plasmapyro import tables
 from plasmapyro.checks import positive
+from plasmapyro.facility.causes import causes, sentences
 from plasmapyro.facility.jet import edge_ahead, jet_ahead, own_heat_flux, own_pressure
+from plasmapyro.facility.prediction import GASES, MASS_FLOW, RADIUS
 from plasmapyro.facility.probes import Calorimeter, density, enthalpy, heat_flux, pitot_pressure
 from plasmapyro.facility.rebuild import Rebuilt, rebuild
 from plasmapyro.facility.stagnation_line import solve
@@ -20,6 +22,7 @@ log = logging.getLogger(__name__)
 TORCH_WALLS = ("back_wall", "tube_wall")
 WIDE = 0.5  # of the radius of the torch: the hot core has that
 ODD = 3.0  # ratio of what was measured and what was computed that asks for a second look
+FINE = 0.005  # of the value: an uncertainty that is doubted
 TOLD = {"W m-2": (1e3, "kW/m2"), "W": (1e3, "kW")}  # as the configuration says it
 
 
@@ -82,7 +85,9 @@ def probe_readings(
     for name, row in zip(measured, rows, strict=True):
         log.info("%s: %s", name, _verdict(name, *row))
     if {"heat_flux", "pitot_pressure"} <= set(measured):
-        log.info("heat_flux and pitot_pressure: %s", _together(measured, rows, edge, jet, rates[0]))
+        said, there = _together(measured, rows, edge, jet, rates[0])
+        log.info("heat_flux and pitot_pressure: %s", said)
+        found = _with_causes(found, measured, there, float(flow.mass_flow_rate), rates[0])
     names = ("measured_value", "measured_uncertainty", "simulated_low", "simulated_high")
     values = np.array([row[1:] for row in rows], dtype=float).T
     return found.assign(
@@ -131,6 +136,8 @@ def _verdict(name, unit, *values):
     off = max(low - value, value - high, 0.0) / uncertainty
     way = "high" if low > value else "low"
     said = f"{known}: " + (f"{off:.1f} standard uncertainties too {way}" if off else "agrees")
+    if uncertainty < FINE * value:
+        said += f", with an uncertainty of {100 * uncertainty / value:.2g} %; is it in {unit}, not a share?"
     ratio = max(low / value, value / max(high, 1e-300))
     if ratio > ODD:
         whole = " and not with the chamber's pressure" if name == "pitot_pressure" else ""
@@ -139,7 +146,7 @@ def _verdict(name, unit, *values):
 
 
 def _together(measured, rows, edge, jet, rates):
-    """The jet that both measured values ask for, beside that of the flow, in one sentence.
+    """The jet that both measured values ask for, in one sentence beside that of the flow, and as a Jet.
 
     The Pitot probe reads as much more than the dynamic pressure as it does in the flow.
     """
@@ -155,11 +162,12 @@ def _together(measured, rows, edge, jet, rates):
                 face,
                 chemistry=rates,
                 pitot_factor=factor,
+                nitrogen=jet.nitrogen,
             )
             for face in _faces(flux)
         ]
     except ValueError as fault:
-        return str(fault)
+        return str(fault), replace(jet, temperature=edge.temperature)
     found.sort(key=lambda one: one.temperature)
     here = Rebuilt(edge.temperature, enthalpy(edge), jet.speed)
     asked = [
@@ -167,7 +175,39 @@ def _together(measured, rows, edge, jet, rates):
         + f" {unit} (this flow {getattr(here, name) / scale:.4g})"
         for name, scale, unit in (("temperature", 1, "K"), ("enthalpy", 1e6, "MJ/kg"), ("speed", 1, "m/s"))
     ]
-    return "together they ask for a jet of " + ", ".join(asked)
+    asked_for = replace(jet, temperature=found[0].temperature, speed=found[0].speed)
+    return "together they ask for a jet of " + ", ".join(asked), asked_for
+
+
+def _with_causes(found, measured, jet, mass_flow, rates):
+    """Readings with the probabilities of what can explain a pair in jets of the table; said in sentences."""
+    flux, pitot = measured["heat_flux"], measured["pitot_pressure"]
+    kinds = [name for name, nitrogen in GASES.items() if np.isclose(jet.nitrogen, nitrogen)]
+    if not kinds or not np.isclose(mass_flow, MASS_FLOW, rtol=0.01):
+        log.info("causes: not known, jets were computed in air and in nitrogen, with 16 g/s")
+        return found
+    face, standard = _faces(flux)[0], Calorimeter(RADIUS, recombination=flux["recombination"][0])
+    share = (
+        1.0 if face == standard else np.divide(*(heat_flux(jet, one, rates)[0] for one in (face, standard)))
+    )
+    try:
+        known = causes(
+            flux["value"] / share,
+            pitot["value"],
+            admissible=sorted(flux["recombination"]),
+            flux_uncertainty=flux["uncertainty"] / flux["value"],
+            pressure_uncertainty=pitot["uncertainty"] / pitot["value"],
+            pressure=jet.pressure,
+            gas=kinds[0],
+            nose=2 * (pitot["radius"],),
+        )
+    except ValueError as fault:
+        log.info("causes: not known, %s", fault)
+        return found
+    for sentence in sentences(known):
+        log.info("causes: %s", sentence)
+    probability = [one for one, _ in known.values()]
+    return found.assign(cause_probability=("cause", probability)).assign_coords(cause=list(known))
 
 
 def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_uncertainty):
@@ -185,7 +225,7 @@ def facility(readings, *, admissible_recombination, flux_uncertainty, pressure_u
     -------
     Dataset, contract 'facility'
     """
-    common = [one.drop_dims("measurement", errors="ignore") for one in readings.values()]
+    common = [one.drop_dims(["measurement", "cause"], errors="ignore") for one in readings.values()]
     found = xr.concat(common, xr.Variable("condition", list(readings)), combine_attrs="override")
     found = found.sortby(["own_pressure", "condition"])
     pairs = tables.load("facility/plasmatron_pairs")

@@ -2,16 +2,10 @@
 
 import numpy as np
 
-from plasmapyro.facility.causes import NAMES, causes
+from plasmapyro.facility.causes import NAMES, TOLD, causes
 from plasmapyro.facility.prediction import MIDDLE, scale
 
 LEAST = 5e-4  # probability below which a cause is not listed
-SIZES = {  # of a cause: factor, form and unit in which they are told
-    "temperature": (1.0, ".0f", " K"),
-    "mixing": (1.0, ".3f", ""),
-    "recombination": (1.0, ".2g", ""),
-    "nose": (1e3, ".0f", " mm"),
-}
 SUFFICES = 2.0  # standard uncertainties within which a cause explains
 WORDS = {
     1: "explains: some admissible recombination meets the pair",
@@ -84,7 +78,7 @@ def named(found, admissible):
     """Readings and pairs with the causes of each pair, their probabilities and sizes; see `causes`."""
     names = ["none", *NAMES, "unknown"]
     probability = np.empty((found.sizes["pair"], len(names)))
-    sizes = {size: np.full((*probability.shape, 2), np.nan) for size in SIZES}
+    sizes = {size: np.full((*probability.shape, 2), np.nan) for size in TOLD}
     for pair, row in enumerate(probability):
         one = found.isel(pair=pair)
         flux, read = float(one.pair_heat_flux), float(one.pair_pressure)
@@ -173,15 +167,16 @@ def as_markdown(found):
         " mixing in torch radii. `none`: a good catalyst (0.1 to 1), a nose of 25 mm, a laminar jet;"
         " `unknown`: something else. A measured temperature ahead of the probe decides between causes.",
         "",
-        "| pair | cause | probability | temperature ahead | mixing | recombination | Pitot nose |",
-        "|---|---|---|---|---|---|---|",
+        "| pair | cause | probability | temperature ahead | power | mixing | recombination | Pitot nose |"
+        " momentum |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for name in found.pair.values:
         one = found.sel(pair=name).sortby("cause_probability", ascending=False)
         for k in np.flatnonzero(one.cause_probability.values >= LEAST):
             cells = [
                 _words(factor * one[f"cause_{size}"].values[k], form, unit)
-                for size, (factor, form, unit) in SIZES.items()
+                for size, (factor, form, unit) in TOLD.items()
             ]
             probability = f"{float(one.cause_probability[k]):.3f}"
             lines.append(f"| {name} | {one.cause.values[k]} | {probability} | {' | '.join(cells)} |")
