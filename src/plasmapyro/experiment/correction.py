@@ -118,29 +118,19 @@ class Reading:
 
 
 def temperature_uncertainty(reading, signals, gas, gas_uncertainty, draws, generator):
-    """Standard uncertainty of a temperature read from two signals less those of the gas.
+    """Standard uncertainty (t,) [K] of a temperature read from two signals less those of the gas.
 
-    Every draw takes its own calibration, its own level of the gas (common to both bands: the gas
-    brightens as a whole), its own error of the reference mean, and its own error of each signal.
+    Every draw takes its own calibration, its own level of the gas (common to both bands: the gas brightens as
+    a whole), its own error of the reference mean, and its own error of each signal. Of a long record
+    `MOST_DRAWN` samples are drawn, and each other one takes what the one of the most alike signals got. NaN
+    where a sample is missing, or where so many draws have no temperature that the central 68 % of them is not
+    closed.
 
-    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the
-    variation of the gas is an input; the paper assumes none. Of a long record `MOST_DRAWN` samples are drawn,
-    and each other one takes what the one of the most alike signals got.
+    `signals` (2, t) [A] are measured; `gas` (2, t) [A] is 0 where nothing is taken away, `gas_uncertainty`
+    (2, t) [A] that of the reference mean.
 
-    Parameters
-    ----------
-    reading : Reading, with the covariance of its fit
-    signals : (2, t) array [A], measured
-    gas : (2, t) array [A], reference signals, 0 where nothing is taken away
-    gas_uncertainty : (2, t) array [A], of the reference mean
-    draws : int
-    generator : numpy Generator
-
-    Returns
-    -------
-    (t,) ndarray [K]
-        NaN where a sample is missing, or where so many draws have no temperature that the central
-        68 % of them is not closed.
+    Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step; 3 K and 1 %). Deviation: the variation
+    of the gas is an input; the paper assumes none.
     """
     if signals.shape[1] > MOST_DRAWN:
         return _of_alike(reading, signals, gas, gas_uncertainty, draws, generator)

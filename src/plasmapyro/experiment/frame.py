@@ -65,33 +65,16 @@ def fit_frame(
     gas_level,
     generator,
 ):
-    """Both Planck fits of one corrected spectrum, with Monte Carlo uncertainties.
+    """Both Planck fits of one corrected spectrum, with Monte Carlo uncertainties: a FrameFit.
 
-    Every draw takes its own noise, its own calibration factor and its own level of the gas, and is
-    fitted anew.
+    Every draw takes its own noise, its own calibration factor and its own level of the gas, and is fitted
+    anew. The spectrum `corrected`, its `noise` and the `gas` that was taken away, 0 if none was, are (W,)
+    [W m-2 sr-1 m-1] at `wavelength` [m]; `usable` and `pivot` (W,) say which pixels enter; `trials` are as of
+    `spectra.trial_curves`. `gas_variation` [1] enters the weights of the scaled fit: pixels with strong gas
+    lines count less. `factor_error` (D, W) or (D, 1) and `gas_level` (D, 1) are draws of the relative error
+    of the calibration factor and of the relative change of the gas since the reference spectrum.
 
     Source: Fagnani et al., sec. 3.2 (Monte Carlo through every step) and 5.3.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    corrected, noise : (W,) arrays [W m-2 sr-1 m-1]
-    gas : (W,) array [W m-2 sr-1 m-1]
-        Reference spectrum that was taken away, 0 if none was.
-    usable, pivot : (W,) bool arrays
-    trials : pair as from `spectra.trial_curves`
-    temperature_range : (2,) floats [K]
-    gas_variation : float [1]
-        Enters the weights of the scaled fit: pixels with strong gas lines count less.
-    factor_error : (D, W) or (D, 1) array [1]
-        Draws of the relative error of the calibration factor.
-    gas_level : (D, 1) array [1]
-        Draws of the relative change of the gas since the reference spectrum.
-    generator : numpy Generator, for the noise
-
-    Returns
-    -------
-    FrameFit
     """
     mask, weight = usable[None], np.hypot(noise, gas_variation * gas)[None]
     start = nearest_trial(trials, corrected, weight[0], usable)

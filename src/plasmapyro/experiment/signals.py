@@ -8,29 +8,15 @@ LEAST_SAMPLES = 3  # of a reference window
 
 
 def reference_signal(time, signal, window):
-    r"""Mean signal of the reference window and its standard uncertainty.
+    r"""Mean signal of the reference window (both ends included) and its standard uncertainty, floats [A].
 
     .. math:: u^2 = \frac{s^2}{n_e}, \qquad n_e = \max\left(1, n\,\frac{1 - r_1}{1 + r_1}\right)
 
-    with the scatter s of the n samples and their lag-one correlation r_1 (>= 0): flicker of the
-    plasma lasts longer than a sample.
+    with the scatter s of the n samples, NaN where missing, and their lag-one correlation r_1 (>= 0): flicker
+    of the plasma lasts longer than a sample. ValueError if fewer than three samples lie in the window.
 
     Source: Fagnani et al., eq. 12. Deviation: the uncertainty of the mean is carried along.
 
-    ValueError if fewer than three samples lie in the window.
-
-    Parameters
-    ----------
-    time : (t,) array [s], strictly increasing
-    signal : (t,) array [A], NaN where missing
-    window : (2,) floats [s], ends included
-
-    Returns
-    -------
-    mean, standard_uncertainty : float [A]
-
-    Examples
-    --------
     >>> time, signal = np.arange(5.0), np.array([9.0, 3.0, 5.0, 4.0, 8.0])
     >>> mean, uncertainty = reference_signal(time, signal, (1.0, 3.0))
     >>> mean, round(uncertainty, 3)
@@ -52,25 +38,15 @@ def reference_signal(time, signal, window):
 
 
 def corrected_signal(signal, reference, injected, shining):
-    r"""Signal of the surface.
+    r"""Signal (..., t) of the surface; NaN before injection: there is no surface in view.
 
     .. math:: S^{corr} = S - S^{ref} \;\text{(plasma on)}, \qquad S \;\text{(plasma off)}
 
-    Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the
-    reference window holds until the plasma is switched off.
+    `injected` and `shining` (t,) come from `phases`; the reference (...) broadcasts over time.
 
-    Parameters
-    ----------
-    signal : (..., t) array, NaN where missing
-    reference : (...) array, same unit; broadcasts over time
-    injected, shining : (t,) bool arrays, from `phases`
+    Source: Fagnani et al., eq. 13 (signals) and eq. 14 (spectra). ASSUME: the gas radiance of the reference
+    window holds until the plasma is switched off.
 
-    Returns
-    -------
-    (..., t) ndarray, NaN before injection: there is no surface in view
-
-    Examples
-    --------
     Before the injection, in the plasma, after it is switched off:
 
     >>> injected, shining = np.array([False, True, True]), np.array([True, True, False])
@@ -84,27 +60,13 @@ def corrected_signal(signal, reference, injected, shining):
 def corrected_signal_uncertainty(
     signal, reference, reference_uncertainty, shining, signal_uncertainty, gas_variation
 ):
-    r"""Standard uncertainty of the corrected signal.
+    r"""Standard uncertainty (..., t) of the corrected signal (..., t).
 
     .. math:: u^2 = (u_S S)^2 + u_{ref}^2 + (v S^{ref})^2
 
-    the last two only while the plasma is on.
-
-    Deviation: the paper assumes v = 0.
-
-    Parameters
-    ----------
-    signal : (..., t) array
-    reference, reference_uncertainty : (...) arrays, same unit
-    shining : (t,) bool array
-    signal_uncertainty : float [1]
-        Relative, of one signal.
-    gas_variation : float [1]
-        Relative standard deviation of the gas radiance about that of the reference window.
-
-    Returns
-    -------
-    (..., t) ndarray
+    the last two only while the plasma is on. u_S, `signal_uncertainty` [1], is that of one signal, relative;
+    v, `gas_variation` [1], the relative standard deviation of the gas radiance about that of the reference
+    window. Deviation: the paper assumes v = 0.
     """
     gas = np.asarray(reference_uncertainty) ** 2 + (gas_variation * np.asarray(reference)) ** 2
     return np.sqrt((signal_uncertainty * np.asarray(signal)) ** 2 + np.where(shining, gas[..., None], 0.0))

@@ -41,33 +41,18 @@ def nearest_trial(trials, radiance, noise, usable):
 
 
 def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start=None):
-    r"""Temperature whose normalised Planck curve lies closest to the normalised spectrum.
+    r"""Temperatures (R,) [K] whose normalised Planck curves lie closest to the normalised spectra.
 
     .. math:: \min_T \sum_\lambda \left[\frac{L_\lambda}{L_{norm}}
               - \frac{L^{bb}_\lambda(T)}{L^{bb}_{norm}(T)}\right]^2
 
-    Gauss-Newton in 1/T from the best of a grid of trial temperatures.
+    Gauss-Newton in 1/T from `start` (R,) [K] or the best of a grid of trial temperatures. The `usable` pixels
+    of `radiance`, both (R, W), enter; the rest may be NaN. The mean of the `pivot` pixels (W,) normalises. A
+    fit that ends outside of `temperature_range` [K] is NaN.
 
-    Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the
-    pivot may be the mean of the pixels of one resolution element instead of one pixel. The pivot is
-    the weakest point of the method: its noise moves every point of the curve (`fit_scaled` has none).
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    radiance : (R, W) array [W m-2 sr-1 m-1]
-    usable : (R, W) bool array
-        Which pixels enter; the rest may be NaN.
-    pivot : (W,) bool array
-        Pixels whose mean normalises.
-    temperature_range : (2,) floats [K]
-        Where to look; a fit that ends outside is NaN.
-    start : (R,) array [K], optional
-        Starting temperatures instead of the grid.
-
-    Returns
-    -------
-    (R,) ndarray [K]
+    Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the pivot
+    may be the mean of the pixels of one resolution element instead of one pixel. The pivot is the weakest
+    point of the method: its noise moves every point of the curve (`fit_scaled` has none).
     """
     data = normalised(radiance, usable, pivot)
     weight = (usable & np.isfinite(data)).astype(float)
@@ -94,28 +79,15 @@ def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start
 
 
 def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=None):
-    r"""Temperature and scale of the Planck curve closest to the spectrum, in units of its uncertainty.
+    r"""Temperatures (R,) [K] and scales (R,) [1] of the Planck curves closest to spectra, weighed by noise.
 
     .. math:: \min_{T, s} \sum_\lambda \left[\frac{L_\lambda - s\,L^{bb}_\lambda(T)}{\sigma_\lambda}\right]^2
 
-    The scale is eliminated at each temperature; Gauss-Newton in 1/T for the rest.
+    The scale, the emittance as far as the absolute calibration holds, is eliminated at each temperature;
+    Gauss-Newton in 1/T for the rest. `noise` (R, W) is > 0 where usable; the other arguments are as of
+    `fit_normalised`.
 
     Deviation: not in the paper, which normalises at one wavelength.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    radiance : (R, W) array [W m-2 sr-1 m-1]
-    noise : (R, W) array [W m-2 sr-1 m-1], > 0 where usable
-    usable : (R, W) bool array
-    temperature_range : (2,) floats [K]
-    start : (R,) array [K], optional
-
-    Returns
-    -------
-    temperature : (R,) ndarray [K]
-    scale : (R,) ndarray [1]
-        The emittance, as far as the absolute calibration holds.
     """
     good = usable & np.isfinite(radiance) & (noise > 0)
     weight = np.where(good, 1 / np.where(good, noise, 1.0) ** 2, 0.0)

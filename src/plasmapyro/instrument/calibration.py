@@ -9,24 +9,15 @@ BELOW, VALID, ABOVE, EXTRAPOLATED = -1, 0, 1, 2
 
 
 def fit_sensitivity(measured, modelled, covariance):
-    r"""Factor between a measured and a modelled quantity that are proportional.
+    r"""Factor between a measured and a modelled quantity that are proportional, and its standard uncertainty.
 
     .. math:: \ln\varphi = \frac1N \sum_n \ln\frac{\rho_n}{M_n}, \qquad
               u^2(\ln\varphi) = \frac1{N^2}\sum_{nm} V_{nm}
 
+    with the `covariance` V (N, N) [1] of the relative errors of `measured` against `modelled` (N,), both > 0.
     Least squares of the relative residuals with equal weights: the errors are of equal relative size.
 
     Source: Fagnani et al., eq. 5 and the fit of sec. 3.2 (ratio); the same serves one band.
-
-    Parameters
-    ----------
-    measured, modelled : (N,) arrays, > 0, same unit
-    covariance : (N, N) array [1]
-        Of the relative errors of `measured` against `modelled`.
-
-    Returns
-    -------
-    factor, standard_uncertainty : float
     """
     logarithm = np.log(positive("measured", measured, "1") / positive("modelled", modelled, "1"))
     factor = float(np.exp(logarithm.mean()))
@@ -34,27 +25,17 @@ def fit_sensitivity(measured, modelled, covariance):
 
 
 def point_covariance(log_slope, source_temperature_uncertainty, signal_uncertainty, signals):
-    r"""Covariance of the relative errors of what the calibration points measure.
+    r"""Covariance (N, N) [1] of the relative errors of what the calibration points measure.
 
     .. math:: V_{nm} = n_s\,u_S^2\,\delta_{nm} + g_n\,g_m\,u_T^2, \qquad g = \frac{d\ln M}{dT}
 
-    Source: Fagnani et al., sec. 3.2 (3 K, 1 %). ASSUME: the signals err independently of each other
-    and from point to point (resolution, repeatability); the source errs by the same amount at all
-    points (its reference sensor), so more points do not average it away. The coverage of the printed
-    uncertainties is not stated: what goes in as standard uncertainty comes out as standard uncertainty.
+    with the logarithmic slope g (N,) [K-1] of the modelled quantity M at the points, and `signals` that
+    enter: 1 for a band, 2 for a ratio.
 
-    Parameters
-    ----------
-    log_slope : (N,) array [K-1]
-        Logarithmic slope of the modelled quantity at the points.
-    source_temperature_uncertainty : float [K]
-    signal_uncertainty : float [1], of one signal
-    signals : int
-        How many signals enter: 1 for a band, 2 for a ratio.
-
-    Returns
-    -------
-    (N, N) ndarray [1]
+    Source: Fagnani et al., sec. 3.2 (3 K, 1 %). ASSUME: the signals err independently of each other and from
+    point to point (resolution, repeatability); the source errs by the same amount at all points (its
+    reference sensor), so more points do not average it away. The coverage of the printed uncertainties is not
+    stated: what goes in as standard uncertainty comes out as standard uncertainty.
     """
     slope = np.asarray(log_slope, dtype=float)
     own = signals * signal_uncertainty**2 * np.eye(slope.size)
@@ -68,29 +49,16 @@ def scaled(temperature, fit_range):
 
 
 def fit_quadratic(temperature, ratio, covariance):
-    r"""Quadratic function through the signal ratios of the calibration points.
+    r"""Quadratic function through the signal ratios (N,) of the calibration points at temperatures (N,) [K].
 
     .. math:: \rho(T) = c_0 + c_1 x + c_2 x^2, \qquad x = \frac{2T - T_{lo} - T_{hi}}{T_{hi} - T_{lo}}
 
-    Least squares of the relative residuals.
+    Least squares of the relative residuals, whose errors have the `covariance` (N, N) [1]. Returns the
+    coefficients (3,) [1], their covariance (3, 3), and the fit range (2,) [K]: lowest and highest temperature
+    of the points. ValueError if there are fewer than four different temperatures: three would be met exactly
+    by any data.
 
     Source: Fagnani et al., sec. 3.2 (quadratic function of the calibration points).
-
-    ValueError if there are fewer than four different temperatures: three would be met exactly by any data.
-
-    Parameters
-    ----------
-    temperature : (N,) array [K], at least four different values
-    ratio : (N,) array [1], > 0
-    covariance : (N, N) array [1]
-        Of the relative errors of `ratio`.
-
-    Returns
-    -------
-    coefficient : (3,) ndarray [1]
-    coefficient_covariance : (3, 3) ndarray [1]
-    fit_range : (2,) ndarray [K]
-        Lowest and highest temperature of the points.
     """
     temperature = positive("temperature", temperature, "K")
     ratio = positive("ratio", ratio, "1")
@@ -122,23 +90,13 @@ def require_rising(coefficient, fit_range, instrument_range):
 
 
 def invert_quadratic_freely(ratio, coefficient, fit_range):
-    r"""Rising branch of the inverse of the quadratic fit, without regard to any range.
+    r"""Rising branch (...) [K] of the inverse of the quadratic fit, without regard to any range.
 
     .. math:: x = \frac{2(\rho - c_0)}{c_1 + \sqrt{c_1^2 + 4 c_2 (\rho - c_0)}}
 
-    For Monte Carlo draws, where a draw beyond the range must keep its place in the ranking.
-
-    Parameters
-    ----------
-    ratio : (...) array [1], may hold NaN
-    coefficient : (..., 3) array [1]
-        Leading axes broadcast against `ratio`.
-    fit_range : (2,) array [K]
-
-    Returns
-    -------
-    (...) ndarray [K]
-        Infinite where the parabola does not reach the ratio (sign as the side), NaN for NaN.
+    For Monte Carlo draws, where a draw beyond the range must keep its place in the ranking: infinite where
+    the parabola does not reach the ratio (sign as the side), NaN for NaN. Leading axes of `coefficient` (...,
+    3) broadcast against `ratio`.
     """
     zeroth, first, second = np.moveaxis(np.asarray(coefficient, dtype=float), -1, 0)
     rise = np.asarray(ratio, dtype=float) - zeroth
@@ -152,25 +110,15 @@ def invert_quadratic_freely(ratio, coefficient, fit_range):
 
 
 def invert_quadratic(ratio, coefficient, fit_range, instrument_range):
-    """Temperature read with the quadratic fit, and how far to trust it.
+    """Temperature (...) [K] read from ratios with the quadratic fit, and how far to trust it: a status (...).
 
-    Source: Fagnani et al., sec. 3.2: fit between 973 and 1773 K, extrapolated to 2073 K. Deviation:
-    an extrapolated reading says so. With the modelled responses the extrapolated parabola lies 0.8 %
-    above the true ratio at 2073 K, so that it reads about 18 K low there.
+    `BELOW` (-1) and `ABOVE` (1) the instrument range, where the temperature is NaN, `VALID` (0),
+    `EXTRAPOLATED` (2): within the instrument range but outside the calibration points. NaN stays NaN, with
+    status 0. The fit must rise over the instrument range (`require_rising`).
 
-    Parameters
-    ----------
-    ratio : (...) array [1], may hold NaN
-    coefficient : (3,) array [1], rising over the instrument range (`require_rising`)
-    fit_range, instrument_range : (2,) arrays [K]
-
-    Returns
-    -------
-    temperature : (...) ndarray [K]
-        NaN where `status` is `BELOW` or `ABOVE`, and for NaN.
-    status : (...) int8 ndarray
-        `BELOW` (-1) and `ABOVE` (1) the instrument range, `VALID` (0), `EXTRAPOLATED` (2): within the
-        instrument range but outside the calibration points. 0 for NaN.
+    Source: Fagnani et al., sec. 3.2: fit between 973 and 1773 K, extrapolated to 2073 K. Deviation: an
+    extrapolated reading says so. With the modelled responses the extrapolated parabola lies 0.8 % above the
+    true ratio at 2073 K, so that it reads about 18 K low there.
     """
     temperature = invert_quadratic_freely(ratio, coefficient, fit_range)
     lowest, highest = instrument_range
@@ -199,26 +147,11 @@ def spread(draws):
 def reading_uncertainty(
     temperature, coefficient, covariance, fit_range, signal_uncertainty, draws, generator
 ):
-    """Standard uncertainty of a temperature read from one pair of signals, by Monte Carlo.
+    """Standard uncertainty (T,) [K] of temperatures (T,) [K] read from one pair of signals, by Monte Carlo.
 
-    Draws the coefficients of the fit from their covariance and the two signals from theirs.
-
-    Source: Fagnani et al., sec. 3.2 (Monte Carlo sampling; about 1.5 % of the temperature).
-
-    Parameters
-    ----------
-    temperature : (T,) array [K]
-    coefficient : (3,) array [1]
-    covariance : (3, 3) array [1]
-    fit_range : (2,) array [K]
-    signal_uncertainty : float [1]
-        Relative standard uncertainty of each signal.
-    draws : int
-    generator : numpy Generator
-
-    Returns
-    -------
-    (T,) ndarray [K], NaN where the draws do not reach the parabola
+    Draws the coefficients of the fit from their covariance and the two signals from theirs,
+    `signal_uncertainty` [1] each, relative. NaN where the draws do not reach the parabola. Source: Fagnani et
+    al., sec. 3.2 (Monte Carlo sampling; about 1.5 % of the temperature).
     """
     fits = generator.multivariate_normal(coefficient, covariance, size=draws)[:, None, :]
     errors = 1 + signal_uncertainty * generator.standard_normal((2, draws, 1))

@@ -39,28 +39,13 @@ def lamp_lines():
 
 
 def find_lines(wavelength, net, *, expected_fwhm, search, least_signal_to_noise):
-    r"""Lamp lines in a spectrum: position and width of a Gaussian integrated over each pixel.
+    """Lamp lines in a spectrum, each a Line: position and width of a Gaussian integrated over each pixel.
+
+    `net` (W,) [count] is dark subtracted, NaN where saturated, at `wavelength` (W,) [m] in vacuum. A line may
+    be `search` [m] off; lines nearer to another than 2.5 of the rough slit width `expected_fwhm` [m] and
+    those below `least_signal_to_noise` are left out. ValueError if no line is found.
 
     Deviation: the paper does not say how its spectrometer's wavelengths and FWHM were had.
-
-    ValueError if no line is found.
-
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-        In vacuum, rising.
-    net : (W,) array [count]
-        Dark subtracted; NaN where saturated.
-    expected_fwhm : float [m]
-        Rough slit width: lines nearer to another than 2.5 of these are left out.
-    search : float [m]
-        How far off a line may be.
-    least_signal_to_noise : float [1]
-        Fainter lines are left out.
-
-    Returns
-    -------
-    list of Line, by rising wavelength
     """
     wavelength = increasing("wavelength", wavelength, "m")
     net = np.asarray(net, dtype=float)

@@ -34,28 +34,15 @@ def signal_ratio(signal_wide, signal_narrow):
 
 
 def measured_ratio(sensitivity_ratio, emittance, blackbody, gas):
-    r"""Signal ratio of a grey surface behind gas.
+    r"""Signal ratio (...) [1] of a grey surface behind gas.
 
     .. math:: \rho_m = \varphi\, \frac{\int \tilde R_1\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
                                      {\int \tilde R_2\, [\varepsilon L^{bb}(T_{obj}) + L^{g,e}]\, d\lambda}
 
-    Source: Fagnani et al., eq. 4; the window cancels, being uniform.
+    with the sensitivity ratio :math:`\varphi` of the wide band over the narrow one. `blackbody` and `gas` are
+    the signals, wide and narrow, of a black body at the temperature of the surface and of the gas, as from
+    `band_signal`. Source: Fagnani et al., eq. 4; the window cancels, being uniform.
 
-    Parameters
-    ----------
-    sensitivity_ratio : float [1]
-        :math:`\varphi`, of the wide band over the narrow one.
-    emittance : (...) array [1]
-    blackbody, gas : pairs of (...) arrays [W m-2 sr-1]
-        Signals of a black body at the temperature of the surface, and of the gas: wide and narrow band, as
-        from `band_signal`.
-
-    Returns
-    -------
-    (...) ndarray [1]
-
-    Examples
-    --------
     Gas that is relatively brighter in the wide band makes the surface look hotter:
 
     >>> f"{measured_ratio(0.315, 0.85, (4.0, 1.0), (1.7, 0.17)):.3f}"
@@ -71,20 +58,8 @@ def calibration_ratio(sensitivity_ratio, blackbody):
     .. math:: \rho_c = \varphi\, \frac{\int \tilde R_1\, L^{bb}(T_{obj})\, d\lambda}
                                      {\int \tilde R_2\, L^{bb}(T_{obj})\, d\lambda} = H_c(T_{obj})
 
-    Source: Fagnani et al., eq. 5, which is eq. 4 with emittance 1 and no gas.
+    Source: Fagnani et al., eq. 5, which is eq. 4 (`measured_ratio`) with emittance 1 and no gas.
 
-    Parameters
-    ----------
-    sensitivity_ratio : float [1]
-    blackbody : pair of (...) arrays [W m-2 sr-1]
-        As in `measured_ratio`.
-
-    Returns
-    -------
-    (...) ndarray [1]
-
-    Examples
-    --------
     >>> f"{calibration_ratio(0.315, (4.0, 1.0)):.2f}"
     '1.26'
     """
@@ -92,30 +67,13 @@ def calibration_ratio(sensitivity_ratio, blackbody):
 
 
 def invert_ratio(ratio, calibration_temperature, calibration_ratio):
-    r"""Temperature a pyrometer would report for a signal ratio, :math:`H_c^{-1}(\rho)`.
+    r"""Temperature (...) [K] a pyrometer would report for ratios, :math:`H_c^{-1}(\rho)`, and its status.
 
-    Interpolates 1/T linearly in ln(ratio), which is exact in the Wien limit for two narrow bands,
-    and never extrapolates.
-
+    Interpolates 1/T linearly in ln(ratio), which is exact in the Wien limit for two narrow bands, and never
+    extrapolates. Status (...) is 0 within the calibration, -1 below it, +1 above it, where the temperature is
+    NaN; NaN stays NaN, with status 0. ValueError if a calibration array (C,) does not increase strictly.
     Source: Fagnani et al., eq. 6.
 
-    ValueError if a calibration array does not increase strictly.
-
-    Parameters
-    ----------
-    ratio : (...) array [1], > 0 or NaN
-    calibration_temperature : (C,) array [K], strictly increasing
-    calibration_ratio : (C,) array [1], strictly increasing
-
-    Returns
-    -------
-    temperature : (...) ndarray [K]
-        NaN exactly where `status` is not 0 or the ratio is NaN.
-    status : (...) int8 ndarray
-        0 within the calibration, -1 below it, +1 above it; 0 for NaN.
-
-    Examples
-    --------
     Half way in the logarithm of the ratio is half way in 1/T:
 
     >>> temperature, status = invert_ratio(2.0, [1000.0, 2000.0], [1.0, 4.0])
@@ -131,27 +89,15 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
 
 
 def invert_grey(signal, temperature, blackbody):
-    r"""Temperature that an instrument of any bands reads if it takes the surface as grey.
+    r"""Temperature (...) [K] that an instrument of N bands reads from a surface taken as grey, and its status.
 
     .. math:: \min_{T, \varepsilon} \sum_i [\ln S_i - \ln\varepsilon - \ln S_i^{bb}(T)]^2
 
-    One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what `invert_ratio` gives.
+    One band alone has no emissivity to tell: :math:`S = S^{bb}(T)`. Two give what `invert_ratio` gives. The
+    signals of a black body, `blackbody` (N, C), stand at rising temperatures (C,) [K]; status as of
+    `invert_ratio`. NaN also where a signal is not > 0.
 
     Source: least squares; Gauss-Newton steps in 1/T, in which ln(S) is straight in Wien's limit.
-
-    Parameters
-    ----------
-    signal : sequence of N (...) arrays, in the unit of `blackbody`
-    temperature : (C,) array [K], strictly increasing
-    blackbody : (N, C) array
-        Signals of a black body at these.
-
-    Returns
-    -------
-    reading : (...) ndarray [K]
-        NaN where `status` is not 0, or a signal is not > 0.
-    status : (...) int8 ndarray
-        0 within the table, -1 below it, +1 above it; 0 for NaN.
     """
     inverse = 1 / np.asarray(temperature, dtype=float)[::-1]
     table = np.log(np.asarray(blackbody, dtype=float))[:, ::-1]

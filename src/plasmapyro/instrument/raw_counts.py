@@ -12,25 +12,16 @@ AROUND = 10  # pixels on either side that make the surroundings of one
 
 
 def linear_signal(signal, coefficients):
-    r"""Signal of a detector with its non-linearity taken out.
+    r"""Signal [count] of a detector with its non-linearity taken out.
 
     .. math:: U_{lin} = U / \sum_k a_k U^k
 
-    Source: the correction of the makers' programs (Ocean Optics, OOINLCorrect), seventh order there.
-    Deviation: those subtract the dark spectrum first; dark charge fills the same wells as light.
-
+    with the relative response in rising powers (K,) [count^-k], as spectrometer makers state it; (1,) for
+    none. The signal is that above the electrical baseline, dark charge included: the converter sees both.
     ValueError if the polynomial is not within 0.5 and 1.5 over the signals: it does not hold there.
 
-    Parameters
-    ----------
-    signal : array [count]
-        Above the electrical baseline, dark charge included: the converter sees both.
-    coefficients : (K,) array_like [count^-k]
-        Relative response at each signal, in rising powers, as spectrometer makers state it; (1,) for none.
-
-    Returns
-    -------
-    ndarray [count]
+    Source: the correction of the makers' programs (Ocean Optics, OOINLCorrect), seventh order there.
+    Deviation: those subtract the dark spectrum first; dark charge fills the same wells as light.
     """
     signal = np.asarray(signal, dtype=float)
     response = np.polynomial.polynomial.polyval(signal, np.asarray(coefficients, dtype=float))
@@ -53,32 +44,20 @@ def baseline(counts, masked):
 
 
 def dark_scale(light, dark, dim):
-    r"""How much the dark current changed between a dark exposure and one in light.
+    r"""How much the dark current changed between a dark exposure and one in light, and its uncertainty [1].
 
-    The dark current differs from pixel to pixel in a fixed pattern. Where there is little light, that pattern
-    is all that varies from pixel to pixel, and its amplitude gives the scale:
+    The dark current differs from pixel to pixel in a fixed pattern. In the `dim` pixels (W,), of little or
+    smooth light, that pattern is all that varies from pixel to pixel, and its amplitude gives the scale:
 
     .. math:: \Delta^2 U_{light} = s\,\Delta^2 U_{dark} + noise
 
-    solved by orthogonal regression, since both exposures are equally noisy.
+    solved by orthogonal regression, since both exposures, (W,) [count] above the baseline and of the same
+    integration time, are equally noisy. ValueError: fewer than 30 usable triples of pixels, or no pattern.
+    (1, 0) is not assumed anywhere: the uncertainty tells whether the pattern was strong enough.
 
     The common remedies (a dark close in time, masked pixels) do not see a sensor that warms up between both
     exposures; a degree changes the current by 8 to 10 %. ASSUME: the pattern scales as a whole, i.e. all
     pixels have the same activation energy.
-
-    ValueError: fewer than 30 usable triples of pixels, or no pattern.
-
-    Parameters
-    ----------
-    light, dark : (W,) arrays [count]
-        Above the baseline, of the same integration time.
-    dim : (W,) bool array
-        Pixels with little or smooth light.
-
-    Returns
-    -------
-    (scale, standard_uncertainty) : floats [1]
-        (1, 0) is not assumed anywhere: the uncertainty tells whether the pattern was strong enough.
     """
     light, dark, dim = np.broadcast_arrays(light, dark, dim)
     inner = dim[:-2] & dim[1:-1] & dim[2:] & np.isfinite(_curvature(light) + _curvature(dark))
@@ -131,26 +110,12 @@ def net_rate(light, dark, *, integration_time, coefficients, masked, dim, noise_
 
     .. math:: r = \frac{f(U - b) - s f(U_d - b_d)}{\Delta t}
 
-    with the linearisation `f` (`linear_signal`), the baselines `b` and the dark scale `s` (`dark_scale`).
+    with the linearisation `f` (`linear_signal`), the baselines `b` and the dark scale `s` (`dark_scale`;
+    without `dim` pixels the dark is taken as it is). No light reaches the `masked` pixels; without them the
+    baseline is left to the dark. `noise_block` is the number of pixels per noise estimate.
 
-    Parameters
-    ----------
-    light, dark : (W,) arrays [count]
-        Raw, NaN where lost.
-    integration_time : float [s]
-        Of both.
-    coefficients : as in `linear_signal`
-    masked : indices of pixels that no light reaches; empty: the baseline is left to the dark
-    dim : (W,) bool array, or None
-        Pixels for `dark_scale`; None takes the dark as it is.
-    noise_block : int
-        Pixels per noise estimate.
-
-    Returns
-    -------
-    (rate, noise, common, scale)
-        (W,) [count s-1]; (W,) its standard uncertainty from noise, independent between pixels; (W,)
-        that from the dark scale, common to all; the scale [1].
+    Returns the rate (W,) [count s-1], its standard uncertainty (W,) from noise, independent between pixels,
+    that from the dark scale, common to all, and the scale [1].
     """
     time = float(positive("integration_time", integration_time, "s"))
     above, below = (above_baseline(values, coefficients, masked) for values in (light, dark))

@@ -52,25 +52,16 @@ def long_pass(wavelength, edge, edge_sigma):
 def sandwich_response(
     wavelength, absorption_coefficient, *, top_thickness, bottom_thickness, edge, edge_sigma
 ):
-    r"""Normalised responses to radiant power of the two layers behind a long-pass filter.
+    r"""Normalised responses (W,) [1], wide and narrow, to radiant power of the two layers behind a filter.
 
     .. math:: \tilde R_i \propto \tau(\lambda)\,\lambda\,\eta_i(\lambda), \qquad \max \tilde R_i = 1
 
-    Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's
-    curves, which appear only in a figure; these are modelled. The factor wavelength turns photons
-    into power: the current per watt is :math:`e \lambda \eta / h c`.
-
+    with the long-pass filter of `long_pass` and the layers of `layered_efficiency`, all lengths in [m].
     ValueError if a layer receives no light at all.
 
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    absorption_coefficient : (W,) array [m-1]
-    top_thickness, bottom_thickness, edge, edge_sigma : float [m]
-
-    Returns
-    -------
-    wide, narrow : (W,) ndarrays [1]
+    Source: Fagnani et al., sec. 3.2 (sandwich silicon detector). Deviation: they use the maker's curves,
+    which appear only in a figure; these are modelled. The factor wavelength turns photons into power: the
+    current per watt is :math:`e \lambda \eta / h c`.
     """
     filtered = np.asarray(wavelength, dtype=float) * long_pass(wavelength, edge, edge_sigma)
     layers = layered_efficiency(absorption_coefficient, top_thickness, bottom_thickness)

@@ -23,25 +23,12 @@ def pixel_status(counts, background, saturation, least_net):
 
 
 def calibration_factor(wavelength, counts, background, source_temperature, integration_time):
-    r"""Spectral radiance per count rate.
+    r"""Spectral radiance per count rate, (W,) [W m-2 sr-1 m-1 s count-1]; NaN without net counts.
 
     .. math:: f_\lambda = \frac{L^{bb}_\lambda(T_s)}{(U_\lambda - U_{\lambda,bg}) / \Delta t}
 
     Source: Fagnani et al., eq. 9. ASSUME: counts proportional to radiance and integration time.
 
-    Parameters
-    ----------
-    wavelength : (W,) array [m]
-    counts, background : (W,) arrays [count]
-    source_temperature : float [K]
-    integration_time : float [s], > 0
-
-    Returns
-    -------
-    (W,) ndarray [W m-2 sr-1 m-1 s count-1], NaN where the net counts are not > 0
-
-    Examples
-    --------
     A black body at 1773 K that gives 1000 counts above the background in 0.1 s at 1 um:
 
     >>> factor = calibration_factor(np.array([1e-6]), [1200.0], [200.0], 1773.0, 0.1)
@@ -54,25 +41,12 @@ def calibration_factor(wavelength, counts, background, source_temperature, integ
 
 
 def measured_radiance(counts, background, factor, integration_time):
-    r"""Spectral radiance in front of the spectrometer.
+    r"""Spectral radiance (..., W) [W m-2 sr-1 m-1] in front of the spectrometer; NaN in unusable pixels.
 
     .. math:: L_\lambda = \frac{U_\lambda - U_{\lambda,bg}}{\Delta t}\,f_\lambda
 
-    Source: Fagnani et al., eq. 8.
+    with the `factor` of `calibration_factor`. Source: Fagnani et al., eq. 8.
 
-    Parameters
-    ----------
-    counts : (..., W) array [count]
-    background : (W,) array [count]
-    factor : (W,) array [W m-2 sr-1 m-1 s count-1], NaN in unusable pixels
-    integration_time : float [s], > 0
-
-    Returns
-    -------
-    (..., W) ndarray [W m-2 sr-1 m-1]
-
-    Examples
-    --------
     >>> f"{measured_radiance(np.array([1500.0]), 500.0, 4e6, 2.0)[0]:.3g} W m-2 sr-1 m-1"
     '2e+09 W m-2 sr-1 m-1'
     """
