@@ -89,7 +89,7 @@ def invert_ratio(ratio, calibration_temperature, calibration_ratio):
 
 
 def invert_grey(signal, temperature, blackbody):
-    r"""Temperature (...) [K] that an instrument of N bands reads from a surface taken as grey, and its status.
+    r"""Temperature (...) [K] an instrument of N bands reads from a surface taken as grey, and its status.
 
     .. math:: \min_{T, \varepsilon} \sum_i [\ln S_i - \ln\varepsilon - \ln S_i^{bb}(T)]^2
 
