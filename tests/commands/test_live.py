@@ -17,6 +17,7 @@ from plasmapyro.commands.live import record_of
 from plasmapyro.estimate.live import Filter
 from plasmapyro.estimate.renewal import Renewal
 from plasmapyro.estimate.stage import estimate
+from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.readers import follow
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
@@ -107,6 +108,26 @@ def test_without_an_answer_the_filter_goes_on_and_asks_once(shelf):
     pairs = np.stack([test.time.values, test.signal_wide.values, test.signal_narrow.values], axis=1)
     found = [filtered.step(moment, pair) for moment, *pair in pairs[pairs[:, 0] < 20]]
     assert asked == [(int((pairs[:, 0] < 5).sum()), 50.0)] and found[-1].state == status.VALID
+
+
+def test_first_light_is_not_taken_for_gas_and_learnt_noise_moves_no_temperature(shelf):
+    """The filter alone: light of the gas thrice that of 1050 K at 20 Hz; noise is learnt after 8 s.
+
+    The gas had taken the growing light on: 114 K off at +- 25 K. Then constants were told by samples.
+    """
+    calibration, response = (io.read(shelf / "lab" / f"{one}.nc", one) for one in ("calibration", "response"))
+    moment = np.arange(-2.0, 13.0, 0.05)
+    truth = 350 + 1300 * (1 - np.exp(-np.maximum(moment, 0) / 6)) ** 1.5
+    one = calibration.absolute_sensitivity.values[:, None]
+    surface = 0.8 * one * np.stack(blackbody_signals(truth, response)) * (moment >= 0)
+    gas = 3 * one * np.stack(blackbody_signals(np.array([1050.0]), response)) * [[1.0], [0.8]]
+    noise = 1 + 5e-4 * np.random.default_rng(1).standard_normal(surface.shape)
+    filtered = Filter(record_of(read_test(shelf / "my_test").attrs), calibration, response, SETTINGS)
+    found = [filtered.step(*one) for one in zip(moment, ((surface + gas) * noise).T, strict=True)]
+    low, high = np.transpose([one.interval for one in found])
+    known = np.isfinite(low)
+    assert moment[known][0] < 6.5 and known[moment > 7].all()
+    assert (np.abs(truth - (low + high) / 2) < 0.4 * (high - low))[known].all()
 
 
 def test_a_lost_estimate_is_said_and_the_filter_goes_on(shelf, monkeypatch):

@@ -68,8 +68,9 @@ class Filter:
     with the prediction x^-, P^- of `dynamics.transition` and, of `observations.PyrometerData` for one
     sample, half the robust sum of squares J_k and the Gauss-Newton matrix H_k. From time to time the state
     becomes that of the joint estimate of all samples (`renewal.State`): with its throughput in doubt, its
-    dynamics and its drift of the level. From then on samples tell nothing of the constants, but of the gas:
-    their uncertainty and its correlation with the state stay, the gain of the constants is nought.
+    dynamics and its drift of the level. Samples tell nothing of the constants but of the gas: their
+    uncertainty and its correlation with the state stay, the gain of the constants is nought; nor, as long as
+    the gas hides the surface, of how much the gas has changed.
 
     Notes
     -----
@@ -176,7 +177,7 @@ class Filter:
     def _resume(self, state):
         """Go on from a state of the past; what came since is taken as a few medians."""
         self._time, self._mean, self._covariance = state.time, state.mean, state.covariance
-        self._held = np.setdiff1d(np.arange(SIZE, self._mean.size), self._gas)
+        self._held = self._constants()
         own = {name: getattr(self._dynamics, name) for name in ("flicker", "flicker_time")}
         self._dynamics = dataclasses.replace(state.dynamics, **own)  # there of means, perhaps
         rows = self._rows[: self._number]
@@ -208,8 +209,12 @@ class Filter:
         self._mean = np.concatenate([[settings["initial_temperature"], 0.0, 0.0, 0.0], fixed.mean])
         # Entries differ by twenty powers of ten: matrices are inverted in units of these deviations.
         self._scale = np.concatenate([first, [self._dynamics.flicker], fixed.deviation])
-        self._first, self._held = self._mean.copy(), np.zeros(0, int)
+        self._first, self._held = self._mean.copy(), self._constants()
         self._forget()
+
+    def _constants(self):
+        """Places of those that samples do not tell: all but the light of the gas."""
+        return np.setdiff1d(np.arange(SIZE, self._mean.size), self._gas)
 
     def _forget(self):
         self._mean = self._first.copy()
@@ -247,8 +252,11 @@ class Filter:
 
     def _moved(self, data):
         weight = self._inverse_of(self._covariance, self._scale)
+        gas = data.predict(self._mean[None, :SIZE], self._mean[SIZE:], self._of)[1][1, 0]
+        amplitude = self._covariance[GAS, GAS] + self._covariance[FLICKER, FLICKER]
+        doubt = SIGHT * np.hypot(data.noise[1, 0], gas * np.sqrt(amplitude))
         ends = []
-        for start in self._starts(data):
+        for start in self._starts(data, gas, doubt):
             ends.append(self._descend(start, weight, data))
             if ends[-1][0] < 0.5 * SIGHT**2:  # explained
                 break
@@ -257,26 +265,24 @@ class Filter:
         # The matrix belongs to where the sample leads, not to the prediction: else thousands of them drift.
         rows, residual = data.of_sample(mean[None, :SIZE], mean[SIZE:], self._of)
         weighted = rows.T * robust_weight(residual)
-        total = weight + weighted @ rows
-        covariance = self._inverse_of(total, 1 / self._scale)
-        if self._held.size:
-            gain = covariance @ weighted
-            gain[self._held] = 0.0
-            left = np.eye(mean.size) - gain @ rows
-            noise = gain / np.sqrt(np.maximum(robust_weight(residual), np.finfo(float).tiny))
-            covariance = left @ self._covariance @ left.T + noise @ noise.T
-            mean[self._held] = self._mean[self._held]
-        self._mean, self._covariance = mean, covariance
+        covariance = self._inverse_of(weight + weighted @ rows, 1 / self._scale)
+        # A surface too cold to be seen has no slope: its first light would be taken for a gas that grows.
+        hidden = data.predict(mean[None, :SIZE], mean[SIZE:], self._of)[0][1, 0] < doubt
+        held = np.append(self._held, GAS) if hidden else self._held
+        gain = covariance @ weighted
+        gain[held] = 0.0
+        left = np.eye(mean.size) - gain @ rows
+        noise = gain / np.sqrt(np.maximum(robust_weight(residual), np.finfo(float).tiny))
+        mean[held] = self._mean[held]
+        self._mean, self._covariance = mean, left @ self._covariance @ left.T + noise @ noise.T
         return weighted[:SIZE] @ rows[:, :SIZE]
 
-    def _starts(self, data):
+    def _starts(self, data, gas, doubt):
         """The prediction, and the temperature that would explain the light beyond that of the gas."""
         yield self._mean
-        body, gas, _ = data.predict(self._mean[None, :SIZE], self._mean[SIZE:], self._of)
-        surplus = float(data.signal[1, 0] - gas[1, 0])
-        amplitude = self._covariance[GAS, GAS] + self._covariance[FLICKER, FLICKER]
-        doubt = np.hypot(data.noise[1, 0], gas[1, 0] * np.sqrt(amplitude))
-        if surplus > SIGHT * doubt and abs(surplus - body[1, 0]) > SIGHT * doubt:
+        body = data.predict(self._mean[None, :SIZE], self._mean[SIZE:], self._of)[0][1, 0]
+        surplus = float(data.signal[1, 0] - gas)
+        if surplus > doubt and abs(surplus - body) > doubt:
             brightness = np.log(surplus) - self._mean[SIZE + self._of("log_emittance")[0]]
             other = self._mean.copy()
             other[TEMPERATURE] = 1 / np.interp(brightness, self._curve[::-1], self._inverse[::-1])
