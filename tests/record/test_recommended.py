@@ -8,6 +8,7 @@ import xarray as xr
 
 from plasmapyro.quality import agreement
 from plasmapyro.quality.rule import CONTRADICTION, rules_of
+from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import budget, status
 from plasmapyro.record.recommended import (
     BEST_FIRST,
@@ -152,3 +153,18 @@ def test_a_finding_between_instruments_takes_the_recommendation_away():
     found = of_correction(parts, entries)
     assert found.attrs["recommended_because"] == "No temperature is recommended: they differ."
     assert (found.recommended_status == status.CONTRADICTED).all()
+
+
+def test_a_temperature_that_differs_over_the_spot_is_in_the_interval():
+    """Against Planck's law over the spot: what its level reads too much, and what a ratio of bands does."""
+    spread, kelvin, waves = 0.05, 1500.0, np.array([[0.9e-6], [1.0e-6]])
+    nodes, weights = np.polynomial.hermite_e.hermegauss(9)
+    light = blackbody_radiance(waves, kelvin * (1 + spread * nodes)) @ weights / weights.sum()
+    axis = np.linspace(1400.0, 1700.0, 3001)
+    alone = blackbody_radiance(waves, axis)
+    level = axis[np.argmin(np.abs(alone[1] - light[1]))] - kelvin
+    ratio = axis[np.argmin(np.abs(alone[0] / alone[1] - light[0] / light[1]))] - kelvin
+    stated = a_joint_estimate(np.full(5, kelvin)).assign_attrs(temperature_spread=spread)
+    found = budget.by_group(of_correction([stated]))["unnamed misfit"]
+    assert found == pytest.approx(level, rel=0.1) and 1.7 * level < ratio < 1.96 * found[0] * 1.25
+    assert "unnamed misfit" not in budget.by_group(of_correction([a_joint_estimate(np.full(5, kelvin))]))

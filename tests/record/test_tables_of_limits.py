@@ -38,6 +38,7 @@ LIMITS = {  # attribute -> lowest, highest
     "signal_saturation_narrow": (0, np.inf),
     "emittance_slope": (0, 10),
     "emittance_slope_uncertainty": (0, 1),
+    "temperature_spread": (0, 0.2),
 }
 MAY_BE_ZERO = {"injection_time", "plasma_off_time", "emittance_uncertainty", "emittance_slope_uncertainty"}
 PLAUSIBLE = {"signal_wide": (1e-30, 1e6), "signal_narrow": (1e-30, 1e6), "spectral_radiance": (1e-30, 1e25)}

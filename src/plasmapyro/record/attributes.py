@@ -9,6 +9,7 @@ CARRIED = (
     "reference_window",
     "emittance",
     "emittance_uncertainty",
+    "temperature_spread",
 )
 
 

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.record import budget, status
+from plasmapyro.record.level import EFFECTIVE
 
 # Rules of `quality` that say: instruments, or one and its calibration, contradict each other.
 CONTRADICTIONS = (
@@ -190,7 +192,8 @@ def of_correction(parts, found=(), missing=None):
     states = part[state].values.copy()
     if choice.estimate is None and against:
         states[np.isfinite(part[name].values)] = status.CONTRADICTED
-    result = series(part[axis].values, part[name].values, states, _inputs(part, name))
+    inputs = [*_inputs(part, name), *_of_spot(part.attrs.get("temperature_spread", 0.0), part[name].values)]
+    result = series(part[axis].values, part[name].values, states, inputs)
     kept = {key: value for key, value in part.attrs.items() if key not in {"contradictions", "degenerate"}}
     return result.assign_attrs(kept | attributes(choice))
 
@@ -198,6 +201,29 @@ def of_correction(parts, found=(), missing=None):
 def attributes(choice):
     """Attributes of a file with a recommended series."""
     return {"recommended": choice.estimate or "none", "recommended_because": choice.why}
+
+
+def _of_spot(spread, kelvin):
+    r"""Input of a surface whose temperature differs over the spot; none where nothing is stated.
+
+    .. math:: u = \frac{s^2}{2}\left(\frac{c_2}{\lambda} - 2T\right)
+
+    is by how much the level of its light reads more than the mean temperature; the ratio of two bands reads
+    twice as much more, which lies within 95 %.
+
+    Parameters
+    ----------
+    spread : float [1], s, standard deviation over the spot, of the temperature
+    kelvin : (t,) array [K]
+
+    Notes
+    -----
+    Second order of Wien's law in s; :math:`\lambda` is `level.EFFECTIVE`.
+    """
+    if not spread:
+        return []
+    excess = np.maximum(spread**2 / 2 * (SECOND_RADIATION / EFFECTIVE - 2 * kelvin), 0.0)
+    return [budget.Input("temperature that differs over the spot", "unnamed misfit", excess, spread, "1")]
 
 
 def _inputs(part, name):
