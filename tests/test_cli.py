@@ -88,7 +88,9 @@ def test_a_netcdf_sight_line_gives_the_spectrum_of_the_library(spectrum, sightli
 
 
 def test_text_and_netcdf_of_one_sight_line_give_one_spectrum(folder, spectrum):
-    assert run(folder, "LOS.dat", "--out", "text.nc") == 0
+    text = (folder / "LOS.dat").read_text().replace("# Line", "! L\u00ednea").replace("E+", "D+")
+    (folder / "odd.dat").write_text(text.replace("  ", "\t"), encoding="utf-8-sig", newline="\r\n")
+    assert run(folder, "odd.dat", "--out", "text.nc") == 0
     from_netcdf, from_text = io.read(spectrum, "spectrum"), io.read(folder / "text.nc", "spectrum")
     np.testing.assert_allclose(from_text.gas_radiance, from_netcdf.gas_radiance, rtol=NINE_DIGITS)
 
@@ -120,7 +122,8 @@ def test_text_comes_out_as_well(folder):
         (["missing.nc", "--out", "x.nc"], "missing.nc: no such file"),
         (["cut.nc", "--out", "x.nc"], "cut.nc: not a readable netCDF file"),
         (["cut.dat", "--out", "x.nc"], r"cut.dat: line \d+: "),
-        (["noise.dat", "--out", "x.nc"], "noise.dat: not a text file"),
+        (["noise.dat", "--out", "x.nc"], "noise.dat: line 1: column titles must be"),
+        (["per_m3.dat", "--out", "x.nc"], r"per_m3.dat: [^;]*pressure: [^;]*; NEQAIR's text has x in cm"),
         (["response.nc", "--out", "x.nc"], "response.nc: not a valid 'sightline' dataset"),
         (["path.nc", "--out", "path.nc"], "path.nc: is an input or another output"),
         (["path.nc", "--out", "x.nc", "--spectrum-text", "x.nc"], "x.nc: is an input or another output"),
@@ -136,6 +139,9 @@ def test_text_comes_out_as_well(folder):
 def test_bad_input_is_one_message_and_no_file(folder, capsys, arguments, message):
     (folder / "cut.nc").write_bytes((folder / "path.nc").read_bytes()[:2000])
     (folder / "cut.dat").write_text((folder / "LOS.dat").read_text()[:700])
+    dense = neqair.parse((folder / "LOS.dat").read_text())
+    dense["number_density"] *= 1e6
+    (folder / "per_m3.dat").write_text(neqair.compose(dense))
     (folder / "noise.dat").write_bytes(bytes(range(128, 256)) * 4)
     (folder / "sub.folder").mkdir()
     before = {path.name: path.stat().st_mtime_ns for path in folder.iterdir()}

@@ -122,6 +122,8 @@ def test_results_draw_themselves(laboratory):
 def test_what_was_not_made_here_is_not_saved(tmp_path):
     with pytest.raises(ValueError, match="use to_netcdf"):
         pp.save(xr.Dataset({"temperature": 1.0}), tmp_path / "x.nc")
+    with pytest.raises(ValueError, match="use to_netcdf"):
+        pp.save(xr.DataTree(), tmp_path / "x")
     assert not list(tmp_path.iterdir())
 
 

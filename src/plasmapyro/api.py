@@ -352,11 +352,12 @@ def save(result: xr.Dataset | xr.DataTree, place: Place) -> None:
     parts = {Path(place): result}
     if isinstance(result, xr.DataTree):
         parts = {Path(place) / f"{name}.nc": node.to_dataset() for name, node in result.children.items()}
+    held = {part.attrs.get("contract") for part in parts.values()}
+    if not held or not held <= set(contracts.DATASETS):
+        raise ValueError(
+            "only results of calibrate, correct, diagnose and radiance can be saved; use to_netcdf"
+        )
     for part in parts.values():
-        if part.attrs.get("contract") not in contracts.DATASETS:
-            raise ValueError(
-                "only results of calibrate, correct, diagnose and radiance can be saved; use to_netcdf"
-            )
         contracts.check(part, part.attrs["contract"])
     io.write_labelled(list(parts.items()))
 

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from judge import judge, require_refused
 
+from plasmapyro.commands.outputs import require_writable
+
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 TEST, LAMP = EXAMPLE / "my_test", EXAMPLE / "calibration"
 
@@ -169,6 +171,12 @@ def test_an_output_is_a_plain_file_or_nothing(tmp_path, words, kind):
 def _identity(path):
     found = os.lstat(path)
     return found.st_mode, found.st_ino, found.st_mtime_ns
+
+
+def test_a_folder_that_may_not_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(ValueError, match="no right to write there; name another folder"):
+        require_writable([tmp_path / "new" / "t.nc"], [])
 
 
 def test_a_calibration_does_not_replace_a_pipe(tmp_path):

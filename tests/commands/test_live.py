@@ -247,7 +247,9 @@ def test_only_bands_that_disagree_contradict_the_model(shelf, told, monkeypatch)
     assert not any("contradiction" in line["alarms"] for line in told)
     pairs = [(row, row["signal_wide"], row["signal_narrow"]) for row in rows(shelf, until=20.0)]
     swapped = [row | {"signal_wide": narrow, "signal_narrow": wide} for row, wide, narrow in pairs]
-    assert "contradiction" in streamed(shelf, monkeypatch, swapped)[-1]["alarms"]
+    said = streamed(shelf, monkeypatch, swapped)
+    assert "contradiction" in said[-1]["alarms"] and said[-1]["status"] == "contradicted"
+    assert not [line for line in said if line["temperature"] and "contradiction" in line["alarms"]]
 
 
 def test_a_signal_at_its_limit_is_no_temperature(shelf, monkeypatch):

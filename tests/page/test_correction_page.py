@@ -10,6 +10,7 @@ from reader import Reader
 
 from plasmapyro import cli, io
 from plasmapyro.page.correction import write_page
+from plasmapyro.plots import one_test
 from plasmapyro.plots.colours import STATUS
 from plasmapyro.plots.one_test import statuses
 from plasmapyro.readers.stage import read_test
@@ -99,6 +100,15 @@ def test_contradictions_come_first_and_foreign_words_are_no_markup(shelf):
 def test_same_input_same_page(shelf):
     test, result = read_test(shelf / "my_test"), io.read(shelf / "t.nc", "correction")
     assert write_page(test, result, []) == write_page(test, result, [])
+
+
+def test_a_long_record_is_thinned_for_drawing_and_counted_whole(shelf, monkeypatch):
+    test, result = read_test(shelf / "my_test"), io.read(shelf / "t.nc", "correction")
+    whole = write_page(test, result, [])
+    monkeypatch.setattr(one_test, "MANY", 40)
+    few = write_page(test, result, [])
+    assert len(few) < 0.75 * len(whole)
+    assert f"of {result.sizes['time']} samples with a temperature to take away" in Reader(few).words
 
 
 def test_where_page_and_picture_go_is_up_to_the_user(shelf, tmp_path, capsys):

@@ -289,6 +289,12 @@ def test_a_lag_that_the_joint_estimate_would_follow_is_said(sound):
     assert "moved by +0.6" in said(early, {})["two_clocks"]
 
 
+@pytest.mark.parametrize(("late", "words"), [(-0.4, "moved by +0.3"), (0.4, "moved by -0.3")])
+def test_a_lag_below_two_steps_of_the_log_is_said(sound, late, words):
+    test = attributes(moved(sound, "spectrum_time", lambda s: s + late), spectrometer_integration_time=0.2)
+    assert words in said(test, {})["two_clocks"]
+
+
 def with_bands(test, late=0.0):
     """The test with its narrow band as two of a radiometer besides, on a clock that is late [s]."""
     own = test.signal_narrow.values[:, None] * [0.5, 1.0]

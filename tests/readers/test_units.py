@@ -37,6 +37,15 @@ SIZES = {  # variable -> unit as written -> value of 1 in SI, written out
         "W/cm2/sr/nm": 1e13,  # 1e4 cm2 in a m2, 1e9 nm in a m
         "W/cm2/sr/um": 1e10,
         "uW/cm2/sr/nm": 1e7,
+        "mW/m2/sr/um": 1e3,
+        "uW/m2/sr/nm": 1e3,
+        "mW/cm2/sr/nm": 1e10,
+        "mW/cm2/sr/um": 1e7,
+        "uW/cm2/sr/um": 1e4,
+        "W/m2/um/sr": 1e6,  # in another order, or with other signs
+        "mW/(m^2*sr*nm)": 1e6,
+        "W/cm2-sr-um": 1e10,
+        "W\u00b7m\u207b\u00b2\u00b7sr\u207b\u00b9\u00b7nm\u207b\u00b9": 1e9,
     },
 }
 CASES = [(name, unit, size) for name, sizes in SIZES.items() for unit, size in sizes.items()]
@@ -46,6 +55,12 @@ CASES = [(name, unit, size) for name, sizes in SIZES.items() for unit, size in s
 def test_one_of_each_unit_is_this_much_in_si(name, unit, size):
     np.testing.assert_allclose(units.factor(unit, name), size, rtol=RTOL)
     assert units.offset(unit) == (273.15 if unit in ("degC", "C", "\u00b0C") else 0.0)
+
+
+@pytest.mark.parametrize("unit", ["W/m2/nm", "mW m-2 nm-1", "W/m2/sr", "W/sr/nm", "W/m2/m2/sr"])
+def test_an_irradiance_is_no_radiance(unit):
+    assert units.factor(unit, "spectral_radiance") is None
+    assert "reflectance of the diffuser" in units.known("spectral_radiance")
 
 
 def test_a_scale_acts_before_the_zero_of_celsius():

@@ -76,7 +76,8 @@ def calibrated(options):
         raise ValueError("\n".join(found))
     results, present = {}, instruments(options.folder)
     if "pyrometer" in present:
-        response = io.read(options.response, "response") if options.response else band_response(**RESPONSE)
+        own = options.response
+        response = io.read(own, "response").sortby("wavelength") if own else band_response(**RESPONSE)
         points = read_points(options.folder)
         result = _calibrated(
             response,

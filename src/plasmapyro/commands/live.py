@@ -120,27 +120,28 @@ def readings(samples, filtered, injection, limits, options):
             reading = filtered.step(before - injection, kept)
             if np.isfinite(reading.surprise):
                 surprise.append(reading.surprise)
-            apart = len(surprise) == OFTEN and np.mean(surprise) > APART**2
+            contradiction = bool(np.sum(surprise) > OFTEN * APART**2 or filtered.contradictions)
             alarms = {
                 "above_limit": reading.temperature > options.alarm_above_k,
                 "saturated": saturated,
                 "stuck": equal >= STUCK,
-                "contradiction": bool(apart or filtered.contradictions),
+                "contradiction": contradiction,
                 "estimate_lost": filtered.alone,
                 "no_reference": filtered.late,
                 "throughput_in_doubt": filtered.throughput_chance > throughput_in_doubt.limit,
             }
-            low, high = reading.interval
+            state = status.SATURATED if saturated else reading.state
+            if contradiction and state in status.WITH_VALUE:
+                state = status.CONTRADICTED
+            values = [reading.temperature, *map(float, reading.interval)]
+            if state == status.CONTRADICTED:
+                values = [np.nan] * 3
             yield {
                 "time": before,
                 **{
                     name: None if value != value else round(value, 2)
-                    for name, value in (
-                        ("temperature", reading.temperature),
-                        ("low", float(low)),
-                        ("high", float(high)),
-                    )
+                    for name, value in zip(("temperature", "low", "high"), values, strict=True)
                 },
-                "status": status.MEANINGS[status.SATURATED if saturated else reading.state],
+                "status": status.MEANINGS[state],
                 "alarms": [name for name, rung in alarms.items() if rung],
             }

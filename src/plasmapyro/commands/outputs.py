@@ -57,3 +57,5 @@ def _require_place(path):
     above = next(parent for parent in path.parents if parent.exists())
     if not above.is_dir():
         raise ValueError(f"{above}: is not a folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise ValueError(f"{above}: no right to write there; name another folder, or change its rights")

@@ -10,10 +10,12 @@ from plasmapyro.radiation.atoms import WHOLE_RANGE
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA, REACH
 from plasmapyro.radiation.spectrum_text import compose_spectrum
 from plasmapyro.radiation.stage import line_of_sight_radiance
+from plasmapyro.readers.text import read_lines
 from plasmapyro.sightline import neqair
 from plasmapyro.tables import weakest
 
 NANOMETRE = 1e-9
+UNITS = "; NEQAIR's text has x in cm, densities in cm-3, temperatures in K"
 
 
 def run(options):
@@ -101,9 +103,9 @@ def _read_sightline(path):
     """Dataset of contract 'sightline' from netCDF or NEQAIR-style text."""
     if io.is_netcdf(path):
         return io.read(path, "sightline")
+    lines, _ = read_lines(path, io.LARGEST_TEXT)
     try:
-        return neqair.parse(io.read_text(path))
-    except contracts.ContractError:
-        raise
+        return contracts.check(contracts.label(neqair.parse("\n".join(lines)), "sightline"), "sightline")
     except ValueError as fault:
-        raise ValueError(f"{path}: {fault}") from None
+        units = UNITS if isinstance(fault, contracts.ContractError) else ""
+        raise ValueError(f"{path}: {fault}{units}") from None

@@ -10,6 +10,7 @@ from plasmapyro.radiation.planck import blackbody_derivatives
 
 MIDDLE = 1500.0  # [K] where x of `InverseTable` is T
 TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
+ROUNDING = 1e-9  # [1] by which paths may pass the ends of the tables
 TABLE_POINTS = 400  # equal steps of 1/T; ln S is nearly straight in it: error below 1e-8
 
 
@@ -101,7 +102,8 @@ class GreyTable:
             If a temperature lies outside the table.
         """
         temperature = np.asarray(temperature, dtype=float)
-        if not np.all((temperature >= self.temperatures[0]) & (temperature <= self.temperatures[1])):
+        low, high = np.array(self.temperatures) * (1 - ROUNDING, 1 + ROUNDING)
+        if not np.all((temperature >= low) & (temperature <= high)):
             raise ValueError(
                 f"temperature must lie in [{self.temperatures[0]:g}, {self.temperatures[1]:g}] K;"
                 f" got {np.min(temperature):g} to {np.max(temperature):g} K"

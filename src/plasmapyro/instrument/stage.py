@@ -170,6 +170,8 @@ def pyrometer_calibration(
         wide, narrow = modelled(temperature)
         return np.log(wide / narrow)
 
+    for band, light in zip(BANDS, modelled(source), strict=True):
+        positive(f"light that responsivity_{band} takes in", light, "W m-2 sr-1")
     ratio, ratio_covariance = signals[0] / signals[1], covariance(log_ratio, 2)
     sensitivity_ratio, ratio_uncertainty = calibration.fit_sensitivity(
         ratio, np.exp(log_ratio(source)), ratio_covariance

@@ -9,7 +9,7 @@ from plasmapyro.page import recommended
 from plasmapyro.page.shell import SIZE, drawn, rendered, spoken
 from plasmapyro.page.tables import table
 from plasmapyro.page.words import DASH, number, without_folders
-from plasmapyro.plots.one_test import TEMPERATURES, given, panels, statuses
+from plasmapyro.plots.one_test import TEMPERATURES, given, panels, statuses, thinned
 from plasmapyro.record.recommended import SERIES
 from plasmapyro.record.status import REASONS, WITH_VALUE
 from plasmapyro.tables import rows as register
@@ -30,15 +30,16 @@ def write_page(test, result, findings):
     """
     words = without_folders(dict(result.attrs) | {"findings": findings})
     pictures, best = panels(test, result), result.attrs["recommended"]
+    test, few = thinned(test), thinned(result)
     status, edge = "no temperature is recommended", "open"
     if best != "none":
         status, edge = recommended.headline("one temperature to take away", "fine", words["findings"], best)
 
     def draw(name, alternative, data=None):
         if name == "taken":
-            return spoken(recommended.figure(result, _others(result)), alternative)
+            return spoken(recommended.figure(few, _others(few)), alternative)
         size = (SIZE[0], TALLER.get(name, SIZE[1]))
-        svg = drawn(partial(pictures[name], test=test, result=result), name, size)
+        svg = drawn(partial(pictures[name], test=test, result=few), name, size)
         return spoken(svg, alternative)
 
     return rendered(

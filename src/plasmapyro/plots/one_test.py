@@ -8,7 +8,7 @@ from plasmapyro.plots.colours import NARROW, SPECTRUM, STATUS, WIDE
 MICRO, NANO = 1e6, 1e9
 STRIP = 0.05  # of the height of the axes: which status each sample has
 SHOWN = 4  # spectra, spread over those that give a temperature
-MANY = 4000  # samples: more are thinned, evenly
+MANY = 4000  # samples or spectra: more are thinned, evenly
 DECADES = 1e5  # of a spectrum that are shown
 TEMPERATURES = {  # name: axis, status, colour, words
     "surface_temperature": ("time", "estimate_status", WIDE, "joint estimate"),
@@ -29,6 +29,12 @@ def statuses(variable):
     )
 
 
+def thinned(dataset):
+    """What is drawn of a long record: every so-manieth sample and spectrum, or a page takes 30 MB."""
+    long = [axis for axis in ("time", "spectrum_time") if dataset.sizes.get(axis, 0) > MANY]
+    return dataset.isel({axis: slice(None, None, -(-dataset.sizes[axis] // MANY)) for axis in long})
+
+
 def given(result):
     """Names of the temperatures that a result holds, the leading one first."""
     return [name for name in TEMPERATURES if name in result]
@@ -42,11 +48,9 @@ def shown_spectra(result):
 
 def signals(axes, test, result):
     """Signals of both bands with their reference levels, the window and the events of the test."""
-    every = slice(None, None, -(-test.sizes["time"] // MANY))
-    time = test.time.values[every]
-    positive = []
+    time, positive = test.time.values, []
     for at, (band, colour) in enumerate((("wide", WIDE), ("narrow", NARROW))):
-        values = test[f"signal_{band}"].values[every].astype(float)
+        values = test[f"signal_{band}"].values.astype(float)
         positive.append(values[values > 0])
         axes.plot(time, np.where(values > 0, values, np.nan), color=colour, lw=0.9, label=f"{band} band")
         if "reference_signal" in result:
@@ -113,16 +117,13 @@ def temperatures(axes, test, result):
             )
             continue
         words_of, states = statuses(result[state]), result[state].values
-        every = slice(None, None, -(-time.size // MANY))
-        axes.fill_between(
-            time[every], low[every], high[every], color=colour, alpha=0.2, lw=0, label="95 % interval"
-        )
+        axes.fill_between(time, low, high, color=colour, alpha=0.2, lw=0, label="95 % interval")
         for code in np.unique(states):
             word = words_of[int(code)]
-            used[word], here = STATUS[word], states[every] == code
-            axes.plot(time[every][here], best[every][here], ".", ms=3, color=STATUS[word], zorder=3)
+            used[word], here = STATUS[word], states == code
+            axes.plot(time[here], best[here], ".", ms=3, color=STATUS[word], zorder=3)
             axes.broken_barh(
-                _runs(time, states == code),
+                _runs(time, here),
                 (0, STRIP),
                 color=STATUS[word],
                 lw=0,
@@ -130,7 +131,7 @@ def temperatures(axes, test, result):
                 zorder=2,
             )
     if "measured_temperature" in result:
-        read = result.measured_temperature[every]
+        read = result.measured_temperature
         axes.plot(read.time, read, ".", ms=1.5, color="0.6", zorder=1, label="as measured")
     for word, colour in used.items():
         axes.plot([], [], "s", ms=5, color=colour, label=word.replace("_", " "))
@@ -191,6 +192,7 @@ def panels(test, result):
 
 def picture(test, result, paths):
     """All panels of a test in one figure; `result` of contract 'correction' or 'joint_estimate'."""
+    test, result = thinned(test), thinned(result)
     drawn = panels(test, result).values()
     _, axes = style.figure(size=(5.6, 2.9 * len(drawn)), nrows=len(drawn), squeeze=False)
     for one, draw in zip(axes[:, 0], drawn, strict=True):

@@ -126,7 +126,7 @@ def two_clocks(case, limit):
     if np.isnan(rest).all():
         return None
     best, now = int(np.nanargmin(rest)), int(np.argmin(np.abs(lags)))
-    tolerance = max(limit, case.exposure, 2 * float(np.median(np.diff(time))))
+    tolerance = max(limit, case.exposure, float(np.median(np.diff(time))))
     # Normal noise makes the residual 1.3 times as small at another lag once in 1000 cases of 30 spectra;
     # below 1 % flicker within an exposure may, a clock must then be far better, and 0.3 % harms nothing.
     better = 1.5 if rest[now] >= 0.01 else 3.0

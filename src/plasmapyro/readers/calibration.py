@@ -361,9 +361,10 @@ def _radiance_of(folder, source, wavelength):
         return np.where(uncertainty < 1, radiance, np.nan), np.minimum(uncertainty, 1.0)
     path = folder / source["certificate"]
     table = columns.read_table(path, source["columns"])
-    points, value = table["wavelength"], table["spectral_radiance"]
+    rising = np.argsort(table["wavelength"])
+    points, value = table["wavelength"][rising], table["spectral_radiance"][rising]
     if points.size < 2 or not (np.diff(points) > 0).all() or not (value > 0).all():
-        refuse(path, "needs two rows or more, rising wavelengths and radiances > 0", "correct the table")
+        refuse(path, "needs two rows or more, each wavelength once, radiances > 0", "correct the table")
     points = vacuum(path, points, source["medium"])
     radiance = certified_source(wavelength, points, value)
     return radiance, np.full(wavelength.size, source["uncertainty"])

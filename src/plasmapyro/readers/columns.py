@@ -122,7 +122,7 @@ def to_si(path, column, values, stated, line=None):
             refuse(
                 path,
                 f"column {quote(column.header)} is in {quote(stated)}, which is no unit of {column.name}",
-                f"state its `unit` in test.yaml: {units.known(column.name)}",
+                f"state its `unit` beside its name: {units.known(column.name)}",
                 line,
             )
         stated = None
@@ -131,7 +131,7 @@ def to_si(path, column, values, stated, line=None):
         refuse(
             path,
             f"the unit of column {quote(column.header)} is not known",
-            f"state its `unit` in test.yaml: {units.known(column.name)}",
+            f"state its `unit` beside its name: {units.known(column.name)}",
             line,
         )
     if stated and column.unit and _conversion(stated, column) != _conversion(column.unit, column):

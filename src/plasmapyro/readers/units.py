@@ -21,14 +21,20 @@ WORDS = {  # units written out
     }.items()
     for word in words.split()
 }
+RADIANCE = re.compile(r"[mu]?W(?: (?:[mc]?m2|sr|[nu]?m)){3}")  # once its powers and signs are plain
 OFFSET = {row["unit"]: float(row["added"]) for row in REGISTER if row["added"]}  # added after the factor
 
 
 def normalised(unit):
     """A unit with micro signs, powers and dots written in one way."""
-    unit = unit.strip().replace("\u00b5", "u").replace("\u03bc", "u").replace("\u00b2", "2")
+    unit = unit.strip().translate(str.maketrans("\u00b5\u03bc\u00b9\u00b2\u207b", "uu12-"))
     unit = WORDS.get(unit.lower(), DIRECT.sub("", unit))
-    return unit.replace("^", "").replace("\u00b7", " ").replace("*", " ")
+    unit = unit.replace("^", "").replace("\u00b7", " ").replace("*", " ")
+    plain = " ".join(re.findall(r"[A-Za-z]+2?", unit.replace("-1", "").replace("-2", "2")))
+    if RADIANCE.fullmatch(plain):  # per area, angle and wavelength, in whatever order
+        power, *per = plain.split()
+        unit = "/".join([power, *sorted(per, key=lambda word: (word[-1] != "2", word != "sr"))])
+    return unit
 
 
 def factor(unit, name):
@@ -53,4 +59,6 @@ def offset(unit):
 
 def known(name):
     """The units accepted for a variable, as words."""
-    return ", ".join(TO_SI[VARIABLES[name].units])
+    words = ", ".join(TO_SI[VARIABLES[name].units])
+    lamp = " (without sr it is an irradiance: divide by pi and multiply by the reflectance of the diffuser)"
+    return words + (lamp if name == "spectral_radiance" else "")

@@ -189,7 +189,7 @@ def _columns(lines):
     rows = [
         (index, line.replace(",", " ").split())
         for index, line in enumerate(lines, start=1)
-        if line.strip() and not line.lstrip().startswith("#")
+        if line.strip() and not line.lstrip().startswith(("#", "!"))
     ]
     if rows and len(rows[0][1]) == 1 and NUMBER.fullmatch(rows[0][1][0]):
         rows = rows[1:]  # a version number without a comment sign
