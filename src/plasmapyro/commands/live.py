@@ -22,6 +22,7 @@ from plasmapyro.record.record import Record
 
 STUCK = 10  # samples equal to the last digit in both bands, as in `record.flags`
 OFTEN, APART = 50, 3.0  # samples, and the root mean square of their surprise [sd] that contradicts the model
+MOST = OFTEN * APART**2 / 5  # of a sample: a single wrong one contradicts nothing
 LEAP = 60.0  # [s] from sample to sample, believed when the next one confirms it
 
 
@@ -119,7 +120,7 @@ def readings(samples, filtered, injection, limits, options):
             kept = [np.nan] * 2 if saturated or equal >= STUCK else pair
             reading = filtered.step(before - injection, kept)
             if np.isfinite(reading.surprise):
-                surprise.append(reading.surprise)
+                surprise.append(min(reading.surprise, MOST))
             contradiction = bool(np.sum(surprise) > OFTEN * APART**2 or filtered.contradictions)
             alarms = {
                 "above_limit": reading.temperature > options.alarm_above_k,
