@@ -19,8 +19,8 @@ from plasmapyro.readers.text import quote, read_lines, refuse
 
 LARGEST = 32_000_000  # [byte]
 HEADER_LINES = 100
-# [1] by which steps of a scale differ, two scales of one detector, and one scale in two units (powers of ten)
-EVEN, ALIKE, SAME, UNITS = 0.3, 1e-3, 1e-5, (-3, 0, 1)
+# [1] by which two scales of one detector differ, and one scale in two units (powers of ten)
+ALIKE, SAME, UNITS = 1e-3, 1e-5, (-3, 0, 1)
 NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs?\b", re.IGNORECASE)
 
 
@@ -78,14 +78,11 @@ def _without_scales(path, names, table):
     for place in range(1, table.shape[1]):
         column = table[:, place]
         step, ratio = np.diff(column), column / table[:, 0]
-        even, alike = (
-            np.all(np.abs(one - one.mean()) < most * abs(one.mean()))
-            for one, most in ((step, EVEN), (ratio, ALIKE))
-        )
-        if not (spectra_table.WAVES.search(names[place]) or even or alike):
+        alike = np.all(np.abs(ratio - ratio.mean()) < ALIKE * abs(ratio.mean()))
+        pixels = column.min() in (0, 1) and (np.abs(step) == 1).all()
+        if not (spectra_table.WAVES.search(names[place]) or pixels or alike):
             kept.append(place)
             continue
-        pixels = column.min() in (0, 1) and (np.abs(step) == 1).all()
         same = alike and np.isclose(np.log10(abs(ratio.mean())), UNITS, atol=SAME).any()
         if not pixels and not same:
             refuse(
