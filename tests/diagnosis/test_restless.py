@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from plasmapyro.diagnosis.fit import restless
 from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.diagnosis.fit.persistent import GAS_WANDER, WANDER, persistent, wandering_gas
 from plasmapyro.diagnosis.fit.restless import (
@@ -88,7 +89,8 @@ def steady(true, error, drift=0.0, seed=1):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_gains_that_wander_less_than_assumed_do_so(seed):
+def test_gains_that_wander_less_than_assumed_do_so(seed, monkeypatch):
+    monkeypatch.setattr(restless, "LEAST_WANDER", 0.1)
     assert steady(0.5, 0.02, seed=seed) == pytest.approx(0.5, rel=SPREAD)
     assert steady(0.5, 0.02, drift=5.0, seed=seed) == pytest.approx(0.5, rel=SPREAD)
 

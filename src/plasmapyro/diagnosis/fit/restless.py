@@ -9,7 +9,7 @@ MOST = 0.03  # [1] standard deviation beyond which a gas does not wander but cha
 OF_SERIES = ("smooth_stray", "wander_smooth", "smooth_series")  # errors that each series draws anew
 LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor of a step, at most
 OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer")
-LEAST_WANDER = 1 / 3  # [1] of what is assumed: seconds do not tell what drifts over minutes
+LEAST_WANDER = 0.7  # [1] of what is assumed: seconds tell little of what drifts over minutes
 ASSUMED = 4.0  # second differences that what is assumed counts as
 NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
 
