@@ -19,6 +19,7 @@ from plasmapyro.configuration import ConfigurationError
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
+from plasmapyro.diagnosis.fit import base as fit_base
 from plasmapyro.diagnosis.fit.given_gas import light_with, with_gas
 from plasmapyro.diagnosis.fit.restore import without_given
 from plasmapyro.diagnosis.fit.setting import Setting
@@ -84,7 +85,9 @@ def test_an_amplitude_of_zero_gives_the_same_report_as_no_entry(record, laborato
     assert with_zero.temperature.equals(plain.temperature)
 
 
-def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(record, laboratory):
+def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(record, laboratory, monkeypatch):
+    # Gains seem steadier once the loss is known, by 18 % here: both fits are to assume the same of them.
+    monkeypatch.setattr(fit_base, "steadier", lambda *_: {})
     test = record(window_loss=LOSS)
     before = run(laboratory, test, [])
     found = yaml.safe_load(before.terms)
@@ -100,8 +103,8 @@ def test_what_is_given_is_fitted_within_its_uncertainty_and_not_named_again(reco
     # What is written after it holds the same effect, no less certain.
     (again,) = yaml.safe_load(after.terms)["test"]["effects"]
     assert again["amplitude"] == pytest.approx(LOSS, abs=0.002)
-    # The data count once, or it would be 0.71 as uncertain; the gains seem steadier once the loss is known.
-    assert again["uncertainty"] == pytest.approx(entry["uncertainty"], rel=0.22)
+    # The data count once: fitted to them again, it is as uncertain as before.
+    assert again["uncertainty"] == pytest.approx(entry["uncertainty"], rel=0.05)
     known = {name: value for name, value in entry.items() if name != "fitted_to"}
     other = run(laboratory, test, [known])  # the same numbers, known from elsewhere
     assert other.report["base"]["pulls"] != after.report["base"]["pulls"]

@@ -219,21 +219,24 @@ def fit_base(model, rounds=2):
         if sigma is None:
             break
         model = _restless(model, sigma)
-        fitter = Fitter(model, fitter.noise)
-        solution = fitter.fit(solution.state, tolerance=0.02)
+        fitter, solution = _refitted(model, fitter, solution)
     factors = steadier(model, solution)
     if factors:
         model = _scaled(model, factors)
-        fitter = Fitter(model, fitter.noise)
-        solution = fitter.fit(solution.state, tolerance=0.02)
+        fitter, solution = _refitted(model, fitter, solution)
     for _ in range(RESTLESS):
         factors = rougher(model, solution)
         if not factors:
             break
         model = _scaled(model, factors)
-        fitter = Fitter(model, fitter.noise)
-        solution = fitter.fit(solution.state, tolerance=0.02)
+        fitter, solution = _refitted(model, fitter, solution)
     return Base(model, laws, fitter, solution)
+
+
+def _refitted(model, fitter, solution):
+    """Fitter and fit of a model with other priors, the noise kept."""
+    fitter = Fitter(model, fitter.noise)
+    return fitter, fitter.fit(solution.state, tolerance=0.02)
 
 
 def _scaled(model, factors):

@@ -31,13 +31,20 @@ def wandering(model, solution):
         return None
     places = np.array(model.wandering)
     rows = np.diff(np.array([model.own[place].history[1] for place in places]).T, n=2, axis=0)
-    own, sigma = model.size + places, model.own[places[0]].sigma
-    prior = sigma**2 * np.sum(rows**2, axis=1)
-    value = np.sort((rows @ solution.state.values[places]) ** 2 / prior)
-    spread = np.einsum("ij,jk,ik->i", rows, solution.covariance[np.ix_(own, own)], rows) / prior
-    ratio = value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL + spread.mean()
+    sigma = model.own[places[0]].sigma
+    square, spread = _bends(model, solution, rows, places, sigma)
+    ratio = square + spread.mean()
     found = min(float(sigma * np.sqrt(ratio)), max(MOST, sigma))
     return found if found > sigma * np.sqrt(LEAST_RATIO) else None
+
+
+def _bends(model, solution, rows, places, sigma):
+    """Second differences `rows` (k, K) of a history by parameters at some places: mean square [1] of the
+    least ones, over what it is of a normal law, and variances (k,) [1] after the fit, over those before."""
+    own, prior = model.size + places, sigma**2 * np.sum(rows**2, axis=1)
+    value = np.sort((rows @ solution.state.values[places]) ** 2 / prior)
+    spread = np.einsum("ij,jk,ik->i", rows, solution.covariance[np.ix_(own, own)], rows) / prior
+    return value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL, spread
 
 
 def rougher(model, solution):
@@ -72,9 +79,9 @@ def steadier(model, solution):
 
     .. math:: f^2 = \frac{n_0 + \sum_i d_i^2/\sigma_i^2}{n_0 + \sum_i (1 - \mathrm{var}\,d_i/\sigma_i^2)}
 
-    with the second differences d of neighbouring knots after the fit and their variances, over those before
-    the data, and `ASSUMED` for :math:`n_0`; what drifts or steps in a few knots is no wandering, so only the
-    least ones are asked, as in `wandering`. At least `LEAST_WANDER`.
+    with the second differences d of neighbouring knots after the fit, taken as independent, and their
+    variances, over those before the data, and `ASSUMED` for :math:`n_0`; what drifts or steps in a few knots
+    is no wandering, so only the least ones are asked, as in `wandering`. At least `LEAST_WANDER`.
 
     Notes
     -----
@@ -90,12 +97,9 @@ def steadier(model, solution):
             rows = np.diff(errors.time[:, own], n=2, axis=0)
             at = np.arange(places.start, places.stop)[own]
             sigma = errors.parameters[own[0]].sigma
-            prior = sigma**2 * np.sum(rows**2, axis=1)
-            value = np.sort((rows @ solution.state.values[at]) ** 2 / prior)
-            block = solution.covariance[np.ix_(model.size + at, model.size + at)]
-            told = np.sum(1 - np.einsum("ij,jk,ik->i", rows, block, rows) / prior)
-            square = value.size * value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL
-            factor = max(float(np.sqrt((ASSUMED + square) / (ASSUMED + told))), LEAST_WANDER)
+            square, spread = _bends(model, solution, rows, at, sigma)
+            told = ASSUMED + np.sum(1 - spread)
+            factor = max(float(np.sqrt((ASSUMED + spread.size * square) / told)), LEAST_WANDER)
             if factor < 1 / np.sqrt(LEAST_RATIO):
                 factors[identity] = factor
     return factors
