@@ -270,6 +270,50 @@ def test_a_signal_at_its_limit_is_no_temperature(shelf, monkeypatch):
     }
 
 
+def test_samples_of_a_fast_logger_are_averaged_and_one_of_them_at_its_limit_is_said(shelf, monkeypatch):
+    """1.6 kHz, each sample off by 3 %: 125 answers a second, alike to 1 % (13 samples); one is saturated."""
+    rng, dull = np.random.default_rng(3), rows(shelf)[0]
+    names = ("signal_wide", "signal_narrow")
+    fast = [
+        {"time": at, **{name: dull[name] * (1 + 0.03 * rng.standard_normal()) for name in names}}
+        for at in np.arange(-1.0, -0.5, 1 / 1600)
+    ]
+    place = shelf / "limited_fast"
+    place.mkdir(exist_ok=True)
+    described = (shelf / "my_test" / "test.yaml").read_text()
+    limit = f"attributes:\n  signal_saturation_wide: {2 * dull['signal_wide']}\n"
+    (place / "test.yaml").write_text(described.replace("attributes:\n", limit))
+    taken = []
+    step = Filter.step
+    monkeypatch.setattr(Filter, "step", lambda self, *one: taken.append(one) or step(self, *one))
+    fast[-20]["signal_wide"] *= 3
+    said = streamed(shelf, monkeypatch, fast, folder=place.name)
+    assert 55 <= len(said) <= 65 and [line["alarms"] for line in said[:-3]] == [[]] * (len(said) - 3)
+    assert "saturated" in sum((line["alarms"] for line in said[-3:]), [])
+    level = np.array([signal for _, signal in taken[1:-3]]) / [dull[name] for name in names]
+    assert np.std(level) < 0.012
+
+
+@pytest.mark.parametrize(
+    ("wait", "work", "late"), [(0.0, 0.02, True), (0.009, 0.02, False), (0.0, 0.005, False)]
+)
+def test_who_cannot_follow_is_behind(monkeypatch, wait, work, late):
+    """100 Hz for 20 s, by the test's own clock: too slow; late, for its samples came late; quick enough."""
+    now = [0.0]
+    monkeypatch.setattr(commands.live.time, "monotonic", lambda: now[0])
+
+    def samples():
+        for place in range(2000):
+            now[0] = max(now[0] + wait, 0.01 * place if not late else 0.0)
+            yield 0.01 * place
+
+    delay, said = commands.live._Delay(), []
+    for moment in delay.waiting(samples()):
+        now[0] += work
+        said.append(delay.behind(moment))
+    assert said[-1] is late and not any(said[:100])
+
+
 def test_lines_are_taken_when_they_are_complete(tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes(b"\xef\xbb\xbfTime;S1\r\n1;2")

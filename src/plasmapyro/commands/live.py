@@ -24,6 +24,9 @@ STUCK = 10  # samples equal to the last digit in both bands, as in `record.flags
 OFTEN, APART = 50, 3.0  # samples, and the root mean square of their surprise [sd] that contradicts the model
 MOST = OFTEN * APART**2 / 5  # of a sample: a single wrong one contradicts nothing
 LEAP = 60.0  # [s] from sample to sample, believed when the next one confirms it
+TOGETHER = 0.008  # [s] at least between two readings: samples in between are averaged, 100 Hz goes one by one
+LAG, WAITED = 2.0, 0.02  # [s] of delay gained and share of the time spent waiting for samples: `behind`
+IDLE = 1e-3  # [s] that a sample was waited for: what came before it was done
 
 
 def run(options):
@@ -80,15 +83,45 @@ def record_of(facts):
     )
 
 
+class _Delay:
+    """How far what is said lies behind what happens, by this machine's clock.
+
+    What happens: by the first sample, and by those that were waited for; a record that is read through is
+    ahead of the first.
+    """
+
+    def __init__(self):
+        self._least, self._marks, self._waited, self._idle = np.inf, deque(maxlen=OFTEN), 0.0, True
+
+    def waiting(self, samples):
+        """The samples; notes how long each was waited for."""
+        samples, begun = iter(samples), time.monotonic()
+        while (sample := next(samples, self)) is not self:
+            waited = time.monotonic() - begun
+            self._waited, self._idle = self._waited + waited, self._idle or waited > IDLE
+            yield sample
+            begun = time.monotonic()
+
+    def behind(self, moment):
+        """Whether a sample of `moment` [s] is late, and only because those before it were still in work."""
+        now = time.monotonic()
+        if self._idle:
+            self._least, self._idle = min(self._least, now - moment), False
+        self._marks.append((now, self._waited))
+        then, waited = self._marks[0]
+        return now - moment - self._least > LAG and self._waited - waited < WAITED * (now - then)
+
+
 def readings(samples, filtered, injection, limits, options):
-    """One mapping for JSON per sample of `readers.follow`, fault or silence.
+    """One mapping for JSON per sample of `readers.follow`, or per mean of those that come in `TOGETHER`;
+    per fault; per silence.
 
     `injection` [s] on the clock of the samples: an event may set it anew; signals from `limits` (2,) [A] on
     are saturated; `options` with `alarm_above_k`, `alarm_silence_s`.
     """
     last, silent, before, leapt, equal, pair = time.monotonic(), False, -np.inf, np.inf, 0, None
-    surprise = deque(maxlen=OFTEN)
-    for sample in samples:
+    surprise, together, due, delay = deque(maxlen=OFTEN), [], -np.inf, _Delay()
+    for sample in delay.waiting(samples):
         if sample is None:
             if not silent and time.monotonic() - last > options.alarm_silence_s:
                 silent = True
@@ -116,9 +149,16 @@ def readings(samples, filtered, injection, limits, options):
             leapt, before = np.inf, sample["time"]
             earlier, pair = pair, [sample[name] for name in parts.SIGNALS]
             equal = equal + 1 if pair == earlier else 0
-            saturated = any(value >= limit for value, limit in zip(pair, limits, strict=True))
-            kept = [np.nan] * 2 if saturated or equal >= STUCK else pair
-            reading = filtered.step(before - injection, kept)
+            together.append((before, *pair))
+            if before < due:
+                continue
+            due = before + TOGETHER
+            moments, *pairs = np.array(together).T
+            together.clear()
+            saturated = any((np.array(limits)[:, None] <= pairs).any(axis=1))
+            mean = np.ma.masked_invalid(pairs).mean(axis=1).filled(np.nan)
+            kept = [np.nan] * 2 if saturated or equal >= STUCK else mean
+            reading = filtered.step(moments.mean() - injection, kept)
             if np.isfinite(reading.surprise):
                 surprise.append(min(reading.surprise, MOST))
             contradiction = bool(np.sum(surprise) > OFTEN * APART**2 or filtered.contradictions)
@@ -127,6 +167,7 @@ def readings(samples, filtered, injection, limits, options):
                 "saturated": saturated,
                 "stuck": equal >= STUCK,
                 "contradiction": contradiction,
+                "behind": delay.behind(before),
                 "estimate_lost": filtered.alone,
                 "no_reference": filtered.late,
                 "throughput_in_doubt": filtered.throughput_chance > throughput_in_doubt.limit,
@@ -138,7 +179,7 @@ def readings(samples, filtered, injection, limits, options):
             if state == status.CONTRADICTED:
                 values = [np.nan] * 3
             yield {
-                "time": before,
+                "time": float(moments.mean()),
                 **{
                     name: None if value != value else round(value, 2)
                     for name, value in zip(("temperature", "low", "high"), values, strict=True)
