@@ -80,6 +80,13 @@ def test_exposures_of_one_source_give_one_rate_and_are_brighter_than_the_dark():
     )
 
 
+@pytest.mark.parametrize(("lost", "factor"), [(0, "inf"), (1, "0")])
+def test_a_dark_that_holds_the_light_leaves_no_rate(lost, factor):
+    data = exposures()
+    data.exposure_dark[lost] = data.exposure_counts[lost]
+    assert f"differ by a factor of {factor};" in said(exposures=data)["rates_disagree"]
+
+
 def test_calibrate_refuses_by_name_and_goes_on_by_name(tmp_path, capsys):
     folder = laboratory.calibration_folder(tmp_path / "raw")
     described = folder / "calibration.yaml"

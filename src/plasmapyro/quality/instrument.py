@@ -50,16 +50,18 @@ def source_dark(case, limit):
 @rule()
 def rates_disagree(case, limit):
     data = case.exposures
-    net = data.exposure_counts.values - data.exposure_dark.values
-    usable = (net > 0.02 * np.nanmax(net)) & (
-        data.exposure_counts.values < data.attrs.get("saturation_counts", 6e4)
-    )
+    counts, duration = data.exposure_counts.values, data.exposure_time.values[:, None]
+    net = counts - data.exposure_dark.values
+    rates, open_ = net / duration, counts < data.attrs.get("saturation_counts", 6e4)
     for second in range(1, len(net)):
-        both = usable[0] & usable[second]
+        pair = [0, second]
+        # What each should count, by the brighter of the two: a dark that holds the light leaves nothing.
+        due = np.fmax(rates[0], rates[second]) * duration[pair]
+        both = (due > 0.02 * np.nanmax(net)).all(axis=0) & open_[pair].all(axis=0)
         if both.sum() < 10:
             continue
-        rates = net[:, both] / data.exposure_time.values[:, None]
-        factor = float(np.median(rates[second] / rates[0]))
-        if abs(np.log(factor)) > limit:
+        first, other = np.maximum(np.median(rates[pair][:, both], axis=1), 0.0)
+        factor = float(other / first) if first > 0 else np.inf
+        if not np.exp(-limit) <= factor <= np.exp(limit):
             return {"first": 1, "second": second + 1, "factor": factor}
     return None
