@@ -43,6 +43,32 @@ def test_tables_of_many_habits_are_described_so_that_they_can_be_read(tmp_path, 
     assert any("is 'S1' in nA?" in words for words in questions)
 
 
+def ranged(gain_of, unit="V"):
+    """Volts of an amplifier that changes its range after the seventh row, with the gains of its channels."""
+    lines = [f"Time [s];U1 wide [{unit}];U2 narrow [{unit}];{gain_of}"]
+    for i in range(ROWS):
+        gain = 1e6 if i < 7 else 1e5
+        cells = (f"{one * gain * (1e3 if unit == 'mV' else 1):.9g}" for one in (WIDE[i], NARROW[i]))
+        lines.append(";".join([str(i), *cells, f"{gain:g}"]))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("unit", ["V", "mV"])
+@pytest.mark.parametrize("name", ["Gain [V/A]", "Verst\u00e4rkung", "Amp Range"])
+def test_volts_of_an_amplifier_that_changes_its_range_are_divided_by_its_gain(tmp_path, name, unit):
+    test, questions = described(tmp_path / "t", log__csv=ranged(name, unit))
+    same_signals(test)
+    assert any("volts per ampere?" in words for words in questions)
+    place = tmp_path / "t" / "log.csv"
+    place.write_text(place.read_text(encoding="utf-8").replace("100000", "0"), encoding="utf-8")
+    assert "is not above 0" in check_test(tmp_path / "t")[0]
+
+
+def test_a_gain_that_changes_beside_amperes_is_asked_for(tmp_path):
+    codes = ranged("Gain", "A").replace("1e+06", "2").replace("100000", "1")
+    assert any("'Gain' goes from 1 to 2" in words for words in described(tmp_path / "t", log__csv=codes)[1])
+
+
 TABLES = {  # what stands above the header, the names, delimiter and decimal sign
     "tabulators, decimal commas": ("", ["t", "S1", "S2"], "\t", ","),
     "commas": ("", ["Time [s]", "Wide [nA]", "Narrow [nA]"], ",", "."),

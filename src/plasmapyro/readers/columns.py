@@ -29,6 +29,7 @@ STACKED = 8  # lines above the data that may hold names and units
 NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
+GAIN_OF = "gain of "  # a signal: key of the column that it is divided by
 CLOCK, MILLISECONDS = "time of day", "milliseconds"  # keys of columns that stand beside the one of the date
 LONG = 20_000  # rows, beyond which a table is first tried all at once
 PLAIN = set("0123456789+-.,eE\n\r\t ")
@@ -57,12 +58,17 @@ class Column:
         self.scale = section.number("scale", 1.0)
         if self.scale == 0:
             section.blame("scale", "must not be 0", "remove it or correct it")
+        self.gain = section.text("gain") if units.is_current(name) else None
         if self.unit is not None and units.factor(self.unit, name) is None:
             section.blame(
                 "unit", f"{quote(self.unit)} is not a unit of {name}", f"write one of {units.known(name)}"
             )
             self.unit = None
         section.close()
+
+    def divisor(self):
+        """The column of the amplifier's gain, as a column of its own."""
+        return SimpleNamespace(name="gain_correction", header=self.gain, unit="1", scale=1.0)
 
     def beside(self):
         """The columns that a stamp is made of besides the first, by their keys."""
@@ -149,6 +155,31 @@ def _conversion(unit, column):
 
 
 def read_table(path, columns, delimiter=None, decimal=None):
+    """Columns (N,) of a text table in SI by their names, over the `gain` of their rows where they have one.
+
+    As `_read_table`, which takes no gain.
+    """
+    gains = divisors(columns)
+    asked = columns | {GAIN_OF + name: column for name, column in gains.items()}
+    found = _read_table(path, asked, delimiter, decimal)
+    for name in gains:
+        found[name] = over_gain(path, columns[name], found[name], found.pop(GAIN_OF + name))
+    return found
+
+
+def divisors(columns):
+    """Columns of amplifier gains, by the names of those that are divided by them."""
+    return {name: column.divisor() for name, column in columns.items() if getattr(column, "gain", None)}
+
+
+def over_gain(path, column, values, gain):
+    """Values over the gain of the amplifier."""
+    if np.any(gain <= 0):
+        refuse(path, f"a gain in column {quote(column.gain)} is not above 0", "correct it, or remove `gain`")
+    return values / gain
+
+
+def _read_table(path, columns, delimiter=None, decimal=None):
     """Columns (N,) of a text table in SI by their names, NaN where a cell says so or is empty.
 
     `columns`: name -> `Column`; header cells may carry the unit in brackets: 'Time [ms]', 'S1 (nA)'. The

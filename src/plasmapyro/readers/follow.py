@@ -37,6 +37,11 @@ def growing(path, patience=np.inf, poll=POLL):
                 time.sleep(poll)
 
 
+def _number(cell, decimal):
+    value = number(cell, decimal or ("," if "," in cell else "."))
+    return np.nan if value is None else value
+
+
 def _decoded(line):
     try:
         return line.decode("utf-8-sig").rstrip("\r")
@@ -59,7 +64,8 @@ def samples_of_table(path, section, lines):
     if absent or section.faults:
         raise Refusal(section.faults or [f"{path}: test.yaml names no column {', '.join(sorted(absent))}"])
     wanted = {name: wanted[name] for name in ("time", *parts.SIGNALS)}
-    sought = {**wanted, **wanted["time"].beside()}
+    gains = columns.divisors(wanted)
+    sought = {**wanted, **wanted["time"].beside(), **{columns.GAIN_OF + name: gains[name] for name in gains}}
     start = clock.seconds(zero, form) if form else zero
     if start is None:
         refuse(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it")
@@ -82,9 +88,11 @@ def samples_of_table(path, section, lines):
                 continue
             found = {}
             for name in parts.SIGNALS:
-                value = number(cells[places[name]], decimal or ("," if "," in cells[places[name]] else "."))
-                value = np.nan if value is None else value
+                value = _number(cells[places[name]], decimal)
                 found[name] = float(columns.to_si(path, wanted[name], value, stated[name]))
+                if name in gains:
+                    gain = _number(cells[places[columns.GAIN_OF + name]], decimal)
+                    found[name] /= gain if gain > 0 else np.nan
             word = cells[places["time"]]
             if form:
                 word = wanted["time"].stamp({key: cells[place] for key, place in places.items()})

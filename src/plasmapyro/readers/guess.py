@@ -20,9 +20,11 @@ from plasmapyro.readers.guess_table import (
     MOST_ROWS,
     NAMES,
     TUNNEL_UNITS,
+    VOLTS,
     Table,
     assign,
     by_name,
+    gains_of,
     look_at_table,
     stamp_format,
     suits,
@@ -45,6 +47,7 @@ EPOCH = (1e9, 3e9)  # [s] since 1970: 2001 to 2065
 DAYS = (30_000, 800_000)  # dates as spreadsheets (1982 on) and Matlab count them
 DAY_PART = 1.0  # a record without a unit that ends before: times of day as spreadsheets count them
 # ASSUME: currents without a unit are amperes if as small as photodiodes give them, else nanoamperes.
+LEAST_GAIN = 1e3  # [V/A] of amplifiers of photodiodes
 LARGEST_CURRENT = 0.1  # [A]
 
 
@@ -324,9 +327,13 @@ def _table_lines(folder, paths, table, places, questions):
             "}" if stated else f", unit: {unit}" + (f", scale: {scale:g}" if scale != 1 else "") + "}  # ?"
         )
     found += ["  columns:", timing]
+    gains = gains_of(table, [place for place in places.values() if type(place) is int])
     for variable in (*parts.SIGNALS, *parts.TUNNEL):
         if variable in places:
-            found.append(_column(variable, table, places[variable], questions))
+            gain = None
+            if gains and variable in parts.SIGNALS:
+                gain = gains.pop(0) if len(gains) > 1 else gains[0]
+            found.append(_column(variable, table, places[variable], questions, gain))
     if "unsure" in places:
         listed = ", ".join(places["unsure"])
         questions.append(
@@ -339,8 +346,21 @@ def _table_lines(folder, paths, table, places, questions):
     return found
 
 
-def _column(variable, table, place, questions):
+def _column(variable, table, place, questions, gain=None):
     label, unit = table.labels[place], table.units[place]
+    if gain is not None:
+        values, name = values_of(table, gain), table.labels[gain]
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        volt = VOLTS.get(units.normalised(unit)) if unit else None
+        if volt and low >= LEAST_GAIN:
+            questions.append(f"columns.{variable}.gain: {label!r} is divided by {name!r}, volts per ampere?")
+            described = f"name: {_quoted(label)}, unit: A, scale: {volt:g}, gain: {_quoted(name)}"
+            return f"    {variable}: {{{described}}}  # ?"
+        if low < high:
+            questions.append(
+                f"columns.{variable}.gain: {name!r} goes from {low:g} to {high:g}, and {label!r} is taken as"
+                f" it stands; if it must be divided by it row by row, add `gain: {name}`"
+            )
     if unit is not None and suits(unit, variable):
         return f"    {variable}: {{name: {_quoted(label)}}}"
     if unit is not None and (each := INDIRECT.get(units.normalised(unit))) and variable in parts.SIGNALS:

@@ -41,8 +41,10 @@ FORMATS = [
 ] + TIMES
 NO_SIGNAL = re.compile(  # columns that are none, whatever their size
     r"([-+]?[\d,]+|no|nr|num(ber)?|index|sample|scan|channel|status|flag|alarm.*|.*temp.*|.*emiss.*|.*slope.*"
-    r"|.*humid.*)\d*"
+    r"|.*humid.*|.*gain.*|.*range.*|.*bereich|verst.*|ganancia.*)\d*"
 )
+GAIN = re.compile(r".*gain.*|.*range|.*bereich|verst.*|ganancia.*", re.IGNORECASE)  # of an amplifier
+VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6}
 INDIRECT = {"V": 1e-6, "mV": 1e-9, "uV": 1e-12, "count": 1e-9, "counts": 1e-9}  # to ask the amperes of one
 
 
@@ -215,6 +217,12 @@ def assign(table):
     elif open_ones and timed and len(rest) == len(open_ones) - 1:
         found["band"] = (rest or [found.pop(name) for name in parts.SIGNALS if name in found])[0]
     return found
+
+
+def gains_of(table, taken):
+    """Places of the columns that look like amplifier gains, but for those `taken`: positive numbers."""
+    places = [p for p, label in enumerate(table.labels) if GAIN.fullmatch(label.strip()) and p not in taken]
+    return [p for p in places if np.nanmin(values_of(table, p), initial=np.inf) > 0]
 
 
 def by_name(table, variable, places):

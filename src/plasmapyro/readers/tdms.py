@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from plasmapyro import foreign
-from plasmapyro.readers.columns import to_si
+from plasmapyro.readers.columns import GAIN_OF, divisors, over_gain, to_si
 from plasmapyro.readers.text import quote, refuse, regular_file
 
 LARGEST = 1_000_000_000  # [byte]
@@ -26,7 +26,8 @@ def read_tdms(path, columns, joined=False):
         from nptdms import TdmsFile
     except ImportError:
         refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
-    path = regular_file(path, LARGEST)
+    path, wanted, gains = regular_file(path, LARGEST), columns, divisors(columns)
+    columns = wanted | {GAIN_OF + name: column for name, column in gains.items()}
     # npTDMS trusts what the file says about itself: a damaged one can raise anything.
     try:
         with (
@@ -62,7 +63,10 @@ def read_tdms(path, columns, joined=False):
         refuse(path, f"no channel {', '.join(map(quote, absent))}", f"name one of those it holds: {listed}")
     if found is None:
         refuse(path, f"a channel holds more than {MOST_SAMPLES} samples", "cut it to the test")
-    return _joined(path, found) | ({} if start is None else {"start": start})
+    result = _joined(path, found) | ({} if start is None else {"start": start})
+    for name in gains:
+        result[name] = over_gain(path, wanted[name], result[name], result.pop(GAIN_OF + name))
+    return result
 
 
 def channels(path):

@@ -52,6 +52,11 @@ def is_ratio(name):
     return VARIABLES[name].units == "1"
 
 
+def is_current(name):
+    """Whether `name` is a variable of the register that is measured in amperes."""
+    return name in VARIABLES and VARIABLES[name].units == "A"
+
+
 def offset(unit):
     """What is added to a value in `unit`, after the factor, to be in SI."""
     return OFFSET.get(normalised(unit), 0.0)
