@@ -81,11 +81,11 @@ def test_what_cannot_be_corrected_is_said():
 
 
 def test_the_interval_holds_the_truth_and_the_error_falls_threefold():
-    """A hundred gases, surfaces and noises drawn from the uncertainties, none the nominal one."""
+    """Sixty gases, surfaces and noises drawn from the uncertainties, none the nominal one."""
     random = np.random.default_rng(11)
     held, before, after = [], [], []
     elasticity = module._elasticity(gas(), "110kW", 1.0)
-    for number in range(100):
+    for number in range(60):
         power, bands = 0.02 * random.standard_normal(), 0.05 * random.standard_normal(2)
         light = np.array(POWERS["110kW"]) * np.exp(elasticity * power + bands)
         truth = random.uniform(1400.0, 1900.0, 6)

@@ -64,10 +64,6 @@ def test_a_clean_window_at_another_power_speaks_against_it(crossed):
     assert crossed(CLEAN) < -10
 
 
-def test_without_another_test_there_is_no_score(crossed):
-    assert crossed() is None
-
-
 def test_score_is_that_of_a_gaussian_integral():
     """Against brute force: one number, a quadratic objective, integrated on a grid."""
     from types import SimpleNamespace

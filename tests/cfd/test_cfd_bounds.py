@@ -15,7 +15,7 @@ import yaml
 from judge import judge, require_refused
 
 NAMES = {"temperature": {"name": "Temperature", "unit": "K"}, "pressure": {"name": "Pressure", "unit": "Pa"}}
-BLOCK, BLOCKS = 1 << 24, 150  # 2.5 GB of zeros
+BLOCK, BLOCKS = 1 << 24, 50  # 0.8 GB of zeros, more than any small file may ask for
 
 
 def refused(folder, name, *words, mapping=None, mesh=()):
@@ -94,7 +94,7 @@ def vtu(folder, compressor, packed, kind=9, size=BLOCK * BLOCKS):
         ("vtkLZMADataCompressor", lambda: lzma.LZMACompressor(preset=0)),
     ],
 )
-def test_compressed_blocks_of_a_vtu_file_that_unpack_to_gigabytes(tmp_path, compressor, machine):
+def test_compressed_blocks_of_a_vtu_file_that_unpack_to_a_gigabyte(tmp_path, compressor, machine):
     packer, zeros = machine(), bytes(BLOCK)
     packed = b"".join(packer.compress(zeros) for _ in range(BLOCKS)) + packer.flush()
     vtu(tmp_path, compressor, packed)

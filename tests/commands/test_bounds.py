@@ -95,9 +95,9 @@ def test_a_netcdf_file_that_brings_bytes_of_another_file(run, file, name, way):
     require_refused(run(name), "calibration.nc", "another file ('time')")
 
 
-def test_a_chunk_of_gigabytes_around_one_number_is_refused(run, file):
+def test_a_chunk_of_a_gigabyte_around_one_number_is_refused(run, file):
     with h5py.File(file, "w") as made:
-        chunks = {"maxshape": (None,), "chunks": (2 * 10**8,), "compression": "gzip"}
+        chunks = {"maxshape": (None,), "chunks": (10**8,), "compression": "gzip"}
         made.create_dataset("time", shape=(1,), dtype="f8", **chunks)[0] = 1.0
     require_refused(run("check"), "calibration.nc", "not a readable netCDF file")
 

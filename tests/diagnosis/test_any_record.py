@@ -11,7 +11,7 @@ from plasmapyro.record import binning
 
 SPARSE = {"start": -4.0, "end": 56.0, "off": 50.0, "frame": 4.0}  # fifteen spectra
 SHORT = {"start": -4.0, "end": 26.0, "off": 20.0, "rise_time": 3.0, "period": 0.1, "frame": 0.5}
-HOURS = {"start": -60.0, "end": 7500.0, "off": 7200.0, "rise_time": 600.0, "period": 0.5, "frame": 20.0}
+HOURS = {"start": -60.0, "end": 7500.0, "off": 7200.0, "rise_time": 600.0, "period": 2.0, "frame": 40.0}
 
 
 @pytest.fixture(scope="module")

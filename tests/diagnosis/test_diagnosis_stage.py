@@ -53,6 +53,7 @@ def test_a_deposit_on_a_window_is_named_with_its_size(diagnosed):
     assert best["id"] == "winE"
     assert abs(best["amplitude"] - LOSS) < 3.5 * best["standard_error"]
     assert report["gain"]["heldout_log_score"] > 10
+    assert report["gain"]["cross_condition"] is None  # no other test was given
     assert report["extended"]["applied"]
     assert "winE" in report["extended"]["configuration"]
 
