@@ -274,8 +274,10 @@ def test_an_unknown_condition_or_effect_is_refused(record, laboratory):
     )
     with pytest.raises(ValueError, match="known are 60kW.*--radiance"):
         command.diagnose_test(record().assign_attrs(condition="1MW"), inputs)
-    with pytest.raises(ValueError, match="exclude must name effects"):
-        command.diagnose_test(record(), inputs, without=("gremlins",))
+    with pytest.raises(ValueError, match="'winX', to be left out, is no effect .*did you mean 'winE'"):
+        command.diagnose_test(record(), inputs, without=("winX",))
+    with pytest.raises(ValueError, match="foretells nothing of itself"):
+        command.diagnose_test(record(), inputs, others=[record()])
 
 
 def stored(folder, radiation, rename=str):

@@ -139,6 +139,8 @@ def diagnose_test(
         digest, test = io.digest(test), io.read(test, "test")
     condition = _usable(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
+    if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
+        raise ValueError("a test foretells nothing of itself: the others (--also) hold it once more")
     pairs = [(one, inputs.variations.get(_usable(one, inputs))) for one in others]
     provenance = {
         "version": version("plasmapyro"),

@@ -1,5 +1,6 @@
 """The catalogue: everything that the diagnosis knows by name, in the order of the way of the light."""
 
+from difflib import get_close_matches
 from types import MappingProxyType
 
 from plasmapyro.diagnosis.effects import gas, instrument, path, surface
@@ -27,9 +28,8 @@ def without(effects, ids):
     ValueError
         An id that is not among them.
     """
-    unknown = set(ids) - set(effects)
-    if unknown:
-        raise ValueError(
-            f"exclude must name effects among {', '.join(effects)}; got {', '.join(sorted(unknown))}"
-        )
+    for one in sorted(set(ids) - set(effects)):
+        near = get_close_matches(one, effects, n=1, cutoff=0.5)
+        hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(effects)}"
+        raise ValueError(f"'{one}', to be left out, is no effect of the catalogue; {hint}")
     return MappingProxyType({identity: one for identity, one in effects.items() if identity not in ids})
