@@ -82,6 +82,7 @@ try:
         configuration.check_targets(sys.argv[1:], CONDITIONS, config["conditions"])
         DAMAGED, BUSY = workspace.begin("results", SETTINGS)
         workspace.digest_once()
+        workspace.wake_once()
         if LEFT_OUT:
             logger.warning(f"instrument.bands: tests of a pyrometer are left out: {', '.join(LEFT_OUT)}")
         for path in DAMAGED:

@@ -174,3 +174,16 @@ def test_a_file_is_digested_anew_only_when_it_has_changed(tmp_path, monkeypatch)
     assert [found(), found(), found(20)] == ["one"] * 3 and asked == [10, 20]
     path.write_text("other")
     assert found() == "other" and asked == [10, 20, 10]
+
+
+def test_the_scheduler_is_woken_once_in_a_while_however_often_it_asks(monkeypatch):
+    from snakemake.scheduling.job_scheduler import JobScheduler
+
+    asked, clock = [], []
+    monkeypatch.setattr(JobScheduler, "_schedule_reevalutation", lambda scheduler, delay: asked.append(delay))
+    monkeypatch.setattr(workspace.time, "monotonic", lambda: clock[-1])
+    workspace.wake_once()
+    for now in (0.0, 0.5, 0.9, 1.0, 1.1, 2.0):
+        clock.append(now)
+        JobScheduler._schedule_reevalutation("a scheduler", 1.0)
+    assert asked == [1.0] * 3
