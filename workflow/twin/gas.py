@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline, RegularGridInterpolator
-from scipy.special import wofz
+import scipy
 
 from twin import incident, light, lines, nitrogen
 
@@ -264,7 +263,9 @@ class Gas:
     def _heating(self, system, energy, change):
         warmed = np.where(self.temperature > 2000, self.temperature * (1 + change), self.temperature)
         emitted = self._emitted(system, energy)
-        smooth = CubicSpline(self.table_temperature, np.log(emitted + 1e-30 * emitted.max()))
+        smooth = scipy.interpolate.CubicSpline(
+            self.table_temperature, np.log(emitted + 1e-30 * emitted.max())
+        )
         new, old = (np.trapezoid(np.exp(smooth(at)), self.distance) for at in (warmed, self.temperature))
         return new / old
 
@@ -280,7 +281,7 @@ def escape(depth, damping=0.0):
     if depth == 0:
         return 1.0
     place = np.linspace(-5, 5, 401) if damping == 0 else np.sinh(np.linspace(-9, 9, 1201))
-    shape = np.exp(-(place**2)) if damping == 0 else np.real(wofz(place + 1j * damping))
+    shape = np.exp(-(place**2)) if damping == 0 else np.real(scipy.special.wofz(place + 1j * damping))
     return float(np.trapezoid(-np.expm1(-depth * shape), place) / (np.sqrt(np.pi) * depth))
 
 
@@ -288,7 +289,7 @@ def escape(depth, damping=0.0):
 def _escape_table():
     depth, damping = np.geomspace(1e-3, 1e4, 85), np.geomspace(1e-3, 10.0, 41)
     kept = [[escape(one, other) for other in damping] for one in depth]
-    return RegularGridInterpolator((np.log(depth), np.log(damping)), kept)
+    return scipy.interpolate.RegularGridInterpolator((np.log(depth), np.log(damping)), kept)
 
 
 def escaping(depth, damping):

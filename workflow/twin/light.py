@@ -1,8 +1,7 @@
 """Planck's law and integrals over narrow bins, independent of the package under test."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.special import erf
+import scipy
 
 # CODATA 2018 values, exact by the definition of the SI.
 H = 6.62607015e-34
@@ -40,7 +39,8 @@ def bin_mean(wavelength, radiance, edges):
 def band(response_wavelength, responsivity, bin_size=0.25e-9):
     """Edges (B+1,), centres (B,) and quadrature weights (B,) [m] of a band: responsivity times bin."""
     edges, centres = bins(response_wavelength[0], response_wavelength[-1], bin_size)
-    return edges, centres, CubicSpline(response_wavelength, responsivity)(centres) * np.diff(edges)
+    response = scipy.interpolate.CubicSpline(response_wavelength, responsivity)
+    return edges, centres, response(centres) * np.diff(edges)
 
 
 def through_slit(edges, radiance, pixels, fwhm):
@@ -50,6 +50,6 @@ def through_slit(edges, radiance, pixels, fwhm):
     for index, centre in enumerate(pixels):
         first, last = np.searchsorted(edges, [centre - 6 * sigma, centre + 6 * sigma])
         first, last = max(first - 1, 0), min(last, edges.size - 1)
-        weight = np.diff(erf((edges[first : last + 1] - centre) / (np.sqrt(2) * sigma)))
+        weight = np.diff(scipy.special.erf((edges[first : last + 1] - centre) / (np.sqrt(2) * sigma)))
         seen[index] = np.sum(weight * radiance[first:last]) / weight.sum()
     return seen

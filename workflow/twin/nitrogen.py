@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from twin import lines
 
@@ -55,7 +55,7 @@ def bands(centres, population):
     near = (place >= 0) & (place < centres.size)
     vibration = np.array(lines.NITROGEN_VIBRATION, dtype=float)[upper[near]]
     light = np.bincount(place[near], strength[near] * population(vibration, energy[near]), centres.size)
-    return gaussian_filter1d(light, SMOOTH / step, mode="nearest")
+    return scipy.ndimage.gaussian_filter1d(light, SMOOTH / step, mode="nearest")
 
 
 def change(centres, temperature, factor):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import expit
+import scipy
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,6 @@ def brightness(plasma, time, plasma_off_time, random):
     wave = np.sin(2 * np.pi * np.maximum(time, 0) / plasma.swing_period)
     slow = plasma.drift * exposure + plasma.swing * wave
     # The probe swings in within the last half second before 0 s.
-    outside = expit(-(time + 0.25) / 0.04)
+    outside = scipy.special.expit(-(time + 0.25) / 0.04)
     level = (1 + (plasma.before_injection - 1) * outside) * (1 + slow + wander)
     return np.maximum(level, 0) * np.exp(-np.maximum(time - plasma_off_time, 0) / plasma.decay_time)

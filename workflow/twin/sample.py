@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy
 
 STEFAN_BOLTZMANN = 5.670374419e-8
 
@@ -49,7 +49,9 @@ def history(sample, time, plasma_off_time):
     surface = np.full(time.shape, sample.initial_temperature)
     # Phase by phase, so that no step of the integrator straddles a switch of the plasma.
     for begin, end in ((0.0, plasma_off_time), (plasma_off_time, max(time[-1], plasma_off_time) + 1.0)):
-        run = solve_ivp(rate, (begin, end), state, method="LSODA", rtol=1e-8, atol=1e-5, dense_output=True)
+        run = scipy.integrate.solve_ivp(
+            rate, (begin, end), state, method="LSODA", rtol=1e-8, atol=1e-5, dense_output=True
+        )
         inside = (time >= begin) & (time <= end)
         if inside.any():
             surface[inside] = run.sol(time[inside])[0]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 # Absorption of silicon [m-1] at 300 K for the quantum efficiency of the spectrometer's detector:
 # Green & Keevers, Progress in Photovoltaics 3, 189 (1995).
@@ -48,7 +48,8 @@ class Spectrometer:
     def efficiency(self):
         """Relative response per radiance: silicon, times a grating blazed at 0.8 um."""
         wavelength = self.wavelength
-        absorption = np.exp(CubicSpline(SILICON_WAVELENGTH, np.log(SILICON_ABSORPTION))(wavelength))
+        smooth = scipy.interpolate.CubicSpline(SILICON_WAVELENGTH, np.log(SILICON_ABSORPTION))
+        absorption = np.exp(smooth(wavelength))
         blaze = np.sinc(0.55 * (1 - 0.8e-6 / wavelength)) ** 2
         return wavelength * -np.expm1(-absorption * self.depth) * blaze
 
