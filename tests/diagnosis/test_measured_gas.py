@@ -30,6 +30,7 @@ from plasmapyro.diagnosis.simulation.compare import (
     Fit,
     Fitter,
     admissible,
+    anywhere,
     compare,
     raise_errors,
     settled,
@@ -268,6 +269,26 @@ def test_a_gas_that_the_simulation_does_not_know_changes_no_name(fitted, record,
     assert names == (["winE"] if hidden else []) and found.unknown_class is None
     assert np.sqrt(np.mean(temperature_error(base, found.final) ** 2)) < STRAY
     assert compared(base, found.final).rivals == {}
+
+
+@pytest.mark.parametrize(("shift", "names"), [(0.0, []), (0.3, ["wshift"])])
+def test_lines_of_a_gas_of_another_pressure_stand_where_they_are(rippled, shift, names):
+    """A gas of other strengths than simulated: no cause of them has a name, a scale that is off has."""
+    simulated = Simulated(rippled.model, measured_gas(rippled.model, rippled.solution), {})
+    gas, hidden = simulated.measured, [Setting(CATALOGUE["ripple"], 0.2, {})]
+    plain = simulated.light(0.0, 0.0, hidden)
+    moved = simulated.light(0.0, 0.0, [*hidden, Setting(CATALOGUE["wshift"], shift, {})])
+    gas = replace(gas, value=gas.value + moved - plain)
+    nothing = Fit(0.0, 0.0, (), 0.0, np.eye(2))
+    asked = {identity: CATALOGUE[identity] for identity in ("wshift", "lsf", "ripple", "contin")}
+    before = Comparison(nothing, nothing, (), (), {}, 10.0, 0.5, np.ones(3))
+    with np.errstate(all="ignore"):
+        found = anywhere(rippled.model, gas, asked, before, "why", draws=300)
+    assert [one.id for one in found.final.settings] == list(found.rivals) == names
+    assert found.silence == "why" and set(found.evidence) == {"wshift", "lsf"}
+    if names:
+        assert found.final.settings[0].amplitude == pytest.approx(shift, rel=0.5)  # about another light
+        assert found.gained > 30.0
 
 
 def test_two_groups_of_lines_together_may_stand_for_an_effect(monkeypatch):

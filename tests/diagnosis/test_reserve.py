@@ -152,27 +152,47 @@ def test_a_fit_that_stopped_early_lets_nobody_explain_what_it_left(model):
 
 
 @pytest.mark.parametrize(
-    ("limit", "status", "left", "expected"),
+    ("name", "limit", "status", "left", "expected"),
     [
-        (9.0, "named+unknown", None, "walk_wide"),  # what the loss would be taken for, were it large
-        (-9.0, "named+unknown", None, "gas_pattern"),  # what the data themselves speak for
-        (9.0, "named+unknown", "left_step", "left_step"),
-        (9.0, "named", None, None),
+        ("winD", 9.0, "named+unknown", None, "walk_wide"),  # what the loss would be taken for, were it large
+        ("eps_T", -9.0, "named+unknown", None, "gas_pattern"),  # what the data themselves speak for
+        ("winD", -9.0, "named+unknown", None, "walk_wide"),  # of the instrument that the name is of
+        ("winE", 9.0, "named+unknown", None, "gas_pattern"),
+        ("winD", 9.0, "named+unknown", "left_step", "left_step"),
+        ("winD", 9.0, "named", None, None),
     ],
 )
-def test_names_with_reserve_say_where_another_cause_would_be(limit, status, left, expected):
-    """A cause outside the catalogue that was taken for one of it had neither instrument nor axis."""
+def test_names_with_reserve_say_where_another_cause_would_be(name, limit, status, left, expected):
+    """A cause outside the catalogue that was taken for one of it had neither instrument nor axis; a lag of
+    the spectrometer that was taken for the edge of its spot had the instrument that was right."""
     rows = np.zeros((6, 4))
     rows[:2, 0], rows[0, 1], rows[1, 2], rows[5, 3] = 10.0, 40.0, 40.0, 40.0
     data = 0.2 * rows[:, 0] + np.array([0, 0, 0, 0, 0, 4.0])
     structures = (Structure("walk_wide", "", slice(0, 2)), Structure("gas_pattern", "", slice(2, 3)))
-    candidates = (Candidate(CATALOGUE["winD"], {}),)
+    candidates = (Candidate(CATALOGUE[name], {}),)
     screen = Screen(candidates, structures, rows.T @ data, rows.T @ rows, np.ones(4), None)
-    fit = SimpleNamespace(settings=(Setting(CATALOGUE["winD"], 0.2, {}),))
+    fit = SimpleNamespace(settings=(Setting(CATALOGUE[name], 0.2, {}),))
     step = Step(fit, screen, screen.gains(), Unknowns(screen)(screen.score), None)
     limits = SimpleNamespace(unknown=limit)
-    found = Selection((step,), fit, (("winD",),), {}, status, left, limits, CATALOGUE)
+    found = Selection((step,), fit, ((name,),), {}, status, left, limits, CATALOGUE)
     assert found.suspect == expected
+
+
+@pytest.mark.parametrize(
+    ("unknown", "gained", "hides"),
+    [
+        (None, 0.0, False),
+        ("surface_pattern", 147.0, False),  # a slit that is wider, beside what it leaves of lines of calcium
+        ("surface_pattern", 15.0, True),
+        ("walk_pyrometer", 15.0, False),  # no pyrometer changes a spectrum
+        ("left_pattern", 147.0, True),  # nobody knows how much it explains
+    ],
+)
+def test_a_cause_of_the_gas_is_hidden_by_no_unknown_that_explains_less(unknown, gained, hides):
+    structures = (Structure("surface_pattern", "", slice(0, 1)), Structure("walk_pyrometer", "", slice(1, 2)))
+    step = SimpleNamespace(screen=SimpleNamespace(structures=structures), unknown=np.array([5.3, 4.1]))
+    found = Selection((step,), None, (), {}, "unknown" if unknown else "null", unknown, None, {})
+    assert found.hides(gained) is hides
 
 
 def test_a_pattern_that_comes_and_goes_lies_along_time_too():

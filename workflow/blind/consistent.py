@@ -50,7 +50,9 @@ def contradictions(report):
 def _opening(status, terms):
     if status in OPENINGS:
         return status
-    return "thermometer" if terms else "gas"
+    if terms:
+        return "thermometer"
+    return "unknown" if status == "named+unknown" else "gas"
 
 
 def _of_extension(report, first, terms):

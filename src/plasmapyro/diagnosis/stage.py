@@ -20,8 +20,7 @@ from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.selection import select
-from plasmapyro.diagnosis.select.structures import may_be_gas
-from plasmapyro.diagnosis.simulation.compare import compare, nothing_to_compare
+from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.record.inputs import has_plasma, instruments
@@ -158,11 +157,13 @@ def diagnose(
         beside = {one: OF_FLOW[one] for one in beside}
         comparison = compare(base.model, measured, questions[1], beside=beside, seed=seed)
         elsewhere = other_gas(test, radiation, comparison)
+        if elsewhere:
+            comparison = anywhere(base.model, measured, questions[1], comparison, elsewhere, seed=seed)
     if not gas_is_likelier(comparison, len(effects)):
-        comparison = comparison.without_names()
+        comparison = comparison.without_names(elsewhere)
     if any(line.strange for line in comparison.lines) and not elsewhere:
         selection = selection.beside(STRANGE_LINE)
-    if elsewhere or selection.unknown_class and may_be_gas(selection.unknown_class):
+    if selection.hides(comparison.gained):
         comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
@@ -193,13 +194,13 @@ def other_gas(test, radiation, comparison):
         if abs(measured / simulated - 1) > SAME_PRESSURE:
             return (
                 f"The test ran at {measured / MBAR:.3g} mbar, the simulation at {simulated / MBAR:.3g} mbar:"
-                " no cause is looked for in what they differ by."
+                " no cause in the gas is looked for in what they differ by."
             )
     elif comparison.unlike:
         at = f" for {simulated / MBAR:.3g} mbar" if np.isfinite(simulated) else ""
         return (
             f"At its best power the gas is {np.exp(comparison.base.brightness):.2g} times as bright as"
-            f" simulated{at}, and the test records no pressure: no cause is looked for before that is known."
+            f" simulated{at}, and the test records no pressure: no cause in the gas is looked for before."
         )
     return ""
 

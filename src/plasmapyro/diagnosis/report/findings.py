@@ -166,8 +166,10 @@ class Findings:
         if self.misfit:
             return "not-adequate"
         status, rivals = self.selection.status, self.comparison.rivals
-        if not rivals or status in ("unknown", "named+unknown"):
+        if not rivals or status == "named+unknown":
             return status
+        if status == "unknown":
+            return "named+unknown"
         return "one-of" if status == "one-of" or any(rivals.values()) else "named"
 
     @property
@@ -195,7 +197,8 @@ class Findings:
         named = self.named[0].id if self.named else None
         stated = {"null": "none", "unknown": "unknown"}.get(self.status, named)
         log[stated] = max(log[stated], max(value for key, value in log.items() if key != stated) + AHEAD)
-        return honest(log, OF_GAS if stated in self.comparison.evidence else self.status)
+        gas = stated in self.comparison.evidence and self.status != "named+unknown"
+        return honest(log, OF_GAS if gas else self.status)
 
     def _of_gas(self):
         """Log probabilities of the ids that change the gas, and of none."""

@@ -38,9 +38,14 @@ class Step:
 
     @property
     def structure(self):
-        """Id of the most likely unknown structure; of those nearly as likely, one along a single axis."""
-        order = np.argsort(-self.unknown, kind="stable")
-        near = [self.screen.structures[i].id for i in order if self.unknown[i] > self.unknown.max() - NEARLY]
+        """Id of the most likely unknown structure."""
+        return self.likeliest(self.unknown)
+
+    def likeliest(self, unknown):
+        """Id of the structure of the largest of log Bayes factors (classes,); of those nearly as likely, one
+        along a single axis."""
+        order = np.argsort(-unknown, kind="stable")
+        near = [self.screen.structures[i].id for i in order if unknown[i] > unknown.max() - NEARLY]
         return next((one for one in near if one != SMOOTH_MAP), near[0])
 
     def gained(self, solution):

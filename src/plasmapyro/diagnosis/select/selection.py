@@ -7,12 +7,13 @@ import numpy as np
 from plasmapyro import progress
 from plasmapyro.diagnosis.fit.inference import Solution
 from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
+from plasmapyro.diagnosis.select.prices import MARGIN
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
 from plasmapyro.diagnosis.select.search import Search
-from plasmapyro.diagnosis.select.structures import seen_by
+from plasmapyro.diagnosis.select.structures import may_be_gas, seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
@@ -61,23 +62,38 @@ class Selection:
             return self._behind()
         return self.unknown_class
 
+    def hides(self, gained):
+        """Whether what is unknown may be what changed the spectrum of the gas, where a cause of that explains
+        `gained` of chi-squared: what explains no more than such a cause has not made it."""
+        if self.unknown_class is None or not may_be_gas(self.unknown_class):
+            return False
+        last = self.steps[-1]
+        ids = [structure.id for structure in last.screen.structures]
+        return self.unknown_class not in ids or 0.5 * gained < float(last.unknown.max()) + MARGIN
+
     def _behind(self):
         """Id of the structure that a cause behind the effects that were found is.
 
-        The most likely one in the data; where none is beyond chance, the one that the effects would be taken
-        for if they were `CLEAR` standard deviations large: of less the likeliest is what says the least.
+        The most likely one in the data, in the instrument where all names act if it is one; where none is
+        beyond chance, the one that the effects would be taken for if they were `CLEAR` standard deviations
+        large: of less the likeliest is what says the least.
         """
-        first = self.steps[0]
-        if first.unknown.max() > self.thresholds.unknown or not self.final.settings:
-            return first.structure
-        screen, named = first.screen, {one.id: one for one in self.final.settings}
-        places = [i for i in best_by_id(screen.candidates, first.gains) if screen.candidates[i].id in named]
+        first, named = self.steps[0], {one.id: one for one in self.final.settings}
+        acting = {kind for one in named.values() for kind in one.effect.instruments}
+        places = [seen_by(structure.id)["instrument"] for structure in first.screen.structures]
+        elsewhere = [len(acting) == 1 and place not in acting for place in places]
+        unknown = np.where(elsewhere, -np.inf, first.unknown)
+        if unknown.max() > self.thresholds.unknown or not named:
+            return first.likeliest(unknown)
+        screen = first.screen
+        chosen = [i for i in best_by_id(screen.candidates, first.gains) if screen.candidates[i].id in named]
         numbers = [
-            screen.candidates[i].effect.linear_of(named[screen.candidates[i].id].amplitude) for i in places
+            screen.candidates[i].effect.linear_of(named[screen.candidates[i].id].amplitude) for i in chosen
         ]
-        score = screen.information[:, places] @ numbers
-        size = np.sqrt(max(score[places] @ numbers, TINY))
-        return screen.structures[int(np.argmax(Unknowns(screen)(CLEAR / size * score)))].id
+        score = screen.information[:, chosen] @ numbers
+        size = np.sqrt(max(score[chosen] @ numbers, TINY))
+        alike = np.where(elsewhere, -np.inf, Unknowns(screen)(CLEAR / size * score))
+        return screen.structures[int(np.argmax(alike))].id
 
     def doubted(self, reason):
         """The same, its names with reserve: a key of `reserve.SENTENCES`; what is doubtful already stays."""

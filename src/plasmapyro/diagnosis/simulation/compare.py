@@ -1,6 +1,7 @@
 """Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
@@ -16,6 +17,7 @@ from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
 FOREIGN = {"Ar", "Cu"}  # effects that are lines of an atom which the simulated gas has not
+ANYWHERE = FOREIGN | {"wshift", "lsf", "second"}  # that act on lines alike, however strong these are
 CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
@@ -78,7 +80,12 @@ class Comparison:
     evidence: dict = field(default_factory=dict)
     power: tuple = (0.0, np.inf)  # logarithm of it over the simulated one, error; a hotter gas counted in
     rivals_of_power: tuple = ()  # ids of effects that at the simulated power explain as much as another one
-    silence: str = ""  # a sentence: why no cause is looked for
+    silence: str = ""  # a sentence: why no cause in the gas is looked for
+
+    @property
+    def gained(self):
+        """Chi-squared that the first effect that is named gains alone, 0 without one."""
+        return max((self.gains[one.id] for one in self.final.settings[:1]), default=0.0)
 
     @property
     def power_is_wrong(self):
@@ -125,26 +132,14 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     fitter, base = settled(simulated)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
-    final, tried, rivals, free = base, alone, {}, None
     same = CONTINUA if CONTINUUM in effects else ()  # the effect itself, by another name
+    free = cache(lambda: spectroscopy(simulated, same))
+
+    def holds(before, fit):
+        return fit.objective <= free() - CLEARER and _may_be(fitter, before, fit)
+
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
-    while tried and len(final.settings) < MOST_EFFECTS:
-        best = min(tried, key=lambda identity: tried[identity].objective)
-        price = wanted * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
-        if not final.objective - tried[best].objective > price:
-            break
-        if free is None:
-            free = spectroscopy(simulated, same)
-        if tried[best].objective > free - CLEARER or not admissible(tried[best], model.library):
-            break
-        if best in FOREIGN and not all_lines(fitter, final, tried[best]):
-            break
-        least = tried[best].objective
-        near = least + ALIKE + KIN * (base.objective - least)
-        rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
-        final = tried[best]
-        used = {setting.id for setting in final.settings}
-        tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
+    final, rivals = _names(fitter, base, alone, effects, wanted, holds)
     lines = tuple(lines_of(fitter, final, threshold))
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
@@ -172,6 +167,63 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in asked.items()}
     alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
     return replace(found, rivals_of_power=alike)
+
+
+def _names(fitter, base, alone, effects, wanted, holds):
+    """The fit with the effects that a gas asks for, one after the other, and the rivals of each.
+
+    `alone` {id: fit with one effect}; `wanted`: chi-squared that one must bring; `holds` (fit before, fit):
+    whether the newest effect of a fit may be named.
+    """
+    final, tried, rivals = base, alone, {}
+    while tried and len(final.settings) < MOST_EFFECTS:
+        best = min(tried, key=lambda identity: tried[identity].objective)
+        price = wanted * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
+        if not final.objective - tried[best].objective > price or not holds(final, tried[best]):
+            break
+        least = tried[best].objective
+        near = least + ALIKE + KIN * (base.objective - least)
+        rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
+        final = tried[best]
+        used = {setting.id for setting in final.settings}
+        tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
+    return final, rivals
+
+
+def _may_be(fitter, before, fit):
+    """Whether the simulated gas could have the newest amplitude of a fit, and an atom has all its lines."""
+    atom = fit.settings[-1].id in FOREIGN
+    return admissible(fit, fitter.simulated.model.library) and (not atom or all_lines(fitter, before, fit))
+
+
+def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
+    """A `Comparison` `found` with a gas of another pressure, with the names that such a gas may have.
+
+    Every radiating system and group of lines may have any strength. Where lines stand, how wide a slit shows
+    them and what is none of the gas stay: effects `ANYWHERE` are named where no other one explains
+    more. `why`: a sentence on the rest; further parameters as of `compare`.
+    """
+    simulated = Simulated(model, measured, effects)
+    wrong = tuple(dict.fromkeys((*simulated.systems, *model.library.group_name)))
+    simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS, wrong)[0]
+    fitter, base = settled(simulated, (), wrong)
+    alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
+
+    def holds(before, fit):
+        return fit.settings[-1].id in ANYWHERE and _may_be(fitter, before, fit)
+
+    threshold = fitter.threshold(base, draws, seed)
+    final, rivals = _names(fitter, base, alone, effects, threshold, holds)
+    told = replace(final, covariance=fitter.spread(final) * final.covariance)
+    return replace(
+        found,
+        final=told if rivals else found.base,
+        gains={identity: base.objective - fit.objective for identity, fit in alone.items()},
+        threshold=threshold,
+        rivals=rivals,
+        evidence={identity: log_bayes(fit, base) for identity, fit in alone.items() if identity in ANYWHERE},
+        silence=why,
+    )
 
 
 def nothing_to_compare(model):
@@ -232,13 +284,13 @@ def raise_errors(simulated, effects):
         simulated.scatter = scatter
 
 
-def _likeliest(simulated, name, sizes):
-    """The size of an error by which the measured light is most probable, and the objective there; the error
-    is left as it was."""
+def _likeliest(simulated, name, sizes, wrong=()):
+    """The size of an error by which the measured light is most probable, and the objective there, systems
+    that are `wrong` of any strength; the error is left as it was."""
     before, found = getattr(simulated, name), {}
     for size in sizes:
         setattr(simulated, name, size)
-        found[size] = settled(simulated)[1].objective
+        found[size] = settled(simulated, (), wrong)[1].objective
     setattr(simulated, name, before)
     best = min(found, key=found.get)
     return best, found[best]
