@@ -5,6 +5,7 @@ Registers of words and limits, beside the modules that use them, need none: see 
 
 import csv
 import hashlib
+import io
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -57,6 +58,18 @@ def load(name):
     except FileNotFoundError:
         raise ValueError(f"table {name} has no certificate {name}.yml") from None
     return _parsed(name, content, certificate)
+
+
+@cache
+def arrays(name):
+    """The arrays (name -> array) of `data/<name>.npz`; ValueError where its certificate says other bytes."""
+    folder = files("plasmapyro") / "data"
+    content = (folder / f"{name}.npz").read_bytes()
+    certificate = yaml.safe_load((folder / f"{name}.yml").read_text(encoding="utf-8"))
+    if hashlib.sha256(content).hexdigest() != certificate["sha256"]:
+        raise ValueError(f"arrays {name} were changed: their sha256 is not that of the certificate")
+    with np.load(io.BytesIO(content)) as found:
+        return dict(found)
 
 
 @cache  # kernels ask for the same table at every layer, and YAML is slow

@@ -31,6 +31,8 @@ COARSE_END = replace(COARSER, first_courant=RESTART_COURANT)
 # Start and growth of the Courant number from a guess that the next coarser mesh corrected: Newton's method at
 # once; and from one that only the coarsest did.
 NEAR, FAR = {"first_courant": 2000.0, "growth": 6.0}, {"first_courant": RESTART_COURANT, "growth": 2.25}
+# From a guess that is nearly a solution: no growth, so that the first Jacobian may serve the next step.
+CLOSE = {"first_courant": LARGEST_COURANT}
 COARSEST = 2  # level of the coarsest mesh
 
 
@@ -83,6 +85,21 @@ def coarse_way(known, coarser, case, origin, target):
         here, there = coarser[level], Solution(problem, state)
         found[level] = there
     return found, changed(known, here, there, moved(known.problem, case.air, target))
+
+
+def changed_levels(known, here, there, case, target):
+    """Solutions at `target` on coarser meshes, from `known` ones, by what changed from `here` to `there`."""
+    found, schedule = {}, replace(COARSER, **NEAR)
+    for level, solution in known.items():
+        problem = moved(solution.problem, case.air, target)
+        guess, power = changed(solution, here, there, problem), target.numerical_power
+        try:
+            found[level] = Solution(
+                problem, march(problem, guess, power, schedule, case.on_level(level)).state
+            )
+        except NotConverged as fault:
+            log.info("%s; left out of the way", fault)
+    return found
 
 
 def changed(known, here, there, problem):

@@ -30,11 +30,14 @@ from plasmapyro.flow.follow import (
     follow,
 )
 from plasmapyro.flow.geometry import Torch
+from plasmapyro.flow.guess import guessed
 from plasmapyro.flow.initial import hot_torch
 from plasmapyro.flow.levels import (
+    CLOSE,
     FAR,
     NEAR,
     Solution,
+    changed_levels,
     coarse_way,
     estimated_error,
     known_levels,
@@ -89,9 +92,10 @@ def cold_start(
 ):
     """Steady flow at a reference condition, from a hot first guess; no swirl, no radiation loss.
 
-    Linear elements on a mesh of their own first (cheap, forgiving), then Taylor-Hood elements, from the
-    coarsest mesh of the error estimate to the final one. Another gas than air is reached on that coarsest
-    mesh, from air, by steps of its composition.
+    Where a first guess is known (see `guess`), from that on the final mesh. Else linear elements on a mesh of
+    their own first (cheap, forgiving), then Taylor-Hood elements, from the coarsest mesh of the error
+    estimate to the final one. Another gas than air is reached on that coarsest mesh, from air, by steps of
+    its composition.
 
     ValueError: an argument out of range. NotConverged: no steady state reached; nothing is returned.
 
@@ -133,8 +137,7 @@ def cold_start(
     meshes = Meshes(setup.torch)
     factors = level_factors(setup.mesh_factor, _checked_ratio(error_mesh_ratio))
     start_factor = float(positive("start_mesh_factor", start_mesh_factor, "1"))
-    coarse, state = _on_linear_elements(meshes, start_factor, setup, air, reference, label)
-    # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
+    meshes(start_factor)  # first: it may be one of the others but for round-off, which is another mesh
     final = replace(
         FINAL,
         first_courant=FIRST_COURANT,
@@ -142,26 +145,50 @@ def cold_start(
         velocity_tolerance=velocity_tolerance,
         temperature_tolerance=temperature_tolerance,
     )
-    source, solutions = coarse, {}
-    for level in reversed(range(len(factors))):
-        problem = problem_of(meshes(factors[level]), setup, air, reference, 2, limiter)
-        where = f"{label}, mesh factor {factors[level]:.3g}"
-        result = march_or_slower(problem, transfer(state, source, problem), power, final, where)
-        final = replace(final, first_courant=RESTART_COURANT)
-        if air.gas is not gas:  # the finer meshes begin in it
-            try:
-                problem, result = _in_gas(gas, problem, result.state, reference, final, where)
-                air = Air(gas, None, setup.wall_temperature)
-            except NotConverged as fault:
-                if not level:
-                    raise
-                log.info("%s; on the next finer mesh", fault)
-        source, state = problem, result.state
-        if air.gas is gas:
-            solutions[level] = Solution(problem, state)
+    case = Case(setup, meshes, Air(gas, None, setup.wall_temperature), 0.0, error_mesh_ratio, label)
+    result, solutions = _from_known(case, reference, limiter, replace(final, **CLOSE), len(factors))
+    if result is None:
+        source, state = _on_linear_elements(meshes, start_factor, setup, air, reference, label)
+        # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
+        for level in reversed(range(len(factors))):
+            problem = problem_of(meshes(factors[level]), setup, air, reference, 2, limiter)
+            where = f"{label}, mesh factor {factors[level]:.3g}"
+            result = march_or_slower(problem, transfer(state, source, problem), power, final, where)
+            final = replace(final, first_courant=RESTART_COURANT)
+            if air.gas is not gas:  # the finer meshes begin in it
+                try:
+                    problem, result = _in_gas(gas, problem, result.state, reference, final, where)
+                    air = Air(gas, None, setup.wall_temperature)
+                except NotConverged as fault:
+                    if not level:
+                        raise
+                    log.info("%s; on the next finer mesh", fault)
+            source, state = problem, result.state
+            if air.gas is gas:
+                solutions[level] = Solution(problem, state)
+    problem = solutions[0].problem
     found = to_dataset(problem, setup, reference, result, _balanced(problem, result, label))
     levels = {**mesh_variables(meshes, factors), **state_variables(solutions)}
     return found.assign(levels).assign_attrs(_named(gas))
+
+
+def _from_known(case, reference, limiter, final, levels):
+    """Result on the final mesh and the solutions by level from first guesses there; (None, {}) without."""
+    found, results = {}, []
+    try:
+        for level in range(levels):
+            mesh = case.meshes(case.setup.mesh_factor * case.mesh_ratio**level)
+            problem = problem_of(mesh, case.setup, case.air, reference, 2, limiter)
+            guess = guessed(level, problem, case.setup, case.air.gas, reference)
+            if guess is None:
+                return None, {}
+            label = f"{case.on_level(level)}, from a known flow"
+            results.append(march(problem, guess, reference.numerical_power, final, label))
+            found[level] = Solution(problem, results[-1].state)
+        return results[0], found
+    except NotConverged as fault:
+        log.info("%s; from nothing", fault)
+    return None, {}
 
 
 def _mixed(gas, share, reference):
@@ -335,17 +362,27 @@ def _known_state(dataset, setup, problem, gas):
 def _reached(dataset, here, case, origin, target, final):
     """Problem at `target`, its Result, and the solutions on coarser meshes by level that led there.
 
-    With meshes for an error estimate the way is gone on the coarsest of them, and only its end on the finer
-    ones, that of `here` the last; without, or where the coarse mesh finds no way, on the mesh of `here`.
+    Where a first guess is known (see `guess`), from that. Else, with meshes for an error estimate, the way is
+    gone on the coarsest of them, and only its end on the finer ones, that of `here` the last; without, or
+    where the coarse mesh finds no way, on the mesh of `here`.
     """
+    problem, power = moved(here.problem, case.air, target), target.numerical_power
+    near = guessed(0, problem, case.setup, case.air.gas, target) if origin != target else None
+    if near is not None:
+        try:
+            label = f"{case.label}, from a known flow"
+            result = march(problem, near, power, replace(final, **CLOSE), label)
+            known, there = known_levels(dataset, here, case, origin), Solution(problem, result.state)
+            return problem, result, changed_levels(known, here, there, case, target)
+        except NotConverged as fault:
+            log.info("%s; the way is tried from the start", fault)
     if case.mesh_ratio:
         try:
             known = known_levels(dataset, here, case, origin)
             coarser, guess = coarse_way(here, known, case, origin, target)
-            problem = moved(here.problem, case.air, target)
             label = f"{case.label}, from the coarse mesh"
             schedule = replace(final, **(NEAR if 1 in coarser else FAR))
-            return problem, march(problem, guess, target.numerical_power, schedule, label), coarser
+            return problem, march(problem, guess, power, schedule, label), coarser
         except NotConverged as fault:
             log.info("%s; the way is tried on the fine mesh", fault)
     problem, result = follow(
