@@ -355,15 +355,12 @@ class _Problem:
             for colour in range(3):
                 moved[3 * k + colour, colour::3, k] += PROBE * scale[k]
         found = self.residual(moved, c, state, step)
-        for k in range(UNKNOWNS):
-            for colour in range(3):
-                slope = (found[3 * k + colour] - found[-1]) / (PROBE * scale[k])
-                nodes = np.arange(colour, POINTS, 3)
-                for offset in (-1, 0, 1):
-                    there = nodes + offset
-                    ok = (there >= 0) & (there < POINTS)
-                    row, column = rows[there[ok]], rows[nodes[ok], k]
-                    matrix[band + row - column[:, None], column[:, None]] = slope[there[ok]]
+        slope = (found[:-1] - found[-1]).reshape(UNKNOWNS, 3, POINTS, UNKNOWNS)
+        slope /= (PROBE * scale)[:, None, None, None]
+        for offset in (-1, 0, 1):
+            nodes = np.arange(max(-offset, 0), POINTS - max(offset, 0))
+            row, column = rows[nodes + offset], rows[nodes].T[..., None]
+            matrix[band + row - column, column] = slope[:, nodes % 3, nodes + offset]
         return matrix
 
     def newton_change(self, state, c, step, slopes):
