@@ -31,6 +31,7 @@ NODES = 32
 EQUILIBRIUM_NODES = (*range(1500, 4500, 500), *range(4500, 9400, 350), *range(9400, 15001, 560))
 STENCIL = 4  # nodes of the interpolation: cubic
 BLOCK = 8192  # grid points crossed together; all arrays of a layer stay in the cache
+SMALL_DEPTH, ESCAPE_ORDER = 0.03, 6  # the first term left out is below 2e-13
 SHIFT_OVER_RIPPLE = 2.0  # of the shifted logarithm, over the most negative value
 SMALLEST_SHIFT = 1e-12  # [1], of the peak; below it Fourier transforms round
 NO_MATTER = 1e-300  # in place of zero in a logarithm
@@ -358,45 +359,61 @@ def _cross(table, path, layers, first, weights, whole, kept, smooth, part, rows)
     if not apart:
         smooth = smooth.sum(axis=1, keepdims=True)
     rises = np.diff(smooth)
-    emitted = np.empty((systems + smooth.shape[1], len(wavenumber)))
-    single, weights = np.empty(len(wavenumber), dtype=np.float32), weights.astype(np.float32)
-    optical_depth, thin, total, blackbody, work = np.zeros((5, len(wavenumber)))
+    emitted = np.empty((systems, len(wavenumber)), dtype=np.float32)
+    continua = np.empty((smooth.shape[1], len(wavenumber)))
+    weights = weights.astype(np.float32)
+    optical_depth, thin, total, blackbody, escaped, work = np.zeros((6, len(wavenumber)))
     through, found = np.ones(len(wavenumber)), np.zeros((rows, len(wavenumber)))
     for place in range(len(layers) - 1, -1, -1):
         layer, stencil = layers[place], slice(first[place], first[place] + STENCIL)
         np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=blackbody)
-        np.divide(first_radiation, np.expm1(blackbody, out=blackbody), out=blackbody)
-        shining = [*np.flatnonzero(kept[:, place]), *range(systems, len(emitted))]
+        np.exp(blackbody, out=blackbody)  # half the time of expm1; the exponent is above 0.1
+        blackbody -= 1
+        np.divide(first_radiation, blackbody, out=blackbody)
+        shining = np.flatnonzero(kept[:, place])
         total[:] = 0.0
         for index in shining:
-            row = emitted[index]
-            if index < systems:
-                np.einsum("k,kg->g", weights[place], table.emission[index, stencil, part], out=single)
-                np.subtract(np.exp(single, out=single), table.shift[index], out=row)
-                row *= whole[index, place] * path.number_density[table.lines[index].species][layer]
-            else:
-                coarse, rise = smooth[place, index - systems], rises[place, index - systems]
-                np.take(rise, low, out=row, mode="clip")  # 'clip': no copy; all lie within
-                row *= fraction
-                row += np.take(coarse, low, out=work, mode="clip")
-                row *= blackbody
+            row = np.einsum(
+                "k,kg->g", weights[place], table.emission[index, stencil, part], out=emitted[index]
+            )
+            np.exp(row, out=row)
+            row -= np.float32(table.shift[index])
+            row *= np.float32(whole[index, place] * path.number_density[table.lines[index].species][layer])
+            total += row
+        for index, row in enumerate(continua):
+            np.take(rises[place, index], low, out=row, mode="clip")  # 'clip': no copy; all lie within
+            row *= fraction
+            row += np.take(smooth[place, index], low, out=work, mode="clip")
+            row *= blackbody
             total += row
         total *= path.thickness[layer]
         thin += total
-        np.divide(total, blackbody, out=work)
-        optical_depth += work
-        absorbed = -np.expm1(-work)
-        # escape fraction; 1 in the limit of no depth
-        escaped = np.divide(absorbed, work, out=np.ones_like(work), where=work != 0)
+        depth = np.divide(total, blackbody, out=blackbody)
+        optical_depth += depth
+        _escape(depth, out=escaped)
+        absorbed = np.multiply(depth, escaped, out=depth)
         escaped *= through
+        through *= np.subtract(1, absorbed, out=absorbed)
         if apart:
             escaped *= path.thickness[layer]
             for index in shining:
                 found[index] += np.multiply(emitted[index], escaped, out=work)
+            for index, row in enumerate(continua, start=systems):
+                found[index] += np.multiply(row, escaped, out=work)
         else:
             found[0] += np.multiply(total, escaped, out=work)
-        through *= np.subtract(1, absorbed, out=absorbed)
     return found, optical_depth, thin
+
+
+def _escape(depth, out):
+    """(1 - exp(-x))/x of optical depths; by its series where they are small, three times as fast."""
+    out[:] = 1.0
+    for order in range(ESCAPE_ORDER, 1, -1):
+        out *= depth
+        out *= -1 / order
+        out += 1
+    deep = np.flatnonzero(np.abs(depth) > SMALL_DEPTH)
+    out[deep] = -np.expm1(-depth[deep]) / depth[deep]
 
 
 def _cold_bound(table, path):
