@@ -201,7 +201,8 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
 
     Every radiating system and group of lines may have any strength. Where lines stand, how wide a slit shows
     them and what is none of the gas stay: effects `ANYWHERE` are named where no other one explains
-    more. `why`: a sentence on the rest; further parameters as of `compare`.
+    more, and none that shows only beside another, whose formula errs. `why`: a sentence on the rest; further
+    parameters as of `compare`.
     """
     simulated = Simulated(model, measured, effects)
     wrong = tuple(dict.fromkeys((*simulated.systems, *model.library.group_name)))
@@ -209,10 +210,13 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
     fitter, base = settled(simulated, (), wrong)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
 
-    def holds(before, fit):
-        return fit.settings[-1].id in ANYWHERE and _may_be(fitter, before, fit)
-
     threshold = fitter.threshold(base, draws, seed)
+
+    def holds(before, fit):
+        newest = fit.settings[-1].id
+        seen = newest in ANYWHERE and base.objective - alone[newest].objective > threshold
+        return seen and _may_be(fitter, before, fit)
+
     final, rivals = _names(fitter, base, alone, effects, threshold, holds)
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     return replace(
