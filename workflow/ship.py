@@ -57,26 +57,15 @@ def gathered(results):
 
 def first_guesses(results, names):
     """Store states of the flow at the powers, from which those of a run begin (`plasmapyro.flow.guess`)."""
-    flows = [io.read(results / f"flow/{name}.nc", "flow") for name in names]
-    count = int(flows[0].face_node.max()) + 1
-    states = [
-        np.concatenate(
-            [
-                flow.axial_velocity / REFERENCE_VELOCITY,
-                flow.radial_velocity / REFERENCE_VELOCITY,
-                np.log(flow.temperature),
-                (flow.pressure - flow.chamber_pressure)[:count] / REFERENCE_PRESSURE,
-            ]
-        )
-        for flow in flows
-    ]
-    said = {guess.told(setup_of(flow), flow, Condition.of(flow)) for flow in flows}
-    power = np.array([float(flow.numerical_power) for flow in flows])
     start = io.read(results / "flow/start/reference.nc", "flow")
-    meshes = meshes_of(start, setup_of(start).torch)
+    meshes, setup = meshes_of(start, setup_of(start).torch), setup_of(start)
     vertices = [meshes(factor).restrict("flow").p for factor in start.solver_mesh_factor.values]
-    coarser = [start.solver_state.values[start.solver_state_mesh == level] for level in (1, 2)]
-    kept = guess.gathered(power, np.array(states), *said, float(start.numerical_power), vertices, coarser)
+    flows = [io.read(results / f"flow/{name}.nc", "flow") for name in names]
+    states = [np.array([_state(flow, vertices[0].shape[1]) for flow in flows])]
+    for level in range(1, len(vertices)):
+        states.append(np.array([one.solver_state.values[one.solver_state_mesh == level] for one in flows]))
+    (said,) = {guess.told(setup, flow, Condition.of(flow)) for flow in flows}
+    kept = guess.gathered(np.array([float(flow.numerical_power) for flow in flows]), states, said, vertices)
     place = PLACE.parents[1] / f"{guess.NAME}.npz"
     place.parent.mkdir(exist_ok=True)
     np.savez_compressed(place, **kept)
@@ -87,6 +76,13 @@ def first_guesses(results, names):
         re.sub("uncertainty: .*", f"uncertainty: quanta of the fields {guess.QUANTA}", text),
         place.with_suffix(".yml"),
     )
+
+
+def _state(flow, vertices):
+    """State of the solver on the finest mesh."""
+    speeds = [flow.axial_velocity / REFERENCE_VELOCITY, flow.radial_velocity / REFERENCE_VELOCITY]
+    pressure = (flow.pressure - flow.chamber_pressure)[:vertices] / REFERENCE_PRESSURE
+    return np.concatenate([*speeds, np.log(flow.temperature), pressure])
 
 
 def main():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from plasmapyro.flow import guess, stage
+from plasmapyro.flow import guess, levels, stage
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import NotConverged
 from plasmapyro.flow.dataset import Setup
@@ -41,7 +41,7 @@ def problem(setup, states, monkeypatch):
     vertices = np.array([[0.0, 0.1, 0.2], [0.0, 0.01, 0.0]])
     said = guess.told(setup, AIR, HERE)
     known = np.array([states(power) for power in POWER])
-    kept = guess.gathered(POWER, known, said, 90e3, [vertices, vertices[:, :1]], [states(90e3)[:4]])
+    kept = guess.gathered(POWER, [known, known[:, :4]], said, [vertices, vertices[:, :1]])
     monkeypatch.setattr(guess, "arrays", lambda name: kept)
     fixed = np.arange(SIZE) == 2
     space, mesh = SimpleNamespace(size=SIZE), SimpleNamespace(p=vertices)
@@ -71,12 +71,11 @@ def test_another_mesh_gas_power_or_condition_has_no_guess(setup, problem):
     assert none(problem=SimpleNamespace(**vars(problem) | {"mesh": SimpleNamespace(p=moved[:, :2])}))
 
 
-def test_the_states_on_a_coarser_mesh_are_known_at_one_power(setup, states, problem):
+def test_the_states_on_a_coarser_mesh_are_known_as_well(setup, states, problem):
     mesh, space = SimpleNamespace(p=problem.mesh.p[:, :1]), SimpleNamespace(size=4)
     coarse = SimpleNamespace(mesh=mesh, space=space, fixed=problem.fixed[:4], values=problem.values[:4])
     found = guess.guessed(1, coarse, setup, AIR, HERE)
     assert np.abs(found - states(90e3)[:4])[[0, 1, 3]].max() < 2e-3 and found[2] == 5.0
-    assert guess.guessed(1, coarse, setup, AIR, replace(HERE, numerical_power=80e3)) is None
     assert guess.guessed(2, coarse, setup, AIR, HERE) is None
 
 
@@ -118,8 +117,15 @@ def test_a_guess_that_leads_nowhere_leaves_the_way_from_nothing(air, setup, monk
     def lost(*given):
         raise NotConverged("nowhere")
 
+    monkeypatch.setattr(stage, "is_known", lambda *given: True)
     monkeypatch.setattr(stage, "guessed", lambda *given: np.zeros(1))
     monkeypatch.setattr(stage, "problem_of", lambda *given: None)
     monkeypatch.setattr(stage, "march", lost)
     case = stage.Case(setup, lambda factor: None, stage.Air(air, None, 350.0), 0.0, 1.41, "here")
-    assert stage._from_known(case, HERE, 0.02, stage.FINAL, 3) == (None, {})
+    assert stage._from_known(case, HERE, 0.02, stage.FINAL) == (None, {})
+
+
+def test_solutions_on_coarser_meshes_of_another_torch_are_left_out(setup, monkeypatch):
+    monkeypatch.setattr(levels, "setup_of", lambda dataset: replace(setup, wall_temperature=400.0))
+    case = stage.Case(setup, None, None, 0.0, 1.41, "here")
+    assert levels.known_levels({"solver_state": np.zeros(1)}, None, case, HERE) == {}

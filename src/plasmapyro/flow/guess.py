@@ -1,9 +1,9 @@
 """A first guess from solutions of an earlier run, on the mesh of the paper's torch, in air.
 
-It shortens the way to a solution, not the test that it is one. Kept are the mean state over the powers, all
-its principal modes, in quanta of each field (3 cm/s, 0.03 % of T, 0.3 Pa), their amplitudes at each power;
-for the cold start also its states on coarser meshes.
-Without it 60 kW takes 16 steps of Newton's method on coarser meshes and 8 on the final one; with it 6 and 2.
+It shortens the way to a solution, not the test that it is one. Kept are, for each mesh of the error estimate,
+the mean state over the powers, all its principal modes, in quanta of each field (3 cm/s, 0.03 % of T, 0.3
+Pa), and their amplitudes at each power.
+Without it 60 kW takes 16 steps of Newton's method on coarser meshes and 8 on the final one; with it 2 and 2.
 """
 
 import json
@@ -25,63 +25,56 @@ def guessed(level, problem, setup, gas, condition):
     Parameters
     ----------
     level : int
-        Of the mesh: 0 is the finest; on the coarser ones states are known at one power.
+        Of the mesh: 0 is the finest.
     problem : Problem of quadratic elements at the condition
     setup : Setup
     gas : Dataset, contract 'gas'
     condition : Condition
     """
-    known, vertices, power = arrays(NAME), problem.mesh.p, condition.numerical_power
-    there = known.get(f"vertices_{level}", np.empty(0))
-    if vertices.shape != there.shape or told(setup, gas, condition) != known["told"]:
+    known, vertices, here = arrays(NAME), problem.mesh.p, condition.numerical_power
+    there, power = known.get(f"vertices_{level}", np.empty(0)), known["power"]
+    if not is_known(setup, gas, condition) or vertices.shape != there.shape:
         return None
     if np.abs(vertices - there).max() > SAME_VERTEX:
         return None
-    if level:
-        state = 1.0 * known[f"state_{level}"] if power == known["power_of_levels"] else None
-    else:
-        state = _between(known, power)
-    if state is None:
-        return None
+    first = np.clip(np.searchsorted(power, here) - STENCIL // 2, 0, len(power) - STENCIL)
+    near = power[first : first + STENCIL]
+    weights = [np.prod((here - near[near != one]) / (one - near[near != one])) for one in near]
+    amplitude = weights @ known[f"amplitude_{level}"][first : first + STENCIL]
+    state = known[f"mean_{level}"] + amplitude @ known[f"modes_{level}"]
     state *= _quantum(state.size, vertices.shape[1])
     state[problem.fixed] = problem.values[problem.fixed]
     return state
 
 
-def _between(known, here):
-    """State on the finest mesh at a power, in quanta; None outside of the known ones."""
-    power = known["power"]
-    if not power[0] <= here <= power[-1]:
-        return None
-    first = np.clip(np.searchsorted(power, here) - STENCIL // 2, 0, len(power) - STENCIL)
-    near = power[first : first + STENCIL]
-    weights = [np.prod((here - near[near != one]) / (one - near[near != one])) for one in near]
-    return known["mean"] + weights @ known["amplitude"][first : first + STENCIL] @ known["modes"]
+def is_known(setup, gas, condition):
+    """Whether states of this torch and gas are kept at the condition, or at powers around it."""
+    known = arrays(NAME)
+    low, high = known["power"][[0, -1]]
+    return told(setup, gas, condition) == known["told"] and low <= condition.numerical_power <= high
 
 
-def gathered(power, states, said, power_of_levels, vertices, coarser):
+def gathered(power, states, said, vertices):
     """What `guessed` reads.
 
     Parameters
     ----------
-    power, states : (P,) [W] increasing, (P, size)
+    power : (P,) [W] increasing
+    states : sequence of (P, size)
+        By level.
     said : str
         `told` of all.
-    power_of_levels : float [W]
     vertices : sequence of (2, V) [m]
-        Of the finest mesh, then of the coarser ones.
-    coarser : sequence of (size,)
-        States on the coarser ones.
+        By level.
     """
-    scaled = states / _quantum(states.shape[1], vertices[0].shape[1])
-    mean = np.round(scaled.mean(axis=0))
-    share, size, modes = np.linalg.svd(scaled - mean, full_matrices=False)
-    found = {"mean": mean.astype(np.int16), "modes": np.round(modes * size[:, None]).astype(np.int16)}
-    found |= {"amplitude": share, "power": power, "told": said, "power_of_levels": power_of_levels}
-    found |= {f"vertices_{level}": points.astype(np.float32) for level, points in enumerate(vertices)}
-    for level, state in enumerate(coarser, start=1):
-        quanta = state / _quantum(state.size, vertices[level].shape[1])
-        found[f"state_{level}"] = np.round(quanta).astype(np.int16)
+    found = {"power": power, "told": said}
+    for level, (own, points) in enumerate(zip(states, vertices, strict=True)):
+        scaled = own / _quantum(own.shape[1], points.shape[1])
+        mean = np.round(scaled.mean(axis=0))
+        share, size, modes = np.linalg.svd(scaled - mean, full_matrices=False)
+        quanta = {"mean": mean.astype(np.int16), "modes": np.round(modes * size[:, None]).astype(np.int16)}
+        quanta |= {"amplitude": share, "vertices": points.astype(np.float32)}
+        found |= {f"{name}_{level}": values for name, values in quanta.items()}
     return found
 
 

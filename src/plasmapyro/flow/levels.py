@@ -7,6 +7,7 @@ import numpy as np
 
 from plasmapyro.flow.case import moved, problem_of
 from plasmapyro.flow.continuation import NotConverged, Schedule, march, march_or_slower
+from plasmapyro.flow.dataset import setup_of
 from plasmapyro.flow.evaluate import carried, transfer
 from plasmapyro.flow.follow import LARGEST_COURANT, LINEAR_TOLERANCE, PATIENCE, RESTART_COURANT, follow
 from plasmapyro.flow.mesh_error import mesh_error
@@ -87,21 +88,6 @@ def coarse_way(known, coarser, case, origin, target):
     return found, changed(known, here, there, moved(known.problem, case.air, target))
 
 
-def changed_levels(known, here, there, case, target):
-    """Solutions at `target` on coarser meshes, from `known` ones, by what changed from `here` to `there`."""
-    found, schedule = {}, replace(COARSER, **NEAR)
-    for level, solution in known.items():
-        problem = moved(solution.problem, case.air, target)
-        guess, power = changed(solution, here, there, problem), target.numerical_power
-        try:
-            found[level] = Solution(
-                problem, march(problem, guess, power, schedule, case.on_level(level)).state
-            )
-        except NotConverged as fault:
-            log.info("%s; left out of the way", fault)
-    return found
-
-
 def changed(known, here, there, problem):
     """First guess for `problem`: a known state plus the change from `here` to `there` on a coarser mesh.
 
@@ -159,10 +145,10 @@ def state_variables(solutions):
 def known_levels(dataset, known, case, condition):
     """Solutions on coarser meshes, by level, that a flow dataset holds besides the one that is `known`.
 
-    Empty where it holds none, or those of other meshes.
+    Empty where it holds none, or those of another torch or other meshes.
     """
     found = {}
-    if not case.mesh_ratio or "solver_state" not in dataset:
+    if not case.mesh_ratio or "solver_state" not in dataset or setup_of(dataset) != case.setup:
         return found
     for level, factor in enumerate(level_factors(case.setup.mesh_factor, case.mesh_ratio)):
         state = dataset.solver_state.values[dataset.solver_state_mesh.values == level]

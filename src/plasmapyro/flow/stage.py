@@ -30,14 +30,14 @@ from plasmapyro.flow.follow import (
     follow,
 )
 from plasmapyro.flow.geometry import Torch
-from plasmapyro.flow.guess import guessed
+from plasmapyro.flow.guess import guessed, is_known
 from plasmapyro.flow.initial import hot_torch
 from plasmapyro.flow.levels import (
     CLOSE,
+    COARSER,
     FAR,
     NEAR,
     Solution,
-    changed_levels,
     coarse_way,
     estimated_error,
     known_levels,
@@ -146,7 +146,7 @@ def cold_start(
         temperature_tolerance=temperature_tolerance,
     )
     case = Case(setup, meshes, Air(gas, None, setup.wall_temperature), 0.0, error_mesh_ratio, label)
-    result, solutions = _from_known(case, reference, limiter, replace(final, **CLOSE), len(factors))
+    result, solutions = _from_known(case, reference, limiter, final)
     if result is None:
         source, state = _on_linear_elements(meshes, start_factor, setup, air, reference, label)
         # One change at a time: linear to quadratic elements, then from mesh to finer mesh.
@@ -172,18 +172,21 @@ def cold_start(
     return found.assign(levels).assign_attrs(_named(gas))
 
 
-def _from_known(case, reference, limiter, final, levels):
+def _from_known(case, target, limiter, final):
     """Result on the final mesh and the solutions by level from first guesses there; (None, {}) without."""
     found, results = {}, []
+    if not is_known(case.setup, case.air.gas, target):
+        return None, {}
+    factors = level_factors(case.setup.mesh_factor, case.mesh_ratio)
+    problems = [problem_of(case.meshes(one), case.setup, case.air, target, 2, limiter) for one in factors]
+    guesses = [guessed(level, one, case.setup, case.air.gas, target) for level, one in enumerate(problems)]
+    if any(guess is None for guess in guesses):
+        return None, {}
     try:
-        for level in range(levels):
-            mesh = case.meshes(case.setup.mesh_factor * case.mesh_ratio**level)
-            problem = problem_of(mesh, case.setup, case.air, reference, 2, limiter)
-            guess = guessed(level, problem, case.setup, case.air.gas, reference)
-            if guess is None:
-                return None, {}
+        for level, (problem, guess) in enumerate(zip(problems, guesses, strict=True)):
+            schedule = replace(COARSER if level else final, **CLOSE)
             label = f"{case.on_level(level)}, from a known flow"
-            results.append(march(problem, guess, reference.numerical_power, final, label))
+            results.append(march(problem, guess, target.numerical_power, schedule, label))
             found[level] = Solution(problem, results[-1].state)
         return results[0], found
     except NotConverged as fault:
@@ -311,20 +314,17 @@ def condition(
         )
     neighbours = [one for one in neighbours if _named(one) == _named(gas)]
     known = sorted((*neighbours, start), key=lambda one: Condition.of(one).parts_to(target, power_step))
-    faults = []
+    faults, case = [], Case(setup, meshes, air, power_step, mesh_ratio, label)
+    if target not in map(Condition.of, known):
+        result, solutions = _from_known(case, target, limiter, final)
+        if result is not None:
+            return _described(case, target, solutions.pop(0).problem, result, solutions)
     for one in known[:TRIES]:
         origin = Condition.of(one)
         problem = problem_of(mesh, setup, air, origin, 2, limiter)
         here = Solution(problem, _known_state(one, setup, problem, gas))
-        case = Case(setup, meshes, air, power_step, mesh_ratio, label)
         try:
-            problem, result, coarser = _reached(one, here, case, origin, target, final)
-            balance = _balanced(problem, result, label)
-            error = None
-            if case.mesh_ratio:
-                error = estimated_error(Solution(problem, result.state), coarser, case, target)
-            found = to_dataset(problem, setup, target, result, balance, error)
-            return found.assign_attrs(_named(gas))
+            return _described(case, target, *_reached(one, here, case, origin, target, final))
         except Unbalanced:
             raise  # another way ends in the same state
         except NotConverged as fault:
@@ -335,6 +335,15 @@ def condition(
     if mach > LOW_MACH:
         tried += f"\nThe gas enters at Mach {mach:.2f}; the equations hold for small Mach numbers."
     raise kind(tried)
+
+
+def _described(case, target, problem, result, coarser):
+    """Dataset of a flow, with the estimated error and the solutions on coarser meshes where there are any."""
+    balance, error = _balanced(problem, result, case.label), None
+    if case.mesh_ratio:
+        error = estimated_error(Solution(problem, result.state), coarser, case, target)
+    found = to_dataset(problem, case.setup, target, result, balance, error)
+    return found.assign(state_variables(coarser)).assign_attrs(_named(case.air.gas))
 
 
 def _named(gas):
@@ -362,27 +371,17 @@ def _known_state(dataset, setup, problem, gas):
 def _reached(dataset, here, case, origin, target, final):
     """Problem at `target`, its Result, and the solutions on coarser meshes by level that led there.
 
-    Where a first guess is known (see `guess`), from that. Else, with meshes for an error estimate, the way is
-    gone on the coarsest of them, and only its end on the finer ones, that of `here` the last; without, or
-    where the coarse mesh finds no way, on the mesh of `here`.
+    With meshes for an error estimate the way is gone on the coarsest of them, and only its end on the finer
+    ones, that of `here` the last; without, or where the coarse mesh finds no way, on the mesh of `here`.
     """
-    problem, power = moved(here.problem, case.air, target), target.numerical_power
-    near = guessed(0, problem, case.setup, case.air.gas, target) if origin != target else None
-    if near is not None:
-        try:
-            label = f"{case.label}, from a known flow"
-            result = march(problem, near, power, replace(final, **CLOSE), label)
-            known, there = known_levels(dataset, here, case, origin), Solution(problem, result.state)
-            return problem, result, changed_levels(known, here, there, case, target)
-        except NotConverged as fault:
-            log.info("%s; the way is tried from the start", fault)
     if case.mesh_ratio:
         try:
             known = known_levels(dataset, here, case, origin)
             coarser, guess = coarse_way(here, known, case, origin, target)
+            problem = moved(here.problem, case.air, target)
             label = f"{case.label}, from the coarse mesh"
             schedule = replace(final, **(NEAR if 1 in coarser else FAR))
-            return problem, march(problem, guess, power, schedule, label), coarser
+            return problem, march(problem, guess, target.numerical_power, schedule, label), coarser
         except NotConverged as fault:
             log.info("%s; the way is tried on the fine mesh", fault)
     problem, result = follow(
