@@ -221,3 +221,12 @@ def test_a_thick_sample_may_near_its_end_slowly_but_not_wiggle():
 
     assert penalty(slow) < 5.0
     assert penalty(slow + np.where(knots == knots[-8], 1.0, 0.0)) > 100.0
+
+
+def test_what_bands_leave_is_worded_as_bands():
+    many, few = (SimpleNamespace(channels=n, source="radiometer") for n in (25, 2))
+    spectra = SimpleNamespace(channels=300, source="spectrometer")
+    said = leftover.names([many])
+    assert said.keys() == leftover.NAMES.keys()
+    assert not any("spectrometer" in one or "frame" in one for one in said.values())
+    assert leftover.names([few, spectra]) == leftover.NAMES

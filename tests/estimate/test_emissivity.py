@@ -38,8 +38,10 @@ def test_the_prior_alone_decides_along_the_direction_of_wien():
     kelvin, x = 1000.0, (PIXELS - 750e-9) / 200e-9
     mean, one = np.full((PIXELS.size,) * 2, 1 / PIXELS.size), np.eye(PIXELS.size)
     going = np.outer(x, x) + 0.75 * np.outer(x**2, x**2)
-    smooth = (one - mean) @ (np.exp(-((x[:, None] - x) ** 2) / 2) + going) @ (one - mean) / 2
-    covariance = 0.1**2 + 0.1**2 * (1 / 4 + smooth) + 1e-3**2 * one
+    course, beside = (np.exp(-((x[:, None] - x) ** 2) / 2) + going) / 2, np.exp(-(x**2) / 2) / 2
+    of_mean = (one - mean) @ course @ (one - mean)
+    of_middle = course - beside - beside[:, None] + 1 / 2  # that of its difference from its value at x = 0
+    covariance = 0.1**2 + 0.1**2 * (of_mean + of_middle) / 2 + 1e-3**2 * one
     shape = SECOND_RADIATION / PIXELS
     expected = kelvin / np.sqrt(shape @ np.linalg.solve(covariance, shape))
     seen = light(0.5, [kelvin])
@@ -130,11 +132,12 @@ def test_five_bands_beat_two_grey_ones_and_know_how_well():
     kelvin = random.uniform(1100.0, 2100.0, count)
     signal = np.einsum("wnl,nl,bl->wnb", emissivity, blackbody_radiance(FIVE, kelvin[:, None]), BANDS * 1.0)
     signal *= 1 + 0.003 * random.standard_normal(signal.shape)
-    prior = smooth_prior(FIVE, 0.75, level=0.08, shape=0.12, length=2.5e-7)
     trials = np.linspace(600.0, 4000.0, 20001)
     body = blackbody_radiance(FIVE, trials[:, None])
     curve = (body @ BANDS[3]) / (body @ BANDS[4])  # a ratio pyrometer of the two longest bands
-    for name, seen in zip(WORLDS, signal, strict=True):
+    for name, seen, own in zip(WORLDS, signal, emissivity, strict=True):
+        stated = np.sqrt(np.mean(np.log(own.mean(axis=1) / 0.75) ** 2))  # an oxide changes the level too
+        prior = smooth_prior(FIVE, 0.75, level=stated, shape=0.12, length=2.5e-7)
         found = infer(Channels(FIVE, BANDS * 1.0), prior, seen, 0.003 * seen)
         assert found.converged.all()
         error = found.temperature / kelvin - 1

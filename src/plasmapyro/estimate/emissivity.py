@@ -110,7 +110,7 @@ def modes(covariance):
     return (vectors * np.sqrt(np.maximum(variance, 0.0)))[:, kept][:, ::-1]
 
 
-def infer(channels, prior, signal, noise, linear=None, known=None):
+def infer(channels, prior, signal, noise, linear=None, known=None, begin=None):
     """Temperature and coefficients of the largest posterior density, each sample by itself.
 
     Parameters
@@ -123,6 +123,8 @@ def infer(channels, prior, signal, noise, linear=None, known=None):
         Light g of unit coefficients z that adds: what is left of the gas, stray light.
     known : pair of (n, K + M) mean and (n, K + M, K + M) precision, optional
         Of the coefficients, instead of unit normals.
+    begin : (n,) array [K], optional
+        Temperatures to begin with, see `beginning`.
 
     Returns
     -------
@@ -131,6 +133,7 @@ def infer(channels, prior, signal, noise, linear=None, known=None):
     """
     signal, noise = (np.asarray(one, dtype=float) for one in (signal, noise))
     count = prior.basis.shape[1] + (0 if linear is None else linear.shape[-1])
+    begin = beginning(channels, prior, signal, noise) if begin is None else begin
     size = max(1, CHUNK // (signal.shape[1] * (1 + count) + channels.wavelength.size))
     parts = []
     for first in range(0, len(signal), size):
@@ -143,20 +146,26 @@ def infer(channels, prior, signal, noise, linear=None, known=None):
                 noise[part],
                 np.zeros((*signal[part].shape, 0)) if linear is None else linear[part],
                 None if known is None else tuple(one[part] for one in known),
+                begin[part],
             )
         )
     return Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
-def _infer(channels, prior, signal, noise, linear, known):
-    rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1]
+def _weighted(signal, noise):
+    """Signals and inverse noise (n, C), both 0 where there is none."""
     good = np.isfinite(signal) & np.isfinite(noise) & (noise > 0)
-    weight = np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
-    signal = np.where(good, signal, 0.0)
+    return np.where(good, signal, 0.0), np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
+
+
+def _infer(channels, prior, signal, noise, linear, known, begin):
+    rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1]
+    signal, weight = _weighted(signal, noise)
+    good = weight > 0
     linear = np.where(good[..., None], linear, 0.0)
     mean, precision = known or (np.zeros((rows, count)), np.broadcast_to(np.eye(count), (rows, count, count)))
     state = np.concatenate([np.zeros((rows, 1)), mean], axis=1)
-    state[:, 0] = UNIT / _beginning(channels, prior, signal, weight)
+    state[:, 0] = UNIT / begin
     shapes = prior.basis.shape[1]
     full = np.zeros((rows, 1 + count, 1 + count))
     full[:, 1:, 1:] = precision
@@ -207,8 +216,9 @@ def _infer(channels, prior, signal, noise, linear, known):
     )
 
 
-def _beginning(channels, prior, signal, weight):
+def beginning(channels, prior, signal, noise):
     """Temperature (n,) [K] at which the mean emissivity gives the signal of the clearest channel."""
+    signal, weight = _weighted(signal, noise)
     trials = np.linspace(1 / TRIALS[1], 1 / TRIALS[0], TRIALS[2])
     mean = np.exp(prior.logarithm)
     curves = np.log(channels.detect(mean * planck_and_slope(channels.wavelength, 1 / trials)[0]))
@@ -246,12 +256,12 @@ def follow(channels, prior, kept, signal, noise, linear):
     """
     count = kept.shape[1]
     mean, covariance = np.zeros(count), np.eye(count)
-    before, parts = [], []
+    before, parts, begin = [], [], beginning(channels, prior, signal, noise)
     for n in range(len(signal)):
         before.append((mean, covariance))
         known = mean[None], np.linalg.inv(covariance)[None]
         one = slice(n, n + 1)
-        parts.append(infer(channels, prior, signal[one], noise[one], linear[one], known))
+        parts.append(infer(channels, prior, signal[one], noise[one], linear[one], known, begin[one]))
         if parts[-1].converged[0]:
             mean, covariance = parts[-1].state[0, 1:], parts[-1].covariance[0, 1:, 1:]
         if n < len(kept):

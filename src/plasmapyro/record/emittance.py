@@ -14,7 +14,7 @@ ANY_LEVEL = 3.0  # of the logarithm of a level that is not known
 # [1] that a pyrometer alone does not see the light that calibration and emittance say
 THROUGHPUT_CHANCE = 0.2
 THROUGHPUT_WIDTH = 0.3  # [1] standard deviation of its logarithm then
-OF_LEVEL, GOING_ON = 0.5, 0.5  # [1] ASSUME: of the course as a standard deviation, as a share of the variance
+GOING_ON = 0.5  # [1] ASSUME: share of the variance of a course whose slope and bend go on
 # ASSUME: metals, whose emittance falls by some per cent from band to band; a gain; an amplifier near its end.
 RATIO_CHANCE = 0.2  # [1] that the ratio of the bands of a pyrometer alone is not the one that is stated
 RATIO_WIDTH = 0.05  # [1] standard deviation of its logarithm then
@@ -62,14 +62,15 @@ def smooth(wavelength, length):
 
 
 def course(wavelength, shape, length):
-    r"""Covariance (N, N) of the logarithm of an emissivity over wavelength, but for its level.
+    r"""Covariance (N, N) of the logarithm of an emissivity over wavelength about its stated level.
 
-    .. math:: u_1^2\,\Bigl\{\frac{1}{4} + \frac{1}{2} P\Bigl[e^{-(x_i - x_j)^2/2} + x_i x_j
-              + \frac{3}{4} x_i^2 x_j^2\Bigr] P\Bigr\}, \qquad x = (\lambda - \bar\lambda)/\ell
+    .. math:: \frac{u_1^2}{2} (P K P^T + Q K Q^T), \quad
+              K_{ij} = \frac{1}{2} \Bigl[e^{-(x_i - x_j)^2/2} + x_i x_j + \frac{3}{4} x_i^2 x_j^2\Bigr], \quad
+              x = (\lambda - \bar\lambda)/\ell
 
-    with P, which takes the mean over the wavelengths off: what is stated of the level is stated of a mean,
-    and 1/4 is what the choice of the mean leaves open. Half is smooth and forgets itself over the length;
-    in the other half the slope and the bend that such a course has at one place go on.
+    P takes the mean over the wavelengths off, Q the value in their middle: what is stated of the level is
+    stated of one or the other, as likely. Half of K is smooth and forgets itself over the length; in the
+    other half the slope and the bend that such a course has at one place go on.
 
     Without the second half a surface that is tilted or curved over 500 nm, but hardly rough, was too likely
     one of another temperature: 95 % intervals held 51 to 85 % of them.
@@ -80,9 +81,10 @@ def course(wavelength, shape, length):
     shape : float [1], u1
     length : float [m], l
     """
-    x = (wavelength - np.mean(wavelength)) / length
+    x = np.append(0.0, (wavelength - np.mean(wavelength)) / length)  # the middle comes first
     going = np.outer(x, x) + 0.75 * np.outer(x**2, x**2)
-    whole = (1 - GOING_ON) * smooth(wavelength, length) + GOING_ON * going
-    whole = whole - whole.mean(axis=0)
-    whole = whole - whole.mean(axis=1, keepdims=True)
-    return shape**2 * (OF_LEVEL**2 + whole)
+    whole = (1 - GOING_ON) * smooth(x, 1.0) + GOING_ON * going
+    number = np.size(wavelength)
+    less_middle = np.column_stack([-np.ones(number), np.eye(number)])
+    less_mean = np.column_stack([np.zeros(number), np.eye(number) - 1 / number])
+    return shape**2 / 2 * sum(less @ whole @ less.T for less in (less_mean, less_middle))

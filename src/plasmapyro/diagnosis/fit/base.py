@@ -37,8 +37,7 @@ def guess_temperature(model):
     model; where it never does, a rise to the temperature at which it would.
     """
     knots = model.history.knots
-    seen = [_seen(model, which) for which in range(len(model.instruments))]
-    (time, found), limit = max(seen, key=lambda one: one[0][0].size)
+    (time, found), limit = seen_by_most(model)
     if time.size < LEAST_SEEN and model.history.cold:
         return INITIAL_TEMPERATURE + (limit - INITIAL_TEMPERATURE) * -np.expm1(
             -np.maximum(knots, 0) / START_TIME
@@ -51,18 +50,19 @@ def guess_temperature(model):
     return np.clip(result, 300.0, MOST_GUESS)
 
 
-def _seen(model, which):
-    """Times and temperatures at which an instrument sees the surface, and that at which it begins to [K]."""
+def seen_by_most(model, samples=False):
+    """Times and temperatures at which the instrument that sees the surface most often does so, in bins or in
+    single `samples`, and the temperature at which it begins to [K]."""
+    seen = [_seen(model, which, samples) for which in range(len(model.instruments))]
+    return max(seen, key=lambda one: one[0][0].size)
+
+
+def _seen(model, which, samples):
     one, knots = model.instruments[which], model.history.knots
     share = 1.0 if one.factor is None else 1 / one.factor
-    total = np.nansum(one.value * share, axis=1)
-    total[~np.isfinite(one.value).all(axis=1)] = np.nan
     values = np.array([parameter.centre for parameter in model.parameters])
     middle = one.time
     burning = (middle > 0) & (middle < model.off)
-    reference = model.record.in_window(middle)
-    gas = _median(total[reference]) if reference.any() else np.nanmin(total[burning], initial=np.inf)
-    gas = np.where(burning & model.plasma, gas if np.isfinite(gas) else 0.0, 0.0)
     ladder = np.linspace(LEAST_GUESS, MOST_GUESS, 60)
     dark = int(np.argmax(middle >= model.off)) if (middle >= model.off).any() else middle.size - 1
     flat = [
@@ -70,6 +70,16 @@ def _seen(model, which):
         for kelvin in (INITIAL_TEMPERATURE, *ladder)
     ]
     table = np.log(np.maximum(np.array(flat[1:]) - (flat[0] if burning[dark] else 0.0), 1e-300))
+    seen = one.raw if samples else one.value
+    total = np.nansum(seen * share, axis=1)
+    total[~np.isfinite(seen).all(axis=1)] = np.nan
+    if samples:
+        middle = one.raw_moment.mean(axis=1)
+        total[one.raw_bin < 0] = np.nan
+        burning = (middle > 0) & (middle < model.off)
+    reference = model.record.in_window(middle)
+    gas = _median(total[reference]) if reference.any() else np.nanmin(total[burning], initial=np.inf)
+    gas = np.where(burning & model.plasma, gas if np.isfinite(gas) else 0.0, 0.0)
     light = total - gas
     seen = np.flatnonzero((middle > 0) & (light > SEEN * gas.max(initial=0.0)) & (light > 0))
     limit = np.log(max(SEEN * gas.max(initial=0.0), 1e-300))

@@ -49,6 +49,7 @@ def base_model(
     given=(),
     radiometer_calibration=None,
     power=None,
+    steep=None,
 ):
     """Instruments on bins and the base model of a test.
 
@@ -64,6 +65,8 @@ def base_model(
     radiometer_calibration : Dataset, contract 'radiometer_calibration', or None
         Bands take the place of the pyrometer's where the test has none of these.
     power : (mean, standard deviation) of the logarithm of the power of the gas over the simulated one
+    steep : steep.Steep, optional
+        Of a surface that the usual bins do not follow.
 
     Returns
     -------
@@ -71,6 +74,7 @@ def base_model(
         Its times count from the injection, as those of the record.
     """
     (edges, pauses), known = observation.time_bins(record), None
+    edges = edges if steep is None else steep.edges
     axis = None if response is None else (response["wavelength"].values, responsivities(response))
     instruments, lamp, sources = [], {}, None
     bands, frames = (record.instrument(name) for name in ("pyrometer", "spectrometer"))
@@ -98,7 +102,9 @@ def base_model(
         instruments = radiometer.of_an_emissivity(instruments, record, known)
     instruments = _sufficient(instruments, record.off, plasma)
     end = max(instrument.moment.max() for instrument in instruments)
-    history = History(knots(edges, 0.0, record.off, end, pauses), record.off, cold=plasma)
+    own = knots(edges, 0.0, record.off, end, pauses)
+    bend = 0.0 if steep is None else np.interp(own, steep.time, steep.bend)
+    history = History(own, record.off, cold=plasma, bend=bend)
     parameters = base_parameters(record, calibration)
     if bending:
         parameters = radiometer.instead(parameters, instruments, record, known)

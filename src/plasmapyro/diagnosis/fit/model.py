@@ -37,8 +37,12 @@ class History:
     in as this root, a thin one as its square, and a cubic holds both.
     """
 
-    def __init__(self, knots, off, cold=True):
-        """`cold`: it starts cold at time 0 and heats as what is put into a plasma; else it may be any."""
+    def __init__(self, knots, off, cold=True, bend=0.0):
+        """`cold`: it starts cold at time 0 and heats as what is put into a plasma; else it may be any.
+
+        `bend` (K,) [K s-2]: second derivatives at the knots that the light shows, beyond those of the prior.
+        """
+        self.bend = np.broadcast_to(bend, knots.shape)
         self.knots, self.off, self.cold = knots, off, cold
         self.before = knots <= off + 1e-9
         self.after = knots >= off - 1e-9
@@ -89,7 +93,7 @@ class History:
                 row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
                 since = self.knots[middle] - start
                 root = ROOT * max(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
-                falls = bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR
+                falls = bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR + self.bend[middle]
                 rows.append(row / (falls if self.cold else bend))
                 heats = self.cold and start == self.knots[0]
                 slow.append([heats * SLOW_HEIGHT / t**2 * np.exp(-since / t) / falls for t in SLOW_TIMES])

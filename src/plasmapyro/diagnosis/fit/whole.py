@@ -5,6 +5,7 @@ from plasmapyro.diagnosis.fit.base import fit_base, guess_temperature
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.given_gas import of_gas, with_gas
 from plasmapyro.diagnosis.fit.prior import relative, with_prior
+from plasmapyro.diagnosis.fit.steep import steep
 from plasmapyro.diagnosis.fit.terms import with_own
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.record.calibrated import of_pixels
@@ -56,6 +57,8 @@ def fit_test(
         library = gas_library(str(test.attrs["condition"]), radiation, variations, fwhm=fwhm)
         library, power = with_gas(library, gas)
         model = base_model(record, library, *rest, power)
+        faster = steep(model)
+        model = model if faster is None else base_model(record, library, *rest, power, faster)
     else:
         first = base_model(record, no_plasma.dark_library(fwhm, LUKEWARM), *rest)
         library = no_plasma.dark_library(fwhm, float(guess_temperature(first).max()))

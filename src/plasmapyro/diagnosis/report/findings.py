@@ -115,7 +115,14 @@ class Findings:
     @cached_property
     def unknown(self):
         """Instrument and axis of what no effect explains, or of what names with reserve do; else None."""
-        return None if self.selection.suspect is None else seen_by(self.selection.suspect)
+        if self.selection.suspect is None:
+            return None
+        seen, sources = (
+            seen_by(self.selection.suspect),
+            {one.kind: one.source for one in self.model.instruments},
+        )
+        alone = seen["instrument"] if len(sources) > 1 else next(iter(sources.values()))
+        return seen | {"instrument": sources.get(seen["instrument"], alone)}
 
     @cached_property
     def times(self):

@@ -248,7 +248,8 @@ def _joint(findings):
 
 
 def _name_of_unknown(findings):
-    names = {structure.id: structure.name for structure in findings.first.screen.structures} | leftover.NAMES
+    names = {structure.id: structure.name for structure in findings.first.screen.structures}
+    names |= leftover.names(findings.model.instruments)
     return names.get(findings.selection.unknown_class)
 
 

@@ -35,6 +35,20 @@ NAMES = {
     MOMENT: "what the spectrometer saw for a moment",
     PATTERN: "a pattern over wavelength that comes and goes",
 }
+OF_BANDS = {
+    STEP: "a step of the gain of all bands of the {source} from one sample to the next",
+    FRAMES: "samples of the {source} that are brighter or fainter in all bands than their neighbours",
+    MOMENT: "what the bands of the {source} saw for a moment",
+    PATTERN: "a pattern over the bands of the {source} that comes and goes",
+}
+
+
+def names(instruments):
+    """Names of what is left, by id, in the words of the first of the instruments that has patterns."""
+    source = next((one.source for one in instruments if one.channels >= LEAST), "spectrometer")
+    if source == "spectrometer":
+        return NAMES
+    return {identity: name.format(source=source) for identity, name in OF_BANDS.items()}
 
 
 def whitened(model, solution):
@@ -149,8 +163,8 @@ def largest_step(gain, error, period):
 
 
 def left_over(model, solution):
-    """`MOMENT` or `PATTERN` if a spectrometer leaves one beyond noise, `FRAMES` if some stand out, `STEP` if
-    its gain has one, else None.
+    """`MOMENT` or `PATTERN` if an instrument of many channels leaves one beyond noise, `FRAMES` if some stand
+    out, `STEP` if its gain has one, else None.
 
     Notes
     -----
@@ -177,7 +191,7 @@ def left_over(model, solution):
 
 
 def _steps(model, solution):
-    """Whether the gain of a spectrometer has a step: bins and gains that wander would swallow it."""
+    """Whether a gain of many channels has a step: bins and gains that wander would swallow it."""
     samples = raw_residuals(model, solution)
     for instrument, weigher, found in zip(model.instruments, solution.weighers, samples, strict=True):
         if instrument.channels < LEAST:
