@@ -30,7 +30,8 @@ def visibility_limits(visibility, paths):
     Powers of one pressure are joined; each further pressure is drawn paler. Conditions without a power are
     left out.
     """
-    _, axes = style.figure()
+    many = visibility.sizes["band"] > 2
+    _, axes = style.figure(size=style.BESIDE) if many else style.figure()
     known = visibility.isel(condition=np.isfinite(visibility.numerical_power.values))
     pressures = known.get("chamber_pressure", known.numerical_power * np.nan).fillna(0.0).values
     several = len(np.unique(pressures)) > 1
@@ -48,7 +49,7 @@ def visibility_limits(visibility, paths):
                     alpha=1.0 / (1 + place),
                     label=rf"$\nu_{{{number}}}={level:.2f}$" + where,
                 )
-    axes.legend(ncols=2)
+    style.legend_beside(axes, title=None) if many else axes.legend(ncols=2)
     axes.set(xlabel="Numerical power [kW]", ylabel="Object temperature $T_{obj}$ [K]")
     style.save(axes, paths, visibility)
 

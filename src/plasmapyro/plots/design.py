@@ -7,7 +7,7 @@ from plasmapyro.plots import style
 ZIGZAG = "Corners: the light of the gas in the two bands cancels there, and the error changes its sign."
 KELVIN = "Object temperature $T_{obj}$ [K]"
 KIND_MARKS = {  # kind: label, marker, colour
-    "reference": ("MR1SB (modelled response)", "s", style.NARROW),
+    "reference": ("{name} ({response})", "s", style.NARROW),
     "robust optimum": ("two bands, robust", "*", "#117733"),
     "optimum": ("two bands, smallest error", "P", "#117733"),
     "filters": ("filters that can be bought", "D", "#7b4ba0"),
@@ -85,7 +85,9 @@ def trade_off(designs, paths):
     count = np.isfinite(designs.band_centre.values).sum(axis=1)
     kinds = designs.design_kind.values.astype(str)
     best = np.isin(designs.design.values, [designs.attrs["best_two_band"], designs.attrs["lowest_two_band"]])
-    for kind, (label, marker, colour) in KIND_MARKS.items():
+    name, response = str(designs.design.values[0]).rsplit(", ", 1)
+    for kind, (words, marker, colour) in KIND_MARKS.items():
+        label = words.format(name=name, response=response)
         rows = (kinds == kind) & ((count == 2) | (kind == "reference"))
         rows &= best | (kind not in ("optimum", "robust optimum"))
         axes.plot(designs.ratio_sensitivity.values[rows], mean[rows], marker, ms=6, color=colour, label=label)
