@@ -5,11 +5,13 @@ import json
 import shutil
 import sys
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import laboratory
 import numpy as np
 import pytest
+import yaml
 
 from plasmapyro import cli, commands, io
 from plasmapyro.commands.joint import SETTINGS
@@ -18,7 +20,7 @@ from plasmapyro.estimate.live import Filter
 from plasmapyro.estimate.renewal import Renewal
 from plasmapyro.estimate.stage import estimate
 from plasmapyro.instrument.pyrometer import blackbody_signals
-from plasmapyro.readers import follow
+from plasmapyro.readers import description, follow
 from plasmapyro.readers.stage import read_test
 from plasmapyro.readers.text import Refusal
 from plasmapyro.record import status
@@ -290,6 +292,11 @@ def test_samples_of_a_fast_logger_are_averaged_and_one_of_them_at_its_limit_is_s
     said = streamed(shelf, monkeypatch, fast, folder=place.name)
     assert 55 <= len(said) <= 65 and [line["alarms"] for line in said[:-3]] == [[]] * (len(said) - 3)
     assert "saturated" in sum((line["alarms"] for line in said[-3:]), [])
+    pause = [row | {"time": row["time"] + 2.0, "signal_wide": 1.5 * row["signal_wide"]} for row in fast[:1]]
+    streamed(
+        shelf, monkeypatch, fast[:5] + pause, folder=place.name
+    )  # four wait for an answer that never comes
+    assert taken.pop()[1][0] == pytest.approx(pause[0]["signal_wide"]) and taken.pop()
     level = np.array([signal for _, signal in taken[1:-3]]) / [dull[name] for name in names]
     assert np.std(level) < 0.012
 
@@ -312,6 +319,17 @@ def test_who_cannot_follow_is_behind(monkeypatch, wait, work, late):
         now[0] += work
         said.append(delay.behind(moment))
     assert said[-1] is late and not any(said[:100])
+
+
+def test_a_signal_is_divided_by_the_gain_of_its_row_and_one_without_gain_is_missing():
+    words = "columns:\n  time: {name: t, unit: s}\n  signal_wide: {name: U1, unit: A, gain: G}\n"
+    words += "  signal_narrow: {name: U2, unit: A, gain: G}\n"
+    section = description.Section(yaml.safe_load(words), Path("test.yaml"), "", [])
+    lines = ["t;U1;U2;G", "0.1;2.0;1.0;1e6", "0.2;0.2;0.1;1e5", "0.3;0.2;0.1;0", "0.4;0.2;0.1;"]
+    found = list(follow.samples_of_table("log.csv", section, lines))
+    wide, narrow = ([one[name] for one in found] for name in ("signal_wide", "signal_narrow"))
+    np.testing.assert_allclose(wide, [2e-6, 2e-6, np.nan, np.nan], rtol=1e-12)
+    np.testing.assert_allclose(narrow, [1e-6, 1e-6, np.nan, np.nan], rtol=1e-12)
 
 
 def test_lines_are_taken_when_they_are_complete(tmp_path):

@@ -149,12 +149,13 @@ def readings(samples, filtered, injection, limits, options):
             leapt, before = np.inf, sample["time"]
             earlier, pair = pair, [sample[name] for name in parts.SIGNALS]
             equal = equal + 1 if pair == earlier else 0
-            together.append((before, *pair))
+            # What came before a pause is not averaged with what comes behind it.
+            together = [*(one for one in together if before - one[0] <= TOGETHER), (before, *pair)]
             if before < due:
                 continue
             due = before + TOGETHER
             moments, *pairs = np.array(together).T
-            together.clear()
+            together = []
             saturated = any((np.array(limits)[:, None] <= pairs).any(axis=1))
             mean = np.ma.masked_invalid(pairs).mean(axis=1).filled(np.nan)
             kept = [np.nan] * 2 if saturated or equal >= STUCK else mean
