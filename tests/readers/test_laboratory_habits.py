@@ -238,6 +238,20 @@ def test_waveforms_of_several_tdms_files_share_the_clock_of_their_start(tmp_path
     assert "has no start time" in "".join(check_test(place))
 
 
+def test_a_channel_of_a_tdms_file_is_divided_by_its_gain(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    described = "pyrometer:\n  file: a.tdms\n  columns:\n"
+    for band in ("wide", "narrow"):
+        described += f"    signal_{band}: {{name: pyro/U, unit: A, gain: pyro/G}}\n"
+    place = samples.folder(tmp_path / "t", described)
+    timing, gain = {"wf_increment": 0.5}, np.where(np.arange(20) < 7, 1e6, 1e5)
+    values = {"U": np.arange(1.0, 21) * 1e-9 * gain, "G": gain}
+    with nptdms.TdmsWriter(place / "a.tdms") as writer:
+        writer.write_segment([nptdms.ChannelObject("pyro", *one, timing) for one in values.items()])
+    for name in ("signal_wide", "signal_narrow"):
+        np.testing.assert_allclose(read_test(place)[name], np.arange(1.0, 21) * 1e-9, rtol=RTOL)
+
+
 def test_numbers_in_file_names_count_as_numbers(tmp_path):
     assert sorted(["s10.txt", "s9.txt", "s1.txt", "s2b.txt"], key=natural) == [
         "s1.txt",
