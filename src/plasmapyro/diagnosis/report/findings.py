@@ -117,10 +117,8 @@ class Findings:
         """Instrument and axis of what no effect explains, or of what names with reserve do; else None."""
         if self.selection.suspect is None:
             return None
-        seen, sources = (
-            seen_by(self.selection.suspect),
-            {one.kind: one.source for one in self.model.instruments},
-        )
+        seen = seen_by(self.selection.suspect)
+        sources = {one.kind: one.source for one in self.model.instruments}
         alone = seen["instrument"] if len(sources) > 1 else next(iter(sources.values()))
         return seen | {"instrument": sources.get(seen["instrument"], alone)}
 

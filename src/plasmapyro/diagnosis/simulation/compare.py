@@ -208,9 +208,8 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
     wrong = tuple(dict.fromkeys((*simulated.systems, *model.library.group_name)))
     simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS, wrong)[0]
     fitter, base = settled(simulated, (), wrong)
-    alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
-
     threshold = fitter.threshold(base, draws, seed)
+    alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
 
     def holds(before, fit):
         newest = fit.settings[-1].id
