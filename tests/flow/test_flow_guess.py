@@ -13,7 +13,7 @@ from plasmapyro.flow import guess, levels, stage
 from plasmapyro.flow.condition import Condition
 from plasmapyro.flow.continuation import NotConverged
 from plasmapyro.flow.dataset import Setup
-from plasmapyro.flow.geometry import Torch
+from plasmapyro.flow.geometry import Torch, build_mesh
 from plasmapyro.quantities import in_si
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,7 +50,7 @@ def problem(setup, states, monkeypatch):
 
 @pytest.mark.parametrize("power", [50e3, 64e3, 90e3, 127e3, 130e3])
 def test_a_guess_is_the_state_to_some_quanta_also_between_the_powers(setup, states, problem, power):
-    found = guess.guessed(0, problem, setup, AIR, replace(HERE, numerical_power=power))
+    found = guess.guessed(problem, setup, AIR, replace(HERE, numerical_power=power))
     assert found[2] == 5.0  # the boundary values are those of the problem
     free = ~problem.fixed
     off = np.abs(found - states(power)) / guess._quantum(SIZE, VERTICES)
@@ -59,10 +59,10 @@ def test_a_guess_is_the_state_to_some_quanta_also_between_the_powers(setup, stat
 
 def test_another_mesh_gas_power_or_condition_has_no_guess(setup, problem):
     def none(problem=problem, setup=setup, gas=AIR, condition=HERE):
-        return guess.guessed(0, problem, setup, gas, condition) is None
+        return guess.guessed(problem, setup, gas, condition) is None
 
     assert not none()
-    assert none(setup=replace(setup, mesh_factor=1.1))
+    assert none(setup=replace(setup, wall_temperature=351.0))
     assert none(gas=SimpleNamespace(attrs={"gas": "N2"}))
     assert none(condition=replace(HERE, numerical_power=131e3))
     assert none(condition=replace(HERE, radiation_factor=1.0))
@@ -74,9 +74,8 @@ def test_another_mesh_gas_power_or_condition_has_no_guess(setup, problem):
 def test_the_states_on_a_coarser_mesh_are_known_as_well(setup, states, problem):
     mesh, space = SimpleNamespace(p=problem.mesh.p[:, :1]), SimpleNamespace(size=4)
     coarse = SimpleNamespace(mesh=mesh, space=space, fixed=problem.fixed[:4], values=problem.values[:4])
-    found = guess.guessed(1, coarse, setup, AIR, HERE)
+    found = guess.guessed(coarse, setup, AIR, HERE)
     assert np.abs(found - states(90e3)[:4])[[0, 1, 3]].max() < 2e-3 and found[2] == 5.0
-    assert guess.guessed(2, coarse, setup, AIR, HERE) is None
 
 
 def test_the_guess_of_the_package_is_that_of_the_main_job():
@@ -97,6 +96,18 @@ def test_the_guess_of_the_package_is_that_of_the_main_job():
     known = guess.arrays(guess.NAME)
     assert guess.told(setup, AIR, condition) == known["told"]
     np.testing.assert_array_equal(known["power"], POWER)
+
+
+def test_the_minimal_run_has_the_coarsest_mesh_of_the_main_job_and_its_guess(setup):
+    full, minimal = (
+        yaml.safe_load((ROOT / f"config/{name}.yaml").read_text(encoding="utf-8"))["flow"]
+        for name in ("config", "minimal")
+    )
+    factors = levels.level_factors(full["start"]["mesh_factor"], full["convergence"]["error_mesh_ratio"])
+    factor = minimal["start"]["mesh_factor"]
+    assert factor == full["start"]["start_mesh_factor"] == pytest.approx(factors[-1], rel=1e-9)
+    mesh = build_mesh(setup.torch, factor).restrict("flow")
+    assert guess._level_of(mesh.p, guess.arrays(guess.NAME)) == str(levels.COARSEST)
 
 
 def test_a_changed_file_of_guesses_is_refused(tmp_path, monkeypatch):

@@ -1,8 +1,8 @@
-"""A first guess from solutions of an earlier run, on the mesh of the paper's torch, in air.
+"""A first guess from solutions of an earlier run, on meshes of the paper's torch, in air.
 
 It shortens the way to a solution, not the test that it is one. Kept are, for each mesh of the error estimate,
-the mean state over the powers, all its principal modes, in quanta of each field (3 cm/s, 0.03 % of T, 0.3
-Pa), and their amplitudes at each power.
+the coarsest of which is that of the minimal run, the mean state over the powers, all its principal modes, in
+quanta of each field (3 cm/s, 0.03 % of T, 0.3 Pa), and their amplitudes at each power.
 Without it 60 kW takes 16 steps of Newton's method on coarser meshes and 8 on the final one; with it 2 and 2.
 """
 
@@ -19,30 +19,26 @@ STENCIL = 4  # powers of the interpolation
 QUANTA = (3e-4, 3e-4, 3e-4, 3e-3)  # of the fields of a state
 
 
-def guessed(level, problem, setup, gas, condition):
+def guessed(problem, setup, gas, condition):
     """State of `problem` close to its solution at a Condition; None where none is known.
 
     Parameters
     ----------
-    level : int
-        Of the mesh: 0 is the finest.
     problem : Problem of quadratic elements at the condition
     setup : Setup
     gas : Dataset, contract 'gas'
     condition : Condition
     """
-    known, vertices, here = arrays(NAME), problem.mesh.p, condition.numerical_power
-    there, power = known.get(f"vertices_{level}", np.empty(0)), known["power"]
-    if not is_known(setup, gas, condition) or vertices.shape != there.shape:
-        return None
-    if np.abs(vertices - there).max() > SAME_VERTEX:
+    known, here = arrays(NAME), condition.numerical_power
+    level, power = _level_of(problem.mesh.p, known), known["power"]
+    if level is None or not is_known(setup, gas, condition):
         return None
     first = np.clip(np.searchsorted(power, here) - STENCIL // 2, 0, len(power) - STENCIL)
     near = power[first : first + STENCIL]
     weights = [np.prod((here - near[near != one]) / (one - near[near != one])) for one in near]
     amplitude = weights @ known[f"amplitude_{level}"][first : first + STENCIL]
     state = known[f"mean_{level}"] + amplitude @ known[f"modes_{level}"]
-    state *= _quantum(state.size, vertices.shape[1])
+    state *= _quantum(state.size, problem.mesh.p.shape[1])
     state[problem.fixed] = problem.values[problem.fixed]
     return state
 
@@ -79,9 +75,19 @@ def gathered(power, states, said, vertices):
 
 
 def told(setup, gas, condition):
-    """All that a state depends on besides the power, as text."""
-    conditions = {name: value for name, value in asdict(condition).items() if name != "numerical_power"}
-    return json.dumps([asdict(setup), gas.attrs.get("gas", "air"), conditions], sort_keys=True)
+    """All that a state depends on besides the power and the mesh, as text."""
+    given = [asdict(setup), gas.attrs.get("gas", "air"), asdict(condition)]
+    del given[0]["mesh_factor"], given[-1]["numerical_power"]
+    return json.dumps(given, sort_keys=True)
+
+
+def _level_of(vertices, known):
+    """The level whose mesh has these vertices; None for none."""
+    for name, there in known.items():
+        if name.startswith("vertices_") and there.shape == vertices.shape:
+            if np.abs(vertices - there).max() <= SAME_VERTEX:
+                return name.removeprefix("vertices_")
+    return None
 
 
 def _quantum(size, vertices):

@@ -179,7 +179,7 @@ def _from_known(case, target, limiter, final):
         return None, {}
     factors = level_factors(case.setup.mesh_factor, case.mesh_ratio)
     problems = [problem_of(case.meshes(one), case.setup, case.air, target, 2, limiter) for one in factors]
-    guesses = [guessed(level, one, case.setup, case.air.gas, target) for level, one in enumerate(problems)]
+    guesses = [guessed(one, case.setup, case.air.gas, target) for one in problems]
     if any(guess is None for guess in guesses):
         return None, {}
     try:
