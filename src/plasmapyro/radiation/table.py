@@ -1,6 +1,7 @@
 """Emission per particle on temperature nodes: one table for all sight lines through a gas at one pressure."""
 
 from dataclasses import dataclass
+from math import factorial
 
 import numpy as np
 
@@ -30,8 +31,10 @@ NODES = 32
 # [K] of the tables for all paths; colder gas does not shine here. Close where jets shine, for Stark widths.
 EQUILIBRIUM_NODES = (*range(1500, 4500, 500), *range(4500, 9400, 350), *range(9400, 15001, 560))
 STENCIL = 4  # nodes of the interpolation: cubic
-BLOCK = 8192  # grid points crossed together; all arrays of a layer stay in the cache
-SMALL_DEPTH, ESCAPE_ORDER = 0.03, 6  # the first term left out is below 2e-13
+BLOCK = 16384  # grid points crossed together; all arrays of a layer stay in the cache
+SMALL_DEPTH = 0.03  # the first term of `ESCAPE` left out is below 2e-13
+ESCAPE = [(-1) ** order / factorial(order + 1) for order in range(5, -1, -1)]  # (1 - exp(-x))/x
+EXPONENTIAL = [1 / factorial(order) for order in range(3, -1, -1)]  # to 4e-10 at 0.01
 SHIFT_OVER_RIPPLE = 2.0  # of the shifted logarithm, over the most negative value
 SMALLEST_SHIFT = 1e-12  # [1], of the peak; below it Fourier transforms round
 NO_MATTER = 1e-300  # in place of zero in a logarithm
@@ -355,65 +358,77 @@ def _cross(table, path, layers, first, weights, whole, kept, smooth, part, rows)
     wavenumber = table.grid.wavenumber[part]
     first_radiation = FIRST_RADIATION * wavenumber**5
     low, fraction = table.smooth.below[part], table.smooth.fraction[part]
+    near = slice(low[0], low[-1] + 2)
+    low, axis, smooth = low - low[0], table.smooth.axis.wavenumber[near], smooth[..., near]
+    beyond, whole_smooth = wavenumber - axis[low], smooth.sum(axis=1)
+    rises = np.diff(whole_smooth)
     systems, apart = len(table.lines), rows > 1
-    if not apart:
-        smooth = smooth.sum(axis=1, keepdims=True)
-    rises = np.diff(smooth)
     emitted = np.empty((systems, len(wavenumber)), dtype=np.float32)
-    continua = np.empty((smooth.shape[1], len(wavenumber)))
+    part_of_row = np.empty(len(wavenumber), dtype=np.float32)
     weights = weights.astype(np.float32)
-    optical_depth, thin, total, blackbody, escaped, work = np.zeros((6, len(wavenumber)))
+    optical_depth, thin, total, blackbody, depth, escaped, work = np.zeros((7, len(wavenumber)))
+    glow = np.empty((len(layers) if apart else 0, len(wavenumber)))
     through, found = np.ones(len(wavenumber)), np.zeros((rows, len(wavenumber)))
     for place in range(len(layers) - 1, -1, -1):
         layer, stencil = layers[place], slice(first[place], first[place] + STENCIL)
-        np.multiply(wavenumber, SECOND_RADIATION / path.temperature[layer], out=blackbody)
-        np.exp(blackbody, out=blackbody)  # half the time of expm1; the exponent is above 0.1
-        blackbody -= 1
+        exponent = SECOND_RADIATION / path.temperature[layer]
+        _polynomial(EXPONENTIAL, np.multiply(beyond, exponent, out=work), out=blackbody)
+        blackbody *= np.take(np.exp(exponent * axis), low, out=work, mode="clip")
+        blackbody -= 1  # half the time of expm1; the exponent is above 0.1
         np.divide(first_radiation, blackbody, out=blackbody)
         shining = np.flatnonzero(kept[:, place])
-        total[:] = 0.0
+        np.take(rises[place], low, out=total, mode="clip")  # 'clip': no copy; all lie within
+        total *= fraction
+        total += np.take(whole_smooth[place], low, out=work, mode="clip")
+        total *= blackbody
         for index in shining:
-            row = np.einsum(
-                "k,kg->g", weights[place], table.emission[index, stencil, part], out=emitted[index]
-            )
+            nodes = table.emission[index, stencil, part]
+            row = np.multiply(nodes[0], weights[place, 0], out=emitted[index])
+            for node in range(1, STENCIL):  # half the time of `einsum`; `matmul` rounds otherwise at the end
+                row += np.multiply(nodes[node], weights[place, node], out=part_of_row)
             np.exp(row, out=row)
             row -= np.float32(table.shift[index])
             row *= np.float32(whole[index, place] * path.number_density[table.lines[index].species][layer])
             total += row
-        for index, row in enumerate(continua):
-            np.take(rises[place, index], low, out=row, mode="clip")  # 'clip': no copy; all lie within
-            row *= fraction
-            row += np.take(smooth[place, index], low, out=work, mode="clip")
-            row *= blackbody
-            total += row
         total *= path.thickness[layer]
         thin += total
-        depth = np.divide(total, blackbody, out=blackbody)
+        np.divide(total, blackbody, out=depth)
         optical_depth += depth
         _escape(depth, out=escaped)
-        absorbed = np.multiply(depth, escaped, out=depth)
+        depth *= escaped  # what it absorbs
         escaped *= through
-        through *= np.subtract(1, absorbed, out=absorbed)
+        through *= np.subtract(1, depth, out=depth)
         if apart:
             escaped *= path.thickness[layer]
             for index in shining:
                 found[index] += np.multiply(emitted[index], escaped, out=work)
-            for index, row in enumerate(continua, start=systems):
-                found[index] += np.multiply(row, escaped, out=work)
+            np.multiply(blackbody, escaped, out=glow[place])
         else:
             found[0] += np.multiply(total, escaped, out=work)
+    if apart:  # the continua are straight between the points of their axis
+        ends = np.searchsorted(low, np.arange(len(axis)))
+        for cell in range(len(axis) - 1):
+            own = slice(ends[cell], ends[cell + 1])
+            left, right = (smooth[..., side].T @ glow[:, own] for side in (cell, cell + 1))
+            found[systems:, own] = left + fraction[own] * (right - left)
     return found, optical_depth, thin
+
+
+def _polynomial(coefficients, argument, out):
+    """Of `coefficients` from the highest power down to the constant."""
+    np.multiply(argument, coefficients[0], out=out)
+    for one in coefficients[1:-1]:
+        out += one
+        out *= argument
+    out += coefficients[-1]
 
 
 def _escape(depth, out):
     """(1 - exp(-x))/x of optical depths; by its series where they are small, three times as fast."""
-    out[:] = 1.0
-    for order in range(ESCAPE_ORDER, 1, -1):
-        out *= depth
-        out *= -1 / order
-        out += 1
-    deep = np.flatnonzero(np.abs(depth) > SMALL_DEPTH)
-    out[deep] = -np.expm1(-depth[deep]) / depth[deep]
+    _polynomial(ESCAPE, depth, out)
+    if max(depth.max(), -depth.min()) > SMALL_DEPTH:
+        deep = np.flatnonzero(np.abs(depth) > SMALL_DEPTH)
+        out[deep] = -np.expm1(-depth[deep]) / depth[deep]
 
 
 def _cold_bound(table, path):
