@@ -146,10 +146,9 @@ def renoised(model, solution):
         )
         # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
         hit = noises.outliers(left / sigma, instrument.raw_bin >= 0, phase)
-        mean, _ = binning.mean_in_bins(
-            np.where(hit, np.nan, left), instrument.raw_bin, instrument.value.shape[0]
+        own = noises.line_in_bins(
+            np.where(hit, np.nan, left), time, instrument.raw_bin, instrument.value.shape[0]
         )
-        own = np.where(instrument.raw_bin[:, None] >= 0, np.nan_to_num(mean)[instrument.raw_bin], 0.0)
         expected = value + np.nan_to_num(residual - left) + own
         hit |= np.abs(np.nan_to_num(left - own)) > noises.CLIP * sigma
         hit &= ~noises.crowded(hit, instrument.raw_bin, instrument.value.shape[0])

@@ -132,19 +132,22 @@ def coloured(one, other, error, chosen, phase, period, longest):
             if besides is not None:
                 spread = np.hypot(spread, KNOWN * (weight @ out) / np.sum(THIRD**2))
             lags.append(lag * period)
-            rows.append((weight @ own, max(spread, 1e-300)))
+            # Without a memory the products would scatter as those of neighbours do, and no more.
+            scatter = np.sqrt((weight @ own) ** 2 + weight @ (own - weight @ own) ** 2)
+            usual = min(rows[0][2], scatter) if rows else scatter
+            rows.append((weight @ own, max(spread, 1e-300), usual, spread * usual / max(scatter, 1e-300)))
         lag *= 2
     if not rows:
         plain = error if besides is None else part * besides.total
         return Coloured(white=few(one, other, plain, chosen, phase))
-    lags, (value, spread) = np.array(lags), np.array(rows).T
-    spread = np.hypot(spread, INEXACT * value.max())
-    plain, missed = nnls((1 / spread)[:, None], value / spread)
+    lags, (value, *spreads) = np.array(lags), np.array(rows)[:, [0, 1, 3]].T
     times = np.geomspace(period, max(longest, 2 * period), TIMES)
     columns = np.stack([np.ones_like(lags), *(_parted(lags / time) for time in times)], axis=1)
-    found, left = nnls(columns / spread[:, None], value / spread)
-    if left**2 > missed**2 - SURE:
+    spread, without = (np.hypot(one, INEXACT * value.max()) for one in spreads)
+    plain, missed = nnls((1 / without)[:, None], value / without)
+    if nnls(columns / without[:, None], value / without)[1] ** 2 > missed**2 - SURE:
         return Coloured(white=float(plain[0]))
+    found, _ = nnls(columns / spread[:, None], value / spread)
     kept = np.flatnonzero(found[1:] > 0)
     return Coloured(float(found[0]), found[1:][kept], times[kept])
 

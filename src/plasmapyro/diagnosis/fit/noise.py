@@ -150,6 +150,18 @@ def _unchanged(phase):
     return np.append(False, phase[1:] == phase[:-1])
 
 
+def _lit(share, used):
+    """Bands whose gas outshines the surface longest, two at least: as many that their samples times the root
+    of their number, by which their noise falls, are most."""
+    bright = share[used] > BRIGHT
+    order = np.argsort(-bright.sum(axis=0), kind="stable")
+    both = np.logical_and.accumulate(bright[:, order], axis=1).sum(axis=0) * np.sqrt(
+        np.arange(1, order.size + 1)
+    )
+    number = max(int(both.argmax()) + 1, min(2, order.size))
+    return np.sort(order[:number])
+
+
 def _halves(values):
     """Means (t, 2) over every other band of values (t, C); twice the same of one band."""
     if values.shape[1] == 1:
@@ -169,13 +181,16 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     relative = residual / np.maximum(prediction, 1e-30)
     bright = used & (share.min(axis=1) > BRIGHT)
     clear = used & (share.max(axis=1) < 0.02)
-    each, light = _halves(relative / np.maximum(share, 1e-9)), Coloured()
-    enough = np.count_nonzero(bright[1:] & bright[:-1] & same[1:]) >= 8
+    of_gas, light = relative / np.maximum(share, 1e-9), Coloured()
+    each = _halves(of_gas)
+    lit = _lit(share, used)
+    longer, halves = used & (share[:, lit].min(axis=1) > BRIGHT), _halves(of_gas[:, lit])
+    enough = np.count_nonzero(longer[1:] & longer[:-1] & same[1:]) >= 8
     if enough and not alone:
-        plain = np.zeros(used.size), bright, phase, period, LONGEST_FLICKER
-        light = coloured(*each.T, *plain)
+        plain = np.zeros(used.size), longer, phase, period, LONGEST_FLICKER
+        light = coloured(*halves.T, *plain)
         if not light.remembers:  # a noisy half hides a memory that the quiet one alone may show
-            quiet = each[:, np.argmin(clipped_variance(differences(each, bright)[0], axis=0))]
+            quiet = halves[:, np.argmin(clipped_variance(differences(halves, longer)[0], axis=0))]
             light = light.with_memory_of(coloured(quiet, quiet, *plain))
     rows, variances, memories = [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
@@ -414,6 +429,23 @@ def outliers(scaled, chosen, phase):
     apart &= chosen[:, None]
     alone = apart.sum(axis=1) <= max(1, MOST_HIT * scaled.shape[1])
     return apart & alone[:, None]
+
+
+def line_in_bins(values, time, index, count):
+    """Straight line through what is finite of the samples (t, C) of each of `count` bins, at each sample; the
+    mean where there are fewer than `LEAST_IN_GROUP`, 0 outside bins.
+
+    A temperature that runs otherwise within a bin than the model's makes a line, and no hits at its ends.
+    """
+    mean, number = binning.mean_in_bins(values, index, count)
+    place = np.maximum(index, 0)
+    seen = np.where(np.isfinite(values), time[:, None], np.nan)
+    away = time[:, None] - binning.mean_in_bins(seen, index, count)[0][place]
+    both = binning.mean_in_bins(values * away, index, count)[0]
+    square = binning.mean_in_bins(np.where(np.isfinite(values), away**2, np.nan), index, count)[0]
+    slope = np.where(number >= LEAST_IN_GROUP, both / np.maximum(square, 1e-300), 0.0)
+    line = mean[place] + slope[place] * away
+    return np.where(index[:, None] >= 0, np.nan_to_num(line), 0.0)
 
 
 def crowded(hit, index, count):
