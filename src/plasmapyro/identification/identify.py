@@ -100,8 +100,10 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     if not told:  # a lamp, say: none of the common species shines
         scale, _ = _scale(peaks, response, inside)
     scene = Scene(peaks, response, scale, PLACE)
-    known = together(fit.explained for fit in _named(scene, inside).values())
-    # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
+    fits = _named(scene, inside).values()
+    known = together(fit.explained for fit in fits if fit.log_bayes > CERTAIN)
+    # Again, chance counted by the peaks that are left: those of a certain species are no coincidences. A less
+    # certain one would lower the chance that it is held against.
     weight = np.maximum(scene.chance / scene.without(known), EXPLAINED)
     scene, chance = Scene(peaks, response, scale, PLACE, by_chance=weight), {}
     return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
