@@ -26,7 +26,13 @@ FACTORS = {
     "_per_um": 1e6,
     "_nm": 1e-9,
 }
+SHARES = {"": "", "1": "", "0.1": " tenths", "0.01": " %"}  # units that are numbers, in words
 ENDINGS = sorted(FACTORS, key=len, reverse=True)
+
+
+def behind(unit):
+    """What follows a number of some unit, with the space between: "", " %", " nm"."""
+    return SHARES.get(unit, f" {unit}")
 
 
 def in_si(keys):

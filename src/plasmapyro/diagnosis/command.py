@@ -17,6 +17,7 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import no_plasma, restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas.library import remarks
+from plasmapyro.quantities import behind
 from plasmapyro.record.inputs import faults, has_plasma
 from plasmapyro.record.recommended import CONTRADICTIONS
 from plasmapyro.tables import weakest
@@ -199,10 +200,8 @@ def _entry(term):
 def _sentence(term):
     """What is taken as given, in words."""
     effect, sigma = term.setting.effect, term.uncertainty.get(AMPLITUDE, 0.0)
-    unit = "" if effect.unit == "1" else f" {effect.unit}"
-    return (
-        f"taken as given: {effect.name}, {effect.amplitude} {term.setting.amplitude:.3g} ± {sigma:.1g}{unit}"
-    )
+    size = f"{term.setting.amplitude:.3g} ± {sigma:.1g}{behind(effect.unit)}"
+    return f"taken as given: {effect.name}, {effect.amplitude} {size}"
 
 
 def remarks_on(test, inputs):

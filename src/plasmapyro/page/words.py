@@ -4,6 +4,8 @@ import math
 import re
 from pathlib import PurePosixPath, PureWindowsPath
 
+from plasmapyro.quantities import behind
+
 DASH = "–"
 MINUS = "−"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -52,9 +54,9 @@ def with_error(value, error, unit=""):
         return with_unit(value, unit, 3)
     places = max(0, 1 - math.floor(math.log10(error)))
     if places > 4 or abs(value) >= 1e5:
-        return f"{number(value)} ± {number(error, 2)}{_unit(unit)}"
+        return f"{number(value)} ± {number(error, 2)}{behind(unit)}"
     shown = f"{value:.{places}f} ± {error:.{places}f}".replace("-", MINUS)
-    return f"{shown}{_unit(unit)}"
+    return f"{shown}{behind(unit)}"
 
 
 def kelvin(value, signed=True):
@@ -68,7 +70,7 @@ def kelvin(value, signed=True):
 
 def with_unit(value, unit, digits=2):
     """A number and its unit."""
-    return f"{number(value, digits)}{_unit(unit)}"
+    return f"{number(value, digits)}{behind(unit)}"
 
 
 def probability(value):
@@ -78,9 +80,3 @@ def probability(value):
     if 0 < value < LEAST:
         return f"< {LEAST:g}"
     return f"{value:.2g}" if value < 0.01 else f"{value:.2f}"
-
-
-def _unit(unit):
-    if unit in ("", "1"):
-        return ""
-    return " %" if unit == "0.01" else f" {unit}"

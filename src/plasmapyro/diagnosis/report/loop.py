@@ -3,6 +3,7 @@
 import numpy as np
 
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
+from plasmapyro.quantities import behind
 from plasmapyro.record.status import VALID
 
 BLOCKS = 10  # of time or emittance, for the standard error of a root mean square
@@ -72,7 +73,9 @@ def _change(term):
     """What a term of the condition changes, in words."""
     effect, size = term.setting.effect, term.setting.amplitude
     error = term.uncertainty.get(AMPLITUDE, 0.0)
-    what = f"{size:+.1%} ± {error:.1%}" if effect.unit == "1" else f"{size:+.3g} ± {error:.2g} {effect.unit}"
+    what = f"{size:+.3g} ± {error:.2g}{behind(effect.unit)}"
+    if effect.unit == "1":
+        what = f"{size:+.1%} ± {error:.1%}"
     return f"{effect.name}, {effect.amplitude} {what}; {CHANGED.get(effect.id, CHANGED['T_exc'])}"
 
 

@@ -1,6 +1,7 @@
 """The verdict in words."""
 
 from plasmapyro.diagnosis.select.held_out import SURE
+from plasmapyro.quantities import behind
 from plasmapyro.record.recommended import listed
 
 LEAST = 0.5  # [K] below which a cost is not worth a sentence
@@ -61,8 +62,7 @@ def verdict_sentences(
 
 def candidate_sentence(entry):
     """One sentence about a candidate: how large, and what it costs."""
-    unit = {"1": "", "0.01": " %"}.get(entry["unit"], f" {entry['unit']}")
-    size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g}{unit}"
+    size = f"{entry['amplitude']:.3g} ± {entry['standard_error']:.1g}{behind(entry['unit'])}"
     shift = entry["temperature_shift"]
     paper, fitted = (_kelvin(shift[name]) for name in ("paper", "base"))
     cost = "it changes no temperature by a tenth of a kelvin"
