@@ -84,10 +84,11 @@ def currents(responses, edges, gas_radiance, receiver, resistance_area, air, ref
     black, reference = _black_bodies(middle.tobytes(), reference_temperature)
     reference = weight * reference
     total = np.maximum(reference.sum(-1), np.finfo(float).tiny)
+    rows = weight.reshape(-1, weight.shape[-1])  # one product of matrices, not one of rows for each design
     johnson = 4 * BOLTZMANN * ROOM_TEMPERATURE * receiver.area / np.asarray(resistance_area, dtype=float)
     return Currents(
-        weight @ black,
-        weight @ gas_radiance.T,
+        (rows @ black).reshape(*weight.shape[:-1], -1),
+        (rows @ gas_radiance.T).reshape(*weight.shape[:-1], -1),
         (reference @ middle) / total,
         (reference @ air) / total,
         johnson + receiver.amplifier_noise**2,
