@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -47,3 +48,21 @@ def test_the_time_of_a_job_does_not_depend_on_when_the_machine_was_started(tmp_p
     stated = float((tmp_path / "benchmarks/rule.tsv").read_text().splitlines()[1].split()[0])
     cpu_clock_step = 0.02  # of the start of a process: 100 in a second
     assert 0 < stated < largest + cpu_clock_step
+
+
+def test_what_a_run_costs_is_summed_by_rule_with_the_extended_run_apart(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[1] / "benchmarks")
+    import run_cost
+
+    seconds = {"flow_60kW": 8, "flow_80kW": 9, "flow_start_reference": 15, "extended_flow_80kW": 16}
+    for job, one in seconds.items():
+        (tmp_path / f"{job}.tsv").write_text(f"s\tmax_rss\tcpu_time\n20.00\t900.00\t{one:.2f}\n")
+    found = run_cost.costs(tmp_path)
+    assert found == {"flow": [8, 9], "flow_start": [15], "extended_flow": [16]}
+    assert run_cost.table(found).splitlines()[2:] == [
+        "| `flow` | 2 | 17 |",
+        "| `extended_flow` | 1 | 16 |",
+        "| `flow_start` | 1 | 15 |",
+        "| **main job** | 3 | **32** |",
+        "| **extended run** | 1 | **16** |",
+    ]
