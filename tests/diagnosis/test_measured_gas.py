@@ -125,6 +125,18 @@ def test_a_ripple_is_found_in_its_size_and_what_explains_as_much_beside_it(rippl
     assert abs(ripple.amplitude - 0.2) < np.sqrt(found.final.covariance[2, 2]) < 0.03
 
 
+def test_a_channel_that_may_be_anything_hides_no_cause_of_the_gas(rippled):
+    """Air that absorbs in a channel, by an inexact formula, hid a ripple that all others show."""
+    gas = measured_gas(rippled.model, rippled.solution)
+    spectral = gas.instrument == gas.instrument[-1]
+    one = (np.arange(spectral.sum()) == 30).astype(float)[:, None]
+    gas.value[np.flatnonzero(spectral)[30]] += 1.0
+    with np.errstate(all="ignore"):
+        found = compare(rippled.model, gas.without(one), OF_GAS, draws=300)
+    (ripple,) = found.final.settings
+    assert ripple.id == "ripple" and ripple.amplitude == pytest.approx(0.2, abs=0.03)
+
+
 def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):
     plain = compared(rippled)
     monkeypatch.setattr(compare_module.Fitter, "spread", lambda fitter, fit: 1.2)

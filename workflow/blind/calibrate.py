@@ -89,8 +89,8 @@ def main(arguments=None):
         "origin": "synthetic",
         "obtained": f"{number} blind cases of the seeds {', '.join(options.seeds)}",
         "licence": "own work",
-        "valid": "tests like the simulated ones; 'none' as frequent as among 400 nulls, 1200 single effects"
-        " of SNR 2 to 50 and 200 effects outside the catalogue",
+        "valid": "tests like the simulated ones; 'none' as frequent as among 400 nulls, 840 single effects"
+        " of SNR 8 to 50 and 200 effects outside the catalogue",
         "uncertainty": "binomial, from the number of cases of a row",
         "sha256": hashlib.sha256(content).hexdigest(),
     }

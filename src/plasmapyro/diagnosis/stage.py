@@ -159,12 +159,19 @@ def diagnose(
         elsewhere = other_gas(test, radiation, comparison)
         if elsewhere:
             comparison = anywhere(base.model, measured, questions[1], comparison, elsewhere, seed=seed)
+    strange = any(line.strange for line in comparison.lines) and not elsewhere
+    if comparison.final.settings and not strange and selection.hides(comparison.gained):
+        apart = None if elsewhere else selection.channels()
+        if apart is None:
+            comparison = comparison.without_names(elsewhere)
+        else:  # a cause of the gas that gains as much where that is not
+            comparison = compare(base.model, measured.without(apart), questions[1], beside=beside, seed=seed)
     if not gas_is_likelier(comparison, len(effects)):
         comparison = comparison.without_names(elsewhere)
-    if any(line.strange for line in comparison.lines) and not elsewhere:
+    if strange:
         selection = selection.beside(STRANGE_LINE)
-    if selection.hides(comparison.gained):
-        comparison = comparison.without_names(elsewhere)
+        if selection.hides(comparison.gained):
+            comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     rest = gained, crossed, reading, provenance or {}, digest_of(test)

@@ -22,6 +22,8 @@ SENTENCES = {
     "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
     "sign": "A window that grows clearer is unlikely: it may be another cause.",
     "alike": "Two names look alike in the data: together they may be one cause that the catalogue lacks.",
+    "bent": "A name would fit clearly better if it changed otherwise over wavelength, time, temperature or"
+    " signal: it may be another cause.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 

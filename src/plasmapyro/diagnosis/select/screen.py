@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 from plasmapyro.diagnosis.effects.effect import Effect
 from plasmapyro.diagnosis.fit.normal import gram, own_patterns
 from plasmapyro.diagnosis.fit.setting import TAILS, Setting
-from plasmapyro.diagnosis.select.structures import structures_of
+from plasmapyro.diagnosis.select.structures import WALK_STEPS, structures_of
 
 # What the base parameters must leave [1] of the information of a direction for it to be seen, in gains,
 # names, probabilities and words alike: slopes by differences err by some 1e-5, and what is left of a
@@ -116,7 +116,7 @@ def columns_of_candidates(model, solution, effects):
     return candidates, columns
 
 
-def screen(model, solution, effects, structures=True):
+def screen(model, solution, effects, structures=True, steps=WALK_STEPS):
     """Score and information of all candidates and structures, base parameters projected out.
 
     Parameters
@@ -126,6 +126,8 @@ def screen(model, solution, effects, structures=True):
     effects : mapping id -> Effect, those that are looked for
     structures : bool
         Whether unknown structures are looked for as well.
+    steps : int
+        Of those that wander.
 
     Returns
     -------
@@ -134,7 +136,7 @@ def screen(model, solution, effects, structures=True):
     candidates, columns = columns_of_candidates(model, solution, effects)
     classes, patterns, products, more = (), [], None, 0
     if structures:
-        classes, products, patterns = structures_of(model, solution)
+        classes, products, patterns = structures_of(model, solution, steps)
         more = products[0][1].shape[2]
     fitted = solution.jacobian[0].shape[2]
     dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, columns, strict=True)]

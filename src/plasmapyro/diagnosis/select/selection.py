@@ -7,11 +7,12 @@ import numpy as np
 from plasmapyro import progress
 from plasmapyro.diagnosis.fit.inference import Solution
 from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
+from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.prices import MARGIN
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
-from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id
+from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id, screen
 from plasmapyro.diagnosis.select.search import Search
 from plasmapyro.diagnosis.select.structures import may_be_gas, seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
@@ -19,6 +20,7 @@ from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 CLEAR, TINY = 20.0, 1e-300  # standard deviations of an effect that no structure is taken for by chance
+MOST_STEPS = 150  # of a walk that is held against a change along the signal
 SAME_ANGLE, ALIKE_ANGLE = 15.0, 45.0  # [degree] below which two are one class, or may explain the same
 
 
@@ -70,6 +72,16 @@ class Selection:
         last = self.steps[-1]
         ids = [structure.id for structure in last.screen.structures]
         return self.unknown_class not in ids or 0.5 * gained < float(last.unknown.max()) + MARGIN
+
+    def channels(self):
+        """Pattern (C, 1) over the channels of the spectrometer of what is unknown, None where it is not one
+        channel, one line or fringes."""
+        last = self.steps[-1]
+        ids = [one.id for one in last.screen.structures if one.single and "pattern" in one.id]
+        if self.unknown_class not in ids:
+            return None
+        which = [one.id for one in last.screen.structures].index(self.unknown_class)
+        return Unknowns(last.screen).most_likely(last.screen, which)[-1]
 
     def _behind(self):
         """Id of the structure that a cause behind the effects that were found is.
@@ -141,9 +153,13 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         steps, unknown = by_other_window(search, steps, unknown)
     if steps[-1].settings and not unknown and not _likelier(search, first, steps[-1]):
         steps, unknown = [first], left(search, first)
+    if unknown and seen_by(unknown)["axis"] == "signal":
+        unknown = _along_time(search, steps[-1], unknown)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
+    if not unknown and not doubt and bent(base.model, final, _alone(first, final)):
+        doubt = "bent"
     status = _status(final, unknown or doubt, sets)
     return Selection(
         tuple(steps),
@@ -164,6 +180,23 @@ def _likelier(search, first, last):
     how probable an effect was before the data."""
     evidence = search.evidence(last.solution) - search.evidence(first.solution)
     return evidence + prior_share(len(search.effects)) > np.log(PRIOR_NONE)
+
+
+def _alone(first, final):
+    """Chi-squared {id: value} that each effect of a fit gains alone, by the tangent."""
+    found = {}
+    for index in best_by_id(first.screen.candidates, first.gains):
+        found[first.screen.candidates[index].id] = float(first.gains[index])
+    return {setting.id: found.get(setting.id, 0.0) for setting in final.settings}
+
+
+def _along_time(search, step, identity):
+    """A structure along the signal, or the one along time that explains more where a walk may step at every
+    sample: while a signal hardly changes, its levels are as close in time."""
+    every = max(instrument.time.size for instrument in search.model.instruments)
+    seen = screen(search.model, step.solution, {}, steps=min(every, MOST_STEPS))
+    best = seen.structures[int(np.argmax(Unknowns(seen)(seen.score)))].id
+    return best if seen_by(best)["axis"] == "time" else identity
 
 
 def _alike(step, identity):

@@ -82,6 +82,10 @@ class _Classes:
 def seen_by(identity):
     """{"instrument", "axis"} of a class of structures by its id."""
     words = set(identity.split("_"))
+    if "heat" in words and "spectrometer" in words:
+        return {"instrument": "spectrometer", "axis": "temperature"}
+    if "heat" in words:
+        return {"instrument": "pyrometer", "axis": "time and temperature"}
     if "signal" in words:
         return {"instrument": "pyrometer", "axis": "signal"}
     if "gas" in words and "walk" in words:
@@ -99,15 +103,13 @@ def seen_by(identity):
 
 def may_be_gas(identity):
     """Whether what lies behind a class of structures changes the spectrum of the gas that was measured: no
-    pyrometer does, nor a gain of the spectrometer that changes in time."""
+    pyrometer does, nor a gain of the spectrometer that changes in time or with the heat of the surface."""
     seen = seen_by(identity)
-    steady = {"instrument": "spectrometer", "axis": "time"}
-    return seen["instrument"] != "pyrometer" and (
-        seen != steady or bool(GAS_OF_TIME & {*identity.split("_")})
-    )
+    gain = seen["instrument"] == "spectrometer" and seen["axis"] in ("time", "temperature")
+    return seen["instrument"] != "pyrometer" and (not gain or bool(GAS_OF_TIME & {*identity.split("_")}))
 
 
-def structures_of(model, solution):
+def structures_of(model, solution, steps=WALK_STEPS):
     """Unknown structures: columns per instrument as products, patterns over the channels, and their classes.
 
     Smooth over time and wavelength; a pattern over the channels that multiplies everything, the surface, or
@@ -125,7 +127,7 @@ def structures_of(model, solution):
     fitted = zip(model.instruments, classes.products, solution.prediction, solution.gas, strict=True)
     for place, (instrument, products, value, gas) in enumerate(fitted):
         time = instrument.time
-        walk, wave = _walk(time), _waves(time, model.off)
+        walk, wave = _walk(time, model.off, steps), _waves(time, model.off)
         gas_rows.append(products.row(gas))
         if instrument.kind == "spectrometer":
             gain, name = products.row(value), "gain of the spectrometer"
@@ -135,12 +137,20 @@ def structures_of(model, solution):
             classes.add_products(
                 "walk_zero_spectrometer", "wandering zero of the spectrometer", {place: [(zero, walk)]}
             )
+            heat = _heat(model, solution, time)
+            tilts = [products.row(value * (instrument.wavelength / PIVOT) ** power) for power in TILTS]
+            parts = [(row, np.kron(one, heat)) for row, one in zip(tilts, np.eye(len(tilts)), strict=True)]
+            classes.add_products("heat_spectrometer", f"{name} that follows the surface", {place: parts})
             patterns += [(place, *row) for row in _spectral_patterns(model, solution, time, value, gas)]
         else:
             bands = [products.row(value * one) for one in np.eye(instrument.channels)]
             kinds = tuple(classes_of_bands(instrument.band, instrument.source))
             _add_bands(classes, place, bands, walk, wave, kinds)
-            for identity, name, signs in kinds[-instrument.channels :]:
+            warming = _heat(model, solution, time)[:, None] * _settling(time, 0.0, model.off)[..., None]
+            warming = warming.reshape(time.size, -1)
+            for (identity, name, signs), band in zip(kinds[-instrument.channels :], bands, strict=True):
+                name_of_heat = f"{name} that warms, as the surface does"
+                classes.add_products(f"heat_{identity}", name_of_heat, {place: [(band, warming)]})
                 zero = products.row(signs * ZERO * np.nanmedian(value, axis=0))
                 classes.add_products(
                     f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
@@ -159,8 +169,8 @@ def structures_of(model, solution):
     if smooth:
         classes.add_products(SMOOTH_MAP, "smooth map over time and wavelength", smooth)
     spectral = [(place, classes.add(identity, name, row.shape[1])) for place, identity, name, row in patterns]
-    structures = [one for one in classes.found if not one.id.startswith(("wave", "walk_gas"))]
-    structures += _singles(model, classes.found, spectral)
+    structures = [one for one in classes.found if not one.id.startswith(("wave", "walk_gas", "heat"))]
+    structures += _singles(model, classes.found, spectral, steps)
     products = [products.whole() for products in classes.products]
     return tuple(structures), products, [(place, row) for place, _, _, row in patterns]
 
@@ -201,13 +211,18 @@ def _add_codes(classes, place, bands, value, kinds):
         classes.add_products("signal_pyrometer", kinds[0][1], {place: parts})
 
 
-def _singles(model, found, spectral):
+def _singles(model, found, spectral, steps):
     """Structures of one column: a step, a wave, a channel, a line, fringes."""
-    singles = [
-        Structure(f"one_{one.id}", SINGLE_NAMES[kind].format(name=one.name), one.columns, True)
-        for one in found
-        if (kind := one.id.split("_")[0]) in SINGLE_NAMES
-    ]
+    singles, courses = [], {}
+    for instrument in model.instruments:
+        courses[instrument.kind] = _courses(instrument.time, model.off, steps)
+    for one in found:
+        kind, last = one.id.split("_")[0], one.id.split("_")[-1]
+        if kind in SINGLE_NAMES:
+            whose = "spectrometer" if last == "spectrometer" else "pyrometer"
+            basis = courses[whose] if kind == "walk" and last != "gas" else None
+            name = SINGLE_NAMES[kind].format(name=one.name)
+            singles.append(Structure(f"one_{one.id}", name, one.columns, True, basis))
     for place, one in spectral:
         if one.id != "pattern":
             lines = _shapes(model, place)
@@ -220,8 +235,9 @@ def _singles(model, found, spectral):
 
 
 SINGLE_NAMES = {
-    "walk": "one step: {name}",
+    "walk": "one step, moment or slow change: {name}",
     "wave": "{name}",
+    "heat": "{name}",
     "signal": "{name} that changes along the signal",
     "pattern": "one channel: {name}",
     "gas": "one channel: {name}",
@@ -230,15 +246,59 @@ SINGLE_NAMES = {
 MAP_PLACES = (0.01, 1 / 30, 1 / 12, 0.2, 0.5, 299 / 300, 305 / 300, 1.1)  # shares of the exposure
 GROWN = 1 / 15  # of the exposure: how fast the light of the surface comes up
 PHASES = np.arange(3) * np.pi / 3
+SLOW = (0.05, 0.1, 0.2)  # of the exposure: how long a slow change lasts,
+SETTLED = (0.1, 0.3, 1.0)  # and time constants with which one settles
+HEAT = (1.0, 2.0, 4.0, 8.0)  # powers of the temperature, and of the wavelength over the pivot,
+TILTS, PIVOT = (-2.0, 0.0, 2.0), 0.95e-6  # [m]
 CODES = np.arange(1.5, 16.1, 0.5)  # periods along the whole signal: below, a bend is a non-linearity
 WAVING = ("pyrometer", "ratio")
 
 
-def _walk(time):
-    """Steps (n, m) of a random walk of unit variance over the whole record, at most `WALK_STEPS` of them."""
-    places = np.unique(np.linspace(1, time.size - 1, min(WALK_STEPS, time.size - 1)).astype(int))
+def _places(time, off, steps):
+    """Bins (m,) with which so many steps of a walk begin, and those with which a surface comes into view and
+    a plasma ends."""
+    places = np.linspace(1, time.size - 1, min(steps, time.size - 1)).astype(int)
+    ends = np.searchsorted(time, [0.0, off])
+    return np.unique(np.concatenate([places, ends[(ends > 0) & (ends < time.size)]]))
+
+
+def _spans(time, places):
+    """Shares (m,) of the record from each step to the next."""
     span = np.diff(np.append(time[places], time[-1] + 1.0))
-    return (np.arange(time.size)[:, None] >= places[None]) * np.sqrt(span / span.sum())
+    return span / span.sum()
+
+
+def _walk(time, off, steps):
+    """Steps (n, m) of a random walk of unit variance over the whole record, about so many."""
+    places = _places(time, off, steps)
+    return (np.arange(time.size)[:, None] >= places) * np.sqrt(_spans(time, places))
+
+
+def _courses(time, off, steps):
+    """Combinations (m, b) of the steps of a walk: each of them, moments, and what changes slowly once, for
+    good or as long as the plasma burns."""
+    places = _places(time, off, steps)
+    edges, mean = time[places], np.add.reduceat(time, places) / np.diff(np.append(places, time.size))
+    middle = np.append(time[: places[0]].mean(), mean)[:, None]  # of what lies between two steps
+    burning = middle < off
+    moments = (middle > edges) & (middle < np.append(edges[1:], np.inf))
+    begun = edges[(edges >= 0) & (edges < off)]
+    slow = [np.clip((middle - begun) / (share * off), 0.0, 1.0) for share in SLOW]
+    once = [(middle > begun).astype(float), *slow]
+    settling = [_settling(middle[:, 0], start, off) for start in (0.0, time[0])]
+    shapes = np.hstack([moments, *slow, *(one * burning for one in once), *settling])
+    return np.hstack([np.eye(places.size), np.diff(shapes, axis=0) / np.sqrt(_spans(time, places))[:, None]])
+
+
+def _settling(time, start, off):
+    """What settles from a time [s] on (n, s), with the time constants `SETTLED`."""
+    return -np.expm1(-np.maximum(time - start, 0.0)[:, None] / (np.array(SETTLED) * off))
+
+
+def _heat(model, solution, time):
+    """Powers (n, h) of the temperature of the surface over its highest: of what warms in its light."""
+    temperature = np.maximum(model.history.basis(time) @ solution.state.knots, 0.0)
+    return (temperature / temperature.max())[:, None] ** HEAT
 
 
 def _waves(time, off):

@@ -51,7 +51,7 @@ class Unknowns:
         A structure with a Gaussian prior of its best scale joins the covariance; of a class of single columns
         the best column does.
         """
-        score, value, inverse, columns = self._most_likely(screen, which)
+        score, value, inverse, columns = self.most_likely(screen, which)
         cross = screen.information[: screen.count, self.parts[which][0]] @ columns
         own = np.diag(screen.information)[: screen.count]
         less = own - np.sum(cross**2 / (value + inverse), axis=1)
@@ -61,13 +61,13 @@ class Unknowns:
 
     def shift(self, screen, which):
         """Change (K,) [K] of the fitted knots if the unknown structure `which` were in the model."""
-        score, value, inverse, columns = self._most_likely(screen, which)
+        score, value, inverse, columns = self.most_likely(screen, which)
         place = self.parts[which][0]
         return screen.shift[:, screen.count :][:, place.start - screen.count : place.stop - screen.count] @ (
             columns @ (score / (value + inverse))
         )
 
-    def _most_likely(self, screen, which):
+    def most_likely(self, screen, which):
         """Score and information (k,) of a structure along k independent columns, its inverse variance at the
         best scale, and these columns (m, k); of a class of single columns the best one."""
         place, value, vector, single = self.parts[which]

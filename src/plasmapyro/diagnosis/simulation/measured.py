@@ -1,6 +1,6 @@
 """The light of the gas alone, as the instruments measured it, beside that of the simulation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_solve
@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.fit.normal import pattern_sigmas
 
 NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
+ANYTHING = 10.0  # [1] of the level, that a pattern may be of
 DARK = 1e-3  # [1] of the level: less light is none
 
 
@@ -43,6 +44,12 @@ class MeasuredGas:
         ratio = np.where(self.value > DARK, light / np.maximum(self.value, DARK), 1.0)
         moved = self.relative * np.clip(ratio, 1 / MOST, MOST)[:, None]
         return self.covariance - self.relative @ self.relative.T + moved @ moved.T
+
+    def without(self, pattern):
+        """The same, a pattern (c, 1) over the channels of the last instrument of any size in it."""
+        whole = np.zeros((self.value.size, 1))
+        whole[self.instrument == self.instrument[-1]] = ANYTHING * pattern / np.abs(pattern).max()
+        return replace(self, covariance=self.covariance + whole @ whole.T)
 
     def ratio_on(self, axis):
         """Measured over simulated light (K,) along an axis [m], by what the last instrument sees."""

@@ -1,0 +1,99 @@
+"""Along which axis lies what no effect describes, and whether a name fits only because it is alike."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.inference import Fitter
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.weights import Noise
+from plasmapyro.diagnosis.select.bent import bent
+from plasmapyro.diagnosis.select.screen import screen
+from plasmapyro.diagnosis.select.search import Step
+from plasmapyro.diagnosis.select.selection import _along_time
+from plasmapyro.diagnosis.select.structures import seen_by
+from plasmapyro.diagnosis.select.unknowns import Unknowns
+
+NOISE = 0.003  # [1]
+
+
+def blister(model, which, time, temperature, value):
+    """A part of the spot grows hotter within 20 s, until the plasma ends: more light in the narrow band."""
+    grown = np.clip((time - 0.4 * model.off) / 20, 0, 1) * (time < model.off)
+    return 1 + 0.02 * grown[:, None] * np.array([0.5, 1.0]) if which == 0 else 1.0
+
+
+def darkening(model, which, time, temperature, value):
+    """A fibre darkens in the heat, and recovers: less light at short waves."""
+    wavelength = model.instruments[1].wavelength
+    return 1 - 0.03 * (temperature[:, None] / 1500) ** 4 * (wavelength / 0.95e-6) ** -2 if which else 1.0
+
+
+def warming(model, which, time, temperature, value):
+    """A filter warms, and an edge of the narrow band with it: what that costs depends on the surface."""
+    share = (1 - np.exp(-np.maximum(time, 0) / 60)) * (temperature / 1500) ** 2
+    return 1 + 0.03 * share[:, None] * np.array([0.0, 1.0]) if which == 0 else 1.0
+
+
+def ranges(model, which, time, temperature, value):
+    """An amplifier changes its range where the signal has 60 % of its largest value."""
+    return np.where(value > 0.6 * value.max(axis=0), 1.01, 1.0) if which == 0 else 1.0
+
+
+def fitted(model, fault, settings=()):
+    """A fit to data with a fault."""
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    measured = []
+    for which, instrument in enumerate(model.instruments):
+        value = model.evaluate(which, knots, values, ())
+        temperature = model.history.basis(instrument.time) @ knots
+        measured.append(value * fault(model, which, instrument.time, temperature, value))
+    noise = [Noise((NOISE * one) ** 2, np.zeros(len(one))) for one in measured]
+    fitter = Fitter(model, noise, measured)
+    return fitter.fit(fitter.start(knots, settings), settings)
+
+
+@pytest.mark.parametrize(
+    ("fault", "instrument", "along"),
+    [
+        (blister, "pyrometer", "time"),
+        (darkening, "spectrometer", "temperature"),
+        (warming, "pyrometer", "time and temperature"),
+        (ranges, "pyrometer", "signal"),
+    ],
+)
+def test_a_fault_lies_along_the_axis_that_it_changes_along(model, fault, instrument, along):
+    solution = fitted(model, fault)
+    seen = screen(model, solution, {})
+    step = Step(solution, seen, None, Unknowns(seen)(seen.score), None)
+    o = np.argsort(-step.unknown)[:6]
+    print([(seen.structures[k].id, round(float(step.unknown[k]), 1)) for k in o])
+    assert seen_by(step.structure) == {"instrument": instrument, "axis": along}
+
+
+def hum(model, which, time, temperature, value):
+    """The mains, sampled near a multiple of its period: a zero that swings within a few bins."""
+    swing = 0.02 * np.median(value, axis=0) * np.sin(2 * np.pi * 0.15 * time)[:, None]
+    return 1 + swing / value if which == 0 else 1.0
+
+
+@pytest.mark.parametrize(("fault", "along"), [(hum, "time"), (ranges, "signal")])
+def test_where_a_signal_explains_most_time_has_a_step_at_every_sample(model, fault, along):
+    step = SimpleNamespace(solution=fitted(model, fault))
+    found = _along_time(SimpleNamespace(model=model), step, "one_signal_pyrometer")
+    assert seen_by(found) == {"instrument": "pyrometer", "axis": along}
+
+
+def fouling(model, which, time, temperature, value):
+    return 1 - 0.03 * np.clip(time / model.off, 0, 1)[:, None] if which else 1.0
+
+
+@pytest.mark.parametrize(("fault", "expected"), [(fouling, False), (darkening, True)])
+def test_a_name_that_fits_only_as_a_near_relation_is_bent(model, fault, expected):
+    """What darkens with the heat is called a deposit: it grows while the surface heats."""
+    named = fitted(model, fault, (Setting(CATALOGUE["winE"], 0.02, {}),))
+    assert bent(model, named, {"winE": 100.0}) is expected
+    assert not bent(model, named, {"winE": 1e5})  # formulas err by so much
