@@ -22,7 +22,7 @@ SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a l
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
 EXPLAINED = 0.05  # least share of a peak that is there by chance, however well it is explained
 PLACE = 0.12  # and after
-CLEAR = 5.0  # standard deviations of peaks that tell the scale
+CLEAR = 5.0  # standard deviations of peaks that tell the scale, and of lines that nobody knows
 ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
 RAREST = 1.0  # log evidence, the most that this may speak for a species
 CERTAIN = 30.0  # log evidence from which chance is not asked
@@ -61,7 +61,7 @@ class Answer:
         Strongest evidence first.
     peaks : Peaks
     unexplained : ndarray of int
-        Peaks that no named species explains.
+        Peaks that no named species explains and that noise does not make (`CLEAR`).
     scale : Scale
         What the wavelengths are too high by.
     """
@@ -267,4 +267,5 @@ def _answer(scene, species, fits, chance):
     seen = np.zeros(scene.peaks.wavelength.size, bool)
     if light is not NOTHING:
         seen = scene.without(light) > 2 * scene.chance
-    return Answer(tuple(named), scene.peaks, np.flatnonzero(~seen), scene.shift)
+    left = ~seen & (scene.peaks.snr > CLEAR)
+    return Answer(tuple(named), scene.peaks, np.flatnonzero(left), scene.shift)
