@@ -3,8 +3,8 @@
 python benchmarks/run_cost.py [results]
 """
 
+import argparse
 import csv
-import sys
 from collections import defaultdict
 from pathlib import Path
 
@@ -40,4 +40,6 @@ def table(found):
 
 
 if __name__ == "__main__":
-    print(table(costs(Path(sys.argv[1] if len(sys.argv) > 1 else "results") / "benchmarks")))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", nargs="?", type=Path, default="results", help="folder of a finished run")
+    print(table(costs(parser.parse_args().results / "benchmarks")))

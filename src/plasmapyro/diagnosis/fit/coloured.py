@@ -16,6 +16,7 @@ TIMES = 12  # memories of which noise may be made, from a sample to the longest 
 SHORTEST = 1e-6  # memories of an exposure; the formula for less is 0/0
 KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
 INEXACT = 0.003  # [1], of the largest value: what exponential memories describe; real noise begins smoothly
+FINEST = 3e-5  # [1] to which a fit follows light without noise: what it misses has no memory of its own
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
 
@@ -144,10 +145,10 @@ def coloured(one, other, error, chosen, phase, period, longest):
     times = np.geomspace(period, max(longest, 2 * period), TIMES)
     columns = np.stack([np.ones_like(lags), *(_parted(lags / time) for time in times)], axis=1)
     spread, without = (np.hypot(one, INEXACT * value.max()) for one in spreads)
-    plain, missed = nnls((1 / without)[:, None], value / without)
-    if nnls(columns / without[:, None], value / without)[1] ** 2 > missed**2 - SURE:
+    missed, left = (nnls(one / without[:, None], value / without)[1] for one in (columns[:, :1], columns))
+    plain, found = (nnls(one / spread[:, None], value / spread)[0] for one in (columns[:, :1], columns))
+    if left**2 > missed**2 - SURE or found[1:].sum() < FINEST**2:
         return Coloured(white=float(plain[0]))
-    found, _ = nnls(columns / spread[:, None], value / spread)
     kept = np.flatnonzero(found[1:] > 0)
     return Coloured(float(found[0]), found[1:][kept], times[kept])
 
