@@ -22,7 +22,6 @@ SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a l
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
 EXPLAINED = 0.05  # least share of a peak that is there by chance, however well it is explained
 PLACE = 0.12  # and after
-CLEAR = 5.0  # standard deviations of peaks that tell the scale, and of lines that nobody knows
 ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
 RAREST = 1.0  # log evidence, the most that this may speak for a species
 CERTAIN = 30.0  # log evidence from which chance is not asked
@@ -61,7 +60,7 @@ class Answer:
         Strongest evidence first.
     peaks : Peaks
     unexplained : ndarray of int
-        Peaks that no named species explains and that noise does not make (`CLEAR`).
+        Peaks that no named species explains.
     scale : Scale
         What the wavelengths are too high by.
     """
@@ -97,15 +96,12 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     inside = [one.between(axis[0] + margin, axis[-1] - margin) for one in catalogue()]
     inside = [one for one in inside if one is not None]
     anchors = [one for one in inside if one.element in COMMON + AIR]
-    clear = _clear(peaks)
-    scale, told = _scale(clear, response, anchors)
+    scale, told = _scale(peaks, response, anchors)
     if not told:  # a lamp, say: none of the common species shines
-        scale, _ = _scale(clear, response, inside)
+        scale, _ = _scale(peaks, response, inside)
     scene = Scene(peaks, response, scale, PLACE)
-    fits = _named(scene, inside).values()
-    known = together(fit.explained for fit in fits if fit.log_bayes > CERTAIN)
-    # Again, chance counted by the peaks that are left: those of a certain species are no coincidences. A less
-    # certain one would lower the chance that it is held against.
+    known = together(fit.explained for fit in _named(scene, inside).values())
+    # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
     weight = np.maximum(scene.chance / scene.without(known), EXPLAINED)
     scene, chance = Scene(peaks, response, scale, PLACE, by_chance=weight), {}
     return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
@@ -150,15 +146,6 @@ class Scale:
             close = np.abs(off - found(at)) < 3 * error
             at, off, error = at[close], off[close], error[close]
         return found
-
-
-def _clear(peaks):
-    """The peaks that tell the scale: faint ones are many, and one taken for a line bends it."""
-    sure = peaks.snr > CLEAR
-    if sure.sum() < 2:
-        return peaks
-    kept = {name: getattr(peaks, name)[sure] for name in ("wavelength", "light", "width", "snr")}
-    return replace(peaks, **kept)
 
 
 def _scale(peaks, response, species):
@@ -267,5 +254,4 @@ def _answer(scene, species, fits, chance):
     seen = np.zeros(scene.peaks.wavelength.size, bool)
     if light is not NOTHING:
         seen = scene.without(light) > 2 * scene.chance
-    left = ~seen & (scene.peaks.snr > CLEAR)
-    return Answer(tuple(named), scene.peaks, np.flatnonzero(left), scene.shift)
+    return Answer(tuple(named), scene.peaks, np.flatnonzero(~seen), scene.shift)

@@ -12,7 +12,7 @@ from scipy.ndimage import (
     uniform_filter1d,
 )
 
-DETECTED = 4.0  # standard deviations of a peak; fainter ones only add to chance
+DETECTED = 5.0  # standard deviations of a peak
 NOISE_WINDOW = 151  # channels
 DEAD_WINDOW = 15  # channels, of which a third at the lowest value are clipped
 SMOOTH = np.array([1.0, 2.0, 1.0]) / 4
@@ -20,13 +20,12 @@ SMOOTH_GAIN = np.sqrt(2)  # of third differences of noise that was smoothed so: 
 WING = 25  # channels to either side within which a peak must stand out
 BEND = 0.1  # of the highest signal around: least height of a shoulder; profiles bend themselves
 PLAIN = 15.0  # standard deviations above the lowest around, which noise does not reach
-OUT = 3.5  # standard deviations of a peak above the mean of what is beside it
+OUT = 4.0  # standard deviations of a peak above the mean of what is beside it
 WIDTHS = (1.0, 3.0, 8.0)  # of a slit, that a line may have
 NARROW = 0.6  # of a slit: what bends are sought with; wider ones lose a line beside a stronger one
 APART = 0.75  # of a slit: least distance of a shoulder from a peak
 DETECTORS = 1.4  # ratio of the steps of two detectors
-SHAPED = 5.0  # standard deviations of the peaks that tell a slit
-FEW = 8  # of them in a detector
+FEW = 8  # peaks of a detector that tell its slit
 SHARPEST = 0.15  # of these peaks are as narrow as the slit; those of air are three times as wide
 IRREGULAR = 0.25  # of a step, by which steps from channel to channel differ where two detectors overlap
 
@@ -143,12 +142,11 @@ def find(axis, signal, noise=None, slit=None):
 
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
     channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
-    prominence = facts["prominences"]
     if slit is None:
-        shaped = prominence > SHAPED * noise[found]
-        slit = np.maximum(_sharp(step, found[shaped], channels[shaped]), 2.0) * step
+        slit = np.maximum(_sharp(step, found, channels), 2.0) * step
     slit = np.broadcast_to(slit, signal.shape)
     # Noise stands out of the lowest around it by ten deviations; out of its mean a line does.
+    prominence = facts["prominences"]
     sure = prominence > PLAIN * noise[found]
     for width in WIDTHS:
         bend, own = _bend(signal, noise, width * slit / step, 1.0)
