@@ -69,8 +69,6 @@ def test_a_fault_lies_along_the_axis_that_it_changes_along(model, fault, instrum
     solution = fitted(model, fault)
     seen = screen(model, solution, {})
     step = Step(solution, seen, None, Unknowns(seen)(seen.score), None)
-    o = np.argsort(-step.unknown)[:6]
-    print([(seen.structures[k].id, round(float(step.unknown[k]), 1)) for k in o])
     assert seen_by(step.structure) == {"instrument": instrument, "axis": along}
 
 

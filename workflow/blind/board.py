@@ -11,8 +11,9 @@ from blind import reasons
 LEVEL = 0.95
 GAS = {"P_eff", "T_exc", "T_vib", "ripple", "selfabs", "contin", "bl", "gas_drift", "refl"}
 BIASED = 10.0  # [K] from which a temperature counts as wrong
-MIX = {  # of a full set, by kind and SNR; of two effects either would be right, and weaker ones nobody sees
+MIX = {  # cases of a full set, by kind and SNR; of two effects either would be right
     ("null", None): 400,
+    **{("single", snr): 120 for snr in (2.0, 3.0, 5.0)},
     **{("single", snr): 168 for snr in (8.0, 12.0, 20.0, 35.0, 50.0)},
     ("outside", None): 200,
 }

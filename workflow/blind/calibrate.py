@@ -23,13 +23,15 @@ import yaml
 from blind import board, run
 
 TARGET = Path(__file__).resolve().parents[2] / "src/plasmapyro/data/diagnosis/stated_probability"
+LEAST_SNR = 8.0  # of the effects that the table is made of: weaker ones nobody sees
 IN_STEP = 30  # cases that make one row
 PRIOR = 1.0  # cases right and wrong that every row is given
 
 
 def pairs(records):
     """{status: list of (stated, right, weight)} of finished cases."""
-    used = [one for one in records if one["outcome"] == "scored" and board.rung(one) in board.MIX]
+    scored = [one for one in records if one["outcome"] == "scored" and board.rung(one) in board.MIX]
+    used = [one for one in scored if (board.rung(one)[1] or LEAST_SNR) >= LEAST_SNR]
     found = defaultdict(list)
     for one, weight in zip(used, board.weights(used), strict=True):
         score = one["score"]

@@ -134,7 +134,7 @@ def coloured(one, other, error, chosen, phase, period, longest):
                 spread = np.hypot(spread, KNOWN * (weight @ out) / np.sum(THIRD**2))
             lags.append(lag * period)
             # Without a memory the products would scatter as those of neighbours do, and no more.
-            scatter = np.sqrt((weight @ own) ** 2 + weight @ (own - weight @ own) ** 2)
+            scatter = np.sqrt(weight @ own**2)
             usual = min(rows[0][2], scatter) if rows else scatter
             rows.append((weight @ own, max(spread, 1e-300), usual, spread * usual / max(scatter, 1e-300)))
         lag *= 2
