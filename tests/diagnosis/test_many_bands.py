@@ -6,8 +6,10 @@ import xarray as xr
 
 from plasmapyro import shipped
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.whole import fit_test
+from plasmapyro.diagnosis.select.screen import screen
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -77,3 +79,20 @@ def test_reflected_light_of_bands_is_finite_though_nothing_is_seen_beside_their_
     )
     lit = (model.instruments[0].moment[:, 0] > 0) & (model.instruments[0].moment[:, -1] < OFF)
     assert np.isfinite(more).all() and (more[lit] > plain[lit]).all()
+
+
+SHARE = 0.02
+
+
+def test_light_of_one_band_in_the_others_is_told_from_what_else_lifts_the_short_waves(base):
+    """One per cent of it had been a gradient over the spot, or a bent scale with emittance."""
+    model, values = base.model, base.solution
+    names = ("crosstalk", "grad", "eps_T", "nonlin_p", "bl")
+    plain = model.evaluate(0, values.state.knots, values.state.values)
+    seen = (1 - SHARE) * plain + SHARE * plain.mean(axis=1, keepdims=True)
+    fitter = Fitter(model, base.fitter.noise, [seen])
+    fit = fitter.fit(fitter.start(values.state.knots))
+    found = screen(model, fit, {one: CATALOGUE[one] for one in names}, structures=False)
+    best = int(np.argmax(found.gains()))
+    assert found.candidates[best].id == "crosstalk"
+    assert found.amplitudes()[best] == pytest.approx(SHARE, rel=0.25)

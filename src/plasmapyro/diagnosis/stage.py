@@ -27,6 +27,8 @@ from plasmapyro.record.inputs import has_plasma, instruments
 
 STRANGE_LINE = "line_gas_pattern"  # structure that a line which nobody simulates is
 OF_TWO_BANDS = {"edge1", "edge2", "resp_long", "phi", "off1", "off2"}  # effects of the wide and narrow band
+OF_MANY_BANDS = {"crosstalk"}  # and of a radiometer with
+MANY = 3  # bands or more
 MBAR = 100.0  # [Pa]
 SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
 
@@ -115,6 +117,8 @@ def diagnose(
         Unknown condition or effect.
     """
     plasma = has_plasma(test)
+    if "radiometer" not in instruments(test) or test.sizes["band"] < MANY:
+        effects = without(effects, OF_MANY_BANDS & set(effects))
     if not plasma:
         effects = askable(effects)
     taken = {term.setting.id for term in given} & set(effects)

@@ -113,6 +113,12 @@ def stray(output, amplitude):
     return (1 - amplitude) * output.value + amplitude * mean * output.factor
 
 
+@effect("crosstalk")
+def crosstalk(output, amplitude):
+    """Bands of one detector: each gets a share of the mean signal of all, as it is recorded."""
+    return (1 - amplitude) * output.value + amplitude * output.value.mean(axis=1, keepdims=True)
+
+
 @effect("nonlin_p")
 def compressed_signal(output, amplitude):
     r"""Nonlinear detector: :math:`S (1 - a S/S_{max})`."""
