@@ -8,7 +8,8 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 from matplotlib import rc_context, rc_params_from_file
-from matplotlib.figure import Figure
+
+from plasmapyro.plots.laid import Laid
 
 SIZE = (4.0, 2.9)  # [inch]: 8 points are 9 pixels when a phone shows it 340 wide
 SETTINGS = rc_params_from_file(Path(__file__).with_name("figures.mplstyle"), use_default_template=False)
@@ -17,7 +18,7 @@ SETTINGS = rc_params_from_file(Path(__file__).with_name("figures.mplstyle"), use
 def drawn(draw, name, size=SIZE, **options):
     """SVG text of a figure made by draw(axes); the same bytes for the same content, no fixed width."""
     with rc_context(SETTINGS | {"svg.hashsalt": name}):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Laid(figsize=size, layout="constrained")
         draw(figure.subplots(**options))
         buffer = io.StringIO()
         figure.savefig(

@@ -15,6 +15,7 @@ import xarray as xr
 from plasmapyro import io
 from plasmapyro.conditions import number
 from plasmapyro.plots import colours
+from plasmapyro.plots.laid import Laid
 
 COLUMN = (3.5, 2.8)  # one journal column [inch]
 BESIDE = (4.3, 2.8)  # the same with the legend beside the axes [inch]
@@ -29,7 +30,7 @@ SETTINGS = matplotlib.rc_params_from_file(
 def figure(size=COLUMN, **options):
     """A new figure and its axes in the common style (options as for `matplotlib.pyplot.subplots`)."""
     matplotlib.rcParams.update(SETTINGS)
-    return plt.subplots(figsize=size, **options)
+    return plt.subplots(figsize=size, FigureClass=Laid, **options)
 
 
 def case_colours(count):
