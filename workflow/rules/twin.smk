@@ -64,6 +64,8 @@ rule twin_test:
         condition=lambda wildcards: TESTS[wildcards.test]["twin"]["condition"],
         effects=lambda wildcards: TESTS[wildcards.test]["twin"].get("effects", []),
         electric_power_kw=lambda wildcards: TESTS[wildcards.test]["twin"].get("electric_power_kw", 160),
+        pyrometer_period_s=config["twin"]["pyrometer_period_s"],
+        spectrometer_period_s=config["twin"]["spectrometer_period_s"],
         weights=lambda wildcards: list(TESTS[wildcards.test]["twin"]["gas"].values()),
         seed=lambda wildcards: TESTS[wildcards.test]["twin"].get("seed", config["twin"]["seed"]),
     script:

@@ -11,6 +11,7 @@ from plasmapyro.versions import told
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from twin import campaign, story
 
+FACTS = ("electric_power", "pyrometer_period", "spectrometer_period")
 io.log_to(snakemake.log[0])
 given, keys = snakemake.input, snakemake.params
 gas = [(weight, io.read(path, "radiation")) for weight, path in zip(keys.weights, given.gas, strict=True)]
@@ -18,7 +19,7 @@ gas = story.true_gas(keys.effects, gas, [io.read(path, "radiation") for path in 
 kinds = ("sightline", "gas", "flow")
 profile = [io.read(path, kind) for path, kind in zip(given.profile, kinds, strict=False)]
 test, truth = campaign.record(
-    story.scene(keys.condition, keys.effects, gas, profile, electric_power=in_si(keys)["electric_power"]),
+    story.scene(keys.condition, keys.effects, gas, profile, **{name: in_si(keys)[name] for name in FACTS}),
     io.read(given.response, "response"),
     gas,
     keys.seed,
