@@ -37,7 +37,7 @@ report: .venv/installed
 
 test: .venv/tested
 	$(MAKE) --jobs $(CORES) site style
-	$(BIN)/pytest --numprocesses $(CORES)
+	$(BIN)/pytest --numprocesses $(CORES) --dist worksteal
 
 style: .venv/tested
 	$(BIN)/ruff check .
