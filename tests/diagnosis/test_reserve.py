@@ -195,6 +195,23 @@ def test_a_cause_of_the_gas_is_hidden_by_no_unknown_that_explains_less(unknown, 
     assert found.hides(gained) is hides
 
 
+@pytest.mark.parametrize(
+    ("most", "evidence", "outweighs"),
+    [
+        (14.8, 35.3, True),  # a deposit that blocks left out foretell as well by a gain that wanders
+        (14.8, 16.0, False),
+        (88.7, 90.0, False),
+        (-2.1, 8.0, False),  # nothing is there beyond chance
+    ],
+)
+def test_a_name_that_explains_more_than_any_structure_stands_without_blocks_left_out(
+    most, evidence, outweighs
+):
+    step, limits = SimpleNamespace(unknown=np.array([most, -2.0])), SimpleNamespace(unknown=5.0)
+    found = Selection((step,), None, (), {}, "named", None, limits, {}, "", evidence)
+    assert found.outweighs_unknown is outweighs
+
+
 def test_a_pattern_that_comes_and_goes_lies_along_time_too():
     axes = {
         one: seen_by(one)["axis"] for one in ("left_pattern", "left_moment", "surface_pattern", "pattern")

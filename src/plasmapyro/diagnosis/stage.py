@@ -147,7 +147,7 @@ def diagnose(
     if base.solution.converged and not selection.final.converged:
         selection = selection.unnamed()  # a fit that comes to no rest names nothing
     gained = _gained(base, selection)
-    if gained is not None and gained.silent:
+    if gained is not None and gained.silent and not selection.outweighs_unknown:
         selection, gained = selection.unnamed(), None
     elif gained is not None and not gained.improves:
         selection = selection.doubted("unconfirmed")

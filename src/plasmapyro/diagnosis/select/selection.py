@@ -57,6 +57,13 @@ class Selection:
         )
 
     @property
+    def outweighs_unknown(self):
+        """Whether something is there beyond chance, and the names explain it clearly better than any
+        structure does: where gains may wander, blocks left out foretell themselves as well without a name."""
+        most = float(self.steps[0].unknown.max())
+        return most > self.thresholds.unknown and self.evidence > most + MARGIN
+
+    @property
     def suspect(self):
         """Id of the structure that says where something unknown is: of what is left, or of what names with
         reserve explain; None where nothing is unknown."""
