@@ -13,6 +13,7 @@ peak belongs to the chance side, so that all are judged together.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -45,6 +46,12 @@ def _absent(short):
 
 SHORT = np.arange(-15.0, 10.0, 0.05)
 ABSENT = _absent(SHORT)
+
+
+@lru_cache(maxsize=512)
+def _lights(species, settings):
+    """Light (settings, L) of the lines of a species, which the scenes of a spectrum ask for again."""
+    return np.array([species.light(*setting) for setting in settings])
 
 
 @dataclass(frozen=True)
@@ -107,6 +114,8 @@ class Scene:
         self.log = np.log(peaks.light)
         # Few settings, all of absorbed light, stand for all depths where the scale is sought.
         self.thick = THICK * peaks.light.max() if settings is SETTINGS else 0.0
+        highest, lowest = self.log.max() + ABOVE, np.log(np.quantile(peaks.light, 0.1)) - 1
+        self.amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
         known = np.ones(at.size) if by_chance is None else by_chance
         near = np.abs(at[:, None] - at) < AROUND
         count = near @ known
@@ -141,6 +150,13 @@ class Scene:
         """Density of a logarithm of strength off its middle, with tails."""
         return (1 - ODD) * _normal(off, 0.0, sigma) + ODD * _normal(off, 0.0, ODD_WIDER * sigma)
 
+    def near(self, species):
+        """Peaks (G,) that lines of a species lie beside."""
+        if species not in self.expected:
+            self.expected[species] = self._expect(species)
+        expected = self.expected[species]
+        return np.zeros(0, int) if expected is None else expected[0]
+
     def fit(self, species, others=NOTHING):
         """Evidence of a species, given what others explain.
 
@@ -155,12 +171,10 @@ class Scene:
         Fit or None
             None where no line lies beside a peak.
         """
-        if species not in self.expected:
-            self.expected[species] = self._expect(species)
+        groups = self.near(species)
         expected = self.expected[species]
         if expected is None:
             return None
-        groups = expected[0]
         beside = np.zeros((2, groups.size))
         if others is not NOTHING:
             beside[:] = others.light[groups], others.place[groups]
@@ -199,7 +213,7 @@ class Scene:
         log probability (amounts, settings, M) that lines without a peak are not seen, and that of amount
         and setting; or None. A line that absorbs itself shines as a black body does: it is not faint."""
         peaks = self.peaks
-        light = np.array([species.light(*setting) for setting in self.settings])
+        light = _lights(species, self.settings)
         keep = (light > FAINT * light.max(axis=1, keepdims=True)).any(axis=0)
         line, light = species.wavelength[keep], light[:, keep]
         line = line + self.shift(line)
@@ -214,9 +228,7 @@ class Scene:
         np.add.at(place.T, index, (light[:, hit] * line[hit]).T)
         place = np.where(sums > 1e-250, place / np.maximum(sums, 1e-250), peaks.wavelength[groups])
         where, blind, missed = self._unseen(line[~hit], light[:, ~hit])
-        highest = np.log(peaks.light.max()) + ABOVE
-        lowest = np.log(np.quantile(peaks.light, 0.1)) - 1
-        amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
+        amount = self.amount
         with np.errstate(divide="ignore"):
             short = np.log(blind) - np.log(missed) - np.log(amount)
             brightest = np.log(amount[:, :, 0] * light.max(axis=1)) - np.log(self.thick)

@@ -231,6 +231,11 @@ def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
     return fits
 
 
+def _shared(fit, peaks):
+    """Whether at least the share `SHARED` of the peaks of a species is among these."""
+    return fit.matched.size > 0 and np.isin(fit.matched, peaks).mean() >= SHARED
+
+
 def _answer(scene, species, fits, chance):
     """Probabilities, rivals and what remains."""
     named = []
@@ -242,9 +247,10 @@ def _answer(scene, species, fits, chance):
         beside = {}
         for other in species:
             if other.element != one.element and other not in fits:
+                if not _shared(fit, scene.near(other)):  # most have no line there: they need no fit
+                    continue
                 rival = scene.fit(other, others)
-                same = np.isin(fit.matched, rival.matched).mean() if rival and fit.matched.size else 0.0
-                if same >= SHARED:
+                if _shared(fit, rival.matched):
                     beside[other.name] = _log_odds(other, rival, fits)
         rivals = tuple(name for name, odds in beside.items() if odds > max(own - ALIKE, 0.0))
         weights = np.logaddexp.reduce([0.0, own, *(beside[name] for name in rivals)])
