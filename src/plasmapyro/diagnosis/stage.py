@@ -117,12 +117,12 @@ def diagnose(
         Unknown condition or effect.
     """
     plasma = has_plasma(test)
-    if "radiometer" not in instruments(test) or test.sizes["band"] < MANY:
-        effects = without(effects, OF_MANY_BANDS & set(effects))
     if not plasma:
         effects = askable(effects)
     taken = {term.setting.id for term in given} & set(effects)
     looked_for = without(effects, {*exclude, *taken})
+    if "radiometer" not in instruments(test) or test.sizes["band"] < MANY:
+        effects, looked_for = (without(one, OF_MANY_BANDS & set(one)) for one in (effects, looked_for))
     if "pyrometer" not in instruments(test):
         looked_for = without(looked_for, OF_TWO_BANDS & set(looked_for))
     if variations is None and plasma:
