@@ -31,6 +31,10 @@ def test_no_case_fails(board):
     assert sum(board["cases"].values()) + sum(board["skipped"].values()) == sum(CASES.values())
 
 
+def test_nothing_is_called_nothing(board):
+    assert board["false_alarms"]["trials"] == 1 and board["false_alarms"]["hits"] == 0
+
+
 def test_a_strong_effect_is_named(board):
     named = board["at_least_20"]
     assert named["detected"]["hits"] >= named["detected"]["trials"] - 2
