@@ -115,7 +115,8 @@ def stray(output, amplitude):
 
 @effect("crosstalk")
 def crosstalk(output, amplitude):
-    """Bands of one detector: each gets a share of the mean signal of all, as it is recorded."""
+    r"""Bands of one detector, each with a share of the mean signal of all as recorded:
+    :math:`(1 - a) S_i + a \bar S`."""
     return (1 - amplitude) * output.value + amplitude * output.value.mean(axis=1, keepdims=True)
 
 
