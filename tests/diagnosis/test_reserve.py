@@ -4,11 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
+from plasmapyro.diagnosis.select.held_out import Gain
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.screen import Candidate, Screen, screen
 from plasmapyro.diagnosis.select.search import Step
@@ -210,6 +213,48 @@ def test_a_name_that_explains_more_than_any_structure_stands_without_blocks_left
     step, limits = SimpleNamespace(unknown=np.array([most, -2.0])), SimpleNamespace(unknown=5.0)
     found = Selection((step,), None, (), {}, "named", None, limits, {}, "", evidence)
     assert found.outweighs_unknown is outweighs
+
+
+@pytest.mark.parametrize(
+    ("evidence", "total", "expected"),
+    [
+        (35.3, 0.4, "named+unknown"),  # silent, and still the best that there is
+        (16.0, 0.4, "unknown"),
+        (16.0, 2.0, "named+unknown"),
+        (16.0, 9.0, "named"),
+    ],
+)
+def test_a_diagnosis_asks_both_the_blocks_left_out_and_the_structures(monkeypatch, evidence, total, expected):
+    """All that is computed replaced by what it may say; a test without a plasma has no gas to compare."""
+    seen = SimpleNamespace(structures=(Structure("walk_spectrometer", "", slice(0, 1)),))
+    fit = SimpleNamespace(settings=(Setting(CATALOGUE["winE"], 0.05, {}),), converged=True)
+    step = Step(SimpleNamespace(settings=()), seen, np.zeros(1), np.array([14.8]), np.zeros(1))
+    limits = SimpleNamespace(unknown=5.0, third=THIRD)
+    selected = Selection((step,), fit, (("winE",),), {}, "named", None, limits, {}, "", evidence)
+    base = SimpleNamespace(model=None, solution=fit)
+    alike = SimpleNamespace(lines=(), final=SimpleNamespace(settings=()), gained=0.0)
+    found = []
+
+    def finished(_, selection, *rest):
+        found.append(selection)
+        raise StopIteration
+
+    for name, value in {
+        "fit_test": base,
+        "select": selected,
+        "gain": Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None),
+        "left_over": None,
+        "nothing_to_compare": alike,
+        "gas_is_likelier": True,
+        "digest_of": "",
+    }.items():
+        monkeypatch.setattr(stage, name, lambda *_, value=value, **__: value)
+    monkeypatch.setattr(stage, "Findings", finished)
+    test = xr.Dataset(attrs={"condition": "none"})
+    with pytest.raises(StopIteration):
+        stage.diagnose(test, {}, None, None, saturation_counts=1.0, limits={})
+    assert found[0].status == expected
+    assert bool(found[0].final.settings) is (expected != "unknown")
 
 
 def test_a_pattern_that_comes_and_goes_lies_along_time_too():
