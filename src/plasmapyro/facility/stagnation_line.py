@@ -48,11 +48,12 @@ COUNT = len(SPECIES)
 TEMPERATURE, TANGENTIAL, FLUX, PRESSURE = range(COUNT, COUNT + 4)
 UNKNOWNS = COUNT + 4
 POINTS, STRETCHING = 90, 4.0
-FIRST_STEP, LEAST_STEP, LARGEST_STEP, GROWTH = 3e-6, 1e-9, 1.0, 3.0  # [s]: pseudo-time
+FIRST_STEP, LEAST_STEP, LARGEST_STEP, GROWTH = 3e-5, 1e-9, 1.0, 10.0  # [s]: pseudo-time
+NEAR = 300  # times the first step, from a solution nearby
 LEAST = 1e-9  # mole fraction below which transport does not follow a species
 HEAT_CAPACITY = 2e3  # [J kg-1 K-1]: scale of the energy equation
 PROBE = 3e-5  # relative change for slopes: 0.2 K, wider than the seams of the polynomials at 1000 and 6000 K
-RENEWED = 0.4  # share of new transport coefficients per step
+RENEWED, PATIENCE = 0.6, 50  # share of new transport coefficients per step, halved after so many steps
 STEPS, CONVERGED = 200, 1e-5  # largest relative change of the last step
 SETTLED, SHRINKING = (
     3e-3,
@@ -114,10 +115,10 @@ class _Coefficients:
     face_viscosity: np.ndarray
     viscosity: np.ndarray
 
-    def between(self, other):
-        """Means with those of the next step: taken whole, they go round in a cycle."""
+    def towards(self, other, share):
+        """Means with a share of those of the next step: taken whole, they go round in a cycle."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return _Coefficients(*((1 - RENEWED) * one + RENEWED * two for one, two in pairs))
+        return _Coefficients(*((1 - share) * one + share * two for one, two in pairs))
 
 
 def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", start=None):
@@ -149,10 +150,11 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
     """
     problem = _Problem(edge, radius, wall_temperature, recombination, chemistry)
     state = problem.first_guess() if start is None else problem.state_of(start)
-    step = FIRST_STEP if start is None else 100 * FIRST_STEP
+    step = FIRST_STEP if start is None else NEAR * FIRST_STEP
     coefficients, slopes, before = problem.coefficients(state), None, np.inf
-    for _ in range(STEPS):
-        coefficients = coefficients.between(problem.coefficients(state))
+    for number in range(STEPS):
+        share = RENEWED * 0.5 ** (number // PATIENCE)
+        coefficients = coefficients.towards(problem.coefficients(state), share)
         if slopes is None:
             slopes = problem.slopes(state, coefficients, step)
         change = problem.newton_change(state, coefficients, step, slopes)
