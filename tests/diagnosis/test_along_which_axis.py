@@ -42,7 +42,7 @@ def ranges(model, which, time, temperature, value):
     return np.where(value > 0.6 * value.max(axis=0), 1.01, 1.0) if which == 0 else 1.0
 
 
-def fitted(model, fault, settings=()):
+def fitted(model, fault, settings=(), **ends):
     """A fit to data with a fault."""
     knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([parameter.centre for parameter in model.parameters])
@@ -53,7 +53,7 @@ def fitted(model, fault, settings=()):
         measured.append(value * fault(model, which, instrument.time, temperature, value))
     noise = [Noise((NOISE * one) ** 2, np.zeros(len(one))) for one in measured]
     fitter = Fitter(model, noise, measured)
-    return fitter.fit(fitter.start(knots, settings), settings)
+    return fitter.fit(fitter.start(knots, settings), settings, **ends)
 
 
 @pytest.mark.parametrize(
@@ -97,3 +97,28 @@ def test_a_name_that_fits_only_as_a_near_relation_is_bent(model, fault, expected
     named = fitted(model, fault, (Setting(CATALOGUE["winE"], 0.02, {}),))
     assert bent(model, named, {"winE": 100.0}) is expected
     assert not bent(model, named, {"winE": 1e5})  # formulas err by so much
+
+
+def dark(course, size):
+    """A dark of the spectrometer, the same in all channels, that takes a course over the exposure."""
+
+    def added(model, which, time, temperature, value):
+        more = size * np.median(value) * course(time / model.off)
+        return 1 + more[:, None] / value if which else 1.0
+
+    return added
+
+
+@pytest.mark.parametrize(
+    ("course", "size", "expected"),
+    [
+        (lambda share: 1 + 0.02 * share, 0.01, False),  # bends gain 20
+        (lambda share: 2 ** (1.2 * np.clip(share, 0, 1.2)) - 1, 0.01, True),  # of a cabinet that warms by 8 K
+        (lambda share: share > 0.3, 0.002, True),  # a lamp of the laboratory is switched on
+    ],
+    ids=["always", "warming", "switched on"],
+)
+def test_a_name_of_an_instrument_is_held_against_what_changes_in_time(model, course, size, expected):
+    """What bends gain of a dark that is told by a few dim spectra a formula may err by."""
+    named = fitted(model, dark(course, size), (Setting(CATALOGUE["off_s"], size, {}),), steps=2)
+    assert bent(model, named, {"off_s": 1e5}) is expected
