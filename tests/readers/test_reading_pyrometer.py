@@ -75,6 +75,16 @@ def test_a_long_table_is_read_as_a_short_one(tmp_path, monkeypatch, case):
         xr.testing.assert_equal(*found)
 
 
+@pytest.mark.parametrize(("lost", "refused"), [("", False), ("0", True), ("50", True), (",39.50", True)])
+def test_a_last_line_without_an_end_is_read_where_a_lost_digit_would_show(tmp_path, lost, refused):
+    words = samples.table().rstrip("\n")
+    assert words.endswith("19.0,69.00,39.50")
+    described = samples.folder(tmp_path / "t", samples.CSV, pyrometer__csv=words.removesuffix(lost))
+    assert bool(check_test(described)) is refused
+    uneven = words.replace("31.00", "31.0")  # numbers of any length may have been longer
+    assert check_test(samples.folder(tmp_path / "u", samples.CSV, pyrometer__csv=uneven))
+
+
 def test_missing_cells_are_nan(tmp_path):
     test = read(tmp_path, pyrometer__csv=samples.table().replace("3.0,53.00", "3.0,").replace("55.00", "NaN"))
     assert np.flatnonzero(np.isnan(test.signal_wide)).tolist() == [3, 5]

@@ -612,3 +612,10 @@ def test_no_file_is_left_out_without_a_word(tmp_path):
     assert any("not used: other.txt: no columns of numbers with a time" in words for words in questions)
     _, questions = described(tmp_path / "u", log__csv=PLAIN, dark__csv=LYING_DARK)
     assert any("dark.csv looks like a dark, and no table like its spectra" in words for words in questions)
+    shown = "t [s],T ratio [degC],Laser power [kW]\n" + "".join(f"{i}.0,90{i}.0,1.0\n" for i in range(9))
+    spectra = matrix(["t", *AIR], ([t, *c] for t, c in zip(MOMENTS, COUNTS, strict=True)))
+    (tmp_path / "v").mkdir()
+    for name, words in (("shown.csv", shown), ("s.csv", spectra)):
+        (tmp_path / "v" / name).write_text(words)
+    questions = describe(tmp_path / "v").questions
+    assert any("not used: shown.csv" in words and "temperatures alone" in words for words in questions)

@@ -206,8 +206,10 @@ def _read_table(path, columns, delimiter=None, decimal=None):
         return result
     nameless = all(NUMBERED.fullmatch(column.header) for column in columns.values())
     numbers, rows, faults = _rows(path, lines, start, mark, nameless)
-    if not ended:
-        faults.append(unfinished(path, lines))
+    try:
+        require_end(path, lines, ended)
+    except Refusal as reason:
+        faults += reason.messages
     if not numbers and not faults:
         refuse(path, "holds a header and no data", "export the data again", start + 1)
     needed = max(places.values())
@@ -278,14 +280,6 @@ def _plain(lines, start, mark, decimal):
     except ValueError:  # cells that are empty, rows of another length: for the strict reader to say
         return None
     return found if found.shape == (len(body), width) and np.isfinite(found).all() else None
-
-
-def unfinished(path, lines):
-    """The sentence for a table whose last line has no line end."""
-    try:
-        require_end(path, lines, False)
-    except Refusal as reason:
-        return reason.messages[0]
 
 
 def _rows(path, lines, start, mark, nameless=False):

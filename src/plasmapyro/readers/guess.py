@@ -101,13 +101,21 @@ def describe(folder):
             f"not used: {path.name}: one signal ({table.labels[places['band']]!r}) against time is seen; the"
             " other band must stand in a column beside it, or alone in a second file of the same form"
         )
+    tunnel = kinds.get("tunnel", [])
+    for path, (table, _) in tunnel[1:] if pyrometer else tunnel:
+        why = (
+            "one log of the tunnel is read; bring its columns into that one"
+            if pyrometer
+            else "; ".join(_without_signals(table))
+        )
+        remarks.append(f"not used: {path.name}: {why}")
     remarks = _grouped(remarks)
     if pyrometer:
         blocks += ["pyrometer:", *pyrometer]
     if spectrometer:
         blocks += ["spectrometer:", *spectrometer]
-    if pyrometer and (tunnel := [(path, table, places) for path, (table, places) in kinds.get("tunnel", [])]):
-        path, table, places = tunnel[0]
+    if pyrometer and tunnel:
+        path, (table, places) = tunnel[0]
         blocks += ["tunnel:", *_table_lines(folder, [path], table, places, questions)]
     if not blocks:
         seen = ", ".join(sorted({path.suffix or path.name for path in files})) or "no files"
@@ -181,12 +189,17 @@ def _kind(path):
         refuse(path, "holds pixels without wavelengths", "export it with the wavelength of each pixel")
     if "band" in places:
         return "band", (table, places)
+    refuse(path, *_without_signals(table))
+
+
+def _without_signals(table):
+    """What is missing in a table that is no pyrometer's, and what to do."""
     listed = ", ".join(quote(label) for label in table.labels[:10])
     if any(unit and units.factor(unit, "source_temperature") for unit in table.units):
         why = "temperatures alone cannot be corrected; name two columns of signals, or see `radiometer`"
     else:
         why = "name the signals, e.g. 'wide [nA]' and 'narrow [nA]', and the time; one row per sample"
-    refuse(path, f"no two signals against time are seen in its columns {listed}", f"{why}, in {GUIDE}")
+    return f"no two signals against time are seen in its columns {listed}", f"{why}, in {GUIDE}"
 
 
 def _matrix(path, lines):

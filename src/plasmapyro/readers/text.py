@@ -36,6 +36,8 @@ GROUPED = {
     for decimal, other in (".,", ",.")
 }
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
+ALIKE = 50  # lines that say how long the last number of a line is
+LAST_DIGITS = re.compile(r"([.,;\s|])(\d+)$", re.ASCII)
 MISSING = re.compile(  # what meters and spreadsheets write in the place of a number, in lower case
     r"|n/?a|[-+]?(nan|inf)(\(ind\))?|[-+]?\u221e|-{1,16}|\*{1,16}|\?|\(?null\)?|none|nil|err(or)?|bad|invalid|missing"
     r"|over([- ]?(range|load|flow))?|ovl?d?|ovf|ovrng|o\.?l|under([- ]?range)?|sat(urated)?"
@@ -161,14 +163,28 @@ def _of_a_country(content):
 
 
 def require_end(path, lines, ended):
-    """Refuse a table whose last line has no line end: its last number may have lost digits."""
-    if not ended:
+    """Refuse a table whose last line has no line end: its last number may have lost digits.
+
+    Not where the numbers that end the lines before, up to `ALIKE`, have as many digits: a lost one would
+    show.
+    """
+    if not ended and not _ends_alike(lines[-ALIKE - 1 :]):
         refuse(
             path,
             "the last line has no end and may be cut off",
             "add a line end if it is complete",
             len(lines),
         )
+
+
+def _ends_alike(lines):
+    """Whether lines end in as many digits as the last, behind the same sign; of less than three nobody knows.
+
+    Names and remarks, which end in no number, are left out.
+    """
+    *before, last = (LAST_DIGITS.search(line.rstrip()) for line in lines)
+    ends = [(end[1], len(end[2])) for end in (*before, last) if end]
+    return last is not None and len(ends) > 3 and len(set(ends)) == 1
 
 
 def missing(word):
