@@ -124,29 +124,62 @@ class Space:
         )
 
     def _pattern(self):
-        """Sparsity of the Jacobian, and where each entry of an element matrix goes."""
+        """Sparsity of the Jacobian: fields couple where their nodes share a cell.
+
+        The nodes of a lower order are the first of a higher one: each field has the first part of each row of
+        the matrix of nodes, which rises.
+        """
+        nodes = self._nodes(self.cells)
         ones = sparse.csr_matrix(
-            (np.ones(self.cells.dofs.size), (self._rows(self.cells), self.cells.dofs.ravel())),
-            shape=(len(self.cells.dofs), self.size),
+            (np.ones(nodes.size), (np.repeat(np.arange(len(nodes)), nodes.shape[1]), nodes.ravel()))
         )
-        pattern = (ones.T @ ones).tocsr()
-        pattern.sort_indices()
-        self.indptr, self.indices = pattern.indptr, pattern.indices
+        shared = (ones.T @ ones).tocsr()
+        shared.sort_indices()
+        of_order = {}
+        for order, basis in self._bases.items():
+            held = shared.indices < basis.N
+            ends = np.concatenate([[0], np.cumsum(held)])[shared.indptr]
+            of_order[order] = np.diff(ends), shared.indices[held]
+        counts = [of_order[order][0] for order in self.orders]
+        self._before = np.cumsum(
+            [np.zeros_like(counts[0]), *counts], axis=0
+        )  # of a row, by field: (n + 1, N)
+        sizes = np.diff(self.offsets)
+        rows = np.concatenate([self._before[-1][:size] for size in sizes])
+        self.indptr = np.concatenate([[0], np.cumsum(rows)]).astype(np.int32)
+        self.indices = np.empty(self.indptr[-1], dtype=np.int32)
+        for first, size in zip(self.offsets, sizes, strict=False):
+            for field, order in enumerate(self.orders):
+                count, found = of_order[order][0][:size], of_order[order][1]
+                start = self.indptr[first : first + size] + self._before[field][:size]
+                place = np.arange(count.sum()) + np.repeat(start - np.cumsum(count) + count, count)
+                self.indices[place] = self.offsets[field] + found[: len(place)]
+        shared.data = np.arange(shared.nnz) - np.repeat(shared.indptr[:-1], np.diff(shared.indptr))
+        self._rank = shared  # of a node among those of a row
         self._known_places, self._known_products = {}, {}
 
-    @staticmethod
-    def _rows(patch):
-        return np.repeat(np.arange(len(patch.dofs)), patch.dofs.shape[1])
+    def _nodes(self, patch):
+        """Nodes of the elements of a patch (E, l), those of the highest order."""
+        field = int(np.argmax(self.orders))
+        return patch.dofs[:, patch.local(field)] - self.offsets[field]
 
     def _places(self, patch):
         """Place in the CSR data of each entry of the element matrices (E L L,); kept for each patch."""
         if id(patch) not in self._known_places:
-            numbered = self.matrix(np.arange(len(self.indices)))
-            local = patch.dofs.shape[1]
-            places = np.empty((len(patch.dofs), local, local), dtype=np.intp)  # as `bincount` takes them
-            for row in range(local):
-                rows = np.repeat(patch.dofs[:, row], local)
-                places[:, row] = np.asarray(numbered[rows, patch.dofs.ravel()]).reshape(-1, local)
+            nodes = self._nodes(patch)
+            count = nodes.shape[1]
+            rank = self._rank[np.repeat(nodes, count, axis=1).ravel(), np.tile(nodes, count).ravel()]
+            rank = np.asarray(rank).reshape(-1, count, count)
+            places = np.empty(
+                (len(nodes), *2 * (patch.dofs.shape[1],)), dtype=np.intp
+            )  # as `bincount` takes it
+            for row in map(patch.local, range(len(self.orders))):
+                first = self.indptr[patch.dofs[:, row]]
+                for field in range(len(self.orders)):
+                    column, test = patch.local(field), first.shape[1]
+                    start = first + self._before[field][nodes[:, :test]]
+                    trial = column.stop - column.start
+                    places[:, row, column] = start[:, :, None] + rank[:, :test, :trial]
             self._known_places[id(patch)] = patch, places.ravel()
         return self._known_places[id(patch)][1]
 
