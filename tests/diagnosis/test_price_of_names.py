@@ -92,6 +92,31 @@ def test_a_first_term_that_nearly_pays_is_not_fitted(search):
     assert len(found) == 1
 
 
+@pytest.mark.parametrize(
+    ("short", "long", "named"), [(127.0, 426.0, True), (127.0, 300.0, False), (60.0, 426.0, False)]
+)
+def test_a_first_term_that_loses_to_an_unknown_is_fitted_from_its_other_shapes(search, short, long, named):
+    """Log Bayes factor 207 of a clock that wanders; a cover that lags by 3 s, as the best tangent has it,
+    explains 127 of chi-squared, one that lags by 12 s has a tangent of nothing and ends at 426. What explains
+    less than 15 % of the clock is not tried further."""
+    lags = tuple(Candidate(CATALOGUE["edge_s"], {"ratio": 0.86, "lag": lag}) for lag in (3.0, 12.0))
+    before = step(solution(1000.0), gains=(102.0, 6.0), unknown=207.0, beside=(0.0, 0.0))
+    before = replace(before, screen=replace(before.screen, candidates=lags, information=np.eye(2)))
+
+    def fitted(_, index):
+        found = solution(1000.0 - (short, long)[index])
+        found.settings, found.converged = (Setting(CATALOGUE["edge_s"], 0.03, lags[index].shape),), True
+        found.state.amplitudes = numbers_of(found.settings)
+        return found
+
+    search._from = fitted
+    quiet = {"gains": np.zeros(2), "unknown": np.array([-1.0])}
+    search.look = lambda fit: replace(before, solution=fit, **quiet)
+    found, unknown = walk(search, [before], {})
+    assert [one.shape["lag"] for one in found[-1].settings] == ([12.0] if named else [])
+    assert unknown == (None if named else "walk_pyrometer")
+
+
 @pytest.mark.parametrize(("worth", "turned"), [(2.0, True), (4.0, False)])
 def test_a_window_that_grows_clearer_is_tried_as_the_other_that_takes_a_deposit(search, worth, turned):
     """Beside a change of the emittance the two are each other's opposite; deposits are e^3 times likelier."""

@@ -103,10 +103,14 @@ class Search:
         found = self._from(step, index)
         if found.converged:
             return found
+        fits = [found, *self.from_other_shapes(step, index)]
+        return min(fits, key=lambda fit: (not fit.converged, fit.objective))
+
+    def from_other_shapes(self, step, index):
+        """Fits with one more candidate from each of its other shapes, whose tangents promise less."""
         candidates = step.screen.candidates
         same = [i for i, one in enumerate(candidates) if one.id == candidates[index].id and i != index]
-        fits = [found, *(self._from(step, place) for place in same)]
-        return min(fits, key=lambda fit: (not fit.converged, fit.objective))
+        return [self._from(step, place) for place in same]
 
     def _from(self, step, index):
         setting = setting_of(step.screen.candidates[index], step.screen.linear()[index])
