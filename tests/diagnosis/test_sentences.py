@@ -1,11 +1,15 @@
 """The verdict in words: sizes, costs and when."""
 
 import copy
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from blind.consistent import contradictions
 
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
+from plasmapyro.diagnosis.report.simulation import simulation
+from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
 from plasmapyro.page.stage import STATUS, write_page
 
 
@@ -88,3 +92,17 @@ def test_the_page_says_what_the_report_says(diagnosed, hidden):
     words = STATUS[verdict["status"]][0].partition("named")[2]
     assert ("the model explains the data" in page) == (verdict["status"] == "null") and words in page
     assert page.count("★") == 1 + len(verdict["named"])  # one explains the mark
+
+
+@pytest.mark.parametrize(
+    ("lines", "bright", "p"), [(1, 1.6, 0.0), (0, 0.1, 0.0), (1, 0.1, 0.5), (0, 0.1, 0.5)]
+)
+def test_a_gas_that_differs_as_a_whole_is_said_beside_its_lines(lines, bright, p):
+    fit = Fit(0.0, bright, (), 0.0, np.eye(2))
+    found = [SimpleNamespace(wavelength=780.5e-9, strength=1.4, error=0.3)] * lines
+    agreed = Comparison(fit, fit, (), tuple(found), {"contin": 0.0}, 10.0, p, np.ones(1))
+    said = " ".join(simulation(SimpleNamespace(comparison=agreed))["sentences"])
+    assert ("as a whole" in said) is (p == 0.0)
+    assert ("5 times as bright" in said) is (bright > 1)
+    assert ("780.5 nm" in said) is (lines == 1)
+    assert ("agrees" in said) is (lines == 0 and p > 0)

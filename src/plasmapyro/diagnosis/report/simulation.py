@@ -53,17 +53,21 @@ def _sentences(found, systems):
     lines = [found.silence] if found.silence else []
     lines += power_sentences(found)
     lines += [system_sentence(one) for one in systems if one.beyond]
+    whole = not lines and not found.final.settings
+    if whole and found.p_value <= LEVEL:
+        size = f", {np.exp(found.base.brightness):.2g} times as bright," if found.unlike else ""
+        lines.append(
+            f"The measured gas differs from the simulated one{size} as a whole (p = {found.p_value:.1g}), and"
+            " no single radiating system does."
+        )
     lines += [
         f"{'A line' if one.strength > 0 else 'Less light'} at {one.wavelength / NANOMETRE:.1f} nm that the"
         f" simulation lacks: {abs(one.strength):.2g} ± {one.error:.1g} of its mean light."
         for one in found.lines
     ]
-    if not lines and not found.final.settings:
+    if whole and not lines:
         lines.append(
             "The measured gas agrees with the simulated one, within the errors that this one states."
-            if found.p_value > LEVEL
-            else f"The measured gas differs from the simulated one as a whole (p = {found.p_value:.1g}), and"
-            " no single radiating system does."
         )
     return lines
 
