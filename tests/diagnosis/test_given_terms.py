@@ -141,7 +141,8 @@ def test_a_library_with_given_gas_has_the_light_of_the_fit_with_that_effect(labo
     """And errs by as much more as another amplitude within its uncertainty changes it."""
     library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=0.75e-9)
     size, sigma = 0.05, 0.01
-    (term,) = terms_of([{"id": identity, "amplitude": size, "uncertainty": sigma}], OF_CONDITION)
+    shape = {"shape": {"own": 0.5}} if identity == "contin" else {}
+    (term,) = terms_of([{"id": identity, "amplitude": size, "uncertainty": sigma, **shape}], OF_CONDITION)
     given, _ = with_gas(library, [term])
     assert given.base == pytest.approx(light_with(library, term.setting))
     assert np.max(np.abs(given.base / library.base - 1)) > 1e-3

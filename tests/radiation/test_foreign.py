@@ -79,18 +79,31 @@ def test_lines_of_a_species_carry_the_light_that_they_are_said_to(plain):
     xr.testing.assert_allclose(error, plain.error_share * plain.gas_radiance_slit, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("identity", "amplitude"), [("contin", 20.0), ("selfabs", 1.5), ("P_eff", 0.05)])
-def test_a_condition_shines_as_the_effect_of_the_diagnosis_says(plain, identity, amplitude):
+@pytest.mark.parametrize(
+    ("identity", "amplitude", "shape"),
+    [
+        ("contin", 20.0, {"own": 0.0}),
+        ("contin", 20.0, {"own": 0.7}),
+        ("selfabs", 1.5, {}),
+        ("P_eff", 0.05, {}),
+    ],
+)
+def test_a_condition_shines_as_the_effect_of_the_diagnosis_says(plain, identity, amplitude, shape):
     """The light of the engine against the formula of the catalogue, on the spectra varied by it."""
-    changes = changes_of(terms_of([{"id": identity, "amplitude": amplitude}], OF_CONDITION))
+    entry = {"id": identity, "amplitude": amplitude} | ({"shape": shape} if shape else {})
+    changes = changes_of(terms_of([entry], OF_CONDITION))
     result = radiance_with(changes, sight_line(6000.0), RESPONSE, **KEYS)
     assert set(result.variables) == set(plain.variables) and set(result.attrs) == set(plain.attrs)
     slit, base = plain.wavelength_slit.values, plain.gas_radiance_slit.values
     if identity == "P_eff":
         expected = line_of_sight_radiance(sight_line(6000.0 * 1.05), RESPONSE, **KEYS).gas_radiance_slit
     elif identity == "contin":
-        shape = slit**-2.0 * np.exp(-C2 / (slit * 6000.0))
-        expected = base + amplitude * shape * 0.01 * base.mean() / shape.mean()
+        free, own = slit**-2.0 * np.exp(-C2 / (slit * 6000.0)), shape["own"]
+        parts = plain.gas_radiance_component_slit
+        smooth = [name for name in parts.component.values if "free" in name or "detachment" in name]
+        edges = parts.sel(component=smooth).sum("component").values
+        shine = (1 - own) * free / free.mean() + own * edges / edges.mean()
+        expected = base + amplitude * shine * 0.01 * base.mean()
     else:
         tau = plain.optical_depth.values / plain.optical_depth.values.max()
         fine = plain.gas_radiance.values * -np.expm1(-amplitude * tau) / (amplitude * np.maximum(tau, 1e-300))
@@ -108,7 +121,8 @@ def test_a_condition_shines_as_the_effect_of_the_diagnosis_says(plain, identity,
 
 
 def test_nothing_to_add_is_the_simulation_itself(plain):
-    entries = [{"id": name, "amplitude": 0} for name in OF_CONDITION if name != "mixing"]
+    entries = [{"id": name, "amplitude": 0} for name in OF_CONDITION if name not in ("mixing", "contin")]
+    entries.append({"id": "contin", "amplitude": 0, "shape": {"own": 0.0}})
     entries.append({"id": "lines Fe I", "amplitude": 0})
     assert changes_of(terms_of(entries, OF_CONDITION)) == {}
     xr.testing.assert_identical(radiance_with({}, sight_line(6000.0), RESPONSE, **KEYS), plain)

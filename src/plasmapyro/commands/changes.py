@@ -20,7 +20,8 @@ def radiance_with(changes, sightline, response, **settings):
     if "depth" in changes:
         result = more_absorbed(result, response, changes["depth"])
     if "continuum" in changes:
-        result = with_continuum(result, response, HUNDREDTH * changes["continuum"])
+        own = changes.get("continuum_own", 0.0)
+        result = with_continuum(result, response, HUNDREDTH * changes["continuum"], own)
     if lines := changes.get("lines"):
         from plasmapyro.diagnosis.effects.gas import species_lines  # all of the diagnosis, a second
 

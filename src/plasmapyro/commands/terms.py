@@ -128,9 +128,12 @@ def with_effects(conditions):
 def changes_of(terms):
     """What terms of a condition change in the light of its gas, as `radiance_with` takes it.
 
-    Amplitudes by the names of `CHANGES`, and `lines` {species: tenths of O I 777}; empty for nothing.
+    Amplitudes by the names of `CHANGES`, `continuum_own` as of the effect `contin`, and `lines` {species:
+    tenths of O I 777}; empty for nothing.
     """
     found = {name: amplitude_of(terms, identity) for name, identity in CHANGES.items()}
+    shapes = [term.setting.shape for term in terms if term.setting.id == CHANGES["continuum"]]
+    found["continuum_own"] = next((shape["own"] for shape in shapes), 0.0)
     lines = {species_of(term.setting.id): term.setting.amplitude for term in terms}
     found["lines"] = {species: amount for species, amount in lines.items() if species and amount}
     return {name: change for name, change in found.items() if change}

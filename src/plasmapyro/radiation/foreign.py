@@ -8,6 +8,7 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.argon import densities, species_of
 from plasmapyro.gas.species import argon_of, nitrogen_of
 from plasmapyro.radiation.bandsignal import BANDS, band_signal, respond, responsivities
+from plasmapyro.radiation.path import CONTINUA
 from plasmapyro.radiation.slit import through_slit
 
 OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
@@ -44,18 +45,22 @@ def with_lines(radiation, band_response, name, wavelength, strength, amount):
     return _with_light(radiation, band_response, name, lines)
 
 
-def with_continuum(radiation, band_response, amount):
-    r"""The light of a gas and, added to it, a smooth one of free electrons.
+def with_continuum(radiation, band_response, amount, own=0.0):
+    r"""The light of a gas and, added to it, more continuum.
 
-    .. math:: L'_\lambda = L_\lambda + a\,\langle L \rangle \frac{c_\lambda}{\langle c \rangle}, \qquad
-              c_\lambda = \lambda^{-2} e^{-c_2/\lambda T}
+    .. math:: L'_\lambda = L_\lambda + a\,\langle L \rangle \left((1-s) \frac{c_\lambda}{\langle c \rangle} +
+              s \frac{k_\lambda}{\langle k \rangle}\right), \qquad c_\lambda = \lambda^{-2} e^{-c_2/\lambda T}
 
-    with the amount a [1] of the mean light behind the slit; less than 0 takes light away, as far as there is
-    any.
+    with the amount a [1] of the mean light behind the slit, of free electrons and, for the share s (`own`),
+    of the simulated continua k; less than 0 takes light away, as far as there is any.
     """
     axis, slit = radiation["wavelength"].values, radiation["wavelength_slit"].values
-    level = amount * float(radiation["gas_radiance_slit"].mean()) / continuum(slit).mean()
-    light = np.maximum(level * continuum(axis), -radiation["gas_radiance"].values)
+    parts = radiation["gas_radiance_component_slit"]
+    simulated = parts.values[np.isin(parts["component"].values, CONTINUA)].sum(axis=0)
+    shape = (1 - own) * continuum(axis) / continuum(slit).mean()
+    shape += own * np.interp(axis, slit, simulated) / (simulated.mean() or 1.0)
+    level = amount * float(radiation["gas_radiance_slit"].mean())
+    light = np.maximum(level * shape, -radiation["gas_radiance"].values)
     return _with_light(radiation, band_response, "more continuum", light)
 
 

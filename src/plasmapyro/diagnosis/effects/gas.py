@@ -37,12 +37,16 @@ vibration = effect("T_vib")(varied("vibration"))
 self_absorption = effect("selfabs")(varied("optical_depth"))
 
 
-@effect("contin")
-def continuum(scene, amplitude):
-    r"""More continuum: :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`; 1 is a hundredth of the light."""
-    shape = free_electrons(scene.spectral_axis)
-    more = shape * (0.01 * scene.spectrum.mean() / shape.mean())
-    return scene.but(spectrum=scene.spectrum + amplitude * more)
+@effect("contin", shape={"own": ((0.0, 1.0), (0.0, 1.0))})
+def continuum(scene, amplitude, *, own):
+    r"""More continuum; 1 is a hundredth of the light.
+
+    A share `own` of it with the spectrum of the simulated continua and their edges, the rest that of free
+    electrons, :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`.
+    """
+    free, light = free_electrons(scene.spectral_axis), scene.library.continua
+    shape = (1 - own) * free / free.mean() + own * light / (light.mean() or 1.0)
+    return scene.but(spectrum=scene.spectrum + 0.01 * amplitude * scene.spectrum.mean() * shape)
 
 
 @effect("gas_drift")

@@ -89,6 +89,11 @@ class GasLibrary:
         low, high = self.log_power[0] - 0.2, self.log_power[-1] + 0.2
         return np.exp(self._by_power(np.clip(start + change, low, high)) - self._by_power(start))
 
+    @cached_property
+    def continua(self):
+        """Light of the simulated continua (K,), but for those among the `REST`."""
+        return self.group[np.isin(self.group_name, CONTINUA)].sum(axis=0)
+
     def power_of_warmth(self, change):
         """Logarithm of the power ratio that a relative change of the gas temperature stands for."""
         return np.log1p(change) / WARMTH_OF_POWER
