@@ -41,8 +41,8 @@ self_absorption = effect("selfabs")(varied("optical_depth"))
 def continuum(scene, amplitude, *, own):
     r"""More continuum; 1 is a hundredth of the light.
 
-    A share `own` of it with the spectrum of the simulated continua and their edges, the rest that of free
-    electrons, :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`.
+    A share `own` of it with the spectrum of the simulated continua and their edges (detachment of O-: 849
+    nm, 1.46 eV), the rest that of free electrons, :math:`\propto \lambda^{-2} e^{-hc/\lambda kT}`.
     """
     free, light = free_electrons(scene.spectral_axis), scene.library.continua
     shape = (1 - own) * free / free.mean() + own * light / (light.mean() or 1.0)
