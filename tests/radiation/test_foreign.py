@@ -122,7 +122,7 @@ def test_a_condition_shines_as_the_effect_of_the_diagnosis_says(plain, identity,
 
 def test_nothing_to_add_is_the_simulation_itself(plain):
     entries = [{"id": name, "amplitude": 0} for name in OF_CONDITION if name not in ("mixing", "contin")]
-    entries.append({"id": "contin", "amplitude": 0, "shape": {"own": 0.0}})
+    entries.append({"id": "contin", "amplitude": 0, "shape": {"own": 0.5}})
     entries.append({"id": "lines Fe I", "amplitude": 0})
     assert changes_of(terms_of(entries, OF_CONDITION)) == {}
     xr.testing.assert_identical(radiance_with({}, sight_line(6000.0), RESPONSE, **KEYS), plain)

@@ -132,8 +132,9 @@ def changes_of(terms):
     tenths of O I 777}; empty for nothing.
     """
     found = {name: amplitude_of(terms, identity) for name, identity in CHANGES.items()}
-    shapes = [term.setting.shape for term in terms if term.setting.id == CHANGES["continuum"]]
-    found["continuum_own"] = next((shape["own"] for shape in shapes), 0.0)
+    if found["continuum"]:
+        (shape,) = (term.setting.shape for term in terms if term.setting.id == CHANGES["continuum"])
+        found["continuum_own"] = shape["own"]
     lines = {species_of(term.setting.id): term.setting.amplitude for term in terms}
     found["lines"] = {species: amount for species, amount in lines.items() if species and amount}
     return {name: change for name, change in found.items() if change}
