@@ -141,9 +141,8 @@ class Space:
             ends = np.concatenate([[0], np.cumsum(held)])[shared.indptr]
             of_order[order] = np.diff(ends), shared.indices[held]
         counts = [of_order[order][0] for order in self.orders]
-        self._before = np.cumsum(
-            [np.zeros_like(counts[0]), *counts], axis=0
-        )  # of a row, by field: (n + 1, N)
+        # (n + 1, N): entries of a row before those of each field
+        self._before = np.cumsum([np.zeros_like(counts[0]), *counts], axis=0)
         sizes = np.diff(self.offsets)
         rows = np.concatenate([self._before[-1][:size] for size in sizes])
         self.indptr = np.concatenate([[0], np.cumsum(rows)]).astype(np.int32)
@@ -170,9 +169,8 @@ class Space:
             count = nodes.shape[1]
             rank = self._rank[np.repeat(nodes, count, axis=1).ravel(), np.tile(nodes, count).ravel()]
             rank = np.asarray(rank).reshape(-1, count, count)
-            places = np.empty(
-                (len(nodes), *2 * (patch.dofs.shape[1],)), dtype=np.intp
-            )  # as `bincount` takes it
+            size = patch.dofs.shape[1]
+            places = np.empty((len(nodes), size, size), dtype=np.intp)  # as `bincount` takes them
             for row in map(patch.local, range(len(self.orders))):
                 first = self.indptr[patch.dofs[:, row]]
                 for field in range(len(self.orders)):
