@@ -117,7 +117,8 @@ class Fitter:
             free = free_numbers(settings)
             whole = np.empty((*value.shape, slope.shape[2] + self.sigma.size + len(free)))
             whole[..., : slope.shape[2]], others = slope, whole[..., slope.shape[2] :]
-            others[..., : self.sigma.size] = 0.0
+            others[..., len(self.model.own) : self.sigma.size] = 0.0
+            changes = np.zeros((len(self.model.own), *value.shape))  # written at once: whole lines of memory
             for j, (sigma, parameter) in enumerate(zip(self.sigma, self.model.own, strict=False)):
                 if parameter.history or parameter.instrument not in (
                     None,
@@ -130,7 +131,8 @@ class Fitter:
                 changed = self.model.evaluate(
                     which, state.knots, values, now, gas_error=state.error_of_gas(which)
                 )
-                others[..., j] = (changed - value) / step
+                changes[j] = (changed - value) / step
+            others[..., : len(changes)] = changes.transpose(1, 2, 0)
             gas = others[..., self.model.index["gas"], None]
             others[..., self.model.wandering] = gas * self.model.gas_histories[which].mean(axis=1)[:, None]
             others[..., self.model.places[which]] = self.model.persistent_columns(which, value)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from plasmapyro.diagnosis.fit.weights import flat
 
@@ -15,105 +16,102 @@ def gram(columns, patterns, weighers, residuals, products=None):
     A pattern (instrument, row (n, C)) stands for one column per channel of that instrument. `products` holds
     per instrument (rows (n, C, r), shares (n, r, m)) for m more columns `rows @ shares`, cheap if r is small.
     """
-    first = columns[0].shape[2]
-    k = first + (0 if products is None else products[0][1].shape[2])
+    k = columns[0].shape[2] + (0 if products is None else products[0][1].shape[2])
     sizes = [row.shape[1] for _, row in patterns]
     starts = k + np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     matrix, vector = np.zeros((starts[-1], starts[-1])), np.zeros(starts[-1])
     for place, (column, weigher, residual) in enumerate(zip(columns, weighers, residuals, strict=True)):
-        rows_of_products, fold = None, _unfolded
         if products is not None and column.shape[1] < FEW_CHANNELS:
             column = np.concatenate([column, np.matmul(*products[place])], axis=2)
-        elif products is not None:
-            # Each row of each bin is a column of its own until all bins are added up.
-            rows_of_products, shares = products[place]
-            fold = _Fold(first, shares.reshape(-1, shares.shape[2]))
-        count = column.shape[2] + (0 if rows_of_products is None else len(fold.shares))
+        whole = products is None or column.shape[1] < FEW_CHANNELS
+        singles = _Singles.none(column.shape[1]) if whole else _Singles.of(*products[place])
         weighted = weigher(residual)
+        matrix[:k, :k] += singles.fold(singles.fold(_square(column, singles, weigher)).T)
+        score = flat(column).T @ weighted.ravel()
+        vector[:k] += singles.fold(np.append(score, np.sum(singles.row * weighted[singles.bin], axis=1)))
         mine = [
             (slice(a, a + n), row)
             for a, n, (at, row) in zip(starts, sizes, patterns, strict=False)
             if at == place
         ]
-        rows = np.array([row for _, row in mine]).reshape(len(mine), *residual.shape)
-        square, score = np.zeros((count, count)), np.zeros(count)
-        cross = np.zeros((count, len(mine), residual.shape[1]))
-        along = np.zeros((len(residual), weigher.shared.shape[1], count))
-        for chosen, live, part in _parts(column, rows_of_products):
-            some = weigher.of(chosen)
-            root = some.root(part)
-            _add(root.T @ root, square, live)
-            score[live] += flat(part).T @ weighted[chosen].ravel()
-            if mine:
-                along[chosen, :, live] = some.core @ (some.shared @ part)
-                scaled = rows[:, chosen] * some.weight
-                cross[live] += _along_bins(scaled, part)
-        matrix[:k, :k] += fold(fold(square).T)
-        vector[:k] += fold(score)
-        along = fold(along)
-        if mine:
-            cross = fold(cross.reshape(count, -1).T).reshape(len(mine), residual.shape[1], k)
+        if not mine:
+            continue
+        scaled = np.stack([row * weigher.weight for _, row in mine])
+        cross = singles.fold(_along_bins(scaled, column, singles))
+        along = singles.fold(_shared_by(weigher, column, singles))
+        cored = [weigher.core @ (weigher.shared * row[:, None]) for _, row in mine]
         for at, (block, row) in enumerate(mine):
             shared = weigher.shared * row[:, None]
-            part = cross[at] - np.tensordot(shared, along, axes=((0, 1), (0, 1)))
-            matrix[block, :k], matrix[:k, block] = part, part.T
+            part = cross[:, at] - np.tensordot(along, shared, axes=((1, 2), (0, 1)))
+            matrix[:k, block], matrix[block, :k] = part, part.T
             vector[block] = np.sum(row * weighted, axis=0)
-            for other, second in mine:
-                others = weigher.core @ (weigher.shared * second[:, None])
-                both = -np.tensordot(shared, others, axes=((0, 1), (0, 1)))
+            for (other, second), there in zip(mine[: at + 1], cored, strict=False):
+                both = -np.tensordot(shared, there, axes=((0, 1), (0, 1)))
                 both[np.diag_indices_from(both)] += np.sum(row * second * weigher.weight, axis=0)
-                matrix[block, other] = both
+                matrix[block, other], matrix[other, block] = both, both.T
     return matrix, vector
 
 
-def _along_bins(rows, columns):
-    """Sums (l, m, C) over the bins of rows (m, n, C) times columns (n, C, l)."""
-    if len(columns) == 1:
-        return columns[0].T[:, None] * rows[:, 0]
-    return np.matmul(rows.transpose(2, 0, 1), columns.transpose(1, 0, 2)).transpose(2, 1, 0)
-
-
 @dataclass(frozen=True)
-class _Fold:
-    """Turns products (..., first + s) with rows of all bins into (..., first + m) by shares (s, m)."""
+class _Singles:
+    """Columns of products that live in one bin each, until all bins are added up: `row` (s, C) in `bin` (s,),
+    and the sparse `shares` (m, s) that make them up to the columns asked for."""
 
-    first: int
-    shares: np.ndarray
+    row: np.ndarray
+    bin: np.ndarray
+    shares: csr_array
 
-    def __call__(self, values):
-        rows = values[..., self.first :]
-        shape = (*values.shape[:-1], self.shares.shape[1])
-        folded = (rows.reshape(-1, len(self.shares)) @ self.shares).reshape(shape)
-        return np.concatenate([values[..., : self.first], folded], axis=-1)
+    @classmethod
+    def of(cls, rows, shares):
+        count, channels, each = rows.shape
+        singles = rows.transpose(0, 2, 1).reshape(-1, channels)
+        sparse = csr_array(shares.reshape(len(singles), shares.shape[2]).T)
+        return cls(singles, np.repeat(np.arange(count), each), sparse)
+
+    @classmethod
+    def none(cls, channels):
+        return cls.of(np.zeros((0, channels, 0)), np.zeros((0, 0, 0)))
+
+    def fold(self, values):
+        """Values (first + s, ...) of dense columns and singles as those of the columns (first + m, ...)."""
+        first = len(values) - len(self.bin)
+        folded = self.shares @ values[first:].reshape(len(self.bin), int(np.prod(values.shape[1:])))
+        return np.concatenate([values[:first], folded.reshape(len(folded), *values.shape[1:])])
 
 
-def _unfolded(values):
-    return values
-
-
-def _parts(column, rows=None):
-    """Bins (slices), the columns that are not zero in them, and these: one by one where most columns touch
-    few bins or rows (n, C, r) follow that stand for themselves in each bin, else all at once."""
+def _square(column, singles, weigher):
+    """Weighted products (first + s, first + s) of columns (n, C, first) and singles with one another: bin by
+    bin, unless most columns touch most bins."""
     live = np.any(column, axis=1)
-    if rows is None and (column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size):
-        yield slice(None), slice(None), column
-        return
+    few = column.shape[1] < FEW_CHANNELS or np.count_nonzero(live) >= FULL * live.size
+    if few and not len(singles.row):
+        root = weigher.root(column)
+        return root.T @ root
+    size = column.shape[2] + len(singles.row)
+    square = np.zeros((size, size))
     for at, mask in enumerate(live):
-        chosen, own = slice(at, at + 1), np.flatnonzero(mask)
-        part = column[chosen][..., own]
-        if rows is not None:
-            count = rows.shape[2]
-            part = np.concatenate([part, rows[chosen]], axis=2)
-            own = np.concatenate([own, column.shape[2] + at * count + np.arange(count)])
-        yield chosen, own, part
+        own, single = np.flatnonzero(mask), np.flatnonzero(singles.bin == at)
+        part = np.concatenate([column[at][:, own], singles.row[single].T], axis=1)
+        root = weigher.of(slice(at, at + 1)).root(part[None])
+        places = np.append(own, column.shape[2] + single)
+        # By flat places: three times as fast as by `ix_`.
+        square.reshape(-1)[(places[:, None] * size + places).ravel()] += (root.T @ root).ravel()
+    return square
 
 
-def _add(part, square, live):
-    """Add to the rows and columns `live` of a square, by flat places: three times as fast as by `ix_`."""
-    if isinstance(live, slice):
-        square += part
-    else:
-        square.reshape(-1)[(live[:, None] * len(square) + live).ravel()] += part.ravel()
+def _along_bins(rows, column, singles):
+    """Sums (first + s, p, C) over the bins of columns (n, C, first) and singles times rows (p, n, C)."""
+    dense = np.matmul(rows.transpose(2, 0, 1).copy(), column.transpose(1, 0, 2))
+    return np.concatenate([dense.T, rows[:, singles.bin].transpose(1, 0, 2) * singles.row[:, None]])
+
+
+def _shared_by(weigher, column, singles):
+    """What the channels of a bin share, in columns (n, C, first) and singles: (first + s, n, r)."""
+    dense = weigher.core @ (weigher.shared @ column)
+    alone = np.zeros((len(singles.bin), *dense.shape[:2]))
+    own = weigher.core[singles.bin] @ (weigher.shared[singles.bin] @ singles.row[..., None])
+    alone[np.arange(len(alone)), singles.bin] = own[..., 0]
+    return np.concatenate([dense.transpose(2, 0, 1), alone])
 
 
 def own_patterns(instruments, values, gas_rows, gases):

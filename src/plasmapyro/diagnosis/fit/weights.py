@@ -33,8 +33,14 @@ class Weigher:
             shared.append(np.sqrt(noise.gain)[:, None] * value)
         shared = np.stack(shared, axis=1)
         self.shared = self.weight[:, None] * shared  # (n, r, C)
-        self.size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)
-        self.core = np.linalg.inv(np.eye(len(self.size[0])) + self.size)
+        size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)
+        self.core = np.linalg.inv(np.eye(len(size[0])) + size)
+        self.scale = np.sqrt(self.weight)
+        # (I + V V^T)^-1/2 = I - V Q (1 - 1/sqrt(1 + l)) / l Q^T V^T with V^T V = Q l Q^T, V = sigma^-1 U
+        self.unit = self.shared / np.where(self.scale > 0, self.scale, 1.0)[:, None]
+        value, vector = np.linalg.eigh(size)
+        share = -np.expm1(-0.5 * np.log1p(np.maximum(value, 0.0))) / np.maximum(value, 1e-300)
+        self.inner = (vector * share[:, None]) @ vector.transpose(0, 2, 1)
 
     def __call__(self, rows):
         """Rows (n, C) or (n, C, k) weighted."""
@@ -53,14 +59,8 @@ class Weigher:
     def root(self, rows):
         r"""Rows (n, C, k) times :math:`\Sigma^{-1/2}`, flattened to (n C, k); of residuals, chi-squared is
         then the sum of squares."""
-        scale = np.sqrt(self.weight)
-        result = rows * scale[..., None]
-        unit = self.shared / np.where(scale > 0, scale, 1.0)[:, None]  # (Sigma_d^-1/2 U)^T
-        # (I + U U^T)^-1/2 = I - U Q (1 - 1/sqrt(1 + l)) / l Q^T U^T with U^T U = Q l Q^T
-        value, vector = np.linalg.eigh(self.size)
-        share = -np.expm1(-0.5 * np.log1p(np.maximum(value, 0.0))) / np.maximum(value, 1e-300)
-        inner = (vector * share[:, None]) @ vector.transpose(0, 2, 1) @ (unit @ result)
-        result -= unit.transpose(0, 2, 1) @ inner
+        result = rows * self.scale[..., None]
+        result -= self.unit.transpose(0, 2, 1) @ (self.inner @ (self.unit @ result))
         return flat(result)
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve
+from scipy.linalg import cho_solve, solve_triangular
 from scipy.special import logsumexp
 
 from plasmapyro.diagnosis.effects.effect import Effect
@@ -149,14 +149,14 @@ def screen(model, solution, effects, structures=True, steps=WALK_STEPS):
     rest = np.r_[fitted:first, first + base_patterns : matrix.shape[0]]
     cross = matrix[np.ix_(base, rest)]
     own = matrix[np.ix_(rest, rest)]
-    carried = cho_solve(solution.factor, cross)
-    projected = own - cross.T @ carried
-    projected = (projected + projected.T) / 2
+    half = solve_triangular(solution.factor[0], cross, trans="T")
+    projected = own - half.T @ half
     plain = np.diag(own)
     left = np.diag(projected) / np.where(plain > 0, plain, np.inf)
     # What the fit has left undone is none of the others' business.
-    score = vector[rest] - carried.T @ solution.score
-    return Screen(candidates, classes, score, projected, left, carried[: model.size])
+    score = vector[rest] - cross.T @ cho_solve(solution.factor, solution.score)
+    knots = cho_solve(solution.factor, np.eye(len(cross))[:, : model.size])
+    return Screen(candidates, classes, score, projected, left, knots.T @ cross)
 
 
 def angles(information):
