@@ -1,7 +1,6 @@
 """Spectra of the gas in equal bins of wavelength, from one emission table for many paths."""
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.equilibrium import number_density
@@ -36,7 +35,9 @@ def binned(wavelength, radiance, edges):
 
     Of the trapezoidal rule; linear in the running integral between grid points (G,) [m].
     """
-    running = cumulative_trapezoid(radiance, wavelength, axis=-1, initial=0.0)
+    running = np.zeros_like(radiance)
+    pieces = np.diff(wavelength) * (radiance[..., 1:] + radiance[..., :-1]) / 2
+    np.cumsum(pieces, axis=-1, out=running[..., 1:])
     rows = running.reshape(-1, wavelength.size)
     at_edges = np.stack([np.interp(edges, wavelength, row) for row in rows])
     return (np.diff(at_edges, axis=-1) / np.diff(edges)).reshape(*running.shape[:-1], -1)

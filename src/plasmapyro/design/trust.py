@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from plasmapyro.analysis.error import error_limit
 from plasmapyro.analysis.transient import step_response
@@ -29,6 +28,8 @@ def time_to_reach(temperature, initial_temperature, gain, natural_frequency):
 
     def missing(time):
         return float(step_response(time, initial_temperature, gain, natural_frequency)) - temperature
+
+    from scipy.optimize import brentq  # 0.2 s, which the pages of the table do not cost
 
     return brentq(missing, 0.0, LATEST, xtol=1e-6) if missing(LATEST) > 0 else np.nan
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.linalg import cho_solve
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from plasmapyro.diagnosis.fit.normal import gram, own_patterns
 from plasmapyro.diagnosis.fit.setting import free_numbers
@@ -49,7 +49,7 @@ def bent(model, solution, alone):
             drifts = setting.effect.stage in INSTRUMENT and likelier > LIKELIER
             own = alone[setting.id]
             formulas = max(WRONG_FORMULA * own, SPILL * total)
-            if drifts or gained > max(chi2.isf(RARE, max(degrees, 1)), formulas):
+            if drifts or gained > max(chdtri(max(degrees, 1), RARE), formulas):
                 return True
     return False
 
