@@ -157,6 +157,19 @@ def test_a_clock_shift_is_the_slope_in_time(model, state):
     assert np.allclose(change[1:-1], step * slope[1:-1], rtol=0.1)
 
 
+def test_the_gas_ends_on_the_clock_of_the_pyrometer(model, state):
+    """Signals of a clock by which all happens 1 s too early: behind the last second no gas is left in them,
+    and a bin of which it takes a part has the rest of the gas."""
+    one = model.instruments[0]
+    begin, finish = (one.time + sign * np.sqrt(3) * one.moment.std(axis=1) for sign in (-1, 1))
+    late, cold = 1.0, np.full(model.size, 250.0)
+    dark = seen(model, (cold, state[1]), 0, "clock", late) / model.evaluate(0, cold, state[1])
+    inside = (one.time > 5) & (one.time < model.off)
+    kept = np.clip((model.off - late - begin) / (finish - begin), 0, 1)[inside]
+    assert (kept == 0).any() and (kept == 1).any()
+    np.testing.assert_allclose(dark[inside], np.repeat(kept[:, None], 2, axis=1), atol=1e-9)
+
+
 def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(model, state):
     """Against the black body averaged over a normal distribution, by quadrature."""
     knots, values = np.full(model.size, 1600.0), state[1]

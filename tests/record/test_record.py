@@ -231,11 +231,22 @@ def test_bins_of_a_short_exposure_are_short():
     np.testing.assert_allclose(np.diff(edges[(edges >= 0) & (edges <= 1)]), 0.1)
 
 
+def test_bins_before_the_end_of_the_plasma_are_as_short_as_a_clock_may_be_off():
+    edges = binning.time_edges(-10.0, 320.0, 0.0, 300.0)
+    last = edges[(edges > 295.9) & (edges <= 300)]
+    np.testing.assert_allclose(last, [296, 297, 298, 298.5, 299, 299.5, 300])
+    steps = np.diff(edges[(edges >= 100) & (edges <= 296)])
+    assert np.all((steps > 0.3 * 8.0) & (steps < 1.4 * 8.0))
+    assert (
+        binning.time_edges(-10.0, 300.0, 0.0, 300.0)[-2] < 296
+    )  # nothing is seen of an end at the last sample
+
+
 def test_no_bin_holds_a_sample_beside_a_switch():
-    """The second before the injection and the quarter after the plasma are in no bin, nor straddlers."""
+    """The second before the injection and a quarter beside the end are in no bin, nor straddlers."""
     begin = np.array([-1.9, -1.4, -0.4, 0.0, 8.5, 9.5, 9.95, 10.2, 10.25])
     found = binning.membership(begin, begin + 0.5, np.arange(-2.0, 13.0), 0.0, 10.0)
-    np.testing.assert_array_equal(found, [0, -1, -1, 2, 10, 11, -1, -1, 12])
+    np.testing.assert_array_equal(found, [0, -1, -1, 2, 10, -1, -1, -1, 12])
 
 
 def test_a_mean_stands_at_the_mean_time_of_its_samples():

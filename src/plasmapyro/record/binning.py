@@ -7,10 +7,11 @@ import numpy as np
 from plasmapyro.record import flags
 
 LEAVE_OUT_BEFORE = 1.0  # [s] before injection, while the probe swings in
-LEAVE_OUT_AFTER_OFF = 0.25  # [s] while the plasma dies
+LEAVE_OUT_OFF = 0.25  # [s] on either side of the end, which is stated by hand, while the plasma dies
 LONG = (400.0, 1600.0)  # [s] of a phase, beyond which bins are 4 and 16 times as long
 STEPS = ((5.0, 0.5), (20.0, 1.0), (60.0, 2.0), (100.0, 4.0))  # after injection: up to [s], bin [s]
-STEPS_OFF = ((3.0, 0.5), (12.0, 1.0), (40.0, 2.0))  # after the end of the plasma
+BEFORE_OFF = ((2.0, 0.5), (4.0, 1.0))  # backwards from the end of the plasma, which a clock may move
+STEPS_OFF = ((3.0, 0.5), (12.0, 1.0), (40.0, 2.0))  # after it
 LAST_STEP, LAST_STEP_OFF, PRE_STEP = 8.0, 5.0, 4.0  # [s] from there to `LONG`
 SHORT = 30.0  # [s] of an exposure; all steps of a shorter one shrink with it
 PIXEL_BIN = 2.0e-9  # [m] where the spectrum of the gas is smooth
@@ -37,6 +38,10 @@ def time_edges(start, end, injection, off):
     for first, last, steps in ((injection, min(off, end), during), (off, end, after)):
         if last > first:
             edges.append(_graded(first, last, [(reach * scale, step * scale) for reach, step in steps]))
+    if off < end:
+        coarse = edges[1]
+        fine = _graded(0.0, BEFORE_OFF[-1][0] * scale, [(r * scale, s * scale) for r, s in BEFORE_OFF])
+        edges[1] = np.append(coarse[coarse < off - 1.3 * fine[-1]], off - fine)
     return np.unique(np.round(np.concatenate(edges), 9))
 
 
@@ -73,7 +78,7 @@ def membership(begin, finish, edges, injection, off):
     middle = (begin + finish) / 2
     index = np.searchsorted(edges, middle, side="right") - 1
     index[(middle < edges[0]) | (middle >= edges[-1])] = -1
-    for event, before, after in ((injection, LEAVE_OUT_BEFORE, 0.0), (off, 0.0, LEAVE_OUT_AFTER_OFF)):
+    for event, before, after in ((injection, LEAVE_OUT_BEFORE, 0.0), (off, LEAVE_OUT_OFF, LEAVE_OUT_OFF)):
         index[(finish > event - before + 1e-9) & (begin < event + after - 1e-9)] = -1
     return index
 

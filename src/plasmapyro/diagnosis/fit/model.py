@@ -217,9 +217,10 @@ class Model:
             time = time + late
             basis = self.history.basis(time)
         temperature, body, slope = self._glow(which, basis, time, temperatures)
-        injected = (instrument.moment >= 0)[..., None]
+        after, ended = (instrument.share_after(event, late) for event in (0.0, self.off))
+        injected = after[..., None]
         before = np.exp(values[self.index["before_injection"]])
-        gain = np.where(instrument.moment < 0, before, (instrument.moment < self.off).astype(float))
+        gain = (1 - after) * before + after - ended
         gain = self.plasma * gain * np.exp(self.gas_histories[which] @ values[self.wandering])
         scene = Scene(
             kind=instrument.kind,

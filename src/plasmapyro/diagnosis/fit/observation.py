@@ -16,6 +16,7 @@ NODE = 6e-9  # [m] of the quadrature over a band
 NODE_MARGIN = 18e-9  # [m] beyond the response, so that its edges may shift
 LEAST_SEEN = 0.9  # [1] of the weight about a pixel, for the mean of its neighbours to be that of its place
 REACH = 3.0  # standard deviations
+SHORTEST = 1e-6  # [s] of a bin
 BEFORE_SHAPE = 0.1  # [1] ASSUME: of the gas in a channel before the injection over that after it, besides its
 # brightness and power: the sight line then crosses the free jet, not the layer before a sample
 
@@ -85,6 +86,16 @@ class Instrument:
         if self.weight is None:
             return self.wavelength
         return self.weight @ self.wavelength / self.weight.sum(axis=1)
+
+    def share_after(self, event, late):
+        """Share (n, q) of each bin after an event [s], on a clock by which all happens `late` [s] later than
+        stated; its samples are spread evenly over it."""
+        if not late:
+            return (self.moment >= event).astype(float)
+        half = np.sqrt(3) * self.moment.std(axis=1, keepdims=True)
+        begin = self.time[:, None] + late - half
+        share = (begin + 2 * half - event) / np.maximum(2 * half, SHORTEST)
+        return np.broadcast_to(np.clip(share, 0.0, 1.0), self.moment.shape)
 
     @property
     def time(self):

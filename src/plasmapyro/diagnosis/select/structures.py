@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plasmapyro.diagnosis.effects.instrument import pyrometer_late
 from plasmapyro.diagnosis.fit.base import phase_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
+from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
 
@@ -14,6 +16,8 @@ GAS_OF_TIME = {"zero", "moment"}  # what adds light for a time: more of a gas's,
 MAP_WAVES = 8
 WALK_STEPS = 40
 ZERO = 0.01  # [1], of the usual signal: unit of a zero that wanders
+MOVED = (-4.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 4.0)  # [s] by which a clock may be off
+NEAR_END = 8.0  # [s]
 CLOCK = 10.0  # [s]: unit of a clock that does
 SHORTEST_PERIOD = 24.0  # [s]; the bins of the steady state are 8 s long
 GROWTH = 12.0  # of matter that a hot surface releases, at 1600 K
@@ -159,6 +163,12 @@ def structures_of(model, solution, steps=WALK_STEPS):
             classes.add_products(
                 "walk_clock", f"wandering clock of the {instrument.source}", {place: [(tick, walk)]}
             )
+            late, shares = _late(model, solution, place, value, len(walk[0]))
+            parts = [(products.row(row), share) for row, share in zip(late, shares, strict=True)]
+            parts.append((tick, np.hstack([walk, np.zeros((time.size, len(MOVED)))])))
+            classes.add_products(
+                "end_clock", f"clock of the {instrument.source} from a moment on", {place: parts}
+            )
             _add_codes(classes, place, bands, value, kinds)
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
@@ -252,6 +262,28 @@ HEAT = (1.0, 2.0, 4.0, 8.0)  # powers of the temperature, and of the wavelength 
 TILTS, PIVOT = (-2.0, 0.0, 2.0), 0.95e-6  # [m]
 CODES = np.arange(1.5, 16.1, 0.5)  # periods along the whole signal: below, a bend is a non-linearity
 WAVING = ("pyrometer", "ratio")
+
+
+def _late(model, solution, place, value, before):
+    """Changes (k, n, C) of values (n, C) by clocks that are off by some times where the plasma ends, which no
+    slope of a signal says, and their columns (k, n, before + k)."""
+    state, time = solution.state, model.instruments[place].time
+    shares = np.zeros((len(MOVED), time.size, before + len(MOVED)))
+    shares[np.arange(len(MOVED)), :, before + np.arange(len(MOVED))] = np.abs(time - model.off) < NEAR_END
+    changes = [
+        model.evaluate(
+            place,
+            state.knots,
+            state.values,
+            (*solution.settings, Setting(pyrometer_late, late, {})),
+            gas_error=state.error_of_gas(place),
+        )
+        * (1 + state.pattern[place])
+        + state.dark[place]
+        - value
+        for late in MOVED
+    ]
+    return changes, shares
 
 
 def _places(time, off, steps):
