@@ -57,6 +57,8 @@ def _next(search, step, price, trials):
     chosen = None
     if np.any(wanted > 0):
         chosen = search.best_refit(step, wanted, trials if first else None)
+    if chosen is not None and first and chosen.converged:  # else they were tried
+        chosen = search.from_all_shapes(step, chosen)
     if chosen is None or not prices.holds(step, chosen, price) or (not first and at_end(chosen)):
         return None, left(search, step)
     best = best_by_id(step.screen.candidates, wanted)[0]
@@ -67,11 +69,6 @@ def _next(search, step, price, trials):
     beaten = log_bayes > limits.unknown and log_bayes > evidence + prices.MARGIN
     if not beaten or prices.explains(step, chosen, log_bayes):
         return search.look(search.pruned(chosen)), None
-    # From where a light lags by 3 s no tangent leads to one that is weaker and lags by 9 s.
-    if first and step.gained(chosen) > prices.beside(search, log_bayes):
-        others = [f for f in search.from_other_shapes(step, best) if prices.explains(step, f, log_bayes)]
-        if others:
-            return search.look(search.pruned(max(others, key=search.evidence))), None
     further = beside_unknown(search, step, chosen, wanted)
     return further, step.structure if further is None else None
 
