@@ -62,9 +62,20 @@ def test_an_amplitude_far_beyond_what_is_usual_is_dear_but_not_ruled_out():
     assert log_prior(free, [24.0]) > norm.logpdf(24.0, 0, effect.sigma) + 200
 
 
-@pytest.mark.parametrize(("amplitude", "ends"), [(3.0, True), (2.9, False), (0.0, False)])
-def test_an_amplitude_at_the_end_of_its_range_measures_nothing(amplitude, ends):
-    settings = (Setting(CATALOGUE["winE"], 0.1, {}), Setting(CATALOGUE["refl"], amplitude, {"contrast": 1.0}))
+@pytest.mark.parametrize(
+    ("identity", "amplitude", "ends"),
+    [
+        ("refl", 3.0, True),
+        ("refl", 2.9, False),
+        ("refl", 0.0, False),
+        ("Cu", 0.3, False),  # much copper, in a range up to 500
+        ("winD", -0.2, True),
+        ("winD", -0.19, False),
+    ],
+)
+def test_an_amplitude_at_the_end_of_its_range_measures_nothing(identity, amplitude, ends):
+    one = CATALOGUE[identity]
+    settings = (Setting(CATALOGUE["winE"], 0.1, {}), Setting(one, amplitude, dict(one.shapes[0])))
     state = SimpleNamespace(amplitudes=numbers_of(settings))
     assert at_end(SimpleNamespace(settings=settings, state=state)) is ends
 

@@ -48,6 +48,10 @@ class FreeNumber:
         """Whether a value lies within a share of the range [1] from one of its ends."""
         return min(value - self.low, self.high - value) <= share * (self.high - self.low)
 
+    def exhausted(self, value, share):
+        """Whether an amplitude is as large as it may be, but for a share [1] of that."""
+        return max(value / self.high, value / self.low if self.low else 0.0) >= 1 - share
+
 
 def free_numbers(settings):
     """The numbers of settings that a fit moves, as a list of `FreeNumber`."""

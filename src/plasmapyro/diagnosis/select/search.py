@@ -14,7 +14,7 @@ from plasmapyro.diagnosis.select.thresholds import Thresholds
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 PULL = 3.0  # prior standard deviations beyond which a parameter of the base model is a finding
-AT_END = 1e-3  # [1], of the range of an amplitude
+AT_END = 1e-3  # [1], of the largest amplitude
 AT_END_PRICE = 10.0  # log evidence by which an effect at the end of its range must beat one that is not
 NEARLY = 3.0  # log Bayes factor within which a smooth map says no more than a structure of one axis
 REFITTED = 3  # effects that are fitted anew, of those that explain about as much as the best
@@ -66,7 +66,7 @@ def at_end(solution):
     last = len(solution.settings) - 1
     for one, number in zip(free_numbers(solution.settings), solution.state.amplitudes, strict=True):
         if (one.place, one.name) == (last, None):
-            return bool(number != 0 and one.at_end(number, AT_END))
+            return bool(one.exhausted(number, AT_END))
     return False
 
 

@@ -28,7 +28,7 @@ LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it 
 KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
-AT_END = 1e-3  # [1], of the range of an amplitude
+AT_END = 1e-3  # [1], of the largest amplitude
 MOST_WRONG = 3  # systems
 MOST_GROUPS = 10  # the brightest, which may be of another strength,
 MOST_FREE = 2  # and how many of them or of the systems together may stand for an effect
@@ -327,7 +327,7 @@ def admissible(fit, library):
     one = fit.settings[-1]
     low, high = library.admitted(one.id)
     number = free_numbers((one,))[0]
-    return bool(low <= one.amplitude <= high) and not number.at_end(one.amplitude, AT_END)
+    return bool(low <= one.amplitude <= high) and not number.exhausted(one.amplitude, AT_END)
 
 
 def _freed(simulated, settings, wrong, kept=(), groups=False):
