@@ -457,6 +457,43 @@ def test_an_atom_has_all_of_its_lines(fitted, record, atom, strength, names):
     assert any(line.strange for line in found.lines) == (not names)
 
 
+@pytest.fixture
+def with_argon(fitted, record):
+    """(model, measured gas) of a gas as simulated, with three times as much argon as `Ar` counts."""
+    base = fitted(record())
+    gas = measured_gas(base.model, base.solution)
+    simulated = Simulated(base.model, gas, {})
+    shines = simulated.light(0.0, 0.0, (Setting(CATALOGUE["Ar"], 3.0, {}),))
+    return base.model, replace(gas, value=gas.value + shines - simulated.light(0.0, 0.0, ()))
+
+
+def test_lines_of_an_atom_do_not_pass_for_rough_bands(with_argon):
+    """Without its lines the bands seem rough, which takes much of what argon gains."""
+    argon = {"Ar": CATALOGUE["Ar"]}
+    simulated = Simulated(*with_argon, argon)
+    plain = raise_errors(simulated, argon)
+    assert simulated.roughness < plain.roughness
+    found = compare(*with_argon, argon, draws=300)
+    fitter, without = settled(plain)
+    gained = without.objective - fitter.best(without, argon["Ar"]).objective
+    assert found.base.objective == pytest.approx(without.objective, rel=1e-9)
+    assert found.gains["Ar"] > 1.5 * gained > 0
+    assert found.p_value == pytest.approx(fitter.p_value(without), rel=1e-6)
+    assert found.final.settings[0].amplitude == pytest.approx(3.0, abs=0.3)
+
+
+def test_a_gas_in_which_nothing_is_named_is_as_rough_as_it_seems(with_argon, monkeypatch):
+    """Errors that were made smaller for a name that is not given would list lines falsely."""
+    argon, seen = {"Ar": CATALOGUE["Ar"]}, []
+    monkeypatch.setattr(compare_module, "_may_be", lambda *_: False)
+    monkeypatch.setattr(
+        compare_module, "lines_of", lambda fitter, *_: seen.append(fitter.simulated.roughness) or []
+    )
+    found = compare(*with_argon, argon, draws=300)
+    assert found.final.settings == () and found.rivals == {}
+    assert seen == [raise_errors(Simulated(*with_argon, argon), argon).roughness]
+
+
 @pytest.mark.parametrize(("power", "brightness"), [(0.0, 0.5), (0.1, -0.7), (-0.2, 0.5)])
 def test_light_kept_of_a_power_is_that_of_the_model(fitted, record, power, brightness):
     """An effect of no size asks the model itself; without effects the light of a power is kept and scaled."""

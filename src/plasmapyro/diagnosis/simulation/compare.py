@@ -1,5 +1,6 @@
 """Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
 
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache
 from types import MappingProxyType
@@ -128,33 +129,38 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     Comparison
     """
     simulated = Simulated(model, measured, effects)
-    raise_errors(simulated, effects)
-    fitter, base = settled(simulated)
+    plain = raise_errors(simulated, effects)
+    (fitter, bare), held = settled(simulated), settled(plain)
+    base, p_value = replace(bare, objective=held[1].objective), held[0].p_value(held[1])
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
     same = CONTINUA if CONTINUUM in effects else ()  # the effect itself, by another name
-    free = cache(lambda: spectroscopy(simulated, same))
+    free = cache(lambda: min(spectroscopy(one, same) for one in (simulated, plain)))
 
     def holds(before, fit):
+        before = before if before.settings else bare
         return fit.objective <= free() - CLEARER and _may_be(fitter, before, fit)
 
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     final, rivals = _names(fitter, base, alone, effects, wanted, holds)
+    if not final.settings:
+        simulated.roughness = plain.roughness
+        fitter, final = held
     lines = tuple(lines_of(fitter, final, threshold))
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
     system = least_likely(simulated, (), (), same)[1]
     # Systems beyond what is stated must not bend the power that the others are held against.
-    held, freed = without_wrong(simulated, fitter, final)
+    rest, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
         base=base,
-        final=told if final.settings else base,
-        systems=tuple(systems_of(held, freed)),
+        final=told if final.settings else final,
+        systems=tuple(systems_of(rest, freed)),
         lines=lines,
         gains={identity: base.objective - fit.objective for identity, fit in alone.items()},
         threshold=threshold,
-        p_value=fitter.p_value(base),
+        p_value=p_value,
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
         power=_power(told, model.library),
@@ -206,13 +212,15 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
     """
     simulated = Simulated(model, measured, effects)
     wrong = tuple(dict.fromkeys((*simulated.systems, *model.library.group_name)))
-    simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS, wrong)[0]
-    fitter, base = settled(simulated, (), wrong)
+    simulated.roughness, objective = _likeliest(simulated, "roughness", ROUGHNESS, wrong)
+    simulated.roughness = _beside(simulated, effects, wrong)[0]
+    fitter, bare = settled(simulated, (), wrong)
+    base = replace(bare, objective=objective)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
 
     def holds(before, fit):
-        newest = fit.settings[-1].id
+        before, newest = before if before.settings else bare, fit.settings[-1].id
         seen = newest in ANYWHERE and base.objective - alone[newest].objective > threshold
         return seen and _may_be(fitter, before, fit)
 
@@ -275,25 +283,44 @@ def raise_errors(simulated, effects):
     Lines of bands stand as close as pixels do: constants of a molecule that err in the fifth digit, or a
     branch without strength, move light from channel to channel without any change of a band (`ROUGHNESS`).
     Classes of A values promise what compilations of other authors do not always keep (`SCATTER`), unless one
-    of some `effects` explains as much.
+    of some `effects` explains as much. Lines of a foreign atom, left out, pass for rough bands: these are as
+    rough as they are beside the best of the effects.
+
+    Returns
+    -------
+    Simulated
+        The same as rough as it is without effects, which fits without any are held to.
     """
     simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS)[0]
-    fitter, base = settled(simulated)
+    base = settled(simulated)[1]
+    rough, best = _beside(simulated, effects)
     scatter, objective = _likeliest(simulated, "scatter", SCATTER)
-    if base.objective - objective < ALIKE:
-        return
-    alone = min(fitter.best(base, effect).objective for effect in effects.values())
-    if alone > objective - CLEARER - RARE:
+    if base.objective - objective > ALIKE and best > objective - CLEARER - RARE:
         simulated.scatter = scatter
+        rough, best = _beside(simulated, effects)
+    plain = copy(simulated)
+    simulated.roughness = rough
+    return plain
 
 
-def _likeliest(simulated, name, sizes, wrong=()):
+def _beside(simulated, effects, wrong=()):
+    """The roughness of bands beside the best of some effects, no more than without, and the objective."""
+    fitter, base = settled(simulated, (), wrong)
+    fits = [base, *(fitter.best(base, effect) for effect in effects.values())]
+    alone = min(fits, key=lambda fit: fit.objective)
+    if base.objective - alone.objective < ALIKE:
+        return simulated.roughness, alone.objective
+    sizes = [size for size in ROUGHNESS if size <= simulated.roughness]
+    return _likeliest(simulated, "roughness", sizes, wrong, alone.settings)
+
+
+def _likeliest(simulated, name, sizes, wrong=(), settings=()):
     """The size of an error by which the measured light is most probable, and the objective there, systems
     that are `wrong` of any strength; the error is left as it was."""
     before, found = getattr(simulated, name), {}
     for size in sizes:
         setattr(simulated, name, size)
-        found[size] = settled(simulated, (), wrong)[1].objective
+        found[size] = settled(simulated, settings, wrong)[1].objective
     setattr(simulated, name, before)
     best = min(found, key=found.get)
     return best, found[best]
