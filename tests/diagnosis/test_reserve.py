@@ -133,6 +133,19 @@ def with_a_deposit(model):
     return fitter, knots
 
 
+def test_knots_shift_as_a_fit_that_leaves_a_term_out(model):
+    """A deposit left out and fitted: the knots differ by the shift per unit of its column."""
+    fitter, knots = with_a_deposit(model)
+    without_it, with_it = (
+        fitter.fit(fitter.start(knots, settings), settings)
+        for settings in ((), (Setting(CATALOGUE["winE"], 0.03, {}),))
+    )
+    found = screen(model, without_it, {"winE": CATALOGUE["winE"]}, structures=False)
+    expected = found.shift[:, 0] * CATALOGUE["winE"].linear_of(with_it.state.amplitudes[0])
+    shift = without_it.state.knots - with_it.state.knots
+    assert np.abs(shift - expected).max() < 0.15 * np.abs(shift).max()
+
+
 def test_a_number_that_a_bound_holds_is_no_free_direction(model):
     """A grey loss fitted by one that must fall with wavelength: its exponent ends at its bound. No other
     term can gain more beside it than the objective holds."""
