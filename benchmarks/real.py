@@ -55,7 +55,7 @@ AIR, NITROGEN = ("60kW", "80kW"), ("nitrogen_70kW",)
 GAS_OF_RECORD = {"Exp-1": NITROGEN, "Exp-2": AIR, "Exp-3": NITROGEN}  # the last at 100 mbar and more power
 STEADY = {"Exp-1": 80.0, "Exp-2": 160.0, "Exp-3": 60.0}  # [s], before the plasma goes off
 ALONE = {"nitrogen_70kW": ("--power-uncertainty", 0)}  # no second condition in that gas
-SEED = 55022169  # hash of the commit that it judged first, 0x3479259
+SEED = 199632611  # hash of the code that it judged first, 0xbe626e3
 LEVEL = 0.1  # [1] ASSUME: of the digitised table, and of an emissivity that is not told
 
 

@@ -9,11 +9,14 @@ stand out. For the peaks :math:`k` of its lines and the lines :math:`l` without 
    N(\ln h_k; \ln m_k, s)}{\rho f(\ln h_k)} \prod_l P(h < h_{min} | m_l) \right\rangle
 
 averaged over amount, temperature of excitation and optical depth. What species already named explain of a
-peak belongs to the chance side, so that all are judged together.
+peak, on the same average, belongs to the chance side, so that all are judged together. The logarithm of the
+factor of a faint peak counts by the share to which it is believed (`BELIEVED`), nothing at the limit of
+detection: a line that noise lifts above the limit in one spectrum and not in the next changes little.
 """
 
+from copy import copy
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -33,6 +36,7 @@ SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
 HOLE = 6e-9  # [m] longer clipped stretches are blind
 AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
 THICK = 0.03  # of the brightest peak: least light of a line that absorbs itself; zones differ in temperature
+BELIEVED = 4.0, 7.0  # standard deviations of a peak from which it speaks, and speaks in full
 FAINT = 1e-3  # lines below this share of the strongest of their species are left out
 
 
@@ -44,8 +48,8 @@ def _absent(short):
     return np.minimum(np.logaddexp(np.log(LOST), np.log1p(-LOST) + seen), 0.0)
 
 
-SHORT = np.arange(-15.0, 10.0, 0.05)
-ABSENT = _absent(SHORT)
+SHORT, FINE = -15.0, 0.01  # least shortness of the table, and its step
+ABSENT = _absent(np.arange(SHORT, 10.0, FINE))
 
 
 @lru_cache(maxsize=512)
@@ -65,9 +69,8 @@ class Explained:
 NOTHING = Explained(0.0, 0.0)
 
 
-@dataclass(frozen=True)
 class Fit:
-    """Evidence of a species, and the best of its settings.
+    """Evidence of a species, and what it makes of the peaks.
 
     Attributes
     ----------
@@ -76,19 +79,27 @@ class Fit:
     temperature, depth : float
         Those of most likelihood [K], [1].
     explained : Explained
-        Of the peaks, at these.
+        Of the peaks, on average over amounts, settings and responses; as the two below made when asked for.
     matched : ndarray of int
         Peaks of its lines, those that speak for it.
     shift : ndarray [m]
         Peak less line, for each of these.
     """
 
-    log_bayes: float
-    temperature: float
-    depth: float
-    explained: Explained
-    matched: np.ndarray
-    shift: np.ndarray
+    def __init__(self, log_bayes, temperature, depth, explain):
+        self.log_bayes, self.temperature, self.depth, self._explain = log_bayes, temperature, depth, explain
+
+    @cached_property
+    def _all(self):
+        return self._explain()
+
+    def less(self, lost):
+        """The same with less evidence."""
+        return Fit(self.log_bayes - lost, self.temperature, self.depth, self._explain)
+
+    explained = property(lambda self: self._all[0])
+    matched = property(lambda self: self._all[1])
+    shift = property(lambda self: self._all[2])
 
 
 class Scene:
@@ -104,11 +115,9 @@ class Scene:
     place : float [1]
         Error of a position in widths of a sharp line.
     settings : sequence of (temperature [K], optical depth)
-    by_chance : ndarray (P,), optional
-        Probability that a peak is there by chance, 1 for all by default.
     """
 
-    def __init__(self, peaks, response, shift, place, settings=SETTINGS, by_chance=None):
+    def __init__(self, peaks, response, shift, place, settings=SETTINGS):
         self.peaks, self.response, self.shift, self.settings = peaks, response, shift, settings
         at = peaks.wavelength
         self.log = np.log(peaks.light)
@@ -116,21 +125,30 @@ class Scene:
         self.thick = THICK * peaks.light.max() if settings is SETTINGS else 0.0
         highest, lowest = self.log.max() + ABOVE, np.log(np.quantile(peaks.light, 0.1)) - 1
         self.amount = np.exp(np.arange(highest, lowest, -STEP))[:, None, None]
-        known = np.ones(at.size) if by_chance is None else by_chance
-        near = np.abs(at[:, None] - at) < AROUND
-        count = near @ known
         slit = np.interp(at, peaks.axis, peaks.slit)
-        seen = np.diff(peaks.axis) * _open(peaks)[1:]
-        reach = np.concatenate([[0.0], np.cumsum(seen)])
-        reach = np.interp(at + AROUND, peaks.axis, reach) - np.interp(at - AROUND, peaks.axis, reach)
-        density = np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
-        wide = np.abs(at[:, None] - at) < REGION
-        wide = wide * known
-        alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1) / wide.sum(axis=1)
-        self.chance = density * alike
+        self.chance = self._chance(np.ones(at.size))
+        self.believed = np.clip((peaks.snr - BELIEVED[0]) / (BELIEVED[1] - BELIEVED[0]), 0.0, 1.0)
         self.error = np.hypot(place * slit, STARK * (peaks.width - slit))
         self.expected = {}  # of species: what does not depend on the others
         self.fits = {}  # of species: what others explained of its peaks when it was fitted last, and the fit
+
+    def counted(self, by_chance):
+        """The same, its chance counted by what probability (P,) a peak has to be there by chance."""
+        scene = copy(self)
+        scene.chance, scene.fits = self._chance(by_chance), {}
+        return scene
+
+    def _chance(self, known):
+        """Density of the peaks (P,) by chance [m-1], counted by peaks of weights `known`."""
+        at, axis = self.peaks.wavelength, self.peaks.axis
+        slit = np.interp(at, axis, self.peaks.slit)
+        seen = np.diff(axis) * _open(self.peaks)[1:]
+        reach = np.concatenate([[0.0], np.cumsum(seen)])
+        reach = np.interp(at + AROUND, axis, reach) - np.interp(at - AROUND, axis, reach)
+        count = (np.abs(at[:, None] - at) < AROUND) @ known
+        wide = (np.abs(at[:, None] - at) < REGION) * known
+        alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1) / wide.sum(axis=1)
+        return alike * np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
 
     def without(self, explained):
         """Density of the peaks (P,) by chance or by what is explained [m-1]."""
@@ -191,22 +209,22 @@ class Scene:
         sigma = np.hypot(self.error[groups], species.error)
         there = self._strength(self.log[groups], total) * _normal(peaks.wavelength[groups], centre, sigma)
         gain = np.log((self.chance[groups] + (1 - LOST) * there) / self.without(others)[groups])
+        gain = self.believed[groups] * gain
         regions = (np.concatenate([peaks.wavelength[groups], lost]) / REGION).astype(int)
-        score, best = self._over_regions(regions, np.concatenate([gain, absent], axis=2))
-        score = score + prior
+        score, shares = self._over_regions(regions, np.concatenate([gain, absent], axis=2), prior)
         a, s = np.unravel_index(score.argmax(), score.shape)
-        rows = best(a, s)[: groups.size]
-        own, gain = own[rows, s, np.arange(groups.size)], gain[rows, s, np.arange(groups.size)]
-        for_it = gain > 0.5
-        full, where = np.zeros((2, peaks.light.size))
-        full[groups], where[groups] = own, place[s]
-        return Fit(
-            float(np.log(np.mean(np.exp(score - score[a, s]))) + score[a, s]),
-            *self.settings[s],
-            Explained(full, where),
-            groups[for_it],
-            (peaks.wavelength[groups] - place[s])[for_it],
-        )
+
+        def explain():
+            share = shares()[:, :, : groups.size]
+            light = share * own
+            full, where = np.zeros((2, peaks.light.size))
+            full[groups] = light.sum(axis=(0, 1))
+            where[groups] = (light * place).sum(axis=(0, 1)) / np.maximum(full[groups], 1e-300)
+            for_it = (share * gain).sum(axis=(0, 1)) > 0.5
+            return Explained(full, where), groups[for_it], (peaks.wavelength - where)[groups][for_it]
+
+        log_bayes = np.log(np.mean(np.exp(score - score[a, s]))) + score[a, s]
+        return Fit(float(log_bayes), *self.settings[s], explain)
 
     def _expect(self, species):
         """Peaks of a species (G,), its light (amounts, settings, G) and place of it (settings, G) in them,
@@ -233,26 +251,31 @@ class Scene:
             short = np.log(blind) - np.log(missed) - np.log(amount)
             brightest = np.log(amount[:, :, 0] * light.max(axis=1)) - np.log(self.thick)
         prior = np.where(np.array(self.settings)[:, 1] > 1, np.minimum(2 * brightest, 0.0), 0.0)
-        return groups, amount * sums, place, (where, np.interp(short, SHORT, ABSENT)), prior
+        row = np.clip((short - SHORT) / FINE, 0, ABSENT.size - 1).astype(np.int32)
+        return groups, amount * sums, place, (where, ABSENT[row]), prior
 
-    def _over_regions(self, regions, parts):
-        """Sum (amounts, settings) of log probabilities (amounts, settings, lines), each region with a
-        response of its own; and of an amount and a setting the row (lines,) of the likeliest response."""
+    def _over_regions(self, regions, parts, prior):
+        """Sum (amounts, settings) of log probabilities (amounts, settings, lines) and a `prior`, each region
+        with a response of its own; and what makes of each line the share (amounts, settings, lines) that an
+        amount there and a setting have in it."""
         rows = np.arange(parts.shape[0])
         apart = (rows[:, None] - rows) * STEP / self.response
-        weight = -(apart**2) / 2 - np.log(self.response / STEP * np.sqrt(2 * np.pi))
+        weight = np.exp(-(apart**2) / 2) / (self.response / STEP * np.sqrt(2 * np.pi))
         order = np.argsort(regions, kind="stable")
         _, first, region = np.unique(regions[order], return_index=True, return_inverse=True)
         own = np.add.reduceat(parts[:, :, order], first, axis=2)
         top = own.max(axis=(0, 1))
-        mean = np.tensordot(np.exp(weight), np.exp(own - top), axes=1)
-        total = np.sum(top + np.log(np.maximum(mean, 1e-300)), axis=2)
+        own = np.exp(own - top)
+        mean = np.maximum(np.tensordot(weight, own, axes=1), 1e-300)
+        total = np.sum(top + np.log(mean), axis=2) + prior
 
-        def best(amount, setting):
-            likeliest = (weight[amount][:, None] + own[:, setting]).argmax(axis=0)
-            return likeliest[region[np.argsort(order)]]
+        def shares():
+            whole = np.exp(total - total.max())
+            whole = (whole / whole.sum())[:, :, None]
+            share = own * np.tensordot(weight.T, whole / mean, axes=1)
+            return share[:, :, region[np.argsort(order)]]
 
-        return total, best
+        return total, shares
 
     def _unseen(self, line, light):
         """Places (M,), limits (M,) and light (settings, M) of lines without a peak, one for each width."""

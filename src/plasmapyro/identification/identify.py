@@ -22,8 +22,9 @@ SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a l
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
 EXPLAINED = 0.05  # least share of a peak that is there by chance, however well it is explained
 PLACE = 0.12  # and after
+CLEAR = 5.0  # standard deviations of peaks that tell the scale, and of lines that nobody knows
 ELSEWHERE = tuple(1 + side * (0.0035 + 0.001 * step) for side in (-1, 1) for step in range(12))
-RAREST = 1.0  # log evidence, the most that this may speak for a species
+RAREST = 1.5  # log evidence, the most that this may speak for a species
 CERTAIN = 30.0  # log evidence from which chance is not asked
 SEEN = 1.5  # log evidence from which a species tells the scale
 TELLING = 6.9  # log evidence of the species that tells it best: a thousand to one, else all species are asked
@@ -60,7 +61,7 @@ class Answer:
         Strongest evidence first.
     peaks : Peaks
     unexplained : ndarray of int
-        Peaks that no named species explains.
+        Peaks that no named species explains and that noise does not make (`CLEAR`).
     scale : Scale
         What the wavelengths are too high by.
     """
@@ -96,14 +97,15 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     inside = [one.between(axis[0] + margin, axis[-1] - margin) for one in catalogue()]
     inside = [one for one in inside if one is not None]
     anchors = [one for one in inside if one.element in COMMON + AIR]
-    scale, told = _scale(peaks, response, anchors)
+    clear = _clear(peaks)
+    scale, told = _scale(clear, response, anchors)
     if not told:  # a lamp, say: none of the common species shines
-        scale, _ = _scale(peaks, response, inside)
+        scale, _ = _scale(clear, response, inside)
     scene = Scene(peaks, response, scale, PLACE)
     known = together(fit.explained for fit in _named(scene, inside).values())
     # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
     weight = np.maximum(scene.chance / scene.without(known), EXPLAINED)
-    scene, chance = Scene(peaks, response, scale, PLACE, by_chance=weight), {}
+    scene, chance = scene.counted(weight), {}
     return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
 
 
@@ -146,6 +148,15 @@ class Scale:
             close = np.abs(off - found(at)) < 3 * error
             at, off, error = at[close], off[close], error[close]
         return found
+
+
+def _clear(peaks):
+    """The peaks that tell the scale: faint ones are many, and one taken for a line bends it."""
+    sure = peaks.snr > CLEAR
+    if sure.sum() < 2:
+        return peaks
+    kept = {name: getattr(peaks, name)[sure] for name in ("wavelength", "light", "width", "snr")}
+    return replace(peaks, **kept)
 
 
 def _scale(peaks, response, species):
@@ -207,6 +218,7 @@ def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
     fits = {}
     waiting = list(species)
     chance = {} if chance is None else chance
+    judged = log_odds is _log_odds
     while waiting:
         others = together(fit.explained for fit in fits.values())
         odds = {}
@@ -215,20 +227,41 @@ def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
             odds[one] = (log_odds(one, fit, fits) if fit else -np.inf, fit)
         waiting = [one for one in waiting if odds[one][0] > -4.0]  # explained peaks only take evidence away
         best = max(waiting, key=lambda one: odds[one][0], default=None)
-        if best is None or odds[best][0] < least - (RAREST if log_odds is _log_odds else 0.0):
+        if best is None or (not judged and odds[best][0] < least):
             return fits
         waiting.remove(best)
-        if log_odds is _log_odds and best not in chance and odds[best][1].log_bayes < CERTAIN:
+        found, fit = odds[best]
+        if judged and found < least:
+            fit = _before(scene, best, fits)
+            found = max(found, log_odds(best, fit, fits))
+        if judged and found >= least - RAREST and best not in chance and fit.log_bayes < CERTAIN:
             chance[best] = _by_chance(scene, best, others)
-        if odds[best][0] - chance.get(best, 0.0) < least:
+        if found - chance.get(best, 0.0) < least:
             continue
-        fits[best] = odds[best][1]
+        fits[best] = fit
         for one in list(fits):  # again, each beside the others
             others = together(fit.explained for other, fit in fits.items() if other is not one)
             fits[one] = scene.fit(one, others)
             if log_odds(one, fits[one], fits) - chance.get(one, 0.0) < least:
                 del fits[one]
     return fits
+
+
+def _before(scene, one, fits):
+    r"""The fit of a species named before those whose peaks it shares, with the evidence that it brings so.
+
+    Of the species :math:`a` and others :math:`b` it is :math:`\ln B(a) + \ln B(b|a) - \ln B(b)`, which would
+    be :math:`\ln B(a|b)` if :math:`b` were not held to what it explains without :math:`a`.
+    """
+    near = scene.near(one)
+    shared = [other for other, fit in fits.items() if np.isin(fit.matched, near).any()]
+    fit = scene.fit(one, together(fit.explained for other, fit in fits.items() if other not in shared))
+    lost = 0.0
+    for other in shared:
+        beside = [f.explained for key, f in fits.items() if key is not other]
+        lost += scene.fit(other, together(beside)).log_bayes
+        lost -= scene.fit(other, together([*beside, fit.explained])).log_bayes
+    return fit.less(lost)
 
 
 def _shared(fit, peaks):
@@ -260,4 +293,5 @@ def _answer(scene, species, fits, chance):
     seen = np.zeros(scene.peaks.wavelength.size, bool)
     if light is not NOTHING:
         seen = scene.without(light) > 2 * scene.chance
-    return Answer(tuple(named), scene.peaks, np.flatnonzero(~seen), scene.shift)
+    left = ~seen & (scene.peaks.snr > CLEAR)
+    return Answer(tuple(named), scene.peaks, np.flatnonzero(left), scene.shift)

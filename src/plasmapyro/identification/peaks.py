@@ -12,7 +12,7 @@ from scipy.ndimage import (
     uniform_filter1d,
 )
 
-DETECTED = 5.0  # standard deviations of a peak
+DETECTED = 4.0  # standard deviations of a peak; one so faint tells nothing yet, see `evidence.BELIEVED`
 NOISE_WINDOW = 151  # channels
 DEAD_WINDOW = 15  # channels, of which a third at the lowest value are clipped
 SMOOTH = np.array([1.0, 2.0, 1.0]) / 4
@@ -20,12 +20,13 @@ SMOOTH_GAIN = np.sqrt(2)  # of third differences of noise that was smoothed so: 
 WING = 25  # channels to either side within which a peak must stand out
 BEND = 0.1  # of the highest signal around: least height of a shoulder; profiles bend themselves
 PLAIN = 15.0  # standard deviations above the lowest around, which noise does not reach
-OUT = 4.0  # standard deviations of a peak above the mean of what is beside it
+OUT = 1.25  # of a peak, deviations above the lowest around over those above the mean of what is beside it
 WIDTHS = (1.0, 3.0, 8.0)  # of a slit, that a line may have
 NARROW = 0.6  # of a slit: what bends are sought with; wider ones lose a line beside a stronger one
 APART = 0.75  # of a slit: least distance of a shoulder from a peak
 DETECTORS = 1.4  # ratio of the steps of two detectors
-FEW = 8  # peaks of a detector that tell its slit
+SHAPED = 5.0  # standard deviations of the peaks that tell a slit
+FEW = 8  # of them in a detector
 SHARPEST = 0.15  # of these peaks are as narrow as the slit; those of air are three times as wide
 IRREGULAR = 0.25  # of a step, by which steps from channel to channel differ where two detectors overlap
 
@@ -142,20 +143,22 @@ def find(axis, signal, noise=None, slit=None):
 
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
     channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
+    prominence = facts["prominences"]
     if slit is None:
-        slit = np.maximum(_sharp(step, found, channels), 2.0) * step
+        shaped = prominence > SHAPED * noise[found]
+        slit = np.maximum(_sharp(step, found[shaped], channels[shaped]), 2.0) * step
     slit = np.broadcast_to(slit, signal.shape)
     # Noise stands out of the lowest around it by ten deviations; out of its mean a line does.
-    prominence = facts["prominences"]
-    sure = prominence > PLAIN * noise[found]
+    out = np.where(prominence > PLAIN * noise[found], np.inf, 0.0)
     for width in WIDTHS:
         bend, own = _bend(signal, noise, width * slit / step, 1.0)
-        sure |= maximum_filter1d(bend > OUT * own, 3)[found]
+        out = np.maximum(out, OUT * maximum_filter1d(bend / own, 3)[found])
+    sure = out > DETECTED
     found, channels = found[sure], channels[sure]
     height, place = _vertex(signal, found)
     height = prominence[sure] + height
     width = np.maximum(channels * step[found], slit[found])
-    snr = height / noise[found]
+    snr = np.minimum(height / noise[found], out[sure])
     beside, *shoulders = _shoulders(signal, found, noise, slit / step)
     found = np.concatenate([found, beside])
     order = np.argsort(found, kind="stable")
