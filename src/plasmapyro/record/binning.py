@@ -12,6 +12,7 @@ LONG = (400.0, 1600.0)  # [s] of a phase, beyond which bins are 4 and 16 times a
 STEPS = ((5.0, 0.5), (20.0, 1.0), (60.0, 2.0), (100.0, 4.0))  # after injection: up to [s], bin [s]
 BEFORE_OFF = ((2.0, 0.5), (4.0, 1.0))  # backwards from the end of the plasma, which a clock may move
 STEPS_OFF = ((3.0, 0.5), (12.0, 1.0), (40.0, 2.0))  # after it
+LEAST_BIN = 0.3  # [1] of a step: what is left is added to the bin before it
 LAST_STEP, LAST_STEP_OFF, PRE_STEP = 8.0, 5.0, 4.0  # [s] from there to `LONG`
 SHORT = 30.0  # [s] of an exposure; all steps of a shorter one shrink with it
 PIXEL_BIN = 2.0e-9  # [m] where the spectrum of the gas is smooth
@@ -38,10 +39,10 @@ def time_edges(start, end, injection, off):
     for first, last, steps in ((injection, min(off, end), during), (off, end, after)):
         if last > first:
             edges.append(_graded(first, last, [(reach * scale, step * scale) for reach, step in steps]))
-    if off < end:
-        coarse = edges[1]
-        fine = _graded(0.0, BEFORE_OFF[-1][0] * scale, [(r * scale, s * scale) for r, s in BEFORE_OFF])
-        edges[1] = np.append(coarse[coarse < off - 1.3 * fine[-1]], off - fine)
+    if injection < off < end:
+        coarse, reach = edges[1], BEFORE_OFF[-1][0] * scale
+        fine = _graded(0.0, reach, [(reach * scale, step * scale) for reach, step in BEFORE_OFF])
+        edges[1] = np.append(coarse[coarse < off - (1 + LEAST_BIN) * reach], off - fine)
     return np.unique(np.round(np.concatenate(edges), 9))
 
 
@@ -66,7 +67,7 @@ def _graded(first, last, steps):
         while edges[-1] < min(first + reach, last) - 1e-9:
             edges.append(edges[-1] + step)
             own = step
-    edges = [edge for edge in edges if edge < last - 0.3 * own]
+    edges = [edge for edge in edges if edge < last - LEAST_BIN * own]
     return np.array([*edges, last])
 
 
