@@ -15,6 +15,7 @@ from plasmapyro.record.record import record_of
 BOTH = {"pyrometer": None, "spectrometer": None}
 CODES = 2**12  # of the whole range; the noise is a tenth of a step of the cool surface
 LOST = 2  # samples
+TENTH = 0.1  # of a step between samples: which of them lie behind the end tells no more
 PERIODS, SIZE = 6.3, 0.01  # along the signal, and of the gain [1]
 
 
@@ -65,3 +66,16 @@ def test_lost_samples_are_a_fault_of_the_clock_from_then_on(diagnosed):
     _, found = diagnosed(late)
     classes = found.steps[0].screen.structures
     assert "clock" in classes[int(np.argmax(found.steps[0].unknown))].id
+
+
+@pytest.mark.parametrize("early", [2, -2])
+def test_a_clock_that_is_off_is_found_with_its_size_and_sign(diagnosed, early):
+    """Signals of whole samples too early or too late, the end of the gas with them."""
+
+    def moved(signal):
+        return np.interp(np.arange(signal.size) + early, np.arange(signal.size), signal)
+
+    base, found = diagnosed(moved)
+    step = float(np.median(np.diff(base.model.record.instruments[0].time)))
+    (clock,) = [one for one in found.final.settings if one.id == "clock"]
+    assert clock.amplitude == pytest.approx(early * step, abs=TENTH * step)
