@@ -130,12 +130,12 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     """
     simulated = Simulated(model, measured, effects)
     plain = raise_errors(simulated, effects)
-    (fitter, bare), held = settled(simulated), settled(plain)
-    base, p_value = replace(bare, objective=held[1].objective), held[0].p_value(held[1])
+    fitter, bare = settled(simulated)
+    without, base = (fitter, bare) if plain is simulated else settled(plain)
     threshold = fitter.threshold(base, draws, seed)
     alone = {identity: fitter.best(base, effect) for identity, effect in effects.items()}
     same = CONTINUA if CONTINUUM in effects else ()  # the effect itself, by another name
-    free = cache(lambda: min(spectroscopy(one, same) for one in (simulated, plain)))
+    free = cache(lambda: min(spectroscopy(one, same) for one in {simulated, plain}))
 
     def holds(before, fit):
         before = before if before.settings else bare
@@ -144,23 +144,22 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     final, rivals = _names(fitter, base, alone, effects, wanted, holds)
     if not final.settings:
-        simulated.roughness = plain.roughness
-        fitter, final = held
+        simulated, fitter = plain, without
     lines = tuple(lines_of(fitter, final, threshold))
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}
     system = least_likely(simulated, (), (), same)[1]
     # Systems beyond what is stated must not bend the power that the others are held against.
-    rest, freed = without_wrong(simulated, fitter, final)
+    held, freed = without_wrong(simulated, fitter, final)
     found = Comparison(
         base=base,
-        final=told if final.settings else final,
-        systems=tuple(systems_of(rest, freed)),
+        final=told if final.settings else base,
+        systems=tuple(systems_of(held, freed)),
         lines=lines,
         gains={identity: base.objective - fit.objective for identity, fit in alone.items()},
         threshold=threshold,
-        p_value=p_value,
+        p_value=without.p_value(base),
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
         power=_power(told, model.library),
@@ -289,7 +288,7 @@ def raise_errors(simulated, effects):
     Returns
     -------
     Simulated
-        The same as rough as it is without effects, which fits without any are held to.
+        As rough as it is without effects, which fits without any are held to; the same one if as rough.
     """
     simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS)[0]
     base = settled(simulated)[1]
@@ -298,8 +297,9 @@ def raise_errors(simulated, effects):
     if base.objective - objective > ALIKE and best > objective - CLEARER - RARE:
         simulated.scatter = scatter
         rough, best = _beside(simulated, effects)
-    plain = copy(simulated)
-    simulated.roughness = rough
+    if rough == simulated.roughness:
+        return simulated
+    plain, simulated.roughness = copy(simulated), rough
     return plain
 
 
