@@ -41,3 +41,10 @@ def test_a_power_beyond_the_simulated_ones_is_refused():
 def test_nothing_hidden_leaves_the_gas_as_it_is():
     weighted = [(1.0, simulated(80e3))]
     assert story.true_gas([], weighted) is weighted
+
+
+def test_a_test_records_the_pressure_of_its_gas_and_hides_no_early_exposures():
+    gas = simulated(80e3).assign_attrs(chamber_pressure=1e4, mass_flow_rate=8e-3)
+    told = story.scene("mine", [], [(1.0, gas)], ())
+    assert told.centred_exposures and told.hidden == ()
+    assert (told.chamber_pressure, told.mass_flow_rate) == (1e4, 8e-3)

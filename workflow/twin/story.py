@@ -9,6 +9,7 @@ from twin import gas, hidden, incident
 from twin.campaign import Scene
 
 BOLTZMANN = 1.380649e-23
+STATE = ("chamber_pressure", "mass_flow_rate")  # of a gas, that its test records
 POWER = "power"  # hidden in the gas itself: its power over that of the simulation, less 1
 
 
@@ -72,17 +73,17 @@ def _power(dataset):
 
 
 def scene(condition, effects, weighted, profile, **facts):
-    """A scene, the plain one if nothing is hidden, of a condition that the laboratory compares with.
+    """A scene of a condition that the laboratory compares with, the plain one if nothing is hidden.
 
     `effects`: `effect`, `amplitude` and, if wanted, `shape`, as for `hidden.hide`; and the power of the gas.
     `weighted`: pairs of a weight and a Dataset, the true gas, radiance by component. `profile`: (sightline,
     composition), and flow if a surface scatters, or empty if nothing is hidden. `facts`: other fields of the
     scene.
     """
-    plain = Scene(condition=condition, **facts)
+    true = {name: float(weighted[0][1].attrs[name]) for name in STATE if name in weighted[0][1].attrs}
+    told = Scene(condition=condition, centred_exposures=True, **true | facts)
     if not effects:
-        return plain
-    told = replace(plain, centred_exposures=True)
+        return told
     plasma = _gas(weighted, told.chamber_pressure, *profile)
     for one in effects:
         if one["effect"] == POWER:
