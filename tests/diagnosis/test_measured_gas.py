@@ -283,6 +283,23 @@ def test_a_gas_that_the_simulation_does_not_know_changes_no_name(fitted, record,
     assert compared(base, found.final).rivals == {}
 
 
+@pytest.mark.parametrize(("continuum", "blur"), [(150.0, 0.31), (150.0, 0.0)])
+def test_a_slit_is_seen_beside_a_continuum_that_outshines_the_gas(fitted, record, continuum, blur):
+    """What a smooth light may be wrong by looks like no slit: a tenth of what it explains hid one."""
+    base = fitted(record())
+    simulated = Simulated(base.model, measured_gas(base.model, base.solution), {})
+    more = Setting(CATALOGUE["contin"], continuum, {"own": 0.0}), Setting(CATALOGUE["lsf"], blur, {})
+    change = simulated.light(0.0, 0.0, more) - simulated.light(0.0, 0.0)
+    asked = {identity: CATALOGUE[identity] for identity in ("contin", "lsf", "T_exc")}
+    gas = replace(simulated.measured, value=simulated.measured.value + change)
+    with np.errstate(all="ignore"):
+        found = compare(base.model, gas, asked, draws=300).final.settings
+    assert [one.id for one in found] == ["contin", "lsf"][: 1 + bool(blur)]
+    assert found[0].amplitude == pytest.approx(continuum, rel=0.2)
+    if blur:
+        assert found[1].amplitude == pytest.approx(blur, rel=0.2)
+
+
 @pytest.mark.parametrize(("shift", "names"), [(0.0, []), (0.3, ["wshift"])])
 def test_lines_of_a_gas_of_another_pressure_stand_where_they_are(rippled, monkeypatch, shift, names):
     """A gas of other strengths than simulated: no cause of them has a name, a scale that is off has.

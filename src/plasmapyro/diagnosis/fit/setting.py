@@ -7,6 +7,9 @@ from scipy.special import logsumexp
 
 from plasmapyro.diagnosis.effects.effect import Effect
 
+KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's formula
+FORMULA = 0.1  # [1], of the chi-squared that an effect gains: what its kin must bring besides,
+SPILL = 0.03  # [1], and what any other effect must: formulas are inexact by a sixth
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
 TAILS = np.array([1.0, 3.0, 10.0, 30.0])
 """Widths of the normals, over the standard deviation of the catalogue, of which the prior of an amplitude is

@@ -1,6 +1,6 @@
 """Other ways to the effects than one by one: by two at once, or by the other window."""
 
-from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.setting import FORMULA, Setting
 from plasmapyro.diagnosis.select import prices
 from plasmapyro.diagnosis.select.rounds import PAIR_PRICE, walk
 from plasmapyro.diagnosis.select.screen import best_pairs
@@ -38,7 +38,7 @@ def by_pair(search, steps, unknown):
     single = min(alone, key=lambda fit: fit.objective)
     rounds, rest = walk(search, [first, search.look(single), search.look(pair)], {})
     other = rounds[-1].solution
-    price = limits.third + prices.FORMULA * first.gained(last)
+    price = limits.third + FORMULA * first.gained(last)
     more = max(len(other.settings) - len(last.settings), 0) if not unknown else 0
     worth = _worth(search, rounds[-1], rest) - _worth(search, steps[-1], unknown)
     if worth > prices.MARGIN and last.objective - other.objective > more * price:

@@ -5,8 +5,7 @@ from scipy.linalg import cho_solve
 from scipy.special import chdtri
 
 from plasmapyro.diagnosis.fit.normal import gram, own_patterns
-from plasmapyro.diagnosis.fit.setting import free_numbers
-from plasmapyro.diagnosis.select.prices import SPILL
+from plasmapyro.diagnosis.fit.setting import SPILL, free_numbers
 from plasmapyro.diagnosis.select.reserve import WRONG_FORMULA
 from plasmapyro.diagnosis.select.structures import SETTLED
 

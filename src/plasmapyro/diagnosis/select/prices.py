@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from plasmapyro.diagnosis.fit.setting import FORMULA, KIN, SPILL
+
 HALF = 0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much, by an inexact
 # formula, is named beside what it leaves
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
 SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
-KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's formula
-FORMULA = 0.1  # [1], of the chi-squared that an effect gains: what its kin must bring besides,
-SPILL = 0.03  # [1], and what any other effect must: formulas are inexact by a sixth
 FREE = 5.0  # log evidence that the numbers of an effect cost, about
 
 

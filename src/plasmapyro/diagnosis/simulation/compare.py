@@ -11,7 +11,16 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
-from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, log_prior, numbers_of, with_numbers
+from plasmapyro.diagnosis.fit.setting import (
+    FORMULA,
+    KIN,
+    SPILL,
+    Setting,
+    free_numbers,
+    log_prior,
+    numbers_of,
+    with_numbers,
+)
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import brightest_line, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
@@ -26,7 +35,6 @@ HELD = 1e-3  # [1] standard deviation of ln P where the simulated power is taken
 LEAST, MOST = (-1.5, -3.0), (1.5, 3.0)  # of the logarithms of power and brightness
 MOST_EFFECTS = 2
 LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it states
-KIN = 0.1  # [1], of the chi-squared that the effects before explain: what their formulas may leave to another
 ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
 ANY = 20.0  # times the stated error of a strength: any strength
 AT_END = 1e-3  # [1], of the largest amplitude
@@ -183,16 +191,27 @@ def _names(fitter, base, alone, effects, wanted, holds):
     final, tried, rivals = base, alone, {}
     while tried and len(final.settings) < MOST_EFFECTS:
         best = min(tried, key=lambda identity: tried[identity].objective)
-        price = wanted * fitter.spread(tried[best]) + KIN * (base.objective - final.objective)
+        price = wanted * fitter.spread(tried[best]) + _of_formulas(fitter, base, final, tried[best])
         if not final.objective - tried[best].objective > price or not holds(final, tried[best]):
             break
         least = tried[best].objective
-        near = least + ALIKE + KIN * (base.objective - least)
+        near = least + ALIKE + FORMULA * (base.objective - least)
         rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
         final = tried[best]
         used = {setting.id for setting in final.settings}
         tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
     return final, rivals
+
+
+def _of_formulas(fitter, base, final, further):
+    """Chi-squared that inexact formulas of the effects of a fit, `final`, may leave to one more."""
+    explained = base.objective - final.objective
+    if not final.settings:
+        return 0.0
+    lights = fitter.white([fitter.light(one) for one in (base, final, further)])
+    first, more = np.diff(lights, axis=0)
+    cosine = abs(first @ more) / max(np.linalg.norm(first) * np.linalg.norm(more), 1e-300)
+    return (FORMULA if cosine > KIN else SPILL) * explained
 
 
 def _may_be(fitter, before, fit):
