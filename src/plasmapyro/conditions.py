@@ -27,6 +27,10 @@ OF_FLOW = (  # attributes of a flow that fix its field besides the condition
     "viscosity_limiter",
 )
 SAME = 1e-6  # [1], relative difference of equal numbers
+SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
+FLOW_PRESSURE = (
+    "flow_pressure"  # attribute [Pa]: of the flow whose temperatures a spectrum has, if another one
+)
 
 
 def stated(*, gas, settings, numerical_power=None, chamber_pressure=None, mass_flow_rate=None):
@@ -52,6 +56,16 @@ def carried(dataset):
 def number(dataset, name):
     """One of the numbers [SI] that a dataset states of its condition, NaN if it does not."""
     return float(dataset.attrs.get(name, np.nan))
+
+
+def pressure_of(test):
+    """Pressure [Pa] of the chamber in a test; NaN if it records none."""
+    return float(np.nanmedian(test["chamber_pressure"])) if "chamber_pressure" in test else float("nan")
+
+
+def of_another_pressure(test, simulated):
+    """Whether a test ran at another pressure than a dataset states; False where either does not say."""
+    return bool(abs(pressure_of(test) / number(simulated, "chamber_pressure") - 1) > SAME_PRESSURE)
 
 
 def ladder(condition, datasets):

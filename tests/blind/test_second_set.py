@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from blind import board, draw, page, run, second
-from blind.simulation import at_pressure
 from small_job import sight_line
 from two_bands import RESPONSE
 
@@ -127,20 +126,6 @@ def test_a_simulation_is_made_once_and_only_where_it_is_one_of_the_pressure(tmp_
     assert [(one["do"], one["pressure"]) for one in analyser.orders] == [("simulate", 2e3)]
     assert spectra(0) == (Path("job/radiation"), "main job")
     assert spectra(2) == (Path("job/radiation"), "another pressure") and len(analyser.orders) == 1
-
-
-def test_a_sight_line_of_another_pressure_keeps_its_temperatures_in_equilibrium():
-    line = sight_line(80e3)
-    same, more = (at_pressure(line, factor, 0.79, "") for factor in (1.0, 4.0))
-    np.testing.assert_allclose(same.number_density, line.number_density, rtol=1e-9)
-    assert more.number_density.dims == line.number_density.dims
-    np.testing.assert_array_equal(more.temperature, line.temperature)
-    np.testing.assert_allclose(
-        more.number_density.sum("species") * 1.380649e-23 * line.temperature, 4 * line.pressure, rtol=1e-6
-    )
-    hot = int(line.temperature.values.argmax())
-    share = [float(one.number_density.sel(species="e-")[hot] / one.pressure[hot]) for one in (line, more)]
-    assert share[1] < 0.9 * share[0]  # Le Chatelier: fewer free electrons per pressure
 
 
 def test_the_board_tells_what_a_gas_was_compared_with_apart(finished):

@@ -96,6 +96,16 @@ def test_a_gas_several_times_as_strong_is_measured_and_tells_its_power(fitted, r
     assert f"{'less' if power < 80e3 else 'more'} power than simulated" in said
 
 
+@pytest.mark.parametrize(("away", "wrong"), [((0.0, 0.0), True), ((0.095, 0.05), False)])
+def test_a_power_is_wrong_where_it_is_not_the_one_that_was_expected(fitted, record, away, wrong):
+    base = fitted(record(power=88e3))
+    with np.errstate(all="ignore"):
+        gas = measured_gas(base.model, base.solution)
+        found = compare(base.model, gas, OF_GAS, beside=BESIDE, away=away, draws=300)
+    assert found.power_is_wrong is wrong
+    assert found.power[0] + away[0] == pytest.approx(np.log(1.1), abs=0.02)
+
+
 @pytest.mark.parametrize(("power", "said"), [(72e3, True), (88e3, False)])
 def test_mixing_stands_for_less_power_and_not_for_more(fitted, record, variations, axis, power, said):
     """Jets computed with mixing shine as colder ones; here gas of less power is that which is colder."""
@@ -316,9 +326,10 @@ def test_lines_of_a_gas_of_another_pressure_stand_where_they_are(rippled, monkey
     gas = replace(gas, value=gas.value + moved - plain)
     nothing = Fit(0.0, 0.0, (), 0.0, np.eye(2))
     asked = {identity: CATALOGUE[identity] for identity in ("wshift", "lsf", "ripple", "contin")}
-    before = Comparison(nothing, nothing, (), (), {}, 10.0, 0.5, np.ones(3))
+    before = Comparison(nothing, nothing, (), (), {}, 10.0, 0.5, np.ones(3), power=(-0.3, 0.01))
     with np.errstate(all="ignore"):
         found = anywhere(rippled.model, gas, asked, before, "why", draws=300)
+    assert before.power_is_wrong and not found.power_is_wrong  # of what another pressure does
     assert [one.id for one in found.final.settings] == list(found.rivals) == names
     assert found.silence == "why" and set(found.evidence) == {"wshift", "lsf"}
     second, scale = (

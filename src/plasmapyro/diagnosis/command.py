@@ -4,6 +4,7 @@ import importlib
 import importlib.util
 import json
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -11,11 +12,12 @@ import jsonschema
 import numpy as np
 import xarray as xr
 
-from plasmapyro import contracts, io, shipped
+from plasmapyro import conditions, contracts, io, progress, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import no_plasma, restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
+from plasmapyro.diagnosis.gas import other_pressure
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.quantities import behind
 from plasmapyro.record.inputs import faults, has_plasma
@@ -24,7 +26,10 @@ from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
 INSTRUMENT = ("response", "calibration", "spectrometer_calibration", "radiometer_calibration")
-VARIATIONS = "radiation_variations"  # folder beside that of the radiance
+# Folders of a run, beside that of the radiance where it lies in one:
+RADIATION, VARIATIONS, SIGHTLINES, VIEWS = "radiation", "radiation_variations", "sightline", "surface_view"
+KEPT = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
+KEPT += ["error_share", "error_system", "error_cause"]
 SATURATION_COUNTS = 65000.0  # [count] as `experiment.spectrometer.saturation_counts` of the configuration
 LIMITS = {  # as `experiment.pyrometer` of the configuration
     "signal_uncertainty": 0.01,
@@ -48,6 +53,7 @@ class Inputs:
     origin: str
     digests: dict
     radiometer_calibration: xr.Dataset | None = None
+    results: Path | None = None  # folder of the folder of the spectra
 
 
 def load_inputs(radiance, instrument, variations=None):
@@ -62,11 +68,9 @@ def gas_of(radiance=None, variations=None):
     lists of such files; those that come with the package, and the folder beside `radiance`, if left out.
     ContractError: a file that is missing or breaches its contract.
     """
-    keep = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
-    keep += ["error_share", "error_system", "error_cause"]
     if radiance is None:
         varied, digests = shipped.by_condition(), {"radiation/shipped": shipped.stored()[1]}
-        spectra = {name: one[keep].assign_attrs(one.attrs) for name, one in varied.items()}
+        spectra = {name: one[KEPT].assign_attrs(one.attrs) for name, one in varied.items()}
         return Inputs(spectra, varied, None, None, None, origin="", digests=digests)
     files = _files(radiance)
     if not files:
@@ -74,7 +78,7 @@ def gas_of(radiance=None, variations=None):
     spectra = {}
     for path in files:
         whole = io.read(path, "radiation")
-        spectra[path.stem] = whole[keep].assign_attrs(whole.attrs)
+        spectra[path.stem] = whole[KEPT].assign_attrs(whole.attrs)
     beside = files[0].parents[1] / VARIATIONS
     varied = {
         path.stem: io.read(path, "gas_variations")
@@ -82,7 +86,55 @@ def gas_of(radiance=None, variations=None):
         if path.stem in spectra
     }
     digests = {f"radiation/{path.name}": io.digest(path) for path in files}
-    return Inputs(spectra, varied, None, None, None, origin="", digests=digests)
+    results = files[0].resolve().parents[1]
+    return Inputs(spectra, varied, None, None, None, origin="", digests=digests, results=results)
+
+
+def of_its_pressure(test, inputs):
+    """The inputs with the gas simulated at the pressure of a test, where the spectra are of another one and
+    the sight lines of their flows (`sightline`, `surface_view`) lie beside them; else as they are."""
+    condition = str(test.attrs.get("condition", ""))
+    line = None if inputs.results is None else inputs.results / SIGHTLINES / f"{condition}.nc"
+    own = inputs.radiation.get(condition)
+    if own is None or not conditions.of_another_pressure(test, own) or line is None or not line.exists():
+        return inputs
+    if "changes" in json.loads(own.attrs.get("configuration", "{}")):
+        return (
+            inputs  # of a gas that is changed by `effects` of its condition only this one spectrum is known
+        )
+    pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
+    spectra, varied, digests = _simulated_at(pressure, condition, inputs.results)
+    others = {name: one for name, one in inputs.variations.items() if name not in spectra}
+    return replace(
+        inputs,
+        radiation=inputs.radiation | spectra,
+        variations=others if varied is None else others | {condition: varied},
+        digests=inputs.digests | digests,
+    )
+
+
+@lru_cache(maxsize=4)
+def _simulated_at(pressure, condition, results):
+    """What `other_pressure.simulated_at` makes of the stage files in a folder, and their digests."""
+    progress.say(f"simulating the gas at {1e-2 * pressure:.3g} mbar, the pressure of the test: some 30 s")
+    kinds = ("sightline", SIGHTLINES), ("surface_view", VIEWS), ("radiation", RADIATION)
+    paths = {kind: {path.stem: path for path in _files(results / place)} for kind, place in kinds}
+    paths["surface_view"] = {name: one for name, one in paths["surface_view"].items() if name == condition}
+    lines, views, spectra = (
+        {name: io.read(path, kind) for name, path in paths[kind].items()} for kind, _ in kinds
+    )
+    wavelength = spectra[condition]["wavelength"].values
+    with np.errstate(all="ignore"):
+        found, varied = other_pressure.simulated_at(
+            pressure, condition, lines, views, spectra, wavelength=wavelength
+        )
+    digests = {
+        f"{kind}/{name}.nc": io.digest(path)
+        for kind in ("sightline", "surface_view")
+        for name, path in paths[kind].items()
+        if name in found
+    }
+    return {name: one[KEPT].assign_attrs(one.attrs) for name, one in found.items()}, varied, digests
 
 
 def _files(place):
@@ -139,6 +191,7 @@ def diagnose_test(
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
     condition = _usable(test, inputs)
+    inputs = of_its_pressure(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
     if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
         raise ValueError("a test foretells nothing of itself: the others (--also) hold it once more")
@@ -213,6 +266,7 @@ def remarks_on(test, inputs):
     if not has_plasma(test):
         return ["a lamp or a furnace: no gas is simulated, none is looked for; the emissivity may bend"]
     found = remarks(condition, inputs.radiation, inputs.variations.get(condition))
+    found += other_pressure.remarks(inputs.radiation[condition])
     return [*found, shipped.REMARK] if "radiation/shipped" in inputs.digests else found
 
 

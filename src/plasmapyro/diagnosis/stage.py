@@ -22,6 +22,7 @@ from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
+from plasmapyro.diagnosis.simulation.simulated import expected_power
 from plasmapyro.experiment.correction import Reading
 from plasmapyro.record.inputs import has_plasma, instruments
 
@@ -30,7 +31,6 @@ OF_TWO_BANDS = {"edge1", "edge2", "resp_long", "phi", "off1", "off2"}  # effects
 OF_MANY_BANDS = {"crosstalk"}  # and of a radiometer with
 MANY = 3  # bands or more
 MBAR = 100.0  # [Pa]
-SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,9 @@ def diagnose(
         measured = measured_gas(base.model, selection.final)
         beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()
         beside = {one: OF_FLOW[one] for one in beside}
-        comparison = compare(base.model, measured, questions[1], beside=beside, seed=seed)
+        away = expected_power(radiation[str(test.attrs["condition"])])
+        asked = {"beside": beside, "away": away, "seed": seed}
+        comparison = compare(base.model, measured, questions[1], **asked)
         elsewhere = other_gas(test, radiation, comparison)
         if elsewhere:
             comparison = anywhere(base.model, measured, questions[1], comparison, elsewhere, seed=seed)
@@ -169,7 +171,7 @@ def diagnose(
         if apart is None:
             comparison = comparison.without_names(elsewhere)
         else:  # a cause of the gas that gains as much where that is not
-            comparison = compare(base.model, measured.without(apart), questions[1], beside=beside, seed=seed)
+            comparison = compare(base.model, measured.without(apart), questions[1], **asked)
     if not gas_is_likelier(comparison, len(effects)):
         comparison = comparison.without_names(elsewhere)
     if strange:
@@ -199,15 +201,15 @@ def other_gas(test, radiation, comparison):
     Densities go with the pressure, and lines that absorb themselves, and what electrons excite, do not even
     go with the density: nothing says how the simulated spectrum would change.
     """
-    simulated = conditions.number(radiation[str(test.attrs["condition"])], "chamber_pressure")
-    if "chamber_pressure" in test:
-        measured = float(np.nanmedian(test["chamber_pressure"]))
-        if abs(measured / simulated - 1) > SAME_PRESSURE:
-            return (
-                f"The test ran at {measured / MBAR:.3g} mbar, the simulation at {simulated / MBAR:.3g} mbar:"
-                " no cause in the gas is looked for in what they differ by."
-            )
-    elif comparison.unlike:
+    own = radiation[str(test.attrs["condition"])]
+    simulated = conditions.number(own, "chamber_pressure")
+    if conditions.of_another_pressure(test, own):
+        return (
+            f"The test ran at {conditions.pressure_of(test) / MBAR:.3g} mbar, the simulation at"
+            f" {simulated / MBAR:.3g} mbar: no cause in the gas is looked for in what they differ by. A"
+            " condition of that pressure simulates it."
+        )
+    if "chamber_pressure" not in test and comparison.unlike:
         at = f" for {simulated / MBAR:.3g} mbar" if np.isfinite(simulated) else ""
         return (
             f"At its best power the gas is {np.exp(comparison.base.brightness):.2g} times as bright as"

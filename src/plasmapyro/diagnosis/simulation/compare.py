@@ -113,7 +113,7 @@ class Comparison:
         return replace(self, final=self.base, rivals={}, silence=why)
 
 
-def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000, seed=1):
+def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0, 0.0), draws=1000, seed=1):
     """Hold the measured gas against the simulated one.
 
     .. math:: y \\sim N\\left(L(P, b, a),\\; S + E\\right)
@@ -129,6 +129,8 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
         That change the light of the gas, alike at all times.
     beside : mapping id -> Effect
         More that are asked only whether they look like a wrong power.
+    away : mean and standard deviation
+        Of ln P of the gas over the simulated one at the power that was simulated.
     draws, seed : int
         Simulated spectra behind the threshold.
 
@@ -136,7 +138,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
     -------
     Comparison
     """
-    simulated = Simulated(model, measured, effects)
+    simulated = Simulated(model, measured, effects, away)
     plain = raise_errors(simulated, effects)
     fitter, bare = settled(simulated)
     without, base = (fitter, bare) if plain is simulated else settled(plain)
@@ -170,14 +172,14 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), draws=1000
         p_value=without.p_value(base),
         ratio=measured.ratio_on(model.library.wavelength),
         rivals=rivals,
-        power=_power(told, model.library),
+        power=_power(told, model.library, away),
         evidence=evidence | {SYSTEM: log_bayes(system, base)},
     )
     if not found.power_is_wrong:
         return found
-    fitter.centre, fitter.sigma = np.zeros(2), np.array([HELD, GAS_SIGMA])
-    asked = {**effects, **beside}
-    held = {identity: fitter.best(replace(base, power=0.0), effect) for identity, effect in asked.items()}
+    fitter.centre, fitter.sigma = np.array([away[0], 0.0]), np.array([HELD, GAS_SIGMA])
+    asked, right = {**effects, **beside}, replace(base, power=away[0])
+    held = {identity: fitter.best(right, effect) for identity, effect in asked.items()}
     alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
     return replace(found, rivals_of_power=alike)
 
@@ -252,6 +254,8 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
         rivals=rivals,
         evidence={identity: log_bayes(fit, base) for identity, fit in alone.items() if identity in ANYWHERE},
         silence=why,
+        power=(0.0, np.inf),
+        rivals_of_power=(),
     )
 
 
@@ -262,15 +266,17 @@ def nothing_to_compare(model):
     return Comparison(nothing, nothing, (), (), {}, 0.0, 1.0, ratio, power=model.power)
 
 
-def _power(fit, library):
-    """Logarithm of the power of a fit over the simulated one, a hotter gas counted in, and its error."""
+def _power(fit, library, away):
+    """Logarithm of the power of a fit over the simulated one, and its error: a hotter gas counted in, and how
+    far `away` the gas is expected."""
     change, slope = fit.power, np.zeros(len(fit.covariance))
     slope[0] = 1.0
     for place, number in enumerate(free_numbers(fit.settings)):
         if fit.settings[number.place].id == HOTTER:
             here, beside = library.power_of_warmth(fit.settings[number.place].amplitude + np.array([0, STEP]))
             change, slope[2 + place] = change + here, (beside - here) / STEP
-    return float(change), float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)))
+    error = np.sqrt(max(slope @ fit.covariance @ slope, 0.0))
+    return float(change - away[0]), float(np.hypot(error, away[1]))
 
 
 def log_bayes(fit, base):

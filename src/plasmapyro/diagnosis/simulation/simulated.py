@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from plasmapyro import conditions
 from plasmapyro.diagnosis.fit.model import Model
 from plasmapyro.diagnosis.fit.parameter import Parameter
 
@@ -12,19 +13,36 @@ FAINTER, BRIGHTER = 0.1, 10.0  # [1], over the simulated light: beyond, its rela
 OF_A_VALUES = ("multiplet", "line")  # causes
 COLD = 250.0  # [K]: a surface that does not shine
 
+# At the same power the gas of a higher pressure is hotter, as that of a higher power at the same pressure:
+# ln P of it over ln p, by flows at 25, 50 and 100 mbar and 80 kW (0.12 and 0.15, read from their spectra).
+POWER_OF_PRESSURE, ITS_ERROR = 0.135, 0.07  # ASSUME half of it: other powers, gases and torches
+
+
+def expected_power(radiation):
+    """Mean and standard deviation of ln P of a gas over that of its simulated spectrum.
+
+    (0, 0) but where this was simulated along the temperatures of a flow at another pressure.
+    """
+    flow = conditions.number(radiation, conditions.FLOW_PRESSURE)
+    if np.isnan(flow):
+        return 0.0, 0.0
+    change = np.log(conditions.number(radiation, "chamber_pressure") / flow)
+    return float(POWER_OF_PRESSURE * change), float(ITS_ERROR * abs(change))
+
 
 class Simulated:
     """Light of the simulated gas in the channels of a test, over its level, and the errors of it.
 
     `strength`, `shape` (M, C): the modes of `radiation.uncertainty` in the channels, `systems` (M,) whose
     strength they are; `group` (G, C): the light in groups of lines; `effects` {id: Effect} that may act;
+    `away`: mean and standard deviation of ln P that the gas is expected at;
     the data may raise `roughness` [1], the error of the light of bands in each channel by itself, from 0, and
     `scatter` [1], the error of the A values of lines over the stated one, from 1.
     """
 
     roughness, scatter = 0.0, 1.0
 
-    def __init__(self, model, measured, effects):
+    def __init__(self, model, measured, effects, away=(0.0, 0.0)):
         instruments = [
             replace(
                 one,
@@ -34,7 +52,8 @@ class Simulated:
             )
             for one in model.instruments
         ]
-        power = Parameter("power", "simulated power (logarithm)", model.power[1])
+        self.power = model.power[0] + away[0], float(np.hypot(model.power[1], away[1]))
+        power = Parameter("power", "simulated power (logarithm)", self.power[1])
         self.model = Model(
             instruments,
             model.library,
@@ -46,7 +65,7 @@ class Simulated:
             model.lamp,
             model.persistent,
         )
-        self.measured, self.effects, self.power = measured, effects, model.power
+        self.measured, self.effects = measured, effects
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])
         self.centre[self.model.index["gas"]] = 0.0
         self.cold = np.full(model.size, COLD)
