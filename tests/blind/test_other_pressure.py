@@ -86,6 +86,17 @@ def test_a_gas_that_its_condition_changes_is_simulated_at_no_other_pressure(run,
     assert command.of_its_pressure(at(CHAMBER), inputs) is inputs
 
 
+def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, caplog):
+    shutil.copytree(run, tmp_path / "run")
+    path = tmp_path / "run/sightline/80kW.nc"
+    line = io.read(path, "sightline").assign_attrs(gas="CO2")
+    path.unlink()
+    io.write(line, path, "sightline")
+    inputs = command.gas_of(tmp_path / "run/radiation")
+    assert command.of_its_pressure(at(CHAMBER), inputs) is inputs
+    assert "not simulated at the pressure of the test: gas must be" in caplog.text
+
+
 @pytest.mark.parametrize(("pressure", "power"), [(2500.0, -0.085), (1e4, 0.103)])
 def test_flows_of_other_pressures_shine_as_those_of_another_power(pressure, power):
     """Flows solved at 25 and 100 mbar and 80 kW, read by spectra along the temperatures of that at 50."""

@@ -26,8 +26,7 @@ from plasmapyro.tables import weakest
 
 SCHEMA = Path(__file__).with_name("diagnosis.schema.json")
 INSTRUMENT = ("response", "calibration", "spectrometer_calibration", "radiometer_calibration")
-# Folders of a run, beside that of the radiance where it lies in one:
-RADIATION, VARIATIONS, SIGHTLINES, VIEWS = "radiation", "radiation_variations", "sightline", "surface_view"
+VARIATIONS, SIGHTLINES, VIEWS = "radiation_variations", "sightline", "surface_view"  # beside the radiance
 KEPT = ["gas_radiance_slit", "gas_radiance_component_slit", "component_uncertainty"]
 KEPT += ["error_share", "error_system", "error_cause"]
 SATURATION_COUNTS = 65000.0  # [count] as `experiment.spectrometer.saturation_counts` of the configuration
@@ -53,7 +52,7 @@ class Inputs:
     origin: str
     digests: dict
     radiometer_calibration: xr.Dataset | None = None
-    results: Path | None = None  # folder of the folder of the spectra
+    folder: Path | None = None  # of the spectra
 
 
 def load_inputs(radiance, instrument, variations=None):
@@ -86,24 +85,27 @@ def gas_of(radiance=None, variations=None):
         if path.stem in spectra
     }
     digests = {f"radiation/{path.name}": io.digest(path) for path in files}
-    results = files[0].resolve().parents[1]
-    return Inputs(spectra, varied, None, None, None, origin="", digests=digests, results=results)
+    folder = files[0].resolve().parent
+    return Inputs(spectra, varied, None, None, None, origin="", digests=digests, folder=folder)
 
 
 def of_its_pressure(test, inputs):
     """The inputs with the gas simulated at the pressure of a test, where the spectra are of another one and
     the sight lines of their flows (`sightline`, `surface_view`) lie beside them; else as they are."""
     condition = str(test.attrs.get("condition", ""))
-    line = None if inputs.results is None else inputs.results / SIGHTLINES / f"{condition}.nc"
     own = inputs.radiation.get(condition)
-    if own is None or not conditions.of_another_pressure(test, own) or line is None or not line.exists():
+    if own is None or inputs.folder is None or not conditions.of_another_pressure(test, own):
+        return inputs
+    if not (inputs.folder.parent / SIGHTLINES / f"{condition}.nc").exists():
         return inputs
     if "changes" in json.loads(own.attrs.get("configuration", "{}")):
-        return (
-            inputs  # of a gas that is changed by `effects` of its condition only this one spectrum is known
-        )
+        return inputs  # by `effects` of its condition: how they go with the pressure nobody says
     pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
-    spectra, varied, digests = _simulated_at(pressure, condition, inputs.results)
+    try:
+        spectra, varied, digests = _simulated_at(pressure, condition, inputs.folder)
+    except ValueError as fault:  # of another gas than N2 and O2, beyond the range of its tables
+        progress.warn(f"the gas is not simulated at the pressure of the test: {fault}")
+        return inputs
     others = {name: one for name, one in inputs.variations.items() if name not in spectra}
     return replace(
         inputs,
@@ -114,14 +116,15 @@ def of_its_pressure(test, inputs):
 
 
 @lru_cache(maxsize=4)
-def _simulated_at(pressure, condition, results):
-    """What `other_pressure.simulated_at` makes of the stage files in a folder, and their digests."""
+def _simulated_at(pressure, condition, folder):
+    """What `other_pressure.simulated_at` makes of the spectra in a folder and the stage files beside it, and
+    the digests of these."""
     progress.say(f"simulating the gas at {1e-2 * pressure:.3g} mbar, the pressure of the test: some 30 s")
-    kinds = ("sightline", SIGHTLINES), ("surface_view", VIEWS), ("radiation", RADIATION)
-    paths = {kind: {path.stem: path for path in _files(results / place)} for kind, place in kinds}
+    places = {"sightline": SIGHTLINES, "surface_view": VIEWS, "radiation": folder}
+    paths = {kind: {path.stem: path for path in _files(folder.parent / at)} for kind, at in places.items()}
     paths["surface_view"] = {name: one for name, one in paths["surface_view"].items() if name == condition}
     lines, views, spectra = (
-        {name: io.read(path, kind) for name, path in paths[kind].items()} for kind, _ in kinds
+        {name: io.read(path, kind) for name, path in found.items()} for kind, found in paths.items()
     )
     wavelength = spectra[condition]["wavelength"].values
     with np.errstate(all="ignore"):

@@ -39,8 +39,8 @@ def simulated_at(pressure, condition, sightlines, views, radiation, *, wavelengt
     (mapping condition -> Dataset, contract 'radiation', or 'spectrum' without a response;
     Dataset, contract 'gas_variations', or None)
     """
-    own, varied, found = sightlines[condition], None, {}
-    nitrogen, flow = nitrogen_of(own), conditions.number(own, "chamber_pressure")
+    varied, found, nitrogen = None, {}, nitrogen_of(sightlines[condition])
+    flow = conditions.number(radiation[condition], "chamber_pressure")
     ends = tuple(np.round(np.asarray(wavelength)[[0, -1]], 13))
     grid = {"wavelength_range": ends, "grid_points": round(FINER * len(wavelength))}
     table = stored_table(**grid, pressure=pressure, nitrogen=nitrogen)
