@@ -71,6 +71,18 @@ def test_many_peaks_by_chance_make_a_species_less_likely(scene):
     assert scene.fit(APART).log_bayes == alone
 
 
+def test_a_peak_is_no_chance_for_being_there_itself(scene):
+    """One as bright as no other is rarer by chance than one among its like, not as often as one of six."""
+    light = np.where(np.arange(len(SEEN)) == 5, 200.0, 1.0) * scene.peaks.light
+    bright = Scene(replace(scene.peaks, light=light), UNCALIBRATED, Scale(0.0), PLACE)
+    assert bright.chance[5] < 0.05 * scene.chance[5]
+
+
+def test_a_line_is_brighter_than_expected_less_often_than_fainter():
+    faint, bright = Scene._strength(np.log([0.05, 20.0]), 1.0)
+    assert 0.5 < bright / faint < 0.8
+
+
 def test_what_is_explained_is_the_mean_over_settings(scene):
     """Temperature and depth decide of the fourth line, which others may explain: its light lies between that
     of the coldest thin gas and of a black body, nearer to the first if they do."""

@@ -67,10 +67,10 @@ def test_lines_at_random_have_no_name(seed):
 
 
 def test_chance_counts_against_much_evidence_too(monkeypatch):
-    """Thorium II came to 12.2 by eleven faint peaks among noise; sodium has 17 here, and chance as much."""
+    """Thorium II came to 12.2 by eleven faint peaks among noise; sodium has 29 here, and chance as much."""
     spectrum = made.spectrum(made.SODIUM)
     assert names(identify(*spectrum)) == {"Na"}
-    monkeypatch.setattr(module, "_by_chance", lambda scene, one, others: 17.0)
+    monkeypatch.setattr(module, "_by_chance", lambda scene, one, others: 29.0)
     assert names(identify(*spectrum)) == set()
 
 
@@ -122,6 +122,16 @@ def test_a_line_on_the_flank_of_another_is_found_and_none_on_a_slope(faint):
     counts = np.random.default_rng(5).poisson(light + 200 + 100 * (axis - 560)).astype(float)
     expected = [575.03, 589.0, 589.55, 603.0] if faint else [575.03, 589.0, 603.0]
     assert find(axis * 1e-9, counts).wavelength * 1e9 == pytest.approx(expected, abs=0.1)  # a channel
+
+
+def test_a_neighbour_makes_a_line_no_wider():
+    """Its fainter neighbour lies above half of it; the light of each is that of a line of that height."""
+    axis = np.arange(560.0, 620.0, 0.1)
+    light = 4e4 * lines_at(axis, (570.03, 589.0, 609.0), 0.5) + 3.6e4 * lines_at(axis, [589.6], 0.5)
+    found = find(axis * 1e-9, light + np.random.default_rng(5).normal(200, 20, axis.size))
+    alone, beside = (np.abs(found.wavelength - place).argmin() for place in (570.03e-9, 589e-9))
+    assert found.width[beside] == pytest.approx(found.width[alone], rel=0.3)
+    assert found.light[beside] == pytest.approx(found.light[alone], rel=0.3)
 
 
 @pytest.mark.parametrize("seed", range(3))

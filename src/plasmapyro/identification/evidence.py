@@ -30,9 +30,11 @@ REGION = 60e-9  # [m] over which the response of an instrument hardly changes
 LOST = 0.02  # share of lines that are missing against expectation: wrong probability, dead pixels
 TOLERANCE = 0.7  # scatter of ln(strength) of a line about its expectation
 ODD, ODD_WIDER = 0.15, 3.0  # share of lines, and of chance peaks, with a scatter so many times larger
+BRIGHT = 0.1  # the same share above expectation: absorption and neighbours take light, little adds any
 STARK = 0.2  # shift of a line broadened by electrons, of its width; Griem has 0.1 to 0.5
 KERNEL = 1.0  # of ln(strength), over which the strengths of the peaks around are smoothed
-SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
+ANY = 0.05  # density of ln(strength) of one peak more than those around, which may have any
+SPREAD = 0.02  # least density of chance peaks, per width of a sharp line
 HOLE = 6e-9  # [m] longer clipped stretches are blind
 AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
 THICK = 0.03  # of the brightest peak: least light of a line that absorbs itself; zones differ in temperature
@@ -139,7 +141,8 @@ class Scene:
         return scene
 
     def _chance(self, known):
-        """Density of the peaks (P,) by chance [m-1], counted by peaks of weights `known`."""
+        """Density of the peaks (P,) by chance [m-1], counted by peaks of weights `known`; how strong such
+        peaks are say the others: none is chance because it is there itself."""
         at, axis = self.peaks.wavelength, self.peaks.axis
         slit = np.interp(at, axis, self.peaks.slit)
         seen = np.diff(axis) * _open(self.peaks)[1:]
@@ -147,7 +150,9 @@ class Scene:
         reach = np.interp(at + AROUND, axis, reach) - np.interp(at - AROUND, axis, reach)
         count = (np.abs(at[:, None] - at) < AROUND) @ known
         wide = (np.abs(at[:, None] - at) < REGION) * known
-        alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1) / wide.sum(axis=1)
+        np.fill_diagonal(wide, 0.0)
+        alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1)
+        alike = (alike + ANY) / (wide.sum(axis=1) + 1)
         return alike * np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
 
     def without(self, explained):
@@ -157,16 +162,13 @@ class Scene:
         own = self._strength(self.log, explained.light)
         return self.chance + own * _normal(self.peaks.wavelength, explained.place, self.error)
 
-    def _strength(self, log, expected):
-        """Density of ln(strength) of lines about their expectation."""
+    @staticmethod
+    def _strength(log, expected):
+        """Density of ln(strength) of lines about their expectation, with tails."""
         with np.errstate(divide="ignore"):
             off = log - np.log(expected)
-        return self._tailed(off, TOLERANCE)
-
-    @staticmethod
-    def _tailed(off, sigma):
-        """Density of a logarithm of strength off its middle, with tails."""
-        return (1 - ODD) * _normal(off, 0.0, sigma) + ODD * _normal(off, 0.0, ODD_WIDER * sigma)
+        odd = np.where(off > 0, BRIGHT, ODD)
+        return (1 - odd) * _normal(off, 0.0, TOLERANCE) + odd * _normal(off, 0.0, ODD_WIDER * TOLERANCE)
 
     def near(self, species):
         """Peaks (G,) that lines of a species lie beside."""

@@ -142,12 +142,13 @@ def find(axis, signal, noise=None, slit=None):
     )  # half a second, which reading a table of lines does not cost
 
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
-    channels = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)[0]
+    channels, _, left, right = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)
     prominence = facts["prominences"]
     if slit is None:
         shaped = prominence > SHAPED * noise[found]
         slit = np.maximum(_sharp(step, found[shaped], channels[shaped]), 2.0) * step
     slit = np.broadcast_to(slit, signal.shape)
+    channels = 2 * np.minimum(found - left, right - found)  # a neighbour widens one side
     # Noise stands out of the lowest around it by ten deviations; out of its mean a line does.
     out = np.where(prominence > PLAIN * noise[found], np.inf, 0.0)
     for width in WIDTHS:
