@@ -66,6 +66,16 @@ def test_lines_at_random_have_no_name(seed):
     assert answer.unexplained.size >= 12
 
 
+@pytest.mark.parametrize("seed", [4, 26, 30, 54])
+def test_chance_is_as_frequent_as_it_is(seed):
+    """Of sixty such spectra three have a name, seven if chance has a `SPREAD` of 0.02 and common species
+    0.1: these four too, of 9 to 33 lines."""
+    rng = np.random.default_rng(9100 + seed)
+    number = rng.integers(5, 60)
+    lines = list(zip(rng.uniform(320, 940, number), 10 ** rng.uniform(1.5, 3, number), strict=True))
+    assert names(identify(*made.spectrum(lines, seed))) == set()
+
+
 def test_chance_counts_against_much_evidence_too(monkeypatch):
     """Thorium II came to 12.2 by eleven faint peaks among noise; sodium has 29 here, and chance as much."""
     spectrum = made.spectrum(made.SODIUM)

@@ -10,7 +10,7 @@ from plasmapyro.identification.species import AIR, catalogue
 
 COMMON = tuple("H C N O Na K Li Rb Cs Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN C2 OH AlO".split())
 ANYWHERE = ("Na", "K", "Ca", "Mg")  # traces on whatever was touched, with few lines, hard to miss
-PRIOR, PRIOR_COMMON, PRIOR_ANYWHERE, PRIOR_AIR = 0.001, 0.1, 0.3, 0.5  # that a species shows lines
+PRIOR, PRIOR_COMMON, PRIOR_ANYWHERE, PRIOR_AIR = 0.001, 0.05, 0.3, 0.5  # that a species shows lines
 PRIOR_OTHER_STAGE = 0.3
 NAMED = 0.9  # probability from which a species is named
 LEAST = np.log(NAMED / (1 - NAMED))
