@@ -28,9 +28,7 @@ OF_FLOW = (  # attributes of a flow that fix its field besides the condition
 )
 SAME = 1e-6  # [1], relative difference of equal numbers
 SAME_PRESSURE = 0.1  # [1] within which a simulation is taken as that of the pressure of a test
-FLOW_PRESSURE = (
-    "flow_pressure"  # attribute [Pa]: of the flow whose temperatures a spectrum has, if another one
-)
+FLOW_PRESSURE = "flow_pressure"  # attribute [Pa]: of the flow that has the temperatures of a gas at another
 
 
 def stated(*, gas, settings, numerical_power=None, chamber_pressure=None, mass_flow_rate=None):

@@ -79,9 +79,8 @@ def at_pressure(gas, factor, nitrogen, prefix=""):
 
 def remarks(radiation):
     """What to know of a spectrum of `simulated_at`: a list of one sentence, or none."""
-    flow, own = (
-        conditions.number(radiation, name) / 100.0 for name in (conditions.FLOW_PRESSURE, "chamber_pressure")
-    )
+    flow = conditions.number(radiation, conditions.FLOW_PRESSURE) / MBAR
+    own = conditions.number(radiation, "chamber_pressure") / MBAR
     if np.isnan(flow):
         return []
     return [
