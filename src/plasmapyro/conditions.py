@@ -58,7 +58,8 @@ def number(dataset, name):
 
 def pressure_of(test):
     """Pressure [Pa] of the chamber in a test; NaN if it records none."""
-    return float(np.nanmedian(test["chamber_pressure"])) if "chamber_pressure" in test else float("nan")
+    values = test["chamber_pressure"].values if "chamber_pressure" in test else np.array([])
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else float("nan")
 
 
 def of_another_pressure(test, simulated):

@@ -9,8 +9,10 @@ from small_job import DISTANCE, sight_line, surface_view
 from two_bands import RESPONSE
 
 from plasmapyro import io
+from plasmapyro.conditions import pressure_of
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.gas.other_pressure import at_pressure
+from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.simulation.simulated import expected_power
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -33,7 +35,7 @@ def run(small_results, tmp_path_factory):
         io.write(made, folder / f"radiation/{power}.nc", "radiation")
         line = sight_line(1e3 * float(power[:-2])).assign_attrs(STATED)
         io.write(line, folder / f"sightline/{power}.nc", "sightline")
-    io.write(surface_view(line), folder / "surface_view/80kW.nc", "surface_view")
+    io.write(surface_view(sight_line(80e3)), folder / "surface_view/80kW.nc", "surface_view")
     return folder
 
 
@@ -100,10 +102,25 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
     ]
 
 
-@pytest.mark.parametrize(("pressure", "power"), [(2500.0, -0.085), (1e4, 0.103)])
-def test_flows_of_other_pressures_shine_as_those_of_another_power(pressure, power):
-    """Flows solved at 25 and 100 mbar and 80 kW, read by spectra along the temperatures of that at 50."""
+@pytest.mark.parametrize("pressure", [50.0, 5e5])
+def test_a_pressure_in_other_units_is_said(run, monkeypatch, pressure):
+    inputs, said = command.gas_of(run / "radiation"), []
+    monkeypatch.setattr(command.progress, "warn", said.append)
+    assert command.of_its_pressure(at(pressure), inputs) is inputs
+    (words,) = said
+    assert "chamber pressure must lie in [1500, 30000] Pa" in words
+
+
+def test_a_pressure_that_was_not_logged_is_none():
+    assert np.isnan(pressure_of(at(np.nan)))
+
+
+@pytest.mark.parametrize(("pressure", "power", "hottest"), [(2500.0, -0.085, 5763.1), (1e4, 0.103, 6119.6)])
+def test_flows_of_other_pressures_shine_as_those_of_another_power(pressure, power, hottest):
+    """Flows solved at 25 and 100 mbar and 80 kW, read by spectra along the temperatures of that at 50 mbar,
+    5934.9 K at the hottest; what a power does to temperatures says the same."""
     spectrum = xr.Dataset(attrs={"chamber_pressure": pressure, "flow_pressure": FLOW})
     mean, sigma = expected_power(spectrum)
     assert abs(power - mean) < sigma < 0.6 * abs(power)
+    assert abs(np.log(hottest / 5934.9) / WARMTH_OF_POWER - mean) < sigma
     assert expected_power(xr.Dataset(attrs={"chamber_pressure": pressure})) == (0.0, 0.0)

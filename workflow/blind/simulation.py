@@ -13,19 +13,17 @@ def simulate(results, folder, pressure):
     from plasmapyro.diagnosis.gas.other_pressure import simulated_at
 
     results, folder = Path(results), Path(folder)
-    kinds = {"radiation": "radiation", "sightline": "sightline", "surface_view": "surface_view"}
-    read = {
-        kind: {path.stem: io.read(path, kind) for path in sorted((results / place).glob("[!.]*.nc"))}
-        for kind, place in kinds.items()
-    }
+    lines, views, spectra = (
+        {path.stem: io.read(path, kind) for path in sorted((results / kind).glob("[!.]*.nc"))}
+        for kind in ("sightline", "surface_view", "radiation")
+    )
+    wavelength = next(iter(spectra.values()))["wavelength"].values
     response = io.read(results / "instrument/response.nc", "response")
-    for name in sorted(read["surface_view"]):
-        wavelength = read["radiation"][name]["wavelength"].values
-        given = read["sightline"], read["surface_view"], read["radiation"]
-        found, varied = simulated_at(pressure, name, *given, wavelength=wavelength, response=response)
-        io.write(varied, folder / f"radiation_variations/{name}.nc", "gas_variations")
-        for other, made in found.items():
-            del made.attrs[
-                conditions.FLOW_PRESSURE
-            ]  # the gas of this laboratory has the temperatures of these flows
-            io.write(made, folder / f"radiation/{other}.nc", "radiation")
+    given = lines, views, spectra
+    found, varied = simulated_at(pressure, tuple(views), *given, wavelength=wavelength, response=response)
+    for name, made in found.items():
+        # The gas of this laboratory has the temperatures of these flows.
+        del made.attrs[conditions.FLOW_PRESSURE]
+        io.write(made, folder / f"radiation/{name}.nc", "radiation")
+    for name, made in varied.items():
+        io.write(made, folder / f"radiation_variations/{name}.nc", "gas_variations")

@@ -103,14 +103,14 @@ def of_its_pressure(test, inputs):
     pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
     try:
         spectra, varied, digests = _simulated_at(pressure, condition, inputs.folder)
-    except ValueError as fault:  # of another gas than N2 and O2, beyond the range of its tables
+    except ValueError as fault:  # another gas than N2 and O2, a pressure in other units
         progress.warn(f"the gas is not simulated at the pressure of the test: {fault}")
         return inputs
     others = {name: one for name, one in inputs.variations.items() if name not in spectra}
     return replace(
         inputs,
         radiation=inputs.radiation | spectra,
-        variations=others if varied is None else others | {condition: varied},
+        variations=others | varied,
         digests=inputs.digests | digests,
     )
 
@@ -122,20 +122,19 @@ def _simulated_at(pressure, condition, folder):
     progress.say(f"simulating the gas at {1e-2 * pressure:.3g} mbar, the pressure of the test: some 30 s")
     places = {"sightline": SIGHTLINES, "surface_view": VIEWS, "radiation": folder}
     paths = {kind: {path.stem: path for path in _files(folder.parent / at)} for kind, at in places.items()}
-    paths["surface_view"] = {name: one for name, one in paths["surface_view"].items() if name == condition}
     lines, views, spectra = (
         {name: io.read(path, kind) for name, path in found.items()} for kind, found in paths.items()
     )
     wavelength = spectra[condition]["wavelength"].values
     with np.errstate(all="ignore"):
         found, varied = other_pressure.simulated_at(
-            pressure, condition, lines, views, spectra, wavelength=wavelength
+            pressure, (condition,), lines, views, spectra, wavelength=wavelength
         )
     digests = {
         f"{kind}/{name}.nc": io.digest(path)
-        for kind in ("sightline", "surface_view")
+        for kind, used in (("sightline", found), ("surface_view", varied))
         for name, path in paths[kind].items()
-        if name in found
+        if name in used
     }
     return {name: one[KEPT].assign_attrs(one.attrs) for name, one in found.items()}, varied, digests
 
