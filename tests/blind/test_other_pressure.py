@@ -96,7 +96,8 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
     io.write(line, path, "sightline")
     inputs, said = command.gas_of(tmp_path / "run/radiation"), []
     monkeypatch.setattr(command.progress, "warn", said.append)
-    assert command.of_its_pressure(at(CHAMBER), inputs) is inputs
+    found = command.of_its_pressure(at(CHAMBER), inputs)
+    assert command.of_its_pressure(at(CHAMBER), found) is found and found.radiation is inputs.radiation
     assert [one.partition(": gas must be")[0] for one in said] == [
         "the gas is not simulated at the pressure of the test"
     ]
@@ -106,7 +107,7 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
 def test_a_pressure_in_other_units_is_said(run, monkeypatch, pressure):
     inputs, said = command.gas_of(run / "radiation"), []
     monkeypatch.setattr(command.progress, "warn", said.append)
-    assert command.of_its_pressure(at(pressure), inputs) is inputs
+    assert command.of_its_pressure(at(pressure), inputs).radiation is inputs.radiation
     (words,) = said
     assert "chamber pressure must lie in [1500, 30000] Pa" in words
 

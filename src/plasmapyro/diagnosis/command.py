@@ -105,7 +105,7 @@ def of_its_pressure(test, inputs):
         spectra, varied, digests = _simulated_at(pressure, condition, inputs.folder)
     except ValueError as fault:  # another gas than N2 and O2, a pressure in other units
         progress.warn(f"the gas is not simulated at the pressure of the test: {fault}")
-        return inputs
+        return replace(inputs, folder=None)  # said once
     others = {name: one for name, one in inputs.variations.items() if name not in spectra}
     return replace(
         inputs,

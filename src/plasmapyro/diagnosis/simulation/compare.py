@@ -254,7 +254,7 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
         rivals=rivals,
         evidence={identity: log_bayes(fit, base) for identity, fit in alone.items() if identity in ANYWHERE},
         silence=why,
-        power=(0.0, np.inf),
+        power=model.power,
         rivals_of_power=(),
     )
 
