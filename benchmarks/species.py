@@ -1,6 +1,6 @@
 """Row (c) of the real-data board: which elements do spectra of laser plasmas in air show?
 
-    python benchmarks/species.py FOLDER [--mixtures N] [--seed N] [--decoys]
+    python benchmarks/species.py FOLDER [--mixtures N] [--seed N] [--decoys] [--pairs FILE]
 
 FOLDER holds spectra of public data as CSV (wavelength [nm], signal): TheFermiSea/CF-LIBS-improved,
 `data/aalto_libs`, pure elements and minerals, named after them. The files are not ours to ship.
@@ -10,12 +10,16 @@ names halves the pairs: half 0 was looked at while the program was made, half 1 
 judged before; --skip 16 takes the others). A false name is a trace if its lines speak for it in one of the
 two apart as well, though not enough for a name there. With --seed pairs of both halves are drawn, and each
 mixture is measured again: 0.05 nm of scale, noise of half its own; --apart: each spectrum on its own scale.
+Which pairs there are, what their parts show and how bright that is follows from the names of the parts. To
+count two versions of the code on the same cases: --write FILE by the one (CSV, `Pair`), --pairs FILE in both.
 """
 
 import argparse
+import csv
 import re
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,10 +88,60 @@ def single(folder):
     return found
 
 
-def signal_to_noise(much, little, share, element):
-    """Second largest of the lines of an element in a mixture: its light over the noise of the spectrum."""
+class Pair(NamedTuple):
+    """Two spectra, and what code that looked at each alone says of them.
+
+    `element`: what is to be named; `shown`: elements that either shows, which are no false names; `snr`: of
+    the second largest line of the element if the whole light of the admixture lies on the host.
+    """
+
+    host: str
+    admixture: str
+    element: str
+    shown: tuple
+    snr: float
+
+
+def pairs_of(found):
+    """All pairs of which neither shows the element of the other."""
+    shown = {name: names(answer) for name, (answer, *_) in found.items()}
+    return [
+        Pair(a, b, found[b][3], (*shown[a], *shown[b]), signal_to_noise(found[a], found[b], found[b][3]))
+        for a in found
+        for b in found
+        if found[a][3] not in (*shown[b], found[b][3]) and found[b][3] not in shown[a]
+    ]
+
+
+def write(path, pairs):
+    """Write a list of pairs as CSV, elements that are shown apart by spaces."""
+    with Path(path).open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(Pair._fields)
+        rows.writerows(one._replace(shown=" ".join(one.shown)) for one in pairs)
+
+
+def read(path):
+    """The pairs of such a list."""
+    with Path(path).open(newline="", encoding="utf-8") as file:
+        rows = [Pair(**row) for row in csv.DictReader(file)]
+    return [one._replace(shown=tuple(one.shown.split()), snr=float(one.snr)) for one in rows]
+
+
+def drawn(pairs, number, half, skip, rng):
+    """Those of the pairs that are tried: of one half, or of both as a generator draws them."""
+    if rng is not None:
+        pairs = [pairs[place] for place in rng.permutation(len(pairs))]
+    else:
+        code = {one: zlib.crc32(f"{one.host}/{one.admixture}".encode()) for one in pairs}
+        pairs = sorted((one for one in pairs if code[one] % 2 == half), key=code.get)
+    return pairs[skip : skip + number]
+
+
+def signal_to_noise(much, little, element):
+    """Second largest of the lines of an element: its light over the noise of the host, as bright as that."""
     (major, axis, light, _), (minor, _, other, _) = much, little
-    scale = share * light.sum() / other.sum()
+    scale = light.sum() / other.sum()
     lines = np.unique(
         np.concatenate([one.fit.matched for one in minor.named if one.species.element == element] or [[]])
     ).astype(int)
@@ -115,51 +169,48 @@ def again(axis, light, shift, rng):
     return np.where(moved > light.min(), np.maximum(moved + noise, light.min()), moved)
 
 
-def mixtures(found, number, half=1, skip=0, seed=None, apart=False):
-    """Rows (major, minor, share, SNR, named, false names, those that are no traces) of mixtures.
+def mixtures(found, pairs, rng=None, apart=False):
+    """Rows (pair, share, names, false ones, those that are no traces) of mixtures.
 
-    With a seed the pairs are drawn from both halves, and each spectrum is measured `again`: with one scale,
-    as one spectrometer has, or `apart`, each with its own.
+    With a generator each spectrum is measured `again`: with one scale, as one spectrometer has, or `apart`,
+    each with its own.
     """
-    shown = {name: set(names(answer)) for name, (answer, *_) in found.items()}
-    pairs = [(a, b) for a in found for b in found if found[a][3] not in shown[b] | {found[b][3]}]
-    pairs = [(a, b) for a, b in pairs if found[b][3] not in shown[a]]
-    code = {pair: zlib.crc32("/".join(pair).encode()) for pair in pairs}
-    if seed is None:
-        pairs = sorted((pair for pair in pairs if code[pair] % 2 == half), key=code.get)
-    else:
-        rng = np.random.default_rng(seed)
-        pairs = [pairs[place] for place in rng.permutation(len(pairs))]
-    for a, b in pairs[skip : skip + number]:
+    for pair in pairs:
+        a, b = pair.host, pair.admixture
         for share in SHARES:
-            (_, axis, much, _), (_, _, little, element) = found[a], found[b]
-            if seed is not None:
+            (_, axis, much, _), (_, _, little, _) = found[a], found[b]
+            if rng is not None:
                 shift = rng.normal(0, SHIFTED, 2) if apart else np.full(2, rng.normal(0, SHIFTED))
                 much, little = (again(axis, *one, rng) for one in zip((much, little), shift, strict=True))
             mixed = (1 - share) * much + share * much.sum() / little.sum() * little
             answer = module.identify(axis, mixed)
             told = names(answer)
-            false = [one for one in told if one not in shown[a] | shown[b] | set(AIR)]
+            false = [one for one in told if one not in (*pair.shown, *AIR)]
             sure = [one.species for one in answer.named if one.probability >= SURE]
             traces = {
                 one.element
                 for one in sure
                 if one.element in false and any(trace(one, axis, found[part][0]) for part in (a, b))
             }
-            clear = signal_to_noise(found[a], found[b], share, element)
-            yield a, b, share, clear, element in told, false, [one for one in false if one not in traces]
+            yield pair, share, told, false, [one for one in false if one not in traces]
 
 
-def board(folder, number, half=1, skip=0, say=lambda *_: None, chance=False, seed=None, apart=False):
+def board(
+    folder, number, half=1, skip=0, say=lambda *_: None, chance=False, seed=None, apart=False, pairs=None
+):
     """Rows (share, mixtures of SNR `CLEAR` or more, right names in these, with a false name, with one that is
-    no trace, all)."""
+    no trace, all), of `pairs` or of those that this code sees."""
     both = (*catalogue(), *decoys()) if chance else catalogue()
     module.catalogue = lambda: both
     rows = {share: np.zeros(5, int) for share in SHARES}
-    for a, b, share, clear, named, false, wrong in mixtures(single(folder), number, half, skip, seed, apart):
+    rng, found = None if seed is None else np.random.default_rng(seed), single(folder)
+    tried = drawn(pairs or pairs_of(found), number, half, skip, rng)
+    for pair, share, told, false, wrong in mixtures(found, tried, rng, apart):
+        snr, named = share * pair.snr, pair.element in told
         more = f"{false or ''}" + f", no trace: {wrong}" * bool(wrong)
-        say(f"{share:4.0%} {b} in {a}: SNR {clear:.0f}, {'named' if named else 'not named'} {more}")
-        rows[share] += [clear >= CLEAR, clear >= CLEAR and named, bool(false), bool(wrong), 1]
+        of = f"{pair.admixture} in {pair.host}"
+        say(f"{share:4.0%} {of}: SNR {snr:.0f}, {'named' if named else 'not named'} {more}")
+        rows[share] += [snr >= CLEAR, snr >= CLEAR and named, bool(false), bool(wrong), 1]
     module.catalogue = catalogue
     return [(share, *counts) for share, counts in rows.items()]
 
@@ -179,10 +230,21 @@ def main():
     parser.add_argument(
         "--apart", action="store_true", help="both spectra of a mixture on scales of their own"
     )
+    parser.add_argument("--pairs", metavar="FILE", help="the pairs to draw from, not those this code sees")
+    parser.add_argument("--write", metavar="FILE", help="write all pairs that this code sees, try none")
     options = parser.parse_args()
-    said = (lambda line: print(line, flush=True)), options.decoys
+    if options.write:
+        return write(options.write, pairs_of(single(options.folder)))
     rows = board(
-        options.folder, options.mixtures, options.half, options.skip, *said, options.seed, options.apart
+        options.folder,
+        options.mixtures,
+        options.half,
+        options.skip,
+        lambda line: print(line, flush=True),
+        options.decoys,
+        options.seed,
+        options.apart,
+        options.pairs and read(options.pairs),
     )
     _, clear, hit, false, wrong, count = np.sum(rows, axis=0)
     print(f"named where SNR >= {CLEAR:g}: {hit:g} of {clear:g}; with a false name: {false:g} of {count:g},")
