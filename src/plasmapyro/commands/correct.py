@@ -14,7 +14,7 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
-from plasmapyro.quality.catalogue import merged, of_test
+from plasmapyro.quality.catalogue import agreed, merged, of_test
 from plasmapyro.quality.window import surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import budget, status
@@ -109,6 +109,7 @@ def _corrected(options):
     said = of_test(options.test, reading, parts, response=_response(folder), **calibrations)
     for finding in said:
         progress.warn(finding.words)
+    parts = agreed(parts, test, _response(folder))
     result = with_recommended(parts, [finding.entry for finding in said], missing)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]

@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from plasmapyro.quality import late
 from plasmapyro.quality.rule import BANDS, rule
 from plasmapyro.record import status
 from plasmapyro.record.level import emittance_of_level, leeway
 
 GOOD = (status.VALID, status.EXTRAPOLATED)
 MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
+NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
 NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
@@ -32,7 +34,7 @@ def compared(result):
     found = []
     for index in np.flatnonzero(good):
         moment = result.spectrum_time.values[index]
-        near = np.abs(time - moment) <= 0.5
+        near = np.abs(time - moment) <= NEAR
         if not near.any():
             continue
         other = result.scaled_temperature.values[index], result.scaled_temperature_uncertainty.values[index]
@@ -61,6 +63,20 @@ def instruments_disagree(case, limit):
         "moment": float(moment[worst]),
         "difference": float(difference[worst]),
         "uncertainty": float(uncertainty[worst]),
+    }
+
+
+@rule()
+def clocks_apart(case, limit):
+    found = late.clocks(case, limit)
+    if found is None:
+        return None
+    worst = int(np.argmax(np.abs(found.moved)))
+    return {
+        "late": found.late,
+        "back": -found.late,
+        "kelvin": abs(float(found.moved[worst])),
+        "moment": float(found.moments[worst]),
     }
 
 

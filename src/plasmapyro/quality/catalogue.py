@@ -5,12 +5,47 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from plasmapyro.quality import agreement, clocks, instrument, pyrometer, sightline, spectra, window
+from plasmapyro.quality import agreement, clocks, instrument, late, pyrometer, sightline, spectra, window
 from plasmapyro.quality.rule import DOUBT, Case, look, rules_of
+from plasmapyro.record import status
 
 OF_TEST = rules_of(agreement, window, pyrometer, spectra, clocks)
 OF_CALIBRATION = rules_of(instrument)
 OF_SIGHTLINE = rules_of(sightline)
+# What else is told of a temperature.
+BESIDE = {"corrected_temperature": ("relative_error",), "scaled_temperature": ("spectrometer_temperature",)}
+
+
+def agreed(parts, test, response=None):
+    """Results of the estimators, without a value and `contradicted` where their instruments contradict.
+
+    Around spectra where the two differ by more than `instruments_disagree` allows, and where an offset of
+    their clocks moves a temperature by more than `clocks_apart` does: which clock is right nobody knows.
+    `parts`: as `results` of `of_test`.
+    """
+    both = next((one for one in parts if set(late.ALONE) <= set(one)), None)
+    if both is None:
+        return parts
+    case = Case(Path(), test, response=response, result=both)
+    moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
+    limit = agreement.clocks_apart.limit
+    return [_without(part, moments, late.clocks(case, limit), limit) for part in parts]
+
+
+def _without(part, moments, clocks, limit):
+    changed = {}
+    for name in (one for one in late.TEMPERATURES if one in part):
+        state, (axis,) = part[late.TEMPERATURES[name]], part[name].dims
+        bad = np.isin(part[axis].values, moments)
+        for moment in moments if axis == "time" else ():
+            bad |= np.abs(part[axis].values - moment) <= agreement.NEAR
+        bad &= np.isin(state.values, status.WITH_VALUE)
+        bad |= clocks is not None and clocks.beyond(part, name, limit)
+        changed[state.name] = state.copy(data=np.where(bad, np.int8(status.CONTRADICTED), state.values))
+        for kind in part.data_vars:
+            if kind.startswith((name, *BESIDE.get(name, ()))):
+                changed[kind] = part[kind].copy(data=np.where(bad, np.nan, part[kind].values))
+    return part.assign(changed)
 
 
 def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):

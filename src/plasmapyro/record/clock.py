@@ -1,6 +1,7 @@
 """Two clocks of one test: by how much spectra must be moved to fit the pyrometer."""
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 SECOND = 1.0  # [s] that dates in whole seconds leave open
 FARTHEST, STEP = 1.5, 0.05  # [s]: up to where, and in which steps, it is looked for
@@ -32,6 +33,60 @@ def lag(time, pair, moments, light, length, lags, bends=False):
         rest = 1 - design @ np.linalg.lstsq(design, np.ones_like(light), rcond=None)[0]
         found[index] = np.sqrt(np.sum(rest**2) / max(light.size - design.shape[1], 1))
     return found
+
+
+def offset(time, signal, moments, length, fitted, weight):
+    r"""How late spectra are stated [s] against a pyrometer, from light of the surface alone.
+
+    .. math:: \ln\frac{S(t_j)}{F_j} = a + b t_j + g_j \Delta, \qquad
+              g_j = \frac{1}{l} \ln\frac{S(t_j + l/2)}{S(t_j - l/2)}
+
+    S is the mean over the exposure of `length` l about each moment. Neither a level nor a window or emittance
+    that drifts can pass for an offset: light that rises and light that falls tell it together.
+
+    Parameters
+    ----------
+    time, signal : (t,) arrays [s], [A]
+    moments : (n,) array [s] of spectra; exposures that hold a switch of the heat are to be left out
+    fitted : (n,) array [1], what the surface that fits each spectrum gives in the band, in any unit
+    weight : (n,) array, of each spectrum, one over its error
+
+    Returns
+    -------
+    late : float [s]
+    growth : (n,) ndarray [1/s], NaN where the signal does not tell it
+    clearer : float [1], residual without an offset over that with it
+
+    None for fewer than `FRAMES` spectra.
+    """
+    known = np.isfinite(signal)
+    if moments.size < FRAMES or not known.any():
+        return None
+    whole = cumulative_trapezoid(signal[known], time[known], initial=0.0)
+
+    def mean(begin, end):
+        ends = (moments + shift for shift in (begin, end))
+        first, last = (np.interp(one, time[known], whole, left=np.nan, right=np.nan) for one in ends)
+        return (last - first) / (end - begin)
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = np.log(mean(0.0, length) / mean(-length, 0.0)) / length
+        level = np.log(mean(-length / 2, length / 2) / fitted)
+    held = np.isfinite(growth) & np.isfinite(level)
+    if held.sum() < FRAMES:
+        return None
+    design = np.stack([np.ones(held.sum()), (moments - moments.mean())[held], growth[held]], axis=1)
+    design, level = design * weight[held, None], level[held] * weight[held]
+    found, left = _least_squares(design, level)
+    _, without = _least_squares(design[:, :-1], level)
+    return float(found[-1]), growth, float(without / left)
+
+
+def _least_squares(design, values):
+    """Numbers (p,) and standard deviation of what is left."""
+    found = np.linalg.lstsq(design, values, rcond=None)[0]
+    rest = values - design @ found
+    return found, np.sqrt(np.sum(rest**2) / max(values.size - found.size, 1))
 
 
 def within_second(test):

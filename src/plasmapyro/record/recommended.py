@@ -12,6 +12,7 @@ from plasmapyro.record.level import EFFECTIVE
 # Rules of `quality` that say: instruments, or one and its calibration, contradict each other.
 CONTRADICTIONS = (
     "instruments_disagree",
+    "clocks_apart",
     "ratio_outside_calibration",
     "level_against_ratio",
     "emittance_of_spectra",
