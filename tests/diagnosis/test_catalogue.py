@@ -193,9 +193,10 @@ def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(
     assert np.allclose(found[late][0], mean, rtol=3e-4)  # the fourth order is left out
 
 
-def test_a_cover_follows_the_sample_as_a_body_with_one_time_constant(model):
-    """Temperature of a sample that heats as 1 - exp(-t/s): the cover solves dT'/dt = (T - T')/lag."""
-    slow, lag, time = 30.0, 6.0, np.array([5.0, 20.0, 60.0])
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.0])
+def test_a_cover_follows_the_sample_as_a_body_with_a_dead_time_and_a_time_constant(delay):
+    """Temperature T of a sample that heats as 1 - exp(-t/s): the cover solves dT'/dt = (T(t - a) - T')/b."""
+    slow, lag, time = 30.0, 6.0, np.array([10.0, 20.0, 60.0])
     scene = SimpleNamespace(
         time=time[:, None] + [0.0, 0.0],
         wavelength=np.array([0.95e-6]),
@@ -204,8 +205,9 @@ def test_a_cover_follows_the_sample_as_a_body_with_one_time_constant(model):
         history=lambda moment: 350.0 - 1000.0 * np.expm1(-moment / slow),
         but=lambda **changed: changed["glow"],
     )
-    seen = CATALOGUE["edge_p"].light(scene, 1.0, ratio=0.8, lag=lag)
-    rise = 1 - (slow * np.exp(-time / slow) - lag * np.exp(-time / lag)) / (slow - lag)
+    seen = CATALOGUE["edge_p"].light(scene, 1.0, ratio=0.8, lag=lag, delay=delay)
+    later, own = time - delay * lag, max((1 - delay) * lag, 1e-9)
+    rise = 1 - (slow * np.exp(-later / slow) - own * np.exp(-later / own)) / (slow - own)
     found = SECOND_RADIATION / (0.95e-6 * np.log1p(FIRST_RADIATION / (0.95e-6**5 * seen[:, 0, 0])))
     assert np.allclose(found, 350.0 + 0.8 * 1000.0 * rise, atol=10.0)  # [K], of the quadrature's four points
 

@@ -337,22 +337,23 @@ def test_only_the_files_that_are_named_are_read(laboratory, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("recorded", "simulated", "brightness", "said"),
+    ("recorded", "simulated", "brightness", "named", "said"),
     [
-        (5100.0, 5000.0, -1.0, None),  # the same: what differs has a cause
-        (7600.0, 5000.0, 0.0, "76 mbar, the simulation at 50 mbar"),
-        (None, 5000.0, 0.4, None),
-        (None, 5000.0, -1.0, "0.37 times as bright as simulated for 50 mbar"),
-        (None, None, 1.0, "2.7 times as bright as simulated, and the test records no pressure"),
+        (5100.0, 5000.0, -1.0, -1.0, None),  # the same: what differs has a cause
+        (7600.0, 5000.0, 0.0, 0.0, "76 mbar, the simulation at 50 mbar"),
+        (None, 5000.0, 0.4, 0.4, None),
+        (None, 5000.0, -1.0, -1.0, "0.37 times as bright as simulated for 50 mbar"),
+        (None, None, 1.0, 1.0, "2.7 times as bright as simulated, and the test records no pressure"),
+        (None, 5000.0, 3.0, -0.1, None),  # a continuum of its own, named
     ],
 )
-def test_the_gas_of_another_pressure_gets_no_cause(recorded, simulated, brightness, said):
+def test_the_gas_of_another_pressure_gets_no_cause(recorded, simulated, brightness, named, said):
     test = xr.Dataset(attrs={"condition": "80kW"})
     if recorded is not None:
         test["chamber_pressure"] = "time", [recorded] * 3
     own = xr.Dataset(attrs={} if simulated is None else {"chamber_pressure": simulated})
-    fit = Fit(0.0, brightness, (), 0.0, np.eye(2))
-    found = other_gas(test, {"80kW": own}, Comparison(fit, fit, (), (), {}, 10.0, 0.5, np.ones(3)))
+    base, final = (Fit(0.0, one, (), 0.0, np.eye(2)) for one in (brightness, named))
+    found = other_gas(test, {"80kW": own}, Comparison(base, final, (), (), {}, 10.0, 0.5, np.ones(3)))
     assert said in found if said else found == ""
 
 

@@ -89,6 +89,9 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
         ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
         ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
         ("h2o", -0.05, {}, ""),  # more of it in the calibration
+        ("grad", 50.0, {"exponent": 1.0, "profile": 1.0}, ""),  # kinds of their own, tried as such
+        ("edge_p", 0.05, {"ratio": 0.8, "lag": 5.0, "delay": 1.0}, ""),
+        ("edge_p", 0.05, {"ratio": 0.8, "lag": 30.0, "delay": 1.0}, "shape"),
     ],
 )
 def test_a_name_with_numbers_that_its_cause_cannot_have_is_doubted(name, amplitude, shape, expected):

@@ -212,7 +212,7 @@ def other_gas(test, radiation, comparison):
     if "chamber_pressure" not in test and comparison.unlike:
         at = f" for {simulated / MBAR:.3g} mbar" if np.isfinite(simulated) else ""
         return (
-            f"At its best power the gas is {np.exp(comparison.base.brightness):.2g} times as bright as"
+            f"At its best power the gas is {np.exp(comparison.final.brightness):.2g} times as bright as"
             f" simulated{at}, and the test records no pressure: no cause in the gas is looked for before."
         )
     return ""

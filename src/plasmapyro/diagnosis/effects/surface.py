@@ -74,19 +74,25 @@ def gradient(scene, amplitude, *, exponent, profile):
     return scene.but(glow=scene.glow * (1 + more))
 
 
-def cover(scene, amplitude, *, ratio, lag):
-    r"""A share of the spot falls beside the sample, on something cooler that follows with a time constant.
+def cover(scene, amplitude, *, ratio, lag, delay):
+    r"""A share of the spot falls beside the sample, on something cooler that follows it.
 
-    .. math:: T' = T_0 + r \int_0^\infty (T(t - \tau x) - T_0)\,e^{-x}\,dx
+    .. math:: T' = T_0 + r \int_0^\infty (T(t - \tau [d + (1 - d) x]) - T_0)\,e^{-x}\,dx
 
-    by Gauss and Laguerre's quadrature.
+    by Gauss and Laguerre's quadrature: `lag` :math:`\tau` later in the mean, a share `delay` d of it by a
+    dead time, the rest by a time constant, as heat that is conducted into it arrives late and spread.
     """
-    behind = scene.history(np.maximum(scene.time[..., None] - lag * LAGS, 0.0)) @ SHARES
+    late = lag * (delay + (1 - delay) * LAGS)
+    behind = scene.history(np.maximum(scene.time[..., None] - late, 0.0)) @ SHARES
     other = COLD + ratio * (np.where(scene.time > 0, behind, COLD) - COLD)
     body = planck(scene.wavelength, np.maximum(other, 250.0)) * scene.injected[..., None]
     return scene.but(glow=scene.glow + amplitude * (COVER_EMITTANCE * body - scene.glow))
 
 
-EDGE = {"ratio": ((0.72, 0.86), (0.5, 0.98)), "lag": ((3.0, 12.0), (0.5, 30.0))}
+EDGE = {
+    "ratio": ((0.72, 0.86), (0.5, 0.98)),
+    "lag": ((3.0, 12.0), (0.5, 30.0)),
+    "delay": ((0.0, 1.0), (0.0, 1.0)),
+}
 cover_pyrometer = effect("edge_p", shape=EDGE)(cover)
 cover_spectrometer = effect("edge_s", shape=EDGE)(cover)

@@ -48,8 +48,8 @@ def reserve(steps, third, sets=()):
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
         explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
         with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "shape": a shape ends
-        within a hundredth of its range from its end; "sign": a deposit is negative by three standard
-        deviations; "alike": two names stand in each other's set; "" if none of these.
+        within a hundredth of its range from an end at which none is looked for; "sign": a deposit is negative
+        by three standard deviations; "alike": two names stand in each other's set; "" if none of these.
     """
     objective = {}  # of the last fit with so many effects
     for step in steps:
@@ -79,7 +79,9 @@ def implausible(solution):
     free, size = free_numbers(solution.settings), len(solution.covariance)
     for j, one in enumerate(free):
         effect, number = solution.settings[one.place].effect, solution.state.amplitudes[j]
-        if one.name in effect.shapes[0] and one.at_end(number, AT_END):
+        tried = {shape.get(one.name) for shape in effect.shapes}
+        nearest = one.low if number - one.low < one.high - number else one.high
+        if one.name in effect.shapes[0] and one.at_end(number, AT_END) and nearest not in tried:
             return "shape"
         error = np.sqrt(solution.covariance[size - len(free) + j, size - len(free) + j])
         if one.name is None and effect.id in LOSSES and number < -SURE * error:

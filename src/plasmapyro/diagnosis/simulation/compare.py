@@ -105,8 +105,8 @@ class Comparison:
     @property
     def unlike(self):
         """Whether the gas is more than `FAR` prior standard deviations brighter or fainter than simulated,
-        the power apart."""
-        return abs(self.base.brightness) > FAR * GAS_SIGMA
+        the power and what is named apart."""
+        return abs(self.final.brightness) > FAR * GAS_SIGMA
 
     def without_names(self, why=""):
         """The same, no effect named: where something unknown may lie behind what the gas looks like."""
