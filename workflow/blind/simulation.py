@@ -10,17 +10,17 @@ from pathlib import Path
 def simulate(results, folder, pressure):
     """Write `radiation` and `radiation_variations` of a pressure [Pa] into a folder."""
     from plasmapyro import conditions, io
-    from plasmapyro.diagnosis.gas.own_simulation import simulated_for
+    from plasmapyro.diagnosis.gas.other_pressure import simulated_at
 
     results, folder = Path(results), Path(folder)
     lines, views, spectra = (
         {path.stem: io.read(path, kind) for path in sorted((results / kind).glob("[!.]*.nc"))}
         for kind in ("sightline", "surface_view", "radiation")
     )
-    first = next(iter(spectra.values()))
+    wavelength = next(iter(spectra.values()))["wavelength"].values
     response = io.read(results / "instrument/response.nc", "response")
-    given = first.attrs["slit_fwhm"], tuple(views), lines, views, spectra
-    found, varied = simulated_for(pressure, *given, wavelength=first["wavelength"].values, response=response)
+    given = lines, views, spectra
+    found, varied = simulated_at(pressure, tuple(views), *given, wavelength=wavelength, response=response)
     for name, made in found.items():
         # The gas of this laboratory has the temperatures of these flows.
         del made.attrs[conditions.FLOW_PRESSURE]

@@ -17,7 +17,7 @@ from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import no_plasma, restore
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
-from plasmapyro.diagnosis.gas import own_simulation
+from plasmapyro.diagnosis.gas import other_pressure
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.quantities import behind
 from plasmapyro.record.inputs import faults, has_plasma
@@ -89,56 +89,46 @@ def gas_of(radiance=None, variations=None):
     return Inputs(spectra, varied, None, None, None, origin="", digests=digests, folder=folder)
 
 
-def with_own_simulation(test, inputs, others=()):
-    """The inputs with the gas simulated for a test and `others` of its instruments, where it ran at another
-    pressure than that of the spectra, or its spectrometer is finer than theirs, and the sight lines of their
-    flows (`sightline`, `surface_view`) lie beside them; else as they are."""
+def of_its_pressure(test, inputs):
+    """The inputs with the gas simulated at the pressure of a test, where the spectra are of another one and
+    the sight lines of their flows (`sightline`, `surface_view`) lie beside them; else as they are."""
     condition = str(test.attrs.get("condition", ""))
     own = inputs.radiation.get(condition)
-    if own is None or inputs.folder is None:
+    if own is None or inputs.folder is None or not conditions.of_another_pressure(test, own):
         return inputs
-    slit, moved = own_simulation.slit_of(test, own), conditions.of_another_pressure(test, own)
-    if not moved and slit == own.attrs["slit_fwhm"]:
-        return inputs
-    needed = (SIGHTLINES, VIEWS) if condition in inputs.variations else (SIGHTLINES,)
-    if not all((inputs.folder.parent / one / f"{condition}.nc").exists() for one in needed):
+    if not (inputs.folder.parent / SIGHTLINES / f"{condition}.nc").exists():
         return inputs
     if "changes" in json.loads(own.attrs.get("configuration", "{}")):
         return inputs  # by `effects` of its condition: how they go with the pressure nobody says
-    pressure = conditions.number(own, "chamber_pressure")
-    if moved:
-        pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
-    around = (condition, *sorted({str(one.attrs.get("condition", "")) for one in others} - {condition}))
+    pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
     try:
-        spectra, varied, digests = _simulated_for(pressure, slit, around, inputs.folder)
+        spectra, varied, digests = _simulated_at(pressure, condition, inputs.folder)
     except ValueError as fault:  # another gas than N2 and O2, a pressure in other units
-        progress.warn(f"the gas is not simulated anew for the test: {fault}")
+        progress.warn(f"the gas is not simulated at the pressure of the test: {fault}")
         return replace(inputs, folder=None)  # said once
-    apart = {name: one for name, one in inputs.variations.items() if name not in spectra}
+    others = {name: one for name, one in inputs.variations.items() if name not in spectra}
     return replace(
         inputs,
         radiation=inputs.radiation | spectra,
-        variations=apart | varied,
+        variations=others | varied,
         digests=inputs.digests | digests,
     )
 
 
 @lru_cache(maxsize=4)
-def _simulated_for(pressure, slit, around, folder):
-    """What `own_simulation.simulated_for` makes of the spectra in a folder and the stage files beside it, and
+def _simulated_at(pressure, condition, folder):
+    """What `other_pressure.simulated_at` makes of the spectra in a folder and the stage files beside it, and
     the digests of these."""
-    own = f"at {1e-2 * pressure:.3g} mbar, behind a slit of {1e9 * slit:.3g} nm"
-    progress.say(f"simulating the gas as the test shows it, {own}: some 30 s")
+    progress.say(f"simulating the gas at {1e-2 * pressure:.3g} mbar, the pressure of the test: some 30 s")
     places = {"sightline": SIGHTLINES, "surface_view": VIEWS, "radiation": folder}
     paths = {kind: {path.stem: path for path in _files(folder.parent / at)} for kind, at in places.items()}
     lines, views, spectra = (
         {name: io.read(path, kind) for name, path in found.items()} for kind, found in paths.items()
     )
-    wavelength = spectra[around[0]]["wavelength"].values
-    around = [name for name in around if name in conditions.ladder(around[0], spectra)]
+    wavelength = spectra[condition]["wavelength"].values
     with np.errstate(all="ignore"):
-        found, varied = own_simulation.simulated_for(
-            pressure, slit, around, lines, views, spectra, wavelength=wavelength
+        found, varied = other_pressure.simulated_at(
+            pressure, (condition,), lines, views, spectra, wavelength=wavelength
         )
     digests = {
         f"{kind}/{name}.nc": io.digest(path)
@@ -203,8 +193,8 @@ def diagnose_test(
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
     condition = _usable(test, inputs)
+    inputs = of_its_pressure(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
-    inputs = with_own_simulation(test, inputs, others)
     if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
         raise ValueError("a test foretells nothing of itself: the others (--also) hold it once more")
     pairs = [(one, inputs.variations.get(_usable(one, inputs))) for one in others]
@@ -278,7 +268,7 @@ def remarks_on(test, inputs):
     if not has_plasma(test):
         return ["a lamp or a furnace: no gas is simulated, none is looked for; the emissivity may bend"]
     found = remarks(condition, inputs.radiation, inputs.variations.get(condition))
-    found += own_simulation.remarks(inputs.radiation[condition])
+    found += other_pressure.remarks(inputs.radiation[condition])
     return [*found, shipped.REMARK] if "radiation/shipped" in inputs.digests else found
 
 

@@ -1,20 +1,18 @@
-"""A test at another pressure than the simulated one, or behind a finer slit: its gas is simulated anew."""
+"""A test at another pressure than the simulated one: the gas is simulated at its own."""
 
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.interpolate import CubicSpline
 from small_job import DISTANCE, sight_line, surface_view
 from two_bands import RESPONSE
 
 from plasmapyro import io
 from plasmapyro.conditions import pressure_of
 from plasmapyro.diagnosis import command
-from plasmapyro.diagnosis.gas.own_simulation import at_pressure, slit_of
-from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER, extra_sigma, widened
+from plasmapyro.diagnosis.gas.other_pressure import at_pressure
+from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.simulation.simulated import expected_power
 from plasmapyro.gas.equilibrium import number_density
 from plasmapyro.radiation.stage import line_of_sight_radiance
@@ -26,12 +24,6 @@ STATED = {"chamber_pressure": FLOW, "mass_flow_rate": 0.016}
 
 def at(pressure):
     return xr.Dataset({"chamber_pressure": ("time", [pressure] * 3)}, attrs={"condition": "80kW"})
-
-
-def behind(fwhm):
-    """A test at the pressure of the flow with a spectrometer."""
-    spectra = at(FLOW).assign(counts=(("spectrum_time", "wavelength"), np.ones((2, 2))))
-    return spectra.assign_attrs(spectrometer_fwhm=fwhm)
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +56,7 @@ def test_a_sight_line_of_another_pressure_keeps_its_temperatures_in_equilibrium(
 def test_a_gas_is_simulated_at_the_pressure_of_its_test(run):
     """Against the lines one by one of a gas in equilibrium at that pressure, the temperatures kept."""
     inputs = command.gas_of(run / "radiation")
-    found = command.with_own_simulation(at(CHAMBER), inputs)
+    found = command.of_its_pressure(at(CHAMBER), inputs)
     own, line = found.radiation["80kW"], sight_line(80e3)
     pressure = np.full(DISTANCE.size, CHAMBER)
     density = number_density(line.temperature.values, pressure)
@@ -80,53 +72,10 @@ def test_a_gas_is_simulated_at_the_pressure_of_its_test(run):
     assert "simulated at the 100 mbar of the test along the temperatures of the flow at 50 mbar" in said
 
 
-def test_a_gas_is_simulated_behind_the_finer_slit_of_its_test(run):
-    """Against the lines one by one behind that slit; behind the stored one it is the stored spectrum."""
-    inputs, fwhm = command.gas_of(run / "radiation"), 0.6e-9
-    test, other = behind(fwhm), behind(fwhm).assign_attrs(condition="130kW")
-    found = command.with_own_simulation(test, inputs, [other])
-    own, stored = (one.radiation["80kW"] for one in (found, inputs))
-    axis, light = own.wavelength_slit.values, own.gas_radiance_slit.values
-    grid = {"wavelength_range": (700e-9, 1200e-9), "grid_points": 160_000}
-    wanted = line_of_sight_radiance(sight_line(80e3), None, **grid, slit_fwhm=fwhm).gas_radiance_slit.values
-    np.testing.assert_allclose(light, wanted, atol=OF_TABLES * wanted.max(), rtol=0.02)
-    wider = CubicSpline(axis, widened(axis, light, extra_sigma(0.75e-9, fwhm)))(stored.wavelength_slit)
-    inner = slice(20, -20)  # of the ends the finer one lacks what lies beyond
-    np.testing.assert_allclose(wider[inner], stored.gas_radiance_slit[inner], rtol=5e-4)
-    assert expected_power(own) == (0.0, 0.0)  # nothing is told of another pressure
-    assert [one for one in command.remarks_on(test, found) if "mbar" in one or "slit" in one] == [
-        "the gas is simulated behind a slit of 0.6 nm, the spectra at hand of 0.75 nm"
-    ]
-    np.testing.assert_array_equal(found.variations["80kW"].wavelength_slit, axis)
-    assert found.radiation["130kW"].slit_fwhm == fwhm  # of the other test, though far in power
-    assert {"sightline/80kW.nc", "surface_view/80kW.nc"} < set(found.digests)
-    assert command.with_own_simulation(test, found, [other]) is found
-
-
-@pytest.mark.parametrize("fwhm", [0.7e-9, 2e-9])
-def test_a_gas_behind_nearly_its_slit_or_a_wider_one_is_taken_as_it_is(run, fwhm):
-    inputs = command.gas_of(run / "radiation")
-    assert command.with_own_simulation(behind(fwhm), inputs) is inputs
-    assert command.with_own_simulation(behind(0.6e-9).drop_vars("counts"), inputs) is inputs
-
-
-def test_a_gas_keeps_its_variations_where_a_slit_could_not_vary_it(run, tmp_path):
-    shutil.copytree(run, tmp_path / "run")
-    (tmp_path / "run/surface_view/80kW.nc").unlink()
-    inputs = command.gas_of(tmp_path / "run/radiation")
-    inputs = replace(inputs, variations={"80kW": xr.Dataset()})
-    assert command.with_own_simulation(behind(0.6e-9), inputs) is inputs
-
-
-def test_no_slit_is_finer_than_a_comparison_can_be():
-    stored = xr.Dataset(attrs={"slit_fwhm": 0.75e-9})
-    assert [slit_of(behind(fwhm), stored) for fwhm in (0.3e-9, 0.6e-9, 0.7e-9)] == [0.5e-9, 0.6e-9, 0.75e-9]
-
-
 def test_a_gas_of_the_pressure_of_its_test_is_taken_as_it_is(run):
     inputs = command.gas_of(run / "radiation")
-    assert command.with_own_simulation(at(1.05 * FLOW), inputs) is inputs
-    assert command.with_own_simulation(at(1.05 * FLOW).drop_vars("chamber_pressure"), inputs) is inputs
+    assert command.of_its_pressure(at(1.05 * FLOW), inputs) is inputs
+    assert command.of_its_pressure(at(1.05 * FLOW).drop_vars("chamber_pressure"), inputs) is inputs
 
 
 def test_a_gas_that_its_condition_changes_is_simulated_at_no_other_pressure(run, tmp_path):
@@ -136,7 +85,7 @@ def test_a_gas_that_its_condition_changes_is_simulated_at_no_other_pressure(run,
     path.unlink()
     io.write(changed, path, "radiation", config={"changes": {"T_exc": 0.05}})
     inputs = command.gas_of(tmp_path / "run/radiation")
-    assert command.with_own_simulation(at(CHAMBER), inputs) is inputs
+    assert command.of_its_pressure(at(CHAMBER), inputs) is inputs
 
 
 def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, monkeypatch):
@@ -147,10 +96,10 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
     io.write(line, path, "sightline")
     inputs, said = command.gas_of(tmp_path / "run/radiation"), []
     monkeypatch.setattr(command.progress, "warn", said.append)
-    found = command.with_own_simulation(at(CHAMBER), inputs)
-    assert command.with_own_simulation(at(CHAMBER), found) is found and found.radiation is inputs.radiation
+    found = command.of_its_pressure(at(CHAMBER), inputs)
+    assert command.of_its_pressure(at(CHAMBER), found) is found and found.radiation is inputs.radiation
     assert [one.partition(": gas must be")[0] for one in said] == [
-        "the gas is not simulated anew for the test"
+        "the gas is not simulated at the pressure of the test"
     ]
 
 
@@ -158,7 +107,7 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
 def test_a_pressure_in_other_units_is_said(run, monkeypatch, pressure):
     inputs, said = command.gas_of(run / "radiation"), []
     monkeypatch.setattr(command.progress, "warn", said.append)
-    assert command.with_own_simulation(at(pressure), inputs).radiation is inputs.radiation
+    assert command.of_its_pressure(at(pressure), inputs).radiation is inputs.radiation
     (words,) = said
     assert "chamber pressure must lie in [1500, 30000] Pa" in words
 
