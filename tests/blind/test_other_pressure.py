@@ -35,7 +35,7 @@ def run(small_results, tmp_path_factory):
         io.write(made, folder / f"radiation/{power}.nc", "radiation")
         line = sight_line(1e3 * float(power[:-2])).assign_attrs(STATED)
         io.write(line, folder / f"sightline/{power}.nc", "sightline")
-    io.write(surface_view(sight_line(80e3)), folder / "surface_view/80kW.nc", "surface_view")
+        io.write(surface_view(line), folder / f"surface_view/{power}.nc", "surface_view")
     return folder
 
 
@@ -70,6 +70,14 @@ def test_a_gas_is_simulated_at_the_pressure_of_its_test(run):
     assert set(found.variations) == {"80kW"} and "sightline/80kW.nc" in found.digests
     (said,) = (one for one in command.remarks_on(at(CHAMBER), found) if "mbar" in one)
     assert "simulated at the 100 mbar of the test along the temperatures of the flow at 50 mbar" in said
+
+
+def test_the_gas_of_further_tests_is_varied_at_that_pressure_too(run):
+    inputs = command.gas_of(run / "radiation")
+    others = [at(CHAMBER).assign_attrs(condition=name) for name in ("130kW", "another gas")]
+    found = command.of_its_pressure(at(CHAMBER), inputs, others)
+    assert found.radiation["130kW"].chamber_pressure == CHAMBER  # though far in power
+    assert set(found.variations) == {"80kW", "130kW"}
 
 
 def test_a_gas_of_the_pressure_of_its_test_is_taken_as_it_is(run):

@@ -89,9 +89,10 @@ def gas_of(radiance=None, variations=None):
     return Inputs(spectra, varied, None, None, None, origin="", digests=digests, folder=folder)
 
 
-def of_its_pressure(test, inputs):
+def of_its_pressure(test, inputs, others=()):
     """The inputs with the gas simulated at the pressure of a test, where the spectra are of another one and
-    the sight lines of their flows (`sightline`, `surface_view`) lie beside them; else as they are."""
+    the sight lines of their flows (`sightline`, `surface_view`) lie beside them; else as they are. That of
+    the conditions of `others` is varied as well."""
     condition = str(test.attrs.get("condition", ""))
     own = inputs.radiation.get(condition)
     if own is None or inputs.folder is None or not conditions.of_another_pressure(test, own):
@@ -101,22 +102,23 @@ def of_its_pressure(test, inputs):
     if "changes" in json.loads(own.attrs.get("configuration", "{}")):
         return inputs  # by `effects` of its condition: how they go with the pressure nobody says
     pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
+    around = (condition, *sorted({str(one.attrs.get("condition", "")) for one in others} - {condition}))
     try:
-        spectra, varied, digests = _simulated_at(pressure, condition, inputs.folder)
+        spectra, varied, digests = _simulated_at(pressure, around, inputs.folder)
     except ValueError as fault:  # another gas than N2 and O2, a pressure in other units
         progress.warn(f"the gas is not simulated at the pressure of the test: {fault}")
         return replace(inputs, folder=None)  # said once
-    others = {name: one for name, one in inputs.variations.items() if name not in spectra}
+    apart = {name: one for name, one in inputs.variations.items() if name not in spectra}
     return replace(
         inputs,
         radiation=inputs.radiation | spectra,
-        variations=others | varied,
+        variations=apart | varied,
         digests=inputs.digests | digests,
     )
 
 
 @lru_cache(maxsize=4)
-def _simulated_at(pressure, condition, folder):
+def _simulated_at(pressure, around, folder):
     """What `other_pressure.simulated_at` makes of the spectra in a folder and the stage files beside it, and
     the digests of these."""
     progress.say(f"simulating the gas at {1e-2 * pressure:.3g} mbar, the pressure of the test: some 30 s")
@@ -125,10 +127,11 @@ def _simulated_at(pressure, condition, folder):
     lines, views, spectra = (
         {name: io.read(path, kind) for name, path in found.items()} for kind, found in paths.items()
     )
-    wavelength = spectra[condition]["wavelength"].values
+    wavelength = spectra[around[0]]["wavelength"].values
+    around = [name for name in around if name in conditions.ladder(around[0], spectra)]
     with np.errstate(all="ignore"):
         found, varied = other_pressure.simulated_at(
-            pressure, (condition,), lines, views, spectra, wavelength=wavelength
+            pressure, around, lines, views, spectra, wavelength=wavelength
         )
     digests = {
         f"{kind}/{name}.nc": io.digest(path)
@@ -193,8 +196,8 @@ def diagnose_test(
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
     condition = _usable(test, inputs)
-    inputs = of_its_pressure(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
+    inputs = of_its_pressure(test, inputs, others)
     if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
         raise ValueError("a test foretells nothing of itself: the others (--also) hold it once more")
     pairs = [(one, inputs.variations.get(_usable(one, inputs))) for one in others]
