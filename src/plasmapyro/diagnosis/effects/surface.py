@@ -90,7 +90,7 @@ def cover(scene, amplitude, *, ratio, lag, delay):
 
 
 EDGE = {
-    "ratio": ((0.72, 0.86), (0.5, 0.98)),
+    "ratio": ((0.8,), (0.5, 0.98)),
     "lag": ((3.0, 12.0), (0.5, 30.0)),
     "delay": ((0.0, 1.0), (0.0, 1.0)),
 }
