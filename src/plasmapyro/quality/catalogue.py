@@ -29,10 +29,12 @@ def agreed(parts, test, response=None):
     case = Case(Path(), test, response=response, result=both)
     moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
     limit = agreement.clocks_apart.limit
-    return [_without(part, moments, late.clocks(case, limit), limit) for part in parts]
+    offset = late.clocks(case, limit)
+    return [_without(part, moments, offset, limit) for part in parts]
 
 
-def _without(part, moments, clocks, limit):
+def _without(part, moments, offset, limit):
+    """A result without values around spectra at some moments, and where an offset moves them too far."""
     changed = {}
     for name in (one for one in late.TEMPERATURES if one in part):
         state, (axis,) = part[late.TEMPERATURES[name]], part[name].dims
@@ -40,7 +42,7 @@ def _without(part, moments, clocks, limit):
         for moment in moments if axis == "time" else ():
             bad |= np.abs(part[axis].values - moment) <= agreement.NEAR
         bad &= np.isin(state.values, status.WITH_VALUE)
-        bad |= clocks is not None and clocks.beyond(part, name, limit)
+        bad |= offset is not None and offset.beyond(part, name, limit)
         changed[state.name] = state.copy(data=np.where(bad, np.int8(status.CONTRADICTED), state.values))
         for kind in part.data_vars:
             if kind.startswith((name, *BESIDE.get(name, ()))):

@@ -81,6 +81,8 @@ def cover(scene, amplitude, *, ratio, lag, delay):
 
     by Gauss and Laguerre's quadrature: `lag` :math:`\tau` later in the mean, a share `delay` d of it by a
     dead time, the rest by a time constant, as heat that is conducted into it arrives late and spread.
+
+    Source: the three-parameter model of K. J. Astrom & T. Hagglund, PID Controllers (1995).
     """
     late = lag * (delay + (1 - delay) * LAGS)
     behind = scene.history(np.maximum(scene.time[..., None] - late, 0.0)) @ SHARES
