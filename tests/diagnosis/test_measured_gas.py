@@ -141,10 +141,35 @@ def test_a_channel_that_may_be_anything_hides_no_cause_of_the_gas(rippled):
     spectral = gas.instrument == gas.instrument[-1]
     one = (np.arange(spectral.sum()) == 30).astype(float)[:, None]
     gas.value[np.flatnonzero(spectral)[30]] += 1.0
-    with np.errstate(all="ignore"):
-        found = compare(rippled.model, gas.without(one), OF_GAS, draws=300)
+    (ripple,) = names_of(rippled, gas.without(one, True)).final.settings
+    assert ripple.id == "ripple" and ripple.amplitude == pytest.approx(0.2, abs=0.03)
+
+
+@pytest.mark.parametrize("multiplies", [True, False])
+def test_a_pattern_that_may_be_anything_hides_none_either(rippled, multiplies):
+    """Cyanogen by an inexact formula left a pattern over all channels, and hid a ripple that gained 30."""
+    gas = measured_gas(rippled.model, rippled.solution)
+    spectral = gas.instrument == gas.instrument[-1]
+    pattern = np.sin(np.arange(spectral.sum()) / 2.0)[:, None]
+    light = gas.value if multiplies else gas.level[spectral].mean() / gas.level
+    gas.value[spectral] += 0.2 * pattern[:, 0] * light[spectral]
+    found, other = (names_of(rippled, gas.without(pattern, one)) for one in (multiplies, not multiplies))
     (ripple,) = found.final.settings
     assert ripple.id == "ripple" and ripple.amplitude == pytest.approx(0.2, abs=0.03)
+    assert found.base.objective < other.base.objective - 100
+
+
+def test_a_pyrometer_that_may_be_anything_hides_none_either(rippled):
+    """Two bands that see beside the sample spoiled the gas of all channels: a continuum had no name."""
+    gas = measured_gas(rippled.model, rippled.solution)
+    gas.value[gas.instrument != gas.instrument[-1]] *= [1.5, 0.5]
+    (ripple,) = names_of(rippled, gas.of_last()).final.settings
+    assert ripple.id == "ripple" and ripple.amplitude == pytest.approx(0.2, abs=0.03)
+
+
+def names_of(base, gas):
+    with np.errstate(all="ignore"):
+        return compare(base.model, gas, OF_GAS, draws=300)
 
 
 def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):
@@ -484,6 +509,10 @@ def test_an_atom_has_all_of_its_lines(fitted, record, atom, strength, names):
     found = compare(base.model, gas, {"Ar": CATALOGUE["Ar"], "Cu": CATALOGUE["Cu"]}, draws=300)
     assert list(found.rivals) == names
     assert any(line.strange for line in found.lines) == (not names)
+    # Where light of that size is named of the thermometer, its formula may leave a line.
+    named = replace(gas, named=0.5 * np.abs(shines - simulated.light(0.0, 0.0, ())))
+    found = compare(base.model, named, {"Cu": CATALOGUE["Cu"]}, draws=300)
+    assert found.lines and not any(line.strange for line in found.lines)
 
 
 @pytest.fixture

@@ -157,6 +157,8 @@ def diagnose(
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         measured = measured_gas(base.model, selection.final)
+        if selection.in_bands:
+            measured = measured.of_last()
         beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()
         beside = {one: OF_FLOW[one] for one in beside}
         away = expected_power(radiation[str(test.attrs["condition"])])
@@ -171,7 +173,7 @@ def diagnose(
         if apart is None:
             comparison = comparison.without_names(elsewhere)
         else:  # a cause of the gas that gains as much where that is not
-            comparison = compare(base.model, measured.without(apart), questions[1], **asked)
+            comparison = compare(base.model, measured.without(*apart), questions[1], **asked)
     if not gas_is_likelier(comparison, len(effects)):
         comparison = comparison.without_names(elsewhere)
     if strange:

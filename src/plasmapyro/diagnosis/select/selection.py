@@ -14,7 +14,7 @@ from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id, screen
 from plasmapyro.diagnosis.select.search import Search
-from plasmapyro.diagnosis.select.structures import may_be_gas, seen_by
+from plasmapyro.diagnosis.select.structures import may_be_gas, multiplies, seen_by
 from plasmapyro.diagnosis.select.thresholds import Thresholds, calibrated
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
@@ -81,14 +81,22 @@ class Selection:
         return self.unknown_class not in ids or 0.5 * gained < float(last.unknown.max()) + MARGIN
 
     def channels(self):
-        """Pattern (C, 1) over the channels of the spectrometer of what is unknown, None where it is not one
-        channel, one line or fringes."""
-        last = self.steps[-1]
-        ids = [one.id for one in last.screen.structures if one.single and "pattern" in one.id]
-        if self.unknown_class not in ids:
+        """Pattern (C, 1) over the channels of the spectrometer of what is unknown, the most likely one, and
+        whether it multiplies light or adds some; None where it is no pattern over wavelength."""
+        last, identity = self.steps[-1], self.unknown_class
+        ids = [one.id for one in last.screen.structures]
+        if identity not in ids or "pattern" not in identity:
             return None
-        which = [one.id for one in last.screen.structures].index(self.unknown_class)
-        return Unknowns(last.screen).most_likely(last.screen, which)[-1]
+        unknowns, which = Unknowns(last.screen), ids.index(identity)
+        score, value, inverse, columns = unknowns.most_likely(last.screen, which)
+        if not last.screen.structures[which].single:
+            columns = columns @ (score / (value + inverse))[:, None]
+        return columns, multiplies(identity)
+
+    @property
+    def in_bands(self):
+        """Whether what is unknown lies in the pyrometer."""
+        return self.unknown_class is not None and seen_by(self.unknown_class)["instrument"] == "pyrometer"
 
     def _behind(self):
         """Id of the structure that a cause behind the effects that were found is.

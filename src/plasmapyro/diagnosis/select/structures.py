@@ -113,6 +113,11 @@ def may_be_gas(identity):
     return seen["instrument"] != "pyrometer" and (not gain or bool(GAS_OF_TIME & {*identity.split("_")}))
 
 
+def multiplies(identity):
+    """Whether a class of patterns multiplies light: others add some."""
+    return not {"gas", "released"} & {*identity.split("_")}
+
+
 def structures_of(model, solution, steps=WALK_STEPS):
     """Unknown structures: columns per instrument as products, patterns over the channels, and their classes.
 

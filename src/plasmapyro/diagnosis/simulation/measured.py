@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from plasmapyro.diagnosis.fit.normal import pattern_sigmas
+from plasmapyro.diagnosis.fit.setting import free_numbers
 
 NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
@@ -20,7 +21,8 @@ class MeasuredGas:
     `value` (C,) over `level` (C,), the simulated light (or a share of its mean where it is dark);
     `covariance` (C, C) of `value`: noise, calibration, the surface; `relative` (C, k): roots r of the part
     that gains and calibrations have in it, in proportion to the light; `wavelength` (C,) [m];
-    `instrument` (C,) the place of the instrument.
+    `instrument` (C,) the place of the instrument; `named` (C,): the most that effects of the gas which are
+    named of the thermometer change.
     """
 
     value: np.ndarray
@@ -30,6 +32,7 @@ class MeasuredGas:
     simulated: np.ndarray
     wavelength: np.ndarray
     instrument: np.ndarray
+    named: np.ndarray
 
     def covariance_about(self, light):
         r"""Covariance (C, C) of `value` whose relative errors are relative to some light L (C,).
@@ -45,11 +48,20 @@ class MeasuredGas:
         moved = self.relative * np.clip(ratio, 1 / MOST, MOST)[:, None]
         return self.covariance - self.relative @ self.relative.T + moved @ moved.T
 
-    def without(self, pattern):
-        """The same, a pattern (c, 1) over the channels of the last instrument of any size in it."""
+    def without(self, pattern, multiplies):
+        """The same, a pattern (c, 1) over the channels of the last instrument of any size in it: of gains if
+        it `multiplies` light, else of light."""
         whole = np.zeros((self.value.size, 1))
-        whole[self.instrument == self.instrument[-1]] = ANYTHING * pattern / np.abs(pattern).max()
+        mine = self.instrument == self.instrument[-1]
+        light = self.value[mine] if multiplies else self.level[mine].mean() / self.level[mine]
+        whole[mine] = pattern * light[:, None]
+        whole *= ANYTHING / np.abs(whole).max()
         return replace(self, covariance=self.covariance + whole @ whole.T)
+
+    def of_last(self):
+        """The same as the last instrument alone sees it: the light of the others may be any."""
+        other = self.instrument != self.instrument[-1]
+        return replace(self, covariance=self.covariance + np.diag(np.where(other, ANYTHING**2, 0.0)))
 
     def ratio_on(self, axis):
         """Measured over simulated light (K,) along an axis [m], by what the last instrument sees."""
@@ -93,7 +105,20 @@ def measured_gas(model, solution):
         instrument=np.concatenate(
             [np.full(one.channels, place) for place, one in enumerate(model.instruments)]
         ),
+        named=_named(solution) / level,
     )
+
+
+def _named(solution):
+    """The most (C,) that effects of the gas in a fit change of the signals, at any time."""
+    free = free_numbers(solution.settings)
+    amplitude = np.where(
+        [one.name is None and solution.settings[one.place].effect.stage == "gas" for one in free],
+        solution.state.amplitudes,
+        0.0,
+    )
+    columns = [one[..., one.shape[2] - len(free) :] for one in solution.jacobian]
+    return np.concatenate([np.abs(one @ amplitude).max(axis=0) for one in columns])
 
 
 def _wavelength(one):

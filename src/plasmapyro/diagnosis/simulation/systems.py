@@ -1,6 +1,6 @@
 """Measured over simulated light: by radiating system and multiplet, and lines that nobody simulated."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ BEYOND = 3.0  # standard deviations from which a system is off
 UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
 NEAR = 3.0  # slits
 BRIGHT = 0.3  # [1] of the mean light
+OF_NAMED = 0.3  # [1] of a line: a named effect that is as bright there may leave it, by its formula
 OF_ATOMS = ("N I", "O I", "faint lines of N I", "faint lines of O I")
 MIDDLE = (0.05, 0.95)  # shares of the light of a group between which it is said to lie
 
@@ -43,7 +44,7 @@ class System:
 class Line:
     """Light at one wavelength [m] that the simulation lacks, or has too much of: over its mean light [1].
 
-    `strange`: where the simulation has no line that could be another one's error.
+    `strange`: where neither the simulation nor what is named has light that could err by it.
     """
 
     wavelength: float
@@ -123,12 +124,15 @@ def _stated(simulated, name, light):
 def lines_of(fitter, fit, threshold):
     """Each `Line` that a fit leaves, beyond what chance reaches somewhere in the spectrum."""
     library, spread = fitter.simulated.model.library, fitter.spread(fit)
+    shines = _named_light(fitter, fit)
     for centres, strength, information in _single_lines(fitter, fit):
         gain = strength**2 * information
         limit = spread * (threshold + 2 * np.log(centres.size))
         for place in np.flatnonzero(gain > limit):
             if gain[place] == gain[max(place - 3, 0) : place + 4].max():
-                strange = strength[place] > 0 and not _beside_lines(library, centres[place])
+                known = _beside_lines(library, centres[place])
+                known |= shines(centres[place]) > OF_NAMED * strength[place]
+                strange = strength[place] > 0 and not known
                 error = float(np.sqrt(spread / information[place]))
                 yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
 
@@ -159,6 +163,20 @@ def _single_lines(fitter, fit):
         white = fitter.white(rows)
         information = np.sum(white**2, axis=1)
         yield centres, white @ rest / information, information
+
+
+def _named_light(fitter, fit):
+    """Function of a wavelength [m]: the most light there, over the mean, of effects that are named."""
+    measured, slit = fitter.measured, fitter.simulated.model.library.slit_fwhm
+    fine = measured.instrument == measured.instrument[-1]
+    own = np.abs(fitter.light(fit) - fitter.light(replace(fit, settings=()))) + measured.named
+    light = (own * measured.level)[fine] / np.mean((measured.simulated * measured.level)[fine])
+
+    def there(wavelength):
+        near = np.abs(measured.wavelength[fine] - wavelength) < NEAR * slit
+        return light[near].max(initial=0.0)
+
+    return there
 
 
 def _beside_lines(library, wavelength):
