@@ -18,10 +18,11 @@ from plasmapyro.diagnosis.fit.base import fit_base
 from plasmapyro.diagnosis.fit.build import base_model
 from plasmapyro.diagnosis.fit.normal import own_patterns
 from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
+from plasmapyro.diagnosis.fit.slit import SeenSlit
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report.findings import gas_is_likelier
-from plasmapyro.diagnosis.report.simulation import power_sentences
+from plasmapyro.diagnosis.report.simulation import power_sentences, slit_sentences
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation import compare as compare_module
 from plasmapyro.diagnosis.simulation.compare import (
@@ -170,6 +171,21 @@ def test_a_pyrometer_that_may_be_anything_hides_none_either(rippled):
 def names_of(base, gas):
     with np.errstate(all="ignore"):
         return compare(base.model, gas, OF_GAS, draws=300)
+
+
+def test_a_slit_that_lines_show_is_named_and_prices_nothing_else(rippled):
+    """Bins of 2 nm do not show 0.1 nm; lines in pixels do, and say nothing of the formulas of the gas."""
+    gas = measured_gas(rippled.model, rippled.solution)
+    wider = replace(gas, slit=SeenSlit(extra=0.01, error=0.0004, stated=0.1, lines=9))
+    found = names_of(rippled, wider)
+    slit, ripple = found.final.settings
+    assert (slit.id, ripple.id) == ("lsf", "ripple")
+    assert slit.amplitude == pytest.approx(0.1, abs=0.005)
+    assert slit_sentences(found) == [
+        "9 lines of atoms are 1.05 ± 0.002 times as wide as the stated slit makes them."
+    ]
+    (alone,) = names_of(rippled, replace(wider, slit=SeenSlit(0.01, 0.005, 0.1, 9))).final.settings
+    assert alone.id == "ripple"
 
 
 def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):

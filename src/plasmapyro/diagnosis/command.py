@@ -16,6 +16,7 @@ from plasmapyro import conditions, contracts, io, progress, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import no_plasma, restore
+from plasmapyro.diagnosis.fit.slit import with_lines
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas import other_pressure
 from plasmapyro.diagnosis.gas.library import remarks
@@ -69,15 +70,14 @@ def gas_of(radiance=None, variations=None):
     """
     if radiance is None:
         varied, digests = shipped.by_condition(), {"radiation/shipped": shipped.stored()[1]}
-        spectra = {name: one[KEPT].assign_attrs(one.attrs) for name, one in varied.items()}
+        spectra = {name: with_lines(one, KEPT) for name, one in varied.items()}
         return Inputs(spectra, varied, None, None, None, origin="", digests=digests)
     files = _files(radiance)
     if not files:
         raise contracts.ContractError(f"{radiance}: holds no spectra ({{condition}}.nc)")
     spectra = {}
     for path in files:
-        whole = io.read(path, "radiation")
-        spectra[path.stem] = whole[KEPT].assign_attrs(whole.attrs)
+        spectra[path.stem] = with_lines(io.read(path, "radiation"), KEPT)
     beside = files[0].parents[1] / VARIATIONS
     varied = {
         path.stem: io.read(path, "gas_variations")

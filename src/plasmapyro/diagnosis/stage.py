@@ -9,6 +9,7 @@ from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit.no_plasma import askable
+from plasmapyro.diagnosis.fit.slit import seen_slit
 from plasmapyro.diagnosis.fit.terms import digest_of
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
@@ -156,7 +157,8 @@ def diagnose(
     selection = selection.with_rest(left_over(base.model, selection.final))
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
-        measured = measured_gas(base.model, selection.final)
+        slit = seen_slit(base.model.record, radiation[str(test.attrs["condition"])])
+        measured = replace(measured_gas(base.model, selection.final), slit=slit)
         if selection.in_bands:
             measured = measured.of_last()
         beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()

@@ -5,7 +5,7 @@ import numpy as np
 from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
-from plasmapyro.diagnosis.simulation.compare import LEVEL
+from plasmapyro.diagnosis.simulation.compare import FAR, LEVEL
 from plasmapyro.diagnosis.simulation.systems import LEAST
 
 NANOMETRE = 1e-9
@@ -65,11 +65,23 @@ def _sentences(found, systems):
         f" simulation lacks: {abs(one.strength):.2g} ± {one.error:.1g} of its mean light."
         for one in found.lines
     ]
+    lines += slit_sentences(found)
     if whole and not lines:
         lines.append(
             "The measured gas agrees with the simulated one, within the errors that this one states."
         )
     return lines
+
+
+def slit_sentences(found):
+    """What lines of atoms say against the stated slit, in words; a list of one sentence or none."""
+    seen = found.slit
+    if seen is None or abs(seen.extra) < FAR * seen.error:
+        return []
+    return [
+        f"{seen.lines} lines of atoms are {seen.ratio:.3g} ± {seen.ratio_error:.1g} times as wide as the"
+        " stated slit makes them."
+    ]
 
 
 def power_sentences(found):

@@ -21,6 +21,7 @@ from plasmapyro.diagnosis.fit.setting import (
     numbers_of,
     with_numbers,
 )
+from plasmapyro.diagnosis.fit.slit import SeenSlit
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import brightest_line, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
@@ -90,6 +91,7 @@ class Comparison:
     power: tuple = (0.0, np.inf)  # logarithm of it over the simulated one, error; a hotter gas counted in
     rivals_of_power: tuple = ()  # ids of effects that at the simulated power explain as much as another one
     silence: str = ""  # a sentence: why no cause in the gas is looked for
+    slit: SeenSlit | None = None  # what lines of atoms say of it
 
     @property
     def gained(self):
@@ -174,6 +176,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0,
         rivals=rivals,
         power=_power(told, model.library, away),
         evidence=evidence | {SYSTEM: log_bayes(system, base)},
+        slit=measured.slit,
     )
     if not found.power_is_wrong:
         return found
@@ -207,13 +210,13 @@ def _names(fitter, base, alone, effects, wanted, holds):
 
 def _of_formulas(fitter, base, final, further):
     """Chi-squared that inexact formulas of the effects of a fit, `final`, may leave to one more."""
-    explained = base.objective - final.objective
+    explained = fitter.by_light(base) - fitter.by_light(final)
     if not final.settings:
         return 0.0
     lights = fitter.white([fitter.light(one) for one in (base, final, further)])
     first, more = np.diff(lights, axis=0)
     cosine = abs(first @ more) / max(np.linalg.norm(first) * np.linalg.norm(more), 1e-300)
-    return (FORMULA if cosine > KIN else SPILL) * explained
+    return (FORMULA if cosine > KIN else SPILL) * max(explained, 0.0)
 
 
 def _may_be(fitter, before, fit):
@@ -465,7 +468,8 @@ class Fitter:
 
         def residual(x):
             light = self.simulated.light(x[0], x[1], with_numbers(settings, x[2:]))
-            return np.concatenate([self.white(self.measured.value - light)[0], (x - centre) / scale])
+            rest = [self.white(self.measured.value - light)[0], (x - centre) / scale]
+            return np.concatenate([*rest, self._of_slit(with_numbers(settings, x[2:]))])
 
         begin = np.clip(np.append(first, numbers_of(settings)), low, high)
         found = least_squares(residual, begin, bounds=(low, high), x_scale=0.1 * scale, diff_step=1e-4)
@@ -473,6 +477,16 @@ class Fitter:
         power, brightness = (float(x) for x in found.x[:2])
         objective = float(2 * found.cost + 2 * np.sum(np.log(np.diag(self.root))))
         return Fit(power, brightness, with_numbers(settings, found.x[2:]), objective, covariance)
+
+    def _of_slit(self, settings):
+        """What settings leave of the width of the slit that lines show, in standard errors: one number or
+        none."""
+        seen = self.measured.slit
+        return np.array([] if seen is None else [seen.misfit(settings)])
+
+    def by_light(self, fit):
+        """The objective of a fit less what the width of the slit alone adds to it."""
+        return fit.objective - float(np.sum(self._of_slit(fit.settings) ** 2))
 
     def best(self, beside, effect):
         """The best fit with one more effect, of all its shapes and either sign: from the fit beside it, and

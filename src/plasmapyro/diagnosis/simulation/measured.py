@@ -7,6 +7,7 @@ from scipy.linalg import cho_solve
 
 from plasmapyro.diagnosis.fit.normal import pattern_sigmas
 from plasmapyro.diagnosis.fit.setting import free_numbers
+from plasmapyro.diagnosis.fit.slit import SeenSlit
 
 NO_GAIN = ("emittance", "gas", "before_injection", "before_power")  # parameters that scale no signal
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
@@ -22,7 +23,7 @@ class MeasuredGas:
     `covariance` (C, C) of `value`: noise, calibration, the surface; `relative` (C, k): roots r of the part
     that gains and calibrations have in it, in proportion to the light; `wavelength` (C,) [m];
     `instrument` (C,) the place of the instrument; `named` (C,): the most that effects of the gas which are
-    named of the thermometer change.
+    named of the thermometer change; `slit`: a `SeenSlit`, or None.
     """
 
     value: np.ndarray
@@ -33,6 +34,7 @@ class MeasuredGas:
     wavelength: np.ndarray
     instrument: np.ndarray
     named: np.ndarray
+    slit: SeenSlit | None = None
 
     def covariance_about(self, light):
         r"""Covariance (C, C) of `value` whose relative errors are relative to some light L (C,).

@@ -1,0 +1,95 @@
+"""The width of a slit by lines of atoms, of spectra that are sums of normal laws."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import norm
+
+from plasmapyro.diagnosis.fit.slit import seen_slit, with_lines
+from plasmapyro.record.record import Instrument, Record
+
+FWHM = 0.5e-9  # [m] as stated
+SIGMA = FWHM / 2.3548
+NARROW = 15e-12  # [m] standard deviation of lines as they are emitted
+KEPT = ["gas_radiance_slit"]
+
+
+@pytest.fixture(scope="module")
+def gas():
+    """Places [m] and strengths of lines of an atom, and of a band."""
+    random = np.random.default_rng(5)
+    atom = 707e-9 + 12e-9 * np.arange(16) + random.uniform(-2e-9, 2e-9, 16)
+    band = np.sort(random.uniform(700e-9, 900e-9, 500))
+    return (atom, np.exp(random.normal(0, 0.5, 16))), (band, 0.016 * np.exp(random.normal(0, 0.3, 500)))
+
+
+def behind(where, lines, sigma):
+    """Light at some wavelengths of lines behind a Gaussian of a standard deviation [m]."""
+    return sum(size * norm.pdf(where, at, sigma) for at, size in zip(*lines, strict=True))
+
+
+@pytest.fixture(scope="module")
+def radiation(gas):
+    fine = np.arange(698e-9, 902e-9, 6e-12)
+    light = np.stack([behind(fine, lines, NARROW) for lines in gas])
+    return with_lines(
+        xr.Dataset(
+            {
+                "gas_radiance_component": (("component", "wavelength"), light),
+                "gas_radiance_slit": ("wavelength_slit", np.ones(3)),
+            },
+            coords={"component": ["N I", "N2 1P"], "wavelength": fine},
+        ),
+        KEPT,
+    )
+
+
+def record(gas, wider=0.0, moved=0.0, pixel=0.15e-9, strengths=0.0, begin=-20.0, noise=0.002):
+    """A record whose slit function has a further standard deviation `wider` [m], on a scale that is off."""
+    random = np.random.default_rng(7)
+    pixels = np.arange(702e-9, 898e-9, pixel)
+    (atom, bright), band = gas
+    bright = bright * np.exp(strengths * random.standard_normal(bright.size))
+    sigma = np.sqrt(NARROW**2 + SIGMA**2 + wider**2)
+    light = behind(pixels + moved, (atom, bright), sigma) + 1.2 * behind(pixels + moved, band, sigma)
+    time = np.arange(begin, 10.0)
+    frames = light + noise * light.mean() * random.standard_normal((time.size, light.size))
+    instrument = Instrument(
+        "spectrometer", time, 0.5, frames, np.zeros(frames.shape, dtype=int), wavelength=pixels
+    )
+    attributes = {"spectrometer_fwhm": FWHM}
+    return Record(0.0, 10.0, (-5.0, -1.0), 0.85, 0.03, 1.0, 0.02, (instrument,), attributes=attributes)
+
+
+@pytest.mark.parametrize("pixel", [0.07e-9, 0.4e-9])
+@pytest.mark.parametrize("wider", [0.0, 0.1e-9, 0.3e-9])
+def test_a_slit_is_seen_through_strengths_that_err(gas, radiation, wider, pixel):
+    found = seen_slit(record(gas, wider, pixel=pixel, strengths=0.3), radiation)
+    assert found.lines >= 10
+    assert abs(found.extra - (wider / 1e-9) ** 2) < 2 * found.error
+    assert found.ratio == pytest.approx(np.hypot(1, wider / SIGMA), rel=0.03)
+
+
+def test_a_scale_that_is_off_by_more_than_a_slit_widens_nothing(gas, radiation):
+    found = seen_slit(record(gas, moved=0.9e-9), radiation)
+    assert abs(found.extra) < found.error
+
+
+def test_a_finer_slit_is_said_and_is_no_wider_one(gas, radiation):
+    rows = record(gas)
+    coarse = rows.attributes | {"spectrometer_fwhm": 1.3 * FWHM}
+    found = seen_slit(Record(**{**vars(rows), "attributes": coarse}), radiation)
+    assert found.ratio == pytest.approx(1 / 1.3, rel=0.02) and found.extra < -5 * found.error
+
+
+def test_noise_makes_it_uncertain_and_not_wrong(gas, radiation):
+    quiet, noisy = (seen_slit(record(gas, 0.2e-9, noise=one), radiation) for one in (0.002, 5.0))
+    assert noisy.error > 1.5 * quiet.error
+    assert abs(noisy.extra - 0.04) < 3 * noisy.error
+
+
+def test_without_light_before_the_injection_or_lines_there_is_none(gas, radiation):
+    assert seen_slit(record(gas, begin=0.0), radiation) is None
+    dark = radiation.assign(atomic_radiance=0 * radiation["atomic_radiance"])
+    assert seen_slit(record(gas), dark) is None
+    assert seen_slit(record(gas), radiation.drop_vars("atomic_radiance")) is None
