@@ -11,6 +11,7 @@ from plasmapyro.record.record import Instrument, Record
 FWHM = 0.5e-9  # [m] as stated
 SIGMA = FWHM / 2.3548
 NARROW = 15e-12  # [m] standard deviation of lines as they are emitted
+BANDS = 3.0  # times as bright as simulated
 KEPT = ["gas_radiance_slit"]
 
 
@@ -51,7 +52,7 @@ def record(gas, wider=0.0, moved=0.0, pixel=0.15e-9, strengths=0.0, begin=-20.0,
     (atom, bright), band = gas
     bright = bright * np.exp(strengths * random.standard_normal(bright.size))
     sigma = np.sqrt(NARROW**2 + SIGMA**2 + wider**2)
-    light = behind(pixels + moved, (atom, bright), sigma) + 1.2 * behind(pixels + moved, band, sigma)
+    light = behind(pixels + moved, (atom, bright), sigma) + BANDS * behind(pixels + moved, band, sigma)
     time = np.arange(begin, 10.0)
     frames = light + noise * light.mean() * random.standard_normal((time.size, light.size))
     instrument = Instrument(
