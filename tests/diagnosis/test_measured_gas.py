@@ -107,6 +107,14 @@ def test_a_power_is_wrong_where_it_is_not_the_one_that_was_expected(fitted, reco
     assert found.power[0] + away[0] == pytest.approx(np.log(1.1), abs=0.02)
 
 
+def test_a_slit_that_lines_show_is_not_another_power(fitted, record):
+    base = fitted(record(power=88e3))
+    gas = replace(measured_gas(base.model, base.solution), slit=SeenSlit(0.01, 0.0004, 0.1, 9))
+    found = names_of(base, gas)
+    assert found.power_is_wrong and "lsf" in found.rivals
+    assert "lsf" not in found.rivals_of_power
+
+
 @pytest.mark.parametrize(("power", "said"), [(72e3, True), (88e3, False)])
 def test_mixing_stands_for_less_power_and_not_for_more(fitted, record, variations, axis, power, said):
     """Jets computed with mixing shine as colder ones; here gas of less power is that which is colder."""

@@ -157,13 +157,14 @@ def diagnose(
     selection = selection.with_rest(left_over(base.model, selection.final))
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
-        slit = seen_slit(base.model.record, radiation[str(test.attrs["condition"])])
+        own = radiation[str(test.attrs["condition"])]
+        slit = None if "lsf" in taken else seen_slit(base.model.record, own)
         measured = replace(measured_gas(base.model, selection.final), slit=slit)
         if selection.in_bands:
             measured = measured.of_last()
         beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()
         beside = {one: OF_FLOW[one] for one in beside}
-        away = expected_power(radiation[str(test.attrs["condition"])])
+        away = expected_power(own)
         asked = {"beside": beside, "away": away, "seed": seed}
         comparison = compare(base.model, measured, questions[1], **asked)
         elsewhere = other_gas(test, radiation, comparison)

@@ -183,7 +183,8 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0,
     fitter.centre, fitter.sigma = np.array([away[0], 0.0]), np.array([HELD, GAS_SIGMA])
     asked, right = {**effects, **beside}, replace(base, power=away[0])
     held = {identity: fitter.best(right, effect) for identity, effect in asked.items()}
-    alike = tuple(i for i, fit in held.items() if fit.objective - base.objective < ALIKE)
+    least = fitter.by_light(base) + ALIKE
+    alike = tuple(i for i, fit in held.items() if fitter.by_light(fit) < least and i not in rivals)
     return replace(found, rivals_of_power=alike)
 
 
