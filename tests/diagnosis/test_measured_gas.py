@@ -196,6 +196,18 @@ def test_a_slit_that_lines_show_is_named_and_prices_nothing_else(rippled):
     assert alone.id == "ripple"
 
 
+@pytest.mark.parametrize("seen", [None, SeenSlit(extra=0.01, error=0.0004, stated=0.1, lines=9)])
+def test_a_slit_that_lines_show_lets_no_strength_pass_for_another_cause(rippled, monkeypatch, seen):
+    """Without effects a fit misses the slit, by 25 standard errors here: that speaks for a slit alone."""
+    gas = replace(measured_gas(rippled.model, rippled.solution), slit=seen)
+    unseen = 0.0 if seen is None else seen.misfit(()) ** 2
+    plain = names_of(rippled, gas)
+    assert plain.final.settings[-1].id == "ripple"
+    light = plain.final.objective - (0.0 if seen is None else seen.misfit(plain.final.settings) ** 2)
+    monkeypatch.setattr(compare_module, "spectroscopy", lambda *rest: light + unseen + 1.0)
+    assert [one.id for one in names_of(rippled, gas).final.settings] == ([] if seen is None else ["lsf"])
+
+
 def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):
     plain = compared(rippled)
     monkeypatch.setattr(compare_module.Fitter, "spread", lambda fitter, fit: 1.2)

@@ -45,10 +45,10 @@ def radiation(gas):
     )
 
 
-def record(gas, wider=0.0, moved=0.0, pixel=0.15e-9, strengths=0.0, begin=-20.0, noise=0.002):
+def record(gas, wider=0.0, moved=0.0, pixel=0.15e-9, strengths=0.0, begin=-20.0, noise=0.002, first=702e-9):
     """A record whose slit function has a further standard deviation `wider` [m], on a scale that is off."""
     random = np.random.default_rng(7)
-    pixels = np.arange(702e-9, 898e-9, pixel)
+    pixels = np.arange(first, 898e-9, pixel)
     (atom, bright), band = gas
     bright = bright * np.exp(strengths * random.standard_normal(bright.size))
     sigma = np.sqrt(NARROW**2 + SIGMA**2 + wider**2)
@@ -74,6 +74,11 @@ def test_a_slit_is_seen_through_strengths_that_err(gas, radiation, wider, pixel)
 def test_a_scale_that_is_off_by_more_than_a_slit_widens_nothing(gas, radiation):
     found = seen_slit(record(gas, moved=0.9e-9), radiation)
     assert abs(found.extra) < found.error
+
+
+def test_pixels_that_no_spectrum_reaches_say_nothing(gas, radiation):
+    found = seen_slit(record(gas, 0.1e-9, moved=0.9e-9, first=400e-9), radiation)
+    assert abs(found.extra - 0.01) < found.error
 
 
 def test_a_finer_slit_is_said_and_is_no_wider_one(gas, radiation):

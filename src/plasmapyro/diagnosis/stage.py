@@ -9,7 +9,7 @@ from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit.no_plasma import askable
-from plasmapyro.diagnosis.fit.slit import seen_slit
+from plasmapyro.diagnosis.fit.slit import SLIT, seen_slit
 from plasmapyro.diagnosis.fit.terms import digest_of
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
@@ -158,7 +158,7 @@ def diagnose(
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         own = radiation[str(test.attrs["condition"])]
-        slit = None if "lsf" in taken else seen_slit(base.model.record, own)
+        slit = None if SLIT in taken else seen_slit(base.model.record, own)
         measured = replace(measured_gas(base.model, selection.final), slit=slit)
         if selection.in_bands:
             measured = measured.of_last()

@@ -1,7 +1,6 @@
 """How wide the slit of a spectrometer is: what lines of atoms say, pixel by pixel."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -12,6 +11,7 @@ from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.record.binning import LEAVE_OUT_BEFORE
 
+SLIT = "lsf"  # the effect that is a wider slit
 ATOMIC, OTHER = "atomic_radiance", "other_radiance"  # variables of a spectrum as it is without a slit
 MOST_LINES, FEWEST_LINES = 30, 3
 CLEAR = 1.0  # [1] of the other light behind the slit: an atomic line that stands out
@@ -48,7 +48,7 @@ class SeenSlit:
 
     def misfit(self, settings):
         """Standard errors by which the wider slit of some settings (none without one) is off."""
-        wider = sum(one.amplitude**2 for one in settings if one.id == "lsf")
+        wider = sum(one.amplitude**2 for one in settings if one.id == SLIT)
         return (wider - self.extra) / self.error
 
 
@@ -91,15 +91,16 @@ def seen_slit(record, radiation):
     if not before.any():
         return None
     sound = frames.sound[before]
+    fine = radiation["wavelength"].values
     usable = np.isfinite(sound).all(axis=0)
-    if usable.sum() < PIXELS:
+    usable &= (frames.wavelength > fine[0] + FARTHEST) & (frames.wavelength < fine[-1] - FARTHEST)
+    if usable.sum() <= NUMBERS:
         return None
     light = sound[:, usable].mean(axis=0)
     error = np.full(light.size, EXACT * np.median(np.abs(light)))
     if len(sound) > 2:
         error = sound[:, usable].std(axis=0, ddof=1) / np.sqrt(len(sound))
         error = np.maximum(error, 0.1 * np.median(error))
-    fine = radiation["wavelength"].values
     emitted = np.stack([radiation[name].values.astype(float) for name in (ATOMIC, OTHER)])
     fwhm = float(record.attributes["spectrometer_fwhm"])
     lines = [*_lines(frames.wavelength[usable], light, error, fine, emitted, fwhm)]
@@ -173,7 +174,7 @@ class _Line:
                 found = min(found, float(np.sum((self.light / self.error - factor @ rows) ** 2)))
         return found
 
-    @cached_property
+    @property
     def freedom(self):
         """Pixels beyond the numbers of a fit."""
         return self.wavelength.size - NUMBERS

@@ -21,14 +21,14 @@ from plasmapyro.diagnosis.fit.setting import (
     numbers_of,
     with_numbers,
 )
-from plasmapyro.diagnosis.fit.slit import SeenSlit
+from plasmapyro.diagnosis.fit.slit import SLIT, SeenSlit
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import brightest_line, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
 FOREIGN = {"Ar", "Cu"}  # effects that are lines of an atom which the simulated gas has not
-ANYWHERE = FOREIGN | {"wshift", "lsf", "second"}  # that act on lines alike, however strong these are
+ANYWHERE = FOREIGN | {"wshift", SLIT, "second"}  # that act on lines alike, however strong these are
 CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
@@ -150,8 +150,10 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0,
     free = cache(lambda: min(spectroscopy(one, same) for one in {simulated, plain}))
 
     def holds(before, fit):
-        before = before if before.settings else bare
-        return fit.objective <= free() - CLEARER and _may_be(fitter, before, fit)
+        before, seen = before if before.settings else bare, fit.objective
+        if fit.settings[-1].id != SLIT:  # what lines say of the slit is no reason for another cause
+            seen = fitter.by_light(fit) + fitter.of_slit(())
+        return seen <= free() - CLEARER and _may_be(fitter, before, fit)
 
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     final, rivals = _names(fitter, base, alone, effects, wanted, holds)
@@ -333,14 +335,17 @@ def raise_errors(simulated, effects):
 
 
 def _beside(simulated, effects, wrong=()):
-    """The roughness of bands beside the best of some effects, no more than without, and the objective."""
+    """The roughness of bands beside the best of some effects, no more than without, and the objective; what
+    lines say of the slit counts as in the fit without effects: it is nothing that bands show."""
     fitter, base = settled(simulated, (), wrong)
     fits = [base, *(fitter.best(base, effect) for effect in effects.values())]
-    alone = min(fits, key=lambda fit: fit.objective)
-    if base.objective - alone.objective < ALIKE:
-        return simulated.roughness, alone.objective
+    alone = min(fits, key=fitter.by_light)
+    unseen = fitter.of_slit(()) - fitter.of_slit(alone.settings)
+    if fitter.by_light(base) - fitter.by_light(alone) < ALIKE:
+        return simulated.roughness, alone.objective + unseen
     sizes = [size for size in ROUGHNESS if size <= simulated.roughness]
-    return _likeliest(simulated, "roughness", sizes, wrong, alone.settings)
+    rough, objective = _likeliest(simulated, "roughness", sizes, wrong, alone.settings)
+    return rough, objective + unseen
 
 
 def _likeliest(simulated, name, sizes, wrong=(), settings=()):
@@ -470,7 +475,7 @@ class Fitter:
         def residual(x):
             light = self.simulated.light(x[0], x[1], with_numbers(settings, x[2:]))
             rest = [self.white(self.measured.value - light)[0], (x - centre) / scale]
-            return np.concatenate([*rest, self._of_slit(with_numbers(settings, x[2:]))])
+            return np.concatenate([*rest, self._off_slit(with_numbers(settings, x[2:]))])
 
         begin = np.clip(np.append(first, numbers_of(settings)), low, high)
         found = least_squares(residual, begin, bounds=(low, high), x_scale=0.1 * scale, diff_step=1e-4)
@@ -479,15 +484,18 @@ class Fitter:
         objective = float(2 * found.cost + 2 * np.sum(np.log(np.diag(self.root))))
         return Fit(power, brightness, with_numbers(settings, found.x[2:]), objective, covariance)
 
-    def _of_slit(self, settings):
-        """What settings leave of the width of the slit that lines show, in standard errors: one number or
-        none."""
+    def _off_slit(self, settings):
+        """Standard errors by which settings miss the width that lines show: one number or none."""
         seen = self.measured.slit
         return np.array([] if seen is None else [seen.misfit(settings)])
 
+    def of_slit(self, settings):
+        """Chi-squared that the width of the slit alone adds to a fit with settings."""
+        return float(np.sum(self._off_slit(settings) ** 2))
+
     def by_light(self, fit):
-        """The objective of a fit less what the width of the slit alone adds to it."""
-        return fit.objective - float(np.sum(self._of_slit(fit.settings) ** 2))
+        """The objective of a fit without `of_slit`."""
+        return fit.objective - self.of_slit(fit.settings)
 
     def best(self, beside, effect):
         """The best fit with one more effect, of all its shapes and either sign: from the fit beside it, and
