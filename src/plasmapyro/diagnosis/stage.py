@@ -9,6 +9,7 @@ from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.fit.no_plasma import askable
+from plasmapyro.diagnosis.fit.setting import numbers_of
 from plasmapyro.diagnosis.fit.slit import SLIT, seen_slit
 from plasmapyro.diagnosis.fit.terms import digest_of
 from plasmapyro.diagnosis.fit.whole import fit_test
@@ -128,11 +129,11 @@ def diagnose(
         looked_for = without(looked_for, OF_TWO_BANDS & set(looked_for))
     if variations is None and plasma:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
-    instrument = response, calibration, spectrometer_calibration
 
-    def fitted(test, variations, **more):
-        more |= {"saturation_counts": saturation_counts, "radiometer_calibration": radiometer_calibration}
-        return fit_test(test, radiation, variations, *instrument, **more)
+    def fitted(test, variations, bands=True, **more):
+        of_bands = (calibration, radiometer_calibration) if bands else (None, None)
+        more |= {"saturation_counts": saturation_counts, "radiometer_calibration": of_bands[1]}
+        return fit_test(test, radiation, variations, response, of_bands[0], spectrometer_calibration, **more)
 
     slope = float(test.attrs.get("emittance_slope", 1.0))
     reading = (
@@ -154,7 +155,11 @@ def diagnose(
         selection = selection.doubted("unconfirmed")
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
-    selection = selection.with_rest(left_over(base.model, selection.final))
+    left = left_over(base.model, selection.final)
+    if left and selection.in_bands and "spectrometer" in instruments(test):
+        # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
+        left = _left_alone(fitted(test, variations, bands=False), selection.final.settings)
+    selection = selection.with_rest(left)
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         own = radiation[str(test.attrs["condition"])]
@@ -192,6 +197,13 @@ def diagnose(
         report_of(findings, temperature), residual_map(findings), temperature, terms_text(findings)
     )
     return on_clock(found, base.model.record.injection)
+
+
+def _left_alone(base, named):
+    """What a fit to the spectrometer alone leaves (id, or None), with what is named of it."""
+    own = tuple(one for one in named if "spectrometer" in one.effect.instruments)
+    start = replace(base.solution.state, amplitudes=numbers_of(own))
+    return left_over(base.model, base.fitter.fit(start, own))
 
 
 def _gained(base, selection):
