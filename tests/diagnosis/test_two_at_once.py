@@ -75,3 +75,11 @@ def test_both_are_named_where_the_first_alone_leads_to_others(base):
     base_shift = found.final.state.values[base.model.index["edge_wide"]]
     assert amplitude["edge1"] + base_shift == pytest.approx(SHIFT * 1e9, rel=0.1)
     assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.12)  # its standard error is 8 %
+
+
+@pytest.mark.parametrize(("steps", "rests"), [(3, False), (40, True)])
+def test_a_fit_that_gains_next_to_nothing_any_more_is_at_rest(base, steps, rests):
+    """Asked for more than rounding allows it takes all its steps; the last ten of forty gain nothing."""
+    fitter, start = base.fitter, base.solution.state
+    cold = dataclasses.replace(start, knots=start.knots * 0.99)
+    assert fitter.fit(cold, (), steps=steps, tolerance=-np.inf).converged is rests

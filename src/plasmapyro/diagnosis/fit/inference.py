@@ -17,6 +17,7 @@ AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
+CREEP, CREPT = 10, 1.0  # steps, and what so many may still gain of the objective where all of them are done
 PATIENCE = 4  # steps without gain: what a step gains, weights that follow the light may take back
 
 
@@ -234,7 +235,7 @@ class Fitter:
         state, damping, converged = start, 0.0, False
         here = self._at(state, settings)
         left, bold = None, True  # where a climb began; whether climbs are tried
-        best, idle = here.objective, 0
+        best, idle, path = here.objective, 0, []
         for _ in range(steps):
             trial, objective, damping, whole = self._tried(state, settings, here, damping, bold and not left)
             limit = left[1].objective if left else here.objective
@@ -252,9 +253,12 @@ class Fitter:
             here = self._at(state, settings)
             idle = 0 if here.objective < best - tolerance else idle + 1
             best = min(best, here.objective)
+            path.append(best)
             converged = converged or idle >= PATIENCE and not left
             if converged:
                 break
+        else:  # along the cold of a surface that nobody sees steps may gain ever less without an end
+            converged = len(path) > CREEP and path[-CREEP - 1] - best < CREPT
         if left:
             state, here = left
         return self._solution(state, settings, here, converged)
