@@ -62,6 +62,17 @@ def test_an_amplitude_far_beyond_what_is_usual_is_dear_but_not_ruled_out():
     assert log_prior(free, [24.0]) > norm.logpdf(24.0, 0, effect.sigma) + 200
 
 
+def test_what_is_measured_finer_is_no_less_likely_than_what_is_as_significant():
+    """Of two offsets, each 12 of its standard deviations, one is measured 30 times finer: the density of
+    amplitudes goes with 1/a over what effects are usually as large as, so that no unit decides."""
+    effect = CATALOGUE["off1"]
+    free = free_numbers((Setting(effect, 0.0, {}),))[:1]
+    amplitude = effect.sigma * np.geomspace(0.02, 20.0, 40)
+    of_fit = 0.5 * (amplitude / (WIDE * effect.sigma)) ** 2
+    evidence = [log_prior(free, [a]) for a in amplitude] - of_fit + np.log(amplitude / 12.0)
+    assert np.ptp(evidence) < 0.8  # a mean of eight normals is no straight line
+
+
 @pytest.mark.parametrize(
     ("identity", "amplitude", "ends"),
     [

@@ -11,7 +11,8 @@ KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's fo
 FORMULA = 0.1  # [1], of the chi-squared that an effect gains: what its kin must bring besides,
 SPILL = 0.03  # [1], and what any other effect must: formulas are inexact by a sixth
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
-TAILS = np.array([1.0, 3.0, 10.0, 30.0])
+TAILS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])  # widths of priors, and those that no error of
+LARGE = TAILS[4:]  # a simulation hides
 """Widths of the normals, over the standard deviation of the catalogue, of which the prior of an amplitude is
 the mean: faults are mostly small, and now and then gross."""
 
@@ -90,24 +91,27 @@ def numbers_of(settings):
     )
 
 
-def log_prior(free, numbers):
+def log_prior(free, numbers, widths=TAILS):
     r"""Log density of numbers before the data, without factors of :math:`\sqrt{2\pi}`, the prior that fits
     count for amplitudes taken out.
 
     .. math:: \sum_j \ln \frac1n \sum_k \frac{1}{k\sigma_j}
         \exp\left(-\frac{a_j^2}{2 k^2 \sigma_j^2}\right) + \frac{a_j^2}{2 (10 \sigma_j)^2}
 
-    for amplitudes, with the widths k of `TAILS`; :math:`-\ln \sigma_j` for shapes.
+    for amplitudes, with the `widths` k; :math:`-\ln \sigma_j` for shapes. From the smallest width on the
+    density goes about with 1/a, so that of two errors as significant as each other the finer measured one is
+    no less likely (H. Jeffreys, Proc. R. Soc. A 186 (1946) 453).
 
     Parameters
     ----------
     free : list of FreeNumber
     numbers : sequence of float
+    widths : (k,) over those of the catalogue
     """
     total = 0.0
     for one, number in zip(free, numbers, strict=True):
         if one.name is None:
-            wide = TAILS * one.sigma / WIDE
+            wide = widths * one.sigma / WIDE
             density = logsumexp(-0.5 * (number / wide) ** 2 - np.log(wide)) - np.log(wide.size)
             total += density + 0.5 * (number / one.sigma) ** 2
         else:

@@ -14,6 +14,7 @@ from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import (
     FORMULA,
     KIN,
+    LARGE,
     SPILL,
     Setting,
     free_numbers,
@@ -288,7 +289,7 @@ def _power(fit, library, away):
 def log_bayes(fit, base):
     """Log Bayes factor of a fit over the one without effects, by Laplace's approximation."""
     volume = [np.linalg.slogdet(one.covariance)[1] for one in (fit, base)]
-    prior = log_prior(free_numbers(fit.settings), numbers_of(fit.settings))
+    prior = log_prior(free_numbers(fit.settings), numbers_of(fit.settings), LARGE)
     return float(0.5 * (base.objective - fit.objective + volume[0] - volume[1]) + prior)
 
 
