@@ -1,5 +1,6 @@
 """Cases of the second laboratory from their drawing to the scoreboard, with an analyser that says nothing."""
 
+import copy
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -94,7 +95,11 @@ def test_the_truth_is_kept_apart_from_the_data(finished):
 def test_the_board_gives_rates_by_world_and_against_the_bars(finished):
     records, _ = finished
     other = [one | {"world": "first", "case": f"first-{index}"} for index, one in enumerate(records)]
-    both = board.summary(records + other)
+    faint = copy.deepcopy(
+        next(one for one in records if one["kind"] == "outside" and one["outcome"] == "scored")
+    )
+    faint["effects"][0]["snr"], faint["score"]["unknown"] = 12.0, False  # is not asked for
+    both = board.summary([*records, *other, faint | {"case": "faint"}])
     assert set(both["worlds"]) == {"first", "second"}
     rows = {row["bar"].split(":")[-1].strip(): row for row in both["worlds"]["second"]["bars"]}
     names = rows["a name of surface, path, instrument or clock"]
