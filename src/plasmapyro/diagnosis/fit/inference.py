@@ -17,6 +17,7 @@ AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
+LEAST_DAMPING = 1e-7  # [1] of the diagonal: below, a step is a whole one
 CREEP, CREPT = 10, 1.0  # steps, and what so many may still gain of the objective where all of them are done
 PATIENCE = 4  # steps without gain: what a step gains, weights that follow the light may take back
 
@@ -248,7 +249,7 @@ class Fitter:
                 converged = not left  # no step of any length improves: as close as rounding allows
                 break
             left = None if better else (state, here)
-            state, damping = trial, damping / 5 if damping > 1e-4 else 0.0
+            state, damping = trial, damping / 5 if damping > LEAST_DAMPING else 0.0
             converged = better and limit - objective < tolerance and whole
             here = self._at(state, settings)
             idle = 0 if here.objective < best - tolerance else idle + 1
@@ -297,7 +298,7 @@ class Fitter:
             better = objective <= here.objective + 1e-9 * abs(here.objective)
             if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
                 return trial, objective, damping, scale == 1.0
-            damping = max(4 * damping, 1e-3)
+            damping = 4 * damping or 1e-3
         return None, objective, damping, False
 
     def residuals(self, predicted):
