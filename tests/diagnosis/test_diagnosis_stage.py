@@ -145,18 +145,6 @@ def test_names_whose_fit_comes_to_no_rest_leave_something_unknown(laboratory, re
     assert verdict["unknown"]["instrument"] == "spectrometer" and found.report["extended"] is None
 
 
-def test_bands_that_are_wrong_along_their_signal_leave_the_spectrometer_alone(laboratory, record):
-    """Of a converter with unequal codes. The joint temperature follows it and leaves a pattern in sound
-    spectra, which a fit to these alone does not."""
-    test = record()
-    for name in ("signal_wide", "signal_narrow"):
-        share = test[name] / test[name].max()
-        test[name] = test[name] * (1 + 0.02 * np.sin(2 * np.pi * 6.0 * share))
-    settings = {"saturation_counts": 65000.0, "limits": command.LIMITS, "draws": 50}
-    verdict = diagnose(test, *vars(laboratory).values(), **settings).report["verdict"]
-    assert verdict["status"] == "unknown" and verdict["unknown"]["instrument"] == "pyrometer"
-
-
 def test_a_fringe_is_something_that_the_catalogue_lacks(diagnosed):
     report = diagnosed(fringe=0.006).report
     assert report["verdict"]["status"] in ("unknown", "named+unknown")

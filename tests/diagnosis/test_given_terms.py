@@ -16,6 +16,7 @@ from plasmapyro.commands.terms import (
     with_instrument,
 )
 from plasmapyro.configuration import ConfigurationError
+from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.command import LIMITS
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
@@ -24,6 +25,7 @@ from plasmapyro.diagnosis.fit.given_gas import light_with, with_gas
 from plasmapyro.diagnosis.fit.restore import without_given
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.terms import Term, digest_of, terms_of, text_of, with_own
+from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.stage import diagnose
 
@@ -44,6 +46,31 @@ def run(laboratory, test, entries):
             limits=LIMITS,
             given=terms_of(entries, {**OF_TEST, **OF_CONDITION}),
         )
+
+
+@pytest.mark.parametrize(("left", "instrument"), [(None, "pyrometer"), ("left_pattern", "spectrometer")])
+def test_a_pattern_beside_unknown_bands_is_asked_of_spectra_alone(
+    laboratory, record, monkeypatch, left, instrument
+):
+    """Bands of a converter with unequal codes, and a loss in front of the spectrometer that is given; a joint
+    fit seems to leave a pattern, one to the spectra, with what is given of them, decides."""
+    fits = []
+
+    def noted(*arguments, **settings):
+        fits.append(settings["given"])
+        return fit_test(*arguments, **settings)
+
+    def remaining(model, solution):
+        return left if len(model.instruments) == 1 else "left_pattern"
+
+    monkeypatch.setattr(stage, "fit_test", noted)
+    monkeypatch.setattr(stage, "left_over", remaining)
+    test = record(window_loss=LOSS)
+    for name in ("signal_wide", "signal_narrow"):
+        test[name] = test[name] * (1 + 0.02 * np.sin(2 * np.pi * 6.0 * test[name] / test[name].max()))
+    verdict = run(laboratory, test, [WINDOW]).report["verdict"]
+    assert verdict["status"] == "unknown" and verdict["unknown"]["instrument"] == instrument
+    assert [given[0].setting.id for given in fits] == ["winE", "winE"]
 
 
 def test_every_effect_survives_being_written_and_read():

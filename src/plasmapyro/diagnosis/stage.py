@@ -141,7 +141,8 @@ def diagnose(
         if calibration is None or not plasma or "pyrometer" not in instruments(test)
         else Reading.of(calibration, slope, **limits)
     )
-    base = fitted(test, variations, given=tuple(given), known=known, room=room)
+    of_test = {"given": tuple(given), "known": known, "room": room}
+    base = fitted(test, variations, **of_test)
     questions = [
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
@@ -158,7 +159,7 @@ def diagnose(
     left = left_over(base.model, selection.final)
     if left and selection.in_bands and "spectrometer" in instruments(test):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
-        left = _left_alone(fitted(test, variations, bands=False), selection.final.settings)
+        left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     selection = selection.with_rest(left)
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
