@@ -53,7 +53,7 @@ class Solution:
     prediction: tuple
     plain: tuple  # prediction without the patterns of the channels
     gas: tuple
-    gas_rows: tuple  # (n, C) per instrument: change by an error of its gas of 1 in every channel
+    gas_rows: tuple  # (2, n, C) per instrument: changes by errors of its gas of 1, see `Fitter.gas_rows`
     residual: tuple
     factor: tuple  # Cholesky factor of the normal matrix of everything fitted
     score: np.ndarray  # of everything fitted, priors included: 0 but for what the last step left
@@ -150,13 +150,16 @@ class Fitter:
         return columns
 
     def gas_rows(self, state, settings, predicted):
-        """Change (n, C) per instrument for an error of its gas of 1 in every channel."""
+        """Changes (2, n, C) per instrument for errors of its gas of 1 in every channel: at all times, and
+        before the injection besides."""
         now = with_numbers(settings, state.amplitudes)
+
+        def changed(which, value, more):
+            error = state.error_of_gas(which) + more
+            return self.model.evaluate(which, state.knots, state.values, now, gas_error=error) - value
+
         return [
-            self.model.evaluate(
-                which, state.knots, state.values, now, gas_error=state.error_of_gas(which) + [[1.0], [0.0]]
-            )
-            - value
+            np.stack([changed(which, value, more) for more in ([[1.0], [0.0]], [[0.0], [1.0]])])
             for which, (_, _, value) in enumerate(predicted)
         ]
 
@@ -278,7 +281,7 @@ class Fitter:
     def _tried(self, state, settings, here, damping, climb):
         """Next state, its objective, the damping used and whether the step was not cut; a step that climbs
         only if `climb`, and None for the state if no step improves."""
-        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows, here.gas)
+        rows = own_patterns(self.model.instruments, [p[2] for p in here.predicted], here.rows)
         matrix, vector = gram(here.columns, rows, here.weighers, self.residuals(here.predicted))
         prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
         k = prior.shape[0]
@@ -367,7 +370,7 @@ class Fitter:
         residuals = self.residuals(predicted)
         matrix, score = gram(
             columns,
-            own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows, gas),
+            own_patterns(self.model.instruments, [p[2] for p in predicted], here.rows),
             here.weighers,
             residuals,
         )

@@ -114,7 +114,7 @@ def _shared_by(weigher, column, singles):
     return np.concatenate([dense.transpose(2, 0, 1), alone])
 
 
-def own_patterns(instruments, values, gas_rows, gases):
+def own_patterns(instruments, values, gas_rows):
     """Patterns of the base model: a relative error of each channel, its dark, and errors of its gas, at all
     times and before the injection.
 
@@ -124,14 +124,8 @@ def own_patterns(instruments, values, gas_rows, gases):
     """
     return [
         (place, row)
-        for place, (instrument, value, one, gas) in enumerate(
-            zip(instruments, values, gas_rows, gases, strict=True)
-        )
-        for sigma, row in zip(
-            pattern_sigmas(instrument),
-            (value, np.ones_like(value), one, gas * (instrument.time < 0)[:, None]),
-            strict=True,
-        )
+        for place, (instrument, value, of_gas) in enumerate(zip(instruments, values, gas_rows, strict=True))
+        for sigma, row in zip(pattern_sigmas(instrument), (value, np.ones_like(value), *of_gas), strict=True)
         if sigma.any()
     ]
 

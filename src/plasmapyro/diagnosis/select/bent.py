@@ -63,7 +63,7 @@ def _gained(model, solution, place):
         column[..., [place]] * axes
         for column, axes in zip(solution.jacobian, _axes(model, solution), strict=True)
     ]
-    mine = own_patterns(model.instruments, solution.plain, solution.gas_rows, solution.gas)
+    mine = own_patterns(model.instruments, solution.plain, solution.gas_rows)
     fitted, more = solution.jacobian[0].shape[2], columns[0].shape[2]
     dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, columns, strict=True)]
     matrix, vector = gram(dense, mine, solution.weighers, solution.residual)

@@ -105,7 +105,7 @@ def log_score(model, solution, chosen, matrix=None):
     weighers = [w.of(s) for w, s in zip(solution.weighers, chosen, strict=True)]
     patterns = [
         (place, row[chosen[place]])
-        for place, row in own_patterns(model.instruments, solution.plain, solution.gas_rows, solution.gas)
+        for place, row in own_patterns(model.instruments, solution.plain, solution.gas_rows)
     ]
     block, vector = gram(columns, patterns, weighers, residuals)
     chi2 = sum(float(np.sum(r * w(r))) for r, w in zip(residuals, weighers, strict=True))

@@ -140,7 +140,7 @@ def screen(model, solution, effects, structures=True, steps=WALK_STEPS):
         more = products[0][1].shape[2]
     fitted = solution.jacobian[0].shape[2]
     dense = [np.concatenate(parts, axis=2) for parts in zip(solution.jacobian, columns, strict=True)]
-    mine = own_patterns(model.instruments, solution.plain, solution.gas_rows, solution.gas)
+    mine = own_patterns(model.instruments, solution.plain, solution.gas_rows)
     matrix, vector = gram(dense, [*mine, *patterns], solution.weighers, solution.residual, products)
     tests = dense[0].shape[2] - fitted + more
     base_patterns = sum(row.shape[1] for _, row in mine)
