@@ -157,7 +157,7 @@ def diagnose(
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
     left = left_over(base.model, selection.final)
-    if left and selection.in_bands and "spectrometer" in instruments(test):
+    if left and selection.in_bands and any(one.kind == "spectrometer" for one in base.model.instruments):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     selection = selection.with_rest(left)

@@ -18,6 +18,7 @@ STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
 LEAST_DAMPING = 1e-7  # [1] of the diagonal: below, a step is a whole one
+DAMPINGS = 16  # that are tried, each four times the last: to a hundred times the diagonal
 CREEP, CREPT = 10, 1.0  # steps, and what so many may still gain of the objective where all of them are done
 PATIENCE = 4  # steps without gain: what a step gains, weights that follow the light may take back
 
@@ -286,7 +287,7 @@ class Fitter:
         prior, free, size = self.prior(settings), free_numbers(settings), self.model.size
         k = prior.shape[0]
         self._pull(matrix, vector, state, settings, prior)
-        for _ in range(8):
+        for _ in range(DAMPINGS):
             damped = matrix.copy()
             damped[np.diag_indices_from(damped)] *= 1 + damping
             try:
