@@ -27,6 +27,7 @@ from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.terms import Term, digest_of, terms_of, text_of, with_own
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library
+from plasmapyro.diagnosis.select.selection import Selection
 from plasmapyro.diagnosis.stage import diagnose
 
 LOSS = 0.08  # of window E at the end, as in the tests of the diagnosis
@@ -71,6 +72,15 @@ def test_a_pattern_beside_unknown_bands_is_asked_of_spectra_alone(
     verdict = run(laboratory, test, [WINDOW]).report["verdict"]
     assert verdict["status"] == "unknown" and verdict["unknown"]["instrument"] == instrument
     assert [given[0].setting.id for given in fits] == ["winE", "winE"]
+
+
+def test_spectra_too_few_to_be_in_a_model_are_not_fitted_alone(laboratory, record, monkeypatch):
+    """Bands are unknown and something remains, as it may of a radiometer of many bands: alone, six spectra
+    would be refused."""
+    monkeypatch.setattr(stage, "left_over", lambda *_: "left_pattern")
+    monkeypatch.setattr(Selection, "in_bands", True)
+    report = run(laboratory, record().isel(spectrum_time=slice(0, 120, 20)), []).report
+    assert report["dataset"]["instruments"] == ["pyrometer"]
 
 
 def test_every_effect_survives_being_written_and_read():

@@ -203,6 +203,8 @@ def diagnose(
 def _left_alone(base, named):
     """What a fit to the spectrometer alone leaves (id, or None), with what is named of it."""
     own = tuple(one for one in named if "spectrometer" in one.effect.instruments)
+    if not own:
+        return left_over(base.model, base.solution)
     start = replace(base.solution.state, amplitudes=numbers_of(own))
     return left_over(base.model, base.fitter.fit(start, own))
 

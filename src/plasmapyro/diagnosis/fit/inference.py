@@ -17,7 +17,7 @@ AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to
 CONVERGED = 0.02  # of the objective, in units of chi-squared
-LEAST_DAMPING = 1e-7  # [1] of the diagonal: below, a step is a whole one
+FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-7  # [1] of the diagonal: below, a step is a whole one
 DAMPINGS = 16  # that are tried, each four times the last: to a hundred times the diagonal
 CREEP, CREPT = 10, 1.0  # steps, and what so many may still gain of the objective where all of them are done
 PATIENCE = 4  # steps without gain: what a step gains, weights that follow the light may take back
@@ -247,7 +247,7 @@ class Fitter:
             better = objective <= limit + 1e-9 * abs(limit)
             # Back, and shorter steps from there on; also if the second step only undid the first.
             if left and not (better and limit - objective > tolerance):
-                (state, here), left, bold, damping = left, None, False, 1e-3
+                (state, here), left, bold, damping = left, None, False, FIRST_DAMPING
                 continue
             if trial is None:
                 converged = not left  # no step of any length improves: as close as rounding allows
@@ -293,7 +293,7 @@ class Fitter:
             try:
                 step = self._within(damped, vector, state, k, free)
             except np.linalg.LinAlgError:  # by rounding, as far off as a climb may end
-                damping, objective = max(4 * damping, 1e-3), np.inf
+                damping, objective = max(4 * damping, FIRST_DAMPING), np.inf
                 continue
             step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
             scale = self._limit(step)
@@ -302,7 +302,7 @@ class Fitter:
             better = objective <= here.objective + 1e-9 * abs(here.objective)
             if better or climb and damping == 0.0 and objective < STEEPEST * here.objective:
                 return trial, objective, damping, scale == 1.0
-            damping = 4 * damping or 1e-3
+            damping = 4 * damping or FIRST_DAMPING
         return None, objective, damping, False
 
     def residuals(self, predicted):

@@ -11,10 +11,10 @@ KIN = 0.4  # cosine beyond which an effect may be the misfit of another one's fo
 FORMULA = 0.1  # [1], of the chi-squared that an effect gains: what its kin must bring besides,
 SPILL = 0.03  # [1], and what any other effect must: formulas are inexact by a sixth
 WIDE = 10.0  # priors of amplitudes in fits, over those of the catalogue
-TAILS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])  # widths of priors, and those that no error of
-LARGE = TAILS[4:]  # a simulation hides
+TAILS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])
 """Widths of the normals, over the standard deviation of the catalogue, of which the prior of an amplitude is
 the mean: faults are mostly small, and now and then gross."""
+LARGE = TAILS[TAILS >= 1]  # what errors of a simulation do not hide
 
 
 @dataclass(frozen=True)
