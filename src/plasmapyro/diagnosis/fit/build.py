@@ -20,8 +20,8 @@ from plasmapyro.record.inputs import has_plasma
 from plasmapyro.record.rounding import rounding
 
 LOG = logging.getLogger(__name__)
-LEAST_SAMPLES = 10  # of an instrument: differences of fewer tell no noise
-FEW = 5  # the same of spectra without a plasma, whose pixels tell it together
+LEAST_SAMPLES = 10  # of bands: differences of fewer tell no noise
+LEAST_SPECTRA = 5  # pixels tell it together
 LEAST_PIXELS = 8
 MOST_SAMPLES, MOST_SPECTRA = 12000, 3000  # of a fit; a longer record is averaged over neighbours
 EXACT = 1e-6  # [1] stands for an uncertainty of zero
@@ -126,7 +126,7 @@ def _sufficient(instruments, off, plasma):
     """The instruments with samples enough to know their noise by; refused if there are none, or none lit by
     the plasma that a test has."""
     count = {one.kind: int((one.raw_bin >= 0).sum()) for one in instruments}
-    least = {one.kind: LEAST_SAMPLES if plasma or one.weight is not None else FEW for one in instruments}
+    least = {one.kind: LEAST_SPECTRA if one.weight is None else LEAST_SAMPLES for one in instruments}
     kept = [one for one in instruments if count[one.kind] >= least[one.kind]]
     lit = any(((one.moment[:, 0] > 0) & (one.moment[:, -1] < off)).any() for one in kept)
     for one in kept:
