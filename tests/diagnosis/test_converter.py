@@ -24,8 +24,9 @@ def diagnosed(record, response, laboratory):
     """Base fit and choice for a test whose signals `change` (signal (t,) -> (t,))."""
     library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
 
-    def of(change):
+    def of(change, alone=False):
         test = record(noise=0.2).isel(wavelength=slice(None, None, 8))  # it is all about signals
+        test = test.drop_dims("spectrum_time") if alone else test
         for name in ("signal_wide", "signal_narrow"):
             test[name].values = change(test[name].values)
         with np.errstate(all="ignore"):
@@ -68,14 +69,16 @@ def test_lost_samples_are_a_fault_of_the_clock_from_then_on(diagnosed):
     assert "clock" in classes[int(np.argmax(found.steps[0].unknown))].id
 
 
+@pytest.mark.parametrize("alone", [False, True])
 @pytest.mark.parametrize("early", [2, -2])
-def test_a_clock_that_is_off_is_found_with_its_size_and_sign(diagnosed, early):
-    """Signals of whole samples too early or too late, the end of the gas with them."""
+def test_a_clock_that_is_off_is_found_with_its_size_and_sign(diagnosed, early, alone):
+    """Signals of whole samples too early or too late, the end of the gas with them: all that a pyrometer
+    alone knows of it, and a slope there knows nothing of an end that lies beyond the next sample."""
 
     def moved(signal):
         return np.interp(np.arange(signal.size) + early, np.arange(signal.size), signal)
 
-    base, found = diagnosed(moved)
+    base, found = diagnosed(moved, alone)
     step = float(np.median(np.diff(base.model.record.instruments[0].time)))
     (clock,) = [one for one in found.final.settings if one.id == "clock"]
     assert clock.amplitude == pytest.approx(early * step, abs=TENTH * step)

@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 from plasmapyro.diagnosis.effects.effect import Effect
 from plasmapyro.diagnosis.fit.normal import gram, own_patterns
 from plasmapyro.diagnosis.fit.setting import TAILS, Setting
-from plasmapyro.diagnosis.select.structures import WALK_STEPS, structures_of
+from plasmapyro.diagnosis.select.structures import MOVED, WALK_STEPS, structures_of
 
 # What the base parameters must leave [1] of the information of a direction for it to be seen, in gains,
 # names, probabilities and words alike: slopes by differences err by some 1e-5, and what is left of a
@@ -19,10 +19,11 @@ LEAST_LEFT = 1e-9
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at one shape, linearised."""
+    """An effect at one shape, linearised by an amplitude of `step`, that of the effect if None."""
 
     effect: Effect
     shape: dict
+    step: float | None = None
 
     @property
     def id(self):
@@ -92,12 +93,18 @@ def gain(score, information, left):
 
 
 def columns_of_candidates(model, solution, effects):
-    """Linearised columns (n, C, m) per instrument of effects at every shape, and who they are."""
+    """Linearised columns (n, C, m) per instrument of effects at every shape, and who they are.
+
+    Of an instrument that stands alone its surface knows no clock, only the end of the plasma does, between two
+    samples: its clock is asked by finite shifts as well.
+    """
+    alone = len(model.instruments) == 1
     candidates = tuple(
-        Candidate(effect, dict(shape))
+        Candidate(effect, dict(shape), step)
         for effect in effects.values()
         if set(effect.instruments) & {instrument.kind for instrument in model.instruments}
         for shape in effect.shapes
+        for step in (None, *(MOVED if alone and effect.clock else ()))
     )
     state, base = solution.state, solution.settings
     columns = []
@@ -109,9 +116,10 @@ def columns_of_candidates(model, solution, effects):
             effect = candidate.effect
             if instrument.kind not in effect.instruments:
                 continue
-            settings = (*base, Setting(effect, effect.step, candidate.shape))
+            step = candidate.step or effect.step
+            settings = (*base, Setting(effect, step, candidate.shape))
             changed = model.evaluate(which, state.knots, state.values, settings, gas_error=error)
-            rows[..., j] = (changed - plain) / effect.step
+            rows[..., j] = (changed - plain) / step
         columns.append(rows)
     return candidates, columns
 

@@ -99,9 +99,10 @@ class Search:
 
     def extended(self, step, index):
         """Fit with one more candidate, from its linear estimate; from its other shapes too if it comes to no
-        rest."""
-        found = self._from(step, index)
-        return found if found.converged else self.from_all_shapes(step, found)
+        rest, or is a finite step: between two samples nothing pulls."""
+        found, candidate = self._from(step, index), step.screen.candidates[index]
+        settled = found.converged and candidate.step is None
+        return found if settled else self.from_all_shapes(step, found)
 
     def from_all_shapes(self, step, fit):
         """The best of a fit and those from the other shapes of its newest effect, which promise less.
@@ -116,8 +117,11 @@ class Search:
         return min(fits, key=lambda one: (not one.converged, one.objective))
 
     def _from(self, step, index):
-        setting = setting_of(step.screen.candidates[index], step.screen.linear()[index])
-        return self.fit(step.solution, (*step.settings, setting))
+        candidate = step.screen.candidates[index]
+        number = step.screen.linear()[index]
+        if candidate.step is not None:
+            number = candidate.effect.linear_of(candidate.step)
+        return self.fit(step.solution, (*step.settings, setting_of(candidate, number)))
 
     def best_refit(self, step, gains, trials=None):
         """The best of the refits of the candidates that explain about as much."""
