@@ -60,9 +60,11 @@ def local_noise(values, block):
     .. math:: \hat\sigma = 1.4826\,\mathrm{median}|y_{i-1} - 2y_i + y_{i+1}| / \sqrt6
 
     A smooth signal cancels in the second difference, a single spike does not move the median. The estimates
-    of blocks of so many samples are joined linearly; NaN where one holds no three neighbours. Deviation: the
-    paper states no noise model; this one asks nothing of the maker. ASSUME: noise independent from pixel to
-    pixel; where lines vary within three pixels it comes out too large.
+    of blocks of so many samples are joined linearly; blocks that hold fewer than half of that, at an end or
+    beside a gap, take their neighbours': of three differences the median is next to nothing now and then.
+    NaN where no three neighbours are finite. Deviation: the paper states no noise model; this one asks nothing
+    of the maker. ASSUME: noise independent from pixel to pixel; where lines vary within three pixels it comes
+    out too large.
     """
     values = np.asarray(values, dtype=float)
     count = values.shape[-1]
@@ -71,9 +73,14 @@ def local_noise(values, block):
     curvature = np.abs(values[..., :-2] - 2 * values[..., 1:-1] + values[..., 2:])
     edges = np.arange(0, curvature.shape[-1], block)
     centres = (edges + np.append(edges[1:], curvature.shape[-1]) - 1) / 2 + 1
-    level = np.stack([_median(part) for part in np.split(curvature, edges[1:], axis=-1)], axis=-1)
-    flat = level.reshape(-1, level.shape[-1])
-    joined = np.stack([np.interp(np.arange(count), centres, row) for row in flat])
+    parts = np.split(curvature.reshape(-1, curvature.shape[-1]), edges[1:], axis=-1)
+    level = np.stack([_median(part) for part in parts], axis=-1)
+    number = np.stack([np.isfinite(part).sum(axis=-1) for part in parts], axis=-1)
+    enough = number >= np.clip(number.max(axis=-1, keepdims=True), 1, block / 2)
+    joined = np.full((len(level), count), np.nan)
+    for row, own, kept in zip(joined, level, enough, strict=True):
+        if kept.any():
+            row[:] = np.interp(np.arange(count), centres[kept], own[kept])
     return joined.reshape(values.shape) * 1.4826 / np.sqrt(6)
 
 
