@@ -142,7 +142,7 @@ def correct(
     least_surface_share: float = 0.5,
     least_signal_to_noise: float = 10.0,
     reference_time: float | None = None,
-    normalisation_wavelength: float = 1030e-9,
+    normalisation_wavelength: float | None = None,
     normalisation_half_width: float | None = None,
     temperature_range: tuple[float, float] = (600.0, 3500.0),
     saturation_counts: float = 65000.0,
@@ -175,8 +175,9 @@ def correct(
         Of a spectrum at the pivot.
     reference_time : float [s], optional
         The exposure nearest to it is the reference spectrum; middle of the window by default.
-    normalisation_wavelength, normalisation_half_width : float [m]
-        Pivot of the normalised fit in vacuum, and how near pixels are averaged there (half the FWHM).
+    normalisation_wavelength, normalisation_half_width : float [m], optional
+        Pivot of the normalised fit in vacuum (1030 nm, or where the surface stands out most if no pixel is
+        there), and how near pixels are averaged there (half the FWHM).
     temperature_range : (2,) floats [K]
         Where fits to spectra look.
     saturation_counts : float [count]
@@ -199,11 +200,11 @@ def correct(
     given = {key: value for key, value in locals().items() if key not in ("test", "calibration")}
     from plasmapyro.commands.correct import corrected
 
-    half = given.pop("normalisation_half_width")
+    half, pivot = given.pop("normalisation_half_width"), given.pop("normalisation_wavelength")
     given |= {
         "reference_window": reference_window and list(reference_window),
         "temperature_range_k": list(given.pop("temperature_range")),
-        "normalisation_nm": given.pop("normalisation_wavelength") * NANOMETRES,
+        "normalisation_nm": pivot and pivot * NANOMETRES,
         "normalisation_half_width_nm": half and half * NANOMETRES,
     }
     with _files(test, calibration, needed=True) as (place, folder):

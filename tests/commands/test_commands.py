@@ -12,6 +12,7 @@ import yaml
 from plasmapyro import cli, io
 from plasmapyro.commands import calibrate, joint
 from plasmapyro.diagnosis.command import LIMITS
+from plasmapyro.experiment.stage import PIVOT
 from plasmapyro.record import status
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -338,7 +339,8 @@ def test_defaults_are_those_of_the_main_job():
     for name in ("gas_variation", "saturation_counts", "least_signal_to_noise", "noise_block_pixels"):
         assert options[name] == spectrometer[name]
     assert options["temperature_range_k"] == spectrometer["temperature_range_k"]
-    assert options["normalisation_nm"] == spectrometer["normalisation_wavelength_nm"]
+    assert options["normalisation_nm"] is None
+    assert pytest.approx(1e9 * PIVOT) == spectrometer["normalisation_wavelength_nm"]
     words = ["diagnose", "t", "--radiance", "r", "--instrument", "i", "--out", "o"]
     assert vars(cli.parser().parse_args(words))["saturation_counts"] == spectrometer["saturation_counts"]
     assert {name: pyrometer[name] for name in LIMITS} == LIMITS

@@ -71,7 +71,9 @@ def test_only_a_record_without_condition_may_lack_the_window(place, tmp_path):
         assert f"attribute {name}: m" in found
 
 
-def test_a_spectrometer_that_does_not_reach_the_pivot_says_so(place, tmp_path, capsys):
+def test_a_spectrometer_that_does_not_reach_the_pivot_takes_another_and_says_so(
+    place, tmp_path, capsys, caplog
+):
     lab = tmp_path / "lab"
     words = ["calibrate", str(place / "calibration"), "--out", str(lab), "--fit-range-nm", "800", "950"]
     assert cli.main(words) == 0
@@ -79,16 +81,20 @@ def test_a_spectrometer_that_does_not_reach_the_pivot_says_so(place, tmp_path, c
     inside = (pixels.wavelength.values > 800e-9) & (pixels.wavelength.values < 950e-9)
     np.testing.assert_array_equal(pixels.pixel_status == 0, inside)
     assert (pixels.pixel_status.values[~inside] >= 5).all()  # masked, or left out
-    assert correct(place, tmp_path / "t.nc", "--instrument", lab) == 2
+    assert correct(place, tmp_path / "t.nc", "--instrument", lab, "--normalisation-nm", 1030) == 2
     said = capsys.readouterr().err
     assert (
         "no usable pixel within 2 nm" in said
         and "usable are 800.96 to 949.46 nm" in said
         and "--normalisation-nm" in said
     )
-    assert correct(place, tmp_path / "t.nc", "--instrument", lab, "--normalisation-nm", 900) == 0
-    found = io.read(tmp_path / "t.nc", "correction")
-    np.testing.assert_allclose(found.spectrometer_temperature, 1500.0, atol=5.0)
+    for own in ((), ("--normalisation-nm", 900)):
+        assert correct(place, tmp_path / "t.nc", "--instrument", lab, *own) == 0
+        found = io.read(tmp_path / "t.nc", "correction")
+        np.testing.assert_allclose(found.spectrometer_temperature, 1500.0, atol=5.0)
+        assert 800e-9 < found.attrs["normalisation_wavelength"] < 950e-9
+        assert ("at 1030 nm it is not seen" in caplog.text) == (not own)
+        caplog.clear()
 
 
 SENSELESS = (

@@ -206,7 +206,7 @@ def by_reference(test, calibrations, options):
             half = options.normalisation_half_width_nm * NANOMETRE
         own = {
             "reference_time": np.mean(test.attrs["reference_window"]) if middle is None else middle,
-            "normalisation_wavelength": options.normalisation_nm * NANOMETRE,
+            "normalisation_wavelength": options.normalisation_nm and options.normalisation_nm * NANOMETRE,
             "normalisation_half_width": half,
             "draws": options.draws or 100,
         }

@@ -25,6 +25,8 @@ from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
+PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3,
+CLEAR = 0.2  # [1] if the surface stands out there by as much of its clearest
 
 
 def correct_pyrometer(
@@ -171,8 +173,10 @@ def correct_spectra(
     reference_time : float [s]
         The exposure whose middle is nearest gives the reference spectrum; it must lie in the
         reference window.
-    normalisation_wavelength, normalisation_half_width : float [m]
-        Pivot of the normalised fit: the mean of the pixels within the half width.
+    normalisation_wavelength : float [m], or None
+        Pivot of the normalised fit; None: `PIVOT`, or where the surface stands out most if no pixel is there.
+    normalisation_half_width : float [m]
+        The mean of the pixels within it is taken.
     temperature_range : (2,) floats [K]
         Where the fits look.
     saturation_counts : float [count]
@@ -206,6 +210,11 @@ def correct_spectra(
     noise = np.where(np.isfinite(corrected), local_noise(corrected, noise_block), np.nan)
     gas = np.where(shining[:, None], reference, 0.0)
     usable = np.isfinite(corrected) & (np.hypot(noise, gas_variation * gas) > 0)
+    if normalisation_wavelength is None:
+        standing_out = corrected / np.where(usable, np.hypot(noise, gas_variation * gas), np.nan)
+        normalisation_wavelength = _pivot(
+            wavelength, pixels == USABLE, normalisation_half_width, standing_out[injected]
+        )
     pivot = np.abs(wavelength - normalisation_wavelength) <= normalisation_half_width
     good = wavelength[pixels == USABLE]
     if not (pivot & (pixels == USABLE)).any():
@@ -268,6 +277,29 @@ def correct_spectra(
             "normalisation_wavelength": float(normalisation_wavelength),
         },
     )
+
+
+def _pivot(wavelength, usable, half_width, standing_out):
+    """`PIVOT` if the surface stands out of a pixel there, by standard deviations (S, W) of which the median
+    over the exposures counts, `CLEAR` times as much as where it stands out most; else that wavelength [m]."""
+    number = np.isfinite(standing_out).sum(axis=0)
+    seen = usable & (number > 0) & (2 * number >= number.max(initial=0))
+    if not seen.any():
+        return PIVOT
+    clearness = np.full(wavelength.size, -np.inf)
+    clearness[seen] = np.nanmedian(standing_out[:, seen], axis=0)
+    near = np.abs(wavelength - PIVOT) <= half_width
+    chosen = wavelength[np.argmax(clearness)]
+    if clearness[near].max(initial=-np.inf) >= CLEAR * clearness.max():
+        return PIVOT
+    LOG.warning(
+        "spectra are normalised at %.5g nm, where the surface stands out most: at %g nm it %s;"
+        " --normalisation-nm chooses another",
+        chosen * 1e9,
+        PIVOT * 1e9,
+        "hardly does" if (near & usable).any() else "is not seen",
+    )
+    return chosen
 
 
 def _window_attributes(name, record, time, pair):
