@@ -93,7 +93,7 @@ def test_a_spectrometer_that_does_not_reach_the_pivot_takes_another_and_says_so(
         found = io.read(tmp_path / "t.nc", "correction")
         np.testing.assert_allclose(found.spectrometer_temperature, 1500.0, atol=5.0)
         assert 800e-9 < found.attrs["normalisation_wavelength"] < 950e-9
-        assert ("at 1030 nm it is not seen" in caplog.text) == (not own)
+        assert ("no usable pixel at 1030 nm" in caplog.text) == (not own)
         caplog.clear()
 
 

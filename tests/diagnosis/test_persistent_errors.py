@@ -84,8 +84,8 @@ def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(
     # The scale over wavelength is the same at both times and drops out of the difference.
     assert found[0, 40, 0, 40] - found[0, 40, 1, 40] == pytest.approx(wander * (1 - decay), rel=1e-9)
     apart = spectrometer.wavelength[60] - spectrometer.wavelength[20]
-    smooth = sum(np.exp(-0.5 * (apart / one) ** 2) for one in persistent.SMOOTH_LENGTHS)
-    expected = wander + persistent.SMOOTH**2 * smooth
+    smooth = sum(np.exp(-0.5 * (apart / one) ** 2) for one in persistent.SCALE_LENGTHS)
+    expected = wander + persistent.SCALE_ERROR**2 * smooth
     assert found[0, 20, 0, 60] == pytest.approx(
         expected, rel=0.02
     )  # modes of 1 % of the variance are left out

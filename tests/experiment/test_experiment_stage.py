@@ -278,7 +278,8 @@ def test_counts_and_radiances_are_two_ways_to_the_same_result(spectrometer):
         np.testing.assert_allclose(found[name], spectrometer[name], rtol=1e-6)
 
 
-def test_source_error_reaches_temperature_and_emittance():
+def test_source_error_reaches_temperature_and_emittance(monkeypatch):
+    monkeypatch.setattr("plasmapyro.experiment.frame.scale_draws", lambda *_: 0.0)
     sure = counted()[1].assign(source_temperature_uncertainty=0.0)
     doubtful = counted()[1].assign(source_temperature_uncertainty=3.0)
     many = {**SPECTROMETER, "draws": 200}

@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.experiment.curves import fit_normalised_near, fit_scaled_near, local_curves
 from plasmapyro.experiment.spectra import fit_normalised, fit_scaled, nearest_trial, normalised
 from plasmapyro.instrument.calibration import spread
+from plasmapyro.instrument.scale import scale_draws
 from plasmapyro.radiation.planck import blackbody_radiance
 
 
@@ -42,13 +43,15 @@ def pivot_signal_to_noise(corrected, noise, gas_error, chosen):
 def factor_errors(wavelength, source_temperature, source_uncertainty, factor_uncertainty, draws, generator):
     r"""Draws (draws, W) [1] of the relative error of the calibration factor, common to all exposures.
 
-    .. math:: \delta f = \frac{L^{bb}(T_s + \delta T)}{L^{bb}(T_s)} - 1 + \delta_\lambda
+    .. math:: \delta f = \frac{L^{bb}(T_s + \delta T)}{L^{bb}(T_s)} - 1 + \delta_\lambda + s(\lambda)
 
-    with the relative `factor_uncertainty` (W,) from counting noise, NaN in unusable pixels.
+    with the relative `factor_uncertainty` (W,) from counting noise, NaN in unusable pixels, and the smooth
+    error s of `scale_draws`. Deviation: the paper names neither.
     """
     actual = source_temperature + source_uncertainty * generator.standard_normal((draws, 1))
     bias = blackbody_radiance(wavelength, actual) / blackbody_radiance(wavelength, source_temperature) - 1
-    return bias + np.nan_to_num(factor_uncertainty) * generator.standard_normal((draws, wavelength.size))
+    own = np.nan_to_num(factor_uncertainty) * generator.standard_normal((draws, wavelength.size))
+    return bias + own + scale_draws(wavelength, draws, generator)
 
 
 def fit_frame(

@@ -13,6 +13,7 @@ from plasmapyro.experiment.frame import (
     fitted_curve,
     pivot_signal_to_noise,
 )
+from plasmapyro.instrument.scale import scale_draws
 from plasmapyro.instrument.spectrometer import USABLE, local_noise
 from plasmapyro.progress import step
 from plasmapyro.radiation.bandsignal import BANDS
@@ -25,8 +26,7 @@ from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
-PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3,
-CLEAR = 0.2  # [1] if the surface stands out there by as much of its clearest
+PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3
 
 
 def correct_pyrometer(
@@ -280,24 +280,18 @@ def correct_spectra(
 
 
 def _pivot(wavelength, usable, half_width, standing_out):
-    """`PIVOT` if the surface stands out of a pixel there, by standard deviations (S, W) of which the median
-    over the exposures counts, `CLEAR` times as much as where it stands out most; else that wavelength [m]."""
+    """`PIVOT` if a pixel (W,) is usable there or none anywhere, else the wavelength [m] of that out of which
+    the surface stands most, by standard deviations (S, W) of which the median over the exposures counts."""
     number = np.isfinite(standing_out).sum(axis=0)
     seen = usable & (number > 0) & (2 * number >= number.max(initial=0))
-    if not seen.any():
+    if (usable & (np.abs(wavelength - PIVOT) <= half_width)).any() or not seen.any():
         return PIVOT
-    clearness = np.full(wavelength.size, -np.inf)
-    clearness[seen] = np.nanmedian(standing_out[:, seen], axis=0)
-    near = np.abs(wavelength - PIVOT) <= half_width
-    chosen = wavelength[np.argmax(clearness)]
-    if clearness[near].max(initial=-np.inf) >= CLEAR * clearness.max():
-        return PIVOT
+    chosen = wavelength[seen][np.argmax(np.nanmedian(standing_out[:, seen], axis=0))]
     LOG.warning(
-        "spectra are normalised at %.5g nm, where the surface stands out most: at %g nm it %s;"
+        "no usable pixel at %g nm: spectra are normalised at %.5g nm, where the surface stands out most;"
         " --normalisation-nm chooses another",
-        chosen * 1e9,
         PIVOT * 1e9,
-        "hardly does" if (near & usable).any() else "is not seen",
+        chosen * 1e9,
     )
     return chosen
 
@@ -357,7 +351,7 @@ def _common_errors(calibration, wavelength, gas_variation, draws, seed):
     generator = np.random.default_rng([seed, 0])
     level = gas_variation * generator.standard_normal((draws, 1))
     if calibration is None:
-        return np.zeros((draws, 1)), level
+        return scale_draws(wavelength, draws, generator), level
     errors = factor_errors(
         wavelength,
         float(calibration.source_temperature),

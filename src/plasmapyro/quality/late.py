@@ -49,16 +49,15 @@ def clocks(case, limit):
         return None
     switches = [result.attrs[name] for name in ("injection_time", "plasma_off_time") if name in result.attrs]
     moments = result.spectrum_time.values
-    kelvin, error, emittance = (
-        result[name].values
-        for name in ("scaled_temperature", "scaled_temperature_uncertainty", "apparent_emittance")
+    kelvin, clear, emittance = (
+        result[name].values for name in ("scaled_temperature", "signal_to_noise", "apparent_emittance")
     )
-    good = (result.spectrum_status.values == status.VALID) & (error > 0)
+    good = (result.spectrum_status.values == status.VALID) & (clear > 0)
     good &= np.all([np.abs(moments - switch) > case.exposure for switch in switches], axis=0)
     moments, kelvin = moments[good], kelvin[good]
     fitted = emittance[good] * blackbody_signals(kelvin, case.response)[1]
-    narrow, weight = result.corrected_signal.values[1], kelvin**2 / error[good]  # errors of light, by Wien
-    told = offset(result.time.values, narrow, moments, case.exposure, fitted, weight)
+    narrow = result.corrected_signal.values[1]
+    told = offset(result.time.values, narrow, moments, case.exposure, fitted, clear[good])
     if told is None:
         return None
     late, growth, clearer = told

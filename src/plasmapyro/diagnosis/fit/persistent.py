@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro.diagnosis.fit.parameter import Parameter
+from plasmapyro.instrument.scale import SCALE_ERROR, SCALE_LENGTHS, alike
 
 WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplifiers, fibre and window warm up
     "pyrometer": 2e-3,
@@ -16,12 +17,8 @@ MEMORY = 0.25  # [1], of the record: correlation time of the gains, and of half 
 GAS_TIME = 20.0  # [s] and of its other half
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
-# [1] of the scale of a spectrometer over each of two lengths, ASSUME: 1.1 % together. Lamps are certified to
-# 1 to 2 % (k = 2), 0.5 to 1 % as a standard uncertainty; the rest is for the fit, orders and the transfer.
-SMOOTH = 0.008
-SMOOTH_LENGTHS = 60e-9, 200e-9  # [m] over which that persists: as much of a wave as of a tilt
 ROUGH_LENGTH = 10e-9  # [m]
-OF_SERIES = ROUGH_LENGTH, SMOOTH_LENGTHS[0]  # [m] over which that of a series changes
+OF_SERIES = ROUGH_LENGTH, SCALE_LENGTHS[0]  # [m] over which that of a series changes
 COURSE = 3e-3  # [1] ASSUME: how far the course of the scale wanders: as far as its level
 STRAY_LIGHT = 0.003  # [1] ASSUME: of the mean count rate, as in the estimate with an emissivity
 STRAY_COURSE = 0.3  # [1] ASSUME: of it, from one end of a spectrum to the other
@@ -88,18 +85,18 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
         parameters += [*own, Parameter(f"gain_{band}", f"sensitivity of {band}", instrument.known[place])]
     if instrument.kind == "spectrometer":
         apart = np.subtract.outer(instrument.wavelength, instrument.wavelength)
-        parts = [(one, 1.0) for one in SMOOTH_LENGTHS] + [(ROUGH_LENGTH, (rough / SMOOTH) ** 2)]
+        parts = [(one, 1.0) for one in SCALE_LENGTHS] + [(ROUGH_LENGTH, (rough / SCALE_ERROR) ** 2)]
         lengths = tuple(parts)
-        value, vector = np.linalg.eigh(_alike(apart, parts))
+        value, vector = np.linalg.eigh(alike(apart, parts))
         name = "scale of the spectrometer over wavelength"
         kept = value > LEAST * value.max()
         if not rough:  # as many in every test of a laboratory, whatever the bins of its spectra
             kept = np.arange(value.size) >= value.size - _modes(instrument.wavelength, parts)
         time.append(np.ones((knots.size, kept.sum())))
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
-        parameters += [Parameter("smooth_spectrometer", name, SMOOTH)] * int(kept.sum())
+        parameters += [Parameter("smooth_spectrometer", name, SCALE_ERROR)] * int(kept.sum())
         if rough:
-            like = np.exp(-0.5 * (apart / max(SMOOTH_LENGTHS)) ** 2)
+            like = np.exp(-0.5 * (apart / max(SCALE_LENGTHS)) ** 2)
             value, vector = np.linalg.eigh(like)
             for size, row in zip(value, vector.T, strict=True):
                 if size > LEAST_WANDER * value.max():
@@ -147,7 +144,7 @@ def scale_at(wavelength, channels, modes, lengths):
     -----
     Source: Rasmussen and Williams (2006), eq. 4.44 (Nystroem's method).
     """
-    return _alike(np.subtract.outer(wavelength, channels), lengths) @ (modes / np.sum(modes**2, axis=0))
+    return alike(np.subtract.outer(wavelength, channels), lengths) @ (modes / np.sum(modes**2, axis=0))
 
 
 def scale_ends(wavelength):
@@ -157,16 +154,11 @@ def scale_ends(wavelength):
     )
 
 
-def _alike(apart, parts):
-    """Covariance of the scale at channels that lie `apart` (C, C) [m], from lengths [m] and their shares."""
-    return sum(share * np.exp(-0.5 * (apart / length) ** 2) for length, share in parts)
-
-
 def _modes(wavelength, parts):
     """Number of modes of the scale above `LEAST` on even steps over the wavelengths of some channels [m]."""
     first, last = scale_ends(wavelength)
     even = np.arange(first, last + SCALE_STEP / 2, SCALE_STEP)
-    value = np.linalg.eigvalsh(_alike(np.subtract.outer(even, even), parts))
+    value = np.linalg.eigvalsh(alike(np.subtract.outer(even, even), parts))
     return int(np.sum(value > LEAST * value.max()))
 
 
