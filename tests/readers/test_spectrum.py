@@ -74,6 +74,31 @@ def test_scales_of_programs(tmp_path, head, line, rows):
     np.testing.assert_array_equal(frames, np.array(ROWS).T[1:])
 
 
+@pytest.mark.parametrize(
+    ("names", "light"),
+    [
+        ("mean,std", lambda one, two: one),
+        ("Intensit\u00e4t;Standardabweichung", lambda one, two: one),
+        ("uncertainty (k=2),counts", lambda one, two: two),
+        ("counts_err,counts", lambda one, two: two),
+        ("shot 1,shot 2", lambda one, two: [one, two]),
+        ("std,error", lambda one, two: [one, two]),
+        ("sample,reference", lambda one, two: one),
+        ("dark,dark corrected", lambda one, two: two),
+        ("dark,counts minus dark", lambda one, two: two),
+        ("dark,scope", lambda one, two: two - one),
+        ("raw,dark corrected", lambda one, two: one),
+        ("errorless,studied", lambda one, two: [one, two]),
+    ],
+)
+def test_columns_that_are_no_light_are_no_frames(tmp_path, names, light):
+    path, mark = tmp_path / "s.csv", ";" if ";" in names else ","
+    rows = "".join(f"{a}{mark}{b}{mark}{c}\n" for a, b, c in ROWS)
+    path.write_text(f"wavelength{mark}{names}\n{rows}", encoding="utf-8")
+    _, one, two = np.array(ROWS).T
+    np.testing.assert_array_equal(read_frames(path)[1], np.atleast_2d(light(one, two)))
+
+
 @pytest.mark.parametrize("word", ["", "NaN"])
 def test_a_cell_without_a_number_is_no_light(tmp_path, word):
     path = tmp_path / "s.txt"

@@ -10,6 +10,7 @@ from plasmapyro.readers.ocean import (
     DERIVED,
     FENCE,
     LEAST_PIXELS,
+    NO_LIGHT,
     block_of,
     names_above,
     read_spectrum,
@@ -22,6 +23,12 @@ HEADER_LINES = 100
 # [1] by which two scales of one detector differ, and one scale in two units (powers of ten)
 ALIKE, SAME, UNITS = 1e-3, 1e-5, (-3, 0, 1)
 NO_WAVELENGTH = re.compile(r"raman|wave ?num|wellenzahl|energ|cm\^?-1|1/cm|\bevs?\b", re.IGNORECASE)
+SPREAD = re.compile(  # of what stands beside it, no light
+    r"(^|[\W_])(std(dev|ev)?|s\.?d|sem|rmsd?|sigma|\u03c3|err(or)?s?|uncert\w*|unc|deviation|fehler|incert\w*"
+    r"|\w*unsicherheit|standardabw\w*|[e\u00e9]cart\w*|desv\w*)([\W_\d]|$)",
+    re.IGNORECASE,
+)
+TAKEN_OFF = re.compile(r"subtract|correct|korrig|minus|net\b", re.IGNORECASE)
 
 
 def read_frames(path, least=LEAST_PIXELS):
@@ -29,9 +36,10 @@ def read_frames(path, least=LEAST_PIXELS):
 
     A file of SpectraSuite, OceanView or Jaz, or lines of numbers below a header of words: the wavelength [nm]
     ([um] if all are below 10, Angstrom if its name says so), then the signal, or several frames of it (as
-    Andor Solis exports them); a column named as dark is subtracted, one of the same wavelengths, or of pixel
-    numbers, left out. NaN where no number stands. Refusal: no such file; fewer rows than `least`; no
-    wavelengths that rise or fall, or two scales of them; a line that is no row of numbers.
+    Andor Solis exports them); a column named as dark is subtracted unless it is already; one of the same
+    wavelengths or of pixel numbers, or named as an error or a reference, is left out. NaN where no number
+    stands. Refusal: no such file; fewer rows than `least`; no wavelengths that rise or fall, or two scales of
+    them; a line that is no row of numbers.
     """
     lines, _ = read_lines(path, LARGEST)
     if any(line.startswith(FENCE) for line in lines[:HEADER_LINES]):
@@ -64,12 +72,25 @@ def read_frames(path, least=LEAST_PIXELS):
         )
     if own.shape[1] > 2:
         names, own = _without_scales(path, names, own)
-    dark = [bool(DARK.search(name) and not DERIVED.search(name)) for name in names[1:]]
-    dark += [False] * (own.shape[1] - 1 - len(dark))
-    frames = own[:, 1:].T
-    if any(dark) and not all(dark):
-        frames = frames[~np.array(dark)] - frames[dark].mean(axis=0)
-    return wavelength, frames
+    return wavelength, _light(names[1:], own[:, 1:].T)
+
+
+def _light(names, columns):
+    """Frames (F, N) of light among columns (C, N), their dark subtracted; all that have no name are frames.
+
+    Not light: errors; beside raw signals a reference, what was made of them, and the dark.
+    """
+    names = [*names, *[""] * (len(columns) - len(names))]
+    dark = np.array([bool(DARK.search(name) and not DERIVED.search(name)) for name in names])
+    spread = np.array([SPREAD.search(name) is not None for name in names])
+    raw = ~dark & ~spread & [NO_LIGHT.search(name) is None for name in names]
+    light = raw if raw.any() else ~dark & ~spread
+    if not light.any():
+        return columns
+    off = [TAKEN_OFF.search(name) is not None or DARK.search(name) is not None for name in names]
+    if not dark.any() or np.all(np.array(off)[light]):
+        return columns[light]
+    return columns[light] - columns[dark].mean(axis=0)
 
 
 def _without_scales(path, names, table):
