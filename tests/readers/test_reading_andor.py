@@ -252,6 +252,17 @@ def test_frames_have_their_times_and_the_table_its_wavelengths(place):
     np.testing.assert_allclose(test.attrs["emittance_wavelength"], [5e-7, 6.5e-7, 8e-7, 1e-6])
 
 
+def test_a_single_frame_has_a_temperature_and_a_page(place, tmp_path):
+    (tmp_path / "test").mkdir()
+    series(tmp_path / "test/light.asc", furnace(973.15), 1.0, frames=1, seed=4)
+    for name in ("dark.asc", "test.yaml"):
+        shutil.copy(place / "test" / name, tmp_path / "test")
+    words = ["correct", str(tmp_path / "test"), "--instrument", str(place / "lab"), "--out"]
+    assert cli.main([*words, str(tmp_path / "t.nc")]) == 0
+    found = io.read(tmp_path / "t.nc", "emissivity_estimate").spectral_temperature.values
+    assert found == pytest.approx([973.15], abs=5)
+
+
 def test_the_header_may_stand_below_the_table(place, tmp_path):
     header, _, rows = (place / "test/light.asc").read_text().partition("\n\n")
     (tmp_path / "kin.asc").write_text(f"{rows}\n\n{header}\n")
@@ -297,7 +308,14 @@ def test_an_exposure_that_no_header_tells_is_stated(place, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "wrong", ["[[800, 0.4]]", "[[800, 0.4], [700, 0.5]]", "[[700, 0.4], [800, 1.5]]", "[1, 2]"]
+    "wrong",
+    [
+        "[[800, 0.4]]",
+        "[[800, 0.4], [700, 0.5]]",
+        "[[700, 0.4], [800, 1.5]]",
+        "[1, 2]",
+        "[[0.7, 0.4], [0.8, 0.3]]",
+    ],
 )
 def test_a_table_of_emittance_that_means_nothing_is_refused(place, tmp_path, wrong):
     for name in ("light.asc", "dark.asc"):

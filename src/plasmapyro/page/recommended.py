@@ -35,6 +35,11 @@ def axis_of(result):
     return result[result.recommended_temperature.dims[0]].values
 
 
+def ends(time):
+    """First and last of times (t,) [s] as ends of an axis, which those of a single sample are not."""
+    return (min(time), max(time)) if len(time) > 1 else (time[0] - 0.5, time[0] + 0.5)
+
+
 def counted(state):
     """Samples that count as having a temperature, as the commands count them."""
     return np.isin(state, (VALID, EXTRAPOLATED))
@@ -89,7 +94,7 @@ def figure(result, others, name="recommended"):
         if seen.size:
             limit = max(ROOM * np.quantile(seen, 0.9), 5.0)
             axes[1].set_ylim(-limit, limit)
-        axes[0].set(ylabel="surface temperature [K]", xlim=(min(time), max(time)))
+        axes[0].set(ylabel="surface temperature [K]", xlim=ends(time))
         axes[0].legend(loc="lower center", ncols=1)
         axes[1].set(xlabel="time [s]", ylabel="difference [K]")
 

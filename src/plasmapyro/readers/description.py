@@ -13,6 +13,7 @@ LARGEST = 64_000  # [byte] a description is a page of text
 LONGEST_NAME = 200
 DEEPEST = 12  # nested levels
 MOST_FILES = 1000  # of one record
+LEAST_NM = 100  # of an emittance over wavelength: below it a table is in um
 
 
 class _Loader(yaml.BaseLoader):
@@ -163,8 +164,12 @@ class Section:
             what = "must be a number, or pairs [nm, emittance] of rising wavelengths"
             self.blame("emittance", f"{what}; got {quote(words)}", "correct it")
             return {}
-        if not (values[0, 0] > 0 and (values[1] > 0).all() and (values[1] <= 1).all()):
-            self.blame("emittance", "must lie above 0 and up to 1, at wavelengths above 0", "correct it")
+        if not ((values[1] > 0).all() and (values[1] <= 1).all()):
+            self.blame("emittance", "must lie above 0 and up to 1", "state it as a fraction")
+            return {}
+        if values[0, 0] < LEAST_NM:
+            what = f"must begin at {LEAST_NM} nm or above, not at {values[0, 0]:g}"
+            self.blame("emittance", what, "state its wavelengths in nm")
             return {}
         table = {"emittance_wavelength": (values[0] * 1e-9).tolist(), "emittance_table": values[1].tolist()}
         return {"emittance": float(np.exp(np.log(values[1]).mean())), **table}
