@@ -25,7 +25,8 @@ from plasmapyro.facility.probes import Calorimeter
 from plasmapyro.facility.rebuild import rebuild
 from plasmapyro.record import status
 
-REFERENCE = 900  # [C] at which the furnace calibrates the spectrometer
+REFERENCE = 900  # [C] at which the furnace calibrates the spectrometer, unless stated
+EMISSIVITY = "Ta_emissivity.csv"
 ICE = 273.15
 NAME = re.compile(r"(\d+(?:\.\d+)?)C_")
 ROOM = 50  # [C] below it nothing glows
@@ -89,19 +90,33 @@ def row(*cells):
     print("| " + " | ".join(map(str, cells)) + " |", flush=True)
 
 
-def furnace(folder, work):
-    """Spectra of tantalum at known temperatures, calibrated at one of them; room light, laser, dark."""
+def records(folder, reference):
+    """Spectra of a furnace -> temperature [C] of their names or None, a dark, that at the `reference` [C]."""
     stated = {path: NAME.match(path.name) for path in sorted(folder.glob("*.asc"))}
     celsius = {path: float(match[1]) if match else None for path, match in stated.items()}
-    dark = next(path for path, known in celsius.items() if known is not None and known < ROOM)
-    light = next(path for path, known in celsius.items() if known == REFERENCE)
-    lines = (folder / "Ta_emissivity.csv").read_text(encoding="utf-8-sig").split()
+    known = sorted({value for value in celsius.values() if value is not None})
+    if not known or known[0] >= ROOM or reference not in known or reference < LEAST:
+        told = ", ".join(f"{value:g}" for value in known) or "none"
+        raise SystemExit(
+            f"{folder}: needs a dark, below {ROOM} C, and a spectrum at the reference, {reference:g} C"
+            f" ({LEAST} or more), with names as 700C_*.asc; there are {told}; say another by --reference"
+        )
+    if not (folder / EMISSIVITY).is_file():
+        raise SystemExit(f"{folder}: needs {EMISSIVITY}, rows of wavelength [nm] and emissivity")
+    dark = next(path for path, value in celsius.items() if value is not None and value < ROOM)
+    return celsius, dark, next(path for path, value in celsius.items() if value == reference)
+
+
+def furnace(folder, work, reference=REFERENCE):
+    """Spectra of tantalum at known temperatures, calibrated at one of them; room light, laser, dark."""
+    celsius, dark, light = records(folder, reference)
+    lines = (folder / EMISSIVITY).read_text(encoding="utf-8-sig").split()
     table = [[float(cell) for cell in line.split(",")] for line in lines]
     told, said_of = {"told the table": table, "not told": 1.0}, {}
     for word, emittance in told.items():
         place = work / word.replace(" ", "_")
         (place / "calibration").mkdir(parents=True)
-        source = CALIBRATION.format(kelvin=REFERENCE + ICE, emittance=emittance)
+        source = CALIBRATION.format(kelvin=reference + ICE, emittance=emittance)
         (place / "calibration/calibration.yaml").write_text(source, encoding="utf-8")
         shutil.copy(light, place / "calibration/light.asc")
         shutil.copy(dark, place / "calibration/dark.asc")
@@ -140,21 +155,23 @@ def furnace(folder, work):
                 f"{value - known:+.1f}",
                 verdict,
             )
-            if known != REFERENCE:
-                said_of.setdefault(f"{known:g} C", []).append((value - known, (high - low) / 3.92))
+            if known != reference:
+                said_of.setdefault(f"{known:g} C", {})[word] = value - known, (high - low) / 3.92
                 off.append(abs(value - known))
                 inside += low <= known <= high
         row(
             f"furnace, {word}",
             f"{len(off)} others",
             "-",
-            f"at most {max(off):.1f}",
+            f"at most {max(off, default=0):.1f}",
             f"{inside} of {len(off)} inside the 95 % interval",
         )
 
     TABLES["furnace"] = [("thermocouple", "told the table", "standard uncertainty", "not told")] + [
-        (known, f"{first[0]:+.1f} K", f"{first[1]:.1f} K", f"{second[0]:+.1f} K")
-        for known, (first, second) in sorted(said_of.items(), key=lambda item: float(item[0].split()[0]))
+        (known, f"{both['told the table'][0]:+.1f} K", f"{both['told the table'][1]:.1f} K")
+        + (f"{both['not told'][0]:+.1f} K",)
+        for known, both in sorted(said_of.items(), key=lambda item: float(item[0].split()[0]))
+        if len(both) == len(told)
     ]
 
 
@@ -186,6 +203,8 @@ def plasmatron(folder, work, results):
             said = f"gamma {gamma:g}: {found.temperature:.0f} K, {found.enthalpy / 1e6 + COLD_AIR:.2f} MJ/kg"
             row("pairs", f"{pair}, {theirs:.0f} K", said, f"{found.temperature - theirs:+.0f}", "")
     for path in sorted(folder.rglob("stag_point_temp*.dat")):
+        if path.parent.name[:5] not in GAS_OF_RECORD:
+            row("readings", path.parent.name, "-", "-", f"gas not known; {', '.join(GAS_OF_RECORD)} are")
         for condition in GAS_OF_RECORD.get(path.parent.name[:5], ()):
             out = work / f"{path.parent.name}_{condition}_{path.stem}.nc"
             words = ["correct-reading", path, "--condition", condition, "--out", out]
@@ -226,9 +245,7 @@ def elements(folder, work, pairs, seed):
         beside = [one for one in dict.fromkeys(told) if one not in species.AIR]
         row("elements", what, " ".join(beside), "-", species.verdict(known, beside) if known else "-")
         missed = " ".join(one for one in known if one not in beside) or "-"
-        TABLES["elements"].append(
-            (re.match("[A-Za-z]*?(?=E?[0-9]|$)", path.stem)[0], ", ".join(beside), missed)
-        )
+        TABLES["elements"].append((species.word_of(path), ", ".join(beside) or "-", missed))
     for share, clear, hit, false, wrong, count in species.board(folder, pairs, seed=seed):
         seen = f"right name in {hit} of {clear} at SNR {species.CLEAR:g}, false in {false} of {count}"
         row("elements", f"mixtures, {share:.0%}", "-", "-", f"{seen}, of these no trace {wrong}")
@@ -239,10 +256,13 @@ def parser():
     """The argument parser."""
     top = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     top.add_argument("--furnace", type=Path, metavar="FOLDER", help="(a, b) dcoffm/TEM-Pyrometry, GPL-3")
+    top.add_argument(
+        "--reference", type=float, default=REFERENCE, metavar="C", help="that calibrates (a); default 900"
+    )
     top.add_argument("--elements", type=Path, metavar="FOLDER", help="(c) CF-LIBS-improved, open")
     top.add_argument("--lamp", type=Path, metavar="FOLDER", help="(d) counts of ooacquire, GPL-2")
     top.add_argument("--plasmatron", type=Path, metavar="FOLDER", help="(e) AblaNTIS, CC BY-NC 4.0")
-    top.add_argument("--mixtures", type=int, default=20, metavar="N", help="pairs of elements for (c)")
+    top.add_argument("--mixtures", type=int, metavar="N", help="pairs of elements for (c); default: all")
     top.add_argument("--seed", type=int, default=SEED, metavar="N", help="that the pairs are drawn with")
     top.add_argument(
         "--results", type=Path, metavar="FOLDER", help="a finished run for (e); default: what is shipped"
@@ -257,7 +277,7 @@ if __name__ == "__main__":
     row(*["---"] * 5)
     with tempfile.TemporaryDirectory() as work:
         if options.furnace:
-            furnace(options.furnace, Path(work))
+            furnace(options.furnace, Path(work), options.reference)
         if options.elements:
             elements(options.elements, Path(work), options.mixtures, options.seed)
         if options.lamp:

@@ -63,9 +63,14 @@ def names(answer):
     return list(dict.fromkeys(sure))
 
 
+def word_of(path):
+    """What a file's name begins with, without the number of the piece: "Al_2.csv", "corundumE21.csv"."""
+    return re.match(r"[^\W\d_]*?(?=E?\d|[\W_]|$)", path.stem)[0] or path.stem
+
+
 def known(path):
     """Elements of which a file's name speaks ("Al.csv", "quartz12_spectrum.csv"), or none."""
-    stem = re.match("[A-Za-z]*", path.stem.removesuffix("_spectrum"))[0]
+    stem = word_of(path)
     mineral = next((MINERALS[name].split() for name in MINERALS if stem.lower().startswith(name)), None)
     return mineral or [stem] * (stem in {one.element for one in catalogue()})
 
@@ -135,7 +140,7 @@ def drawn(pairs, number, half, skip, rng):
     else:
         code = {one: zlib.crc32(f"{one.host}/{one.admixture}".encode()) for one in pairs}
         pairs = sorted((one for one in pairs if code[one] % 2 == half), key=code.get)
-    return pairs[skip : skip + number]
+    return pairs[skip:][:number]
 
 
 def signal_to_noise(much, little, element):
@@ -220,7 +225,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder")
-    parser.add_argument("--mixtures", type=int, default=20, metavar="N", help="pairs, each at three shares")
+    parser.add_argument("--mixtures", type=int, metavar="N", help="pairs, each at three shares; default: all")
     parser.add_argument("--half", type=int, default=1, choices=(0, 1), help="of the pairs")
     parser.add_argument("--skip", type=int, default=0, metavar="N", help="of the pairs, before these")
     parser.add_argument(
