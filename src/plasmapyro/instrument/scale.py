@@ -1,4 +1,4 @@
-"""How the calibrated scale of a spectrometer errs over wavelength: smoothly, by what noise of pixels is not."""
+"""How the scale of a spectrometer errs over wavelength: smoothly, as the noise of its pixels does not."""
 
 import numpy as np
 

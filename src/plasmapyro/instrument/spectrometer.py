@@ -62,9 +62,9 @@ def local_noise(values, block):
     A smooth signal cancels in the second difference, a single spike does not move the median. The estimates
     of blocks of so many samples are joined linearly; blocks that hold fewer than half of that, at an end or
     beside a gap, take their neighbours': of three differences the median is next to nothing now and then.
-    NaN where no three neighbours are finite. Deviation: the paper states no noise model; this one asks nothing
-    of the maker. ASSUME: noise independent from pixel to pixel; where lines vary within three pixels it comes
-    out too large.
+    NaN where no three neighbours are finite. Deviation: the paper states no noise model; this one asks
+    nothing of the maker. ASSUME: noise independent from pixel to pixel; where lines vary within three pixels
+    it comes out too large.
     """
     values = np.asarray(values, dtype=float)
     count = values.shape[-1]

@@ -95,8 +95,8 @@ def gain(score, information, left):
 def columns_of_candidates(model, solution, effects):
     """Linearised columns (n, C, m) per instrument of effects at every shape, and who they are.
 
-    Of an instrument that stands alone its surface knows no clock, only the end of the plasma does, between two
-    samples: its clock is asked by finite shifts as well.
+    Of an instrument that stands alone its surface knows no clock, only the end of the plasma does, between
+    two samples: its clock is asked by finite shifts as well.
     """
     alone = len(model.instruments) == 1
     candidates = tuple(
