@@ -2,15 +2,24 @@
 
 import re
 from datetime import timedelta
+from functools import lru_cache
 
 import numpy as np
 
+from plasmapyro.identification.species import catalogue
 from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import SIGMA
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import foreign
+from plasmapyro.refraction import vacuum_wavelength
 
 LISTED = 5  # wavelengths
+# Of the lines of a plasma: what test gases are made of, those above a share of the strongest of its species,
+# and what stands out of the spectrum of the window: so many at least, the clearest ten, held to so near.
+PLASMA = ("N I", "O I", "C I", "H I", "Ar I")
+STRONG, EXCITATION = 0.15, 8000.0  # [1], [K]
+FEWEST, CLEAREST, LEAST_NEAR = 5, 10, 0.3e-9  # [m]
+RED = (600e-9, 1200e-9)  # [m] where their lines are clearer than heads of bands
 NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
 
 
@@ -207,6 +216,34 @@ def wavelength_range(case, limit):
     if pixels[0] >= 190 and pixels[-1] <= limit:
         return None
     return {"first": float(pixels[0]), "last": float(pixels[-1])}
+
+
+@rule()
+def lines_elsewhere(case, limit):
+    time, wavelength = case.test.spectrum_time.values, case.test.wavelength.values
+    low, high = case.test.attrs["reference_window"]
+    width, light = float(case.test.attrs["spectrometer_fwhm"]), case.net[(time >= low) & (time <= high)]
+    if not len(light):
+        return None
+    seen = foreign.narrow_light(wavelength, light, width)
+    seen = seen[(seen > RED[0]) & (seen < RED[1])][:CLEAREST]
+    near = max(width / 4, 1.5 * float(np.median(np.diff(wavelength))), LEAST_NEAR)
+    if seen.size < FEWEST:
+        return None
+    off = np.abs(lines_of_plasmas() - seen[:, None]).min(axis=1) > near
+    if off.mean() <= 1 - limit:
+        return None
+    places = ", ".join(f"{place * 1e9:.4g}" for place in np.sort(seen[off])[:LISTED])
+    return {"off": int(off.sum()), "count": seen.size, "places": places, "near": near}
+
+
+@lru_cache(maxsize=1)
+def lines_of_plasmas():
+    """Wavelengths (n,) [m] in vacuum of the stronger lines of `PLASMA` in the `RED`."""
+    parts = [one.between(*RED) for one in catalogue() if one.name in PLASMA]
+    return vacuum_wavelength(
+        np.concatenate([one.wavelength[one.light(EXCITATION, 0.0) > STRONG] for one in parts])
+    )
 
 
 @rule()
