@@ -30,7 +30,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "record": {"instrument", "radiation"},  # a test as numbers to use, the same for all who read it
     "experiment": {"record", "instrument", "radiation"},
     "estimate": {"record", "instrument", "radiation"},
-    "quality": {"record", "instrument", "radiation"},
+    "quality": {"record", "instrument", "radiation", "identification"},
     "identification": set(),  # names of lines
     "readers": {  # files in, datasets out: the one group that knows files
         "contracts",

@@ -75,11 +75,11 @@ def test_a_pattern_beside_unknown_bands_is_asked_of_spectra_alone(
 
 
 def test_spectra_too_few_to_be_in_a_model_are_not_fitted_alone(laboratory, record, monkeypatch):
-    """Bands are unknown and something remains, as it may of a radiometer of many bands: alone, six spectra
+    """Bands are unknown and something remains, as it may of a radiometer of many bands: alone, four spectra
     would be refused."""
     monkeypatch.setattr(stage, "left_over", lambda *_: "left_pattern")
     monkeypatch.setattr(Selection, "in_bands", True)
-    report = run(laboratory, record().isel(spectrum_time=slice(0, 120, 20)), []).report
+    report = run(laboratory, record().isel(spectrum_time=slice(0, 120, 30)), []).report
     assert report["dataset"]["instruments"] == ["pyrometer"]
 
 
