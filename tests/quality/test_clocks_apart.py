@@ -58,6 +58,12 @@ def test_an_offset_is_measured_and_said(correct, by):
     assert f"move the spectra by {-found:+.2g} s" in said.remedy
 
 
+def test_an_offset_that_moves_no_temperature_by_two_uncertainties_is_measured_and_not_said(correct):
+    case = correct(0.2)
+    assert late.clocks(case, 0.0).late == pytest.approx(0.2, abs=0.03)
+    assert late.clocks(case, 2.0) is None and agreement.clocks_apart(case) is None
+
+
 @pytest.mark.parametrize("wrong", [{}, {"drift": 0.05}, {"drift": -0.05}, {"bend": 0.05}])
 def test_true_clocks_are_passed_also_where_a_window_drifts_or_a_band_bends(correct, wrong):
     case = correct(**wrong)

@@ -15,9 +15,9 @@ def alike(apart, parts):
 
 
 def scale_draws(wavelength, draws, generator):
-    """Draws (draws, W) of the relative error of the scale at wavelengths (W,) [m], which rise."""
+    """Draws (draws, W) of the relative error of the scale at wavelengths (W,) [m]."""
     number = int(np.ceil(np.ptp(wavelength) / STEP)) + 1
-    knots = wavelength[0] + STEP * np.arange(number)
+    knots = wavelength.min() + STEP * np.arange(number)
     covariance = alike(np.subtract.outer(knots, knots), [(one, 1.0) for one in SCALE_LENGTHS])
     value, vector = np.linalg.eigh(covariance)
     root = vector * np.sqrt(np.maximum(value, 0.0))

@@ -234,7 +234,7 @@ def lines_elsewhere(case, limit):
     if off.mean() <= 1 - limit:
         return None
     places = ", ".join(f"{place * 1e9:.4g}" for place in np.sort(seen[off])[:LISTED])
-    return {"off": int(off.sum()), "count": seen.size, "places": places, "near": near}
+    return {"off": int(off.sum()), "count": seen.size, "places": places}
 
 
 @lru_cache(maxsize=1)
