@@ -141,6 +141,15 @@ def test_a_step_of_the_frames_is_seen_where_the_bins_do_not_show_it(left):
     assert left(flat, frames=frames_with(2, gas=0.01, wander=1e-4)) is None
 
 
+def test_frames_of_two_kinds_are_told_though_the_noise_of_frames_holds_them(left):
+    """A seventh of the frames are 0.6 % brighter beside gains that are 0.1 % of noise each."""
+    random = np.random.default_rng(1)
+    flat, frames = random.standard_normal((SAMPLES, CHANNELS)), frames_with(2, gas=0.01)
+    noise, brighter = 1e-3 * random.standard_normal(SAMPLES), 6e-3 * (random.random(SAMPLES) < 0.14)
+    assert left(flat, frames=frames + noise[:, None] * FRAME_LIGHT) is None
+    assert left(flat, frames=frames + (noise + brighter)[:, None] * FRAME_LIGHT) == leftover.FRAMES
+
+
 def test_frames_of_a_surface_that_cools_fast_tell_no_step():
     """An ablator loses a third of its light in a frame: a hundredth of that, missed, were a step."""
     value = FRAME_LIGHT * np.where(np.arange(SAMPLES) < 50, 1.0, 0.7)[:, None] * np.ones(CHANNELS)

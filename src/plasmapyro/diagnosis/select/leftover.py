@@ -8,6 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from plasmapyro.diagnosis.fit.base import phase_of, raw_residuals
 from plasmapyro.diagnosis.fit.noise import slow_part
+from plasmapyro.diagnosis.select.two_levels import two_kinds
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
 LARGER = 1.1  # [1] over that: residuals of 60 tests without a fault stay below 1.05
@@ -28,6 +29,7 @@ USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual on
 LEAST_USUAL_STEPS = 20  # are; and how many there must be
 ENDS = 8  # frames at either end of a phase that tell none: there paths bend, and splines miss some of it
 STEP_STANDS = 6.0  # standard deviations of frames, or usual steps: 0.2 % of simulated gains that wander pass
+LEAST_FRAMES = 20  # frames that tell whether they are of two kinds
 FRAMES, MOMENT, PATTERN, STEP = "left_frames", "left_moment", "left_pattern", "left_step"
 NAMES = {
     STEP: "a step of the gain of the spectrometer from one frame to the next",
@@ -164,7 +166,7 @@ def largest_step(gain, error, period):
 
 def left_over(model, solution):
     """`MOMENT` or `PATTERN` if an instrument of many channels leaves one beyond noise, `FRAMES` if some stand
-    out, `STEP` if its gain has one, else None.
+    out or they are of two kinds, `STEP` if its gain has one, else None.
 
     Notes
     -----
@@ -187,11 +189,14 @@ def left_over(model, solution):
             count = standing_out(residual, value, weigher, phase_of(instrument.time, model.off)).sum()
             if count >= max(FEWEST, LEAST_SHARE * len(value)):
                 return FRAMES
-    return STEP if model.plasma and _steps(model, solution) else None
+    if not model.plasma:
+        return None
+    return _of_frames(model, solution)
 
 
-def _steps(model, solution):
-    """Whether a gain of many channels has a step: bins and gains that wander would swallow it."""
+def _of_frames(model, solution):
+    """`FRAMES` if the frames of an instrument of many channels are of two kinds, `STEP` if their gain has a
+    step: bins, noise and gains that wander would swallow it."""
     samples = raw_residuals(model, solution)
     for instrument, weigher, found in zip(model.instruments, solution.weighers, samples, strict=True):
         if instrument.channels < LEAST:
@@ -199,9 +204,19 @@ def _steps(model, solution):
         time = instrument.raw_moment.mean(axis=1)
         gain, error = gains_of_frames(instrument, *found, weigher.weight)
         period, phase = float(np.median(np.diff(time))), phase_of(time, model.off)
+        if _two_kinds(gain, error, phase):
+            return FRAMES
         if any(
             largest_step(gain[own], error[own], period)[0] > STEP_STANDS
             for own in (phase == which for which in np.unique(phase))
         ):
-            return True
-    return False
+            return STEP
+    return None
+
+
+def _two_kinds(gain, error, phase):
+    """Whether gains (t,) of frames are of two kinds, beside their neighbours; of those that tell it."""
+    told = np.isfinite(gain) & (error < CLEAR)
+    apart = gain - slow_part(np.where(told, gain, np.nan)[:, None], told, phase)[:, 0]
+    told &= error < 1.4826 * np.median(np.abs(apart[told])) if told.any() else False
+    return told.sum() >= LEAST_FRAMES and two_kinds(apart[told], error[told] ** 2)
