@@ -232,15 +232,18 @@ def test_a_name_that_explains_more_than_any_structure_stands_without_blocks_left
 
 
 @pytest.mark.parametrize(
-    ("evidence", "total", "expected"),
+    ("evidence", "total", "in_samples", "expected"),
     [
-        (35.3, 0.4, "named+unknown"),  # silent, and still the best that there is
-        (16.0, 0.4, "unknown"),
-        (16.0, 2.0, "named+unknown"),
-        (16.0, 9.0, "named"),
+        (35.3, 0.4, None, "named+unknown"),  # silent, and still the best that there is
+        (16.0, 0.4, None, "unknown"),
+        (16.0, 2.0, None, "named+unknown"),
+        (16.0, 9.0, None, "named"),
+        (16.0, 9.0, "left_step_pyrometer", "named+unknown"),
     ],
 )
-def test_a_diagnosis_asks_both_the_blocks_left_out_and_the_structures(monkeypatch, evidence, total, expected):
+def test_a_diagnosis_asks_the_blocks_left_out_the_structures_and_the_samples(
+    monkeypatch, evidence, total, in_samples, expected
+):
     """All that is computed replaced by what it may say; a test without a plasma has no gas to compare."""
     seen = SimpleNamespace(structures=(Structure("walk_spectrometer", "", slice(0, 1)),))
     fit = SimpleNamespace(settings=(Setting(CATALOGUE["winE"], 0.05, {}),), converged=True)
@@ -260,6 +263,7 @@ def test_a_diagnosis_asks_both_the_blocks_left_out_and_the_structures(monkeypatc
         "select": selected,
         "gain": Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None),
         "left_over": None,
+        "left_in_bands": in_samples,
         "nothing_to_compare": alike,
         "gas_is_likelier": True,
         "digest_of": "",
@@ -285,6 +289,9 @@ def test_a_pattern_that_comes_and_goes_lies_along_time_too():
     [
         ("walk_clock", "left_moment", "left_moment"),
         (None, "left_moment", "left_moment"),
+        (None, "left_step_pyrometer", "left_step_pyrometer"),
+        ("walk_wide", "left_step_pyrometer", "walk_wide"),
+        ("one_pattern", "left_step_pyrometer", "one_pattern"),
         ("one_pattern", "left_pattern", "one_pattern"),
         ("one_walk_gas", "left_frames", "one_walk_gas"),
         ("walk_clock", None, "walk_clock"),

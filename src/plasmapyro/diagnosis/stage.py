@@ -20,6 +20,7 @@ from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
+from plasmapyro.diagnosis.select.left_in_bands import left_in_bands
 from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
@@ -160,7 +161,7 @@ def diagnose(
     if left and selection.in_bands and any(one.kind == "spectrometer" for one in base.model.instruments):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
-    selection = selection.with_rest(left)
+    selection = selection.with_rest(left or left_in_bands(base.model, selection.final))
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         own = radiation[str(test.attrs["condition"])]

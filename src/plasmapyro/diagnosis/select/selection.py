@@ -24,6 +24,11 @@ MOST_STEPS = 150  # of a walk that is held against a change along the signal
 SAME_ANGLE, ALIKE_ANGLE = 15.0, 45.0  # [degree] below which two are one class, or may explain the same
 
 
+def in_bands(identity):
+    """Whether a class of structures lies in the pyrometer alone."""
+    return seen_by(identity)["instrument"] == "pyrometer"
+
+
 @dataclass(frozen=True)
 class Selection:
     """The outcome: rounds, the effects and their fit, who could stand in for each, and what remains."""
@@ -96,7 +101,7 @@ class Selection:
     @property
     def in_bands(self):
         """Whether what is unknown lies in the pyrometer."""
-        return self.unknown_class is not None and seen_by(self.unknown_class)["instrument"] == "pyrometer"
+        return self.unknown_class is not None and in_bands(self.unknown_class)
 
     def _behind(self):
         """Id of the structure that a cause behind the effects that were found is.
@@ -134,9 +139,11 @@ class Selection:
         return replace(self, status=status, unknown_class=self.unknown_class or structure, reserve="")
 
     def with_rest(self, left):
-        """The same, and what a final fit leaves to a spectrometer (id, or None) where nothing of its own is
-        unknown already: what is unknown of the pyrometer then comes of what it is held against."""
-        if left is None or self.unknown_class and seen_by(self.unknown_class)["instrument"] != "pyrometer":
+        """The same, and what a final fit leaves (id, or None): to a spectrometer where nothing of its own is
+        unknown already, what is unknown of the pyrometer then comes of what it is held against; to a
+        pyrometer where nothing is."""
+        known = self.unknown_class and (not self.in_bands or in_bands(left or self.unknown_class))
+        if left is None or known:
             return self
         return replace(self, unknown_class=None).beside(left)
 
