@@ -6,15 +6,9 @@ import numpy as np
 
 from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.instrument.scale import SCALE_ERROR, SCALE_LENGTHS, alike
+from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 
-WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplifiers, fibre and window warm up
-    "pyrometer": 2e-3,
-    "ratio": 1e-3,
-    "spectrometer": 3e-3,
-}
-STEP, LEAST_KNOTS, MOST_KNOTS = 8.0, 10, 40  # [s] between knots of what wanders, and how many there may be
-MEMORY = 0.25  # [1], of the record: correlation time of the gains, and of half of the gas,
-GAS_TIME = 20.0  # [s] and of its other half
+GAS_TIME = 20.0  # [s] correlation time of half of the gas; of its other half as of the gains
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
 ROUGH_LENGTH = 10e-9  # [m]
@@ -63,7 +57,7 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     -----
     Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006), eq. 4.9 and B.29.
     """
-    knots, root = _wandering(start, end, MEMORY * (end - start), more=np.ravel(pauses))
+    knots, root = wandering(start, end, MEMORY * (end - start), more=np.ravel(pauses))
     kinds = {"pyrometer": np.ones(instrument.channels), "ratio": [0.5, -0.5]}
     if instrument.channels != 2:
         del kinds["ratio"]
@@ -169,18 +163,9 @@ def _stray_share(instrument, chosen):
     return np.minimum(STRAY_LIGHT * np.nanmean(counts) / np.maximum(counts, 1e-300), 1.0)
 
 
-def _wandering(start, end, *times, more=()):
-    """Knots (K,) [s], `more` among them, and a root (K, K) of the covariance of what wanders with variance 1,
-    alike in parts over some times [s]."""
-    knots = np.linspace(start, end, int(np.clip((end - start) / STEP, LEAST_KNOTS, MOST_KNOTS)))
-    knots = np.union1d(knots, more)
-    apart = np.abs(np.subtract.outer(knots, knots))
-    return knots, np.linalg.cholesky(sum(np.exp(-apart / one) for one in times) / len(times))
-
-
 def wandering_gas(start, end):
     """Parameters of a brightness of the gas that wanders over a record from `start` to `end` [s]."""
-    knots, root = _wandering(start, end, GAS_TIME, MEMORY * (end - start))
+    knots, root = wandering(start, end, GAS_TIME, MEMORY * (end - start))
     name = "wandering brightness of the gas"
     return tuple(
         Parameter("gas_wander", name, GAS_WANDER, history=(tuple(knots), tuple(column))) for column in root.T
