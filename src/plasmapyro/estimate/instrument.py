@@ -9,6 +9,7 @@ from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
 from plasmapyro.radiation.planck import blackbody_derivatives
 
 MIDDLE = 1500.0  # [K] where x of `InverseTable` is T
+COLD = 700.0  # [K] below which nothing shines: a cold surface is heated in kelvin, not in 1/T
 TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
 ROUNDING = 1e-9  # [1] by which paths may pass the ends of the tables
 TABLE_POINTS = 400  # equal steps of 1/T; ln S is nearly straight in it: error below 1e-8
@@ -122,9 +123,9 @@ class GreyTable:
 class InverseTable:
     r"""A `GreyTable` over :math:`x = T_0 (2 - T_0/T)` instead of T: in kelvin, and dx/dT = 1, at T_0.
 
-    Temperatures of the same light at other emissivities differ by a constant in x (Wien's law), so that a
-    path that bends as little as another one bends as little, and an unknown emissivity is no reason for it
-    to shrink.
+    Temperatures of the same light at other emissivities, or by another source of the calibration, differ by
+    a constant in x (Wien's law): all these paths bend as much, and none is the likelier for it. In T the most
+    probable path is the coldest, 40 to 170 K too cold where a record is fine. Below `COLD` x is linear in T.
     """
 
     def __init__(self, table):
@@ -134,19 +135,22 @@ class InverseTable:
         """Signal and two derivatives by x, each (t, C)."""
         kelvin, slope = from_straight(np.asarray(x, dtype=float))
         value, first, second = self._table(np.clip(kelvin, *self._table.temperatures))  # rounding at the ends
-        slope, bend = slope[:, None], (2 * slope**2 / kelvin)[:, None]
+        slope, bend = slope[:, None], np.where(kelvin > COLD, 2 * slope**2 / kelvin, 0.0)[:, None]
         return value, first * slope, second * slope**2 + first * bend
 
 
 def straight(kelvin):
     """x (...) [K] of temperatures (...), see `InverseTable`."""
-    return MIDDLE * (2 - MIDDLE / kelvin)
+    warm = np.maximum(kelvin, COLD)
+    return MIDDLE * (2 - MIDDLE / warm) + (MIDDLE / COLD) ** 2 * (kelvin - warm)
 
 
 def from_straight(x):
     """Temperatures (...) [K] of x (...), and their slope dT/dx (...)."""
-    kelvin = MIDDLE**2 / (2 * MIDDLE - x)
-    return kelvin, (kelvin / MIDDLE) ** 2
+    x, edge = np.asarray(x, dtype=float), straight(COLD)
+    kelvin = MIDDLE**2 / (2 * MIDDLE - np.maximum(x, edge))
+    slope = (kelvin / MIDDLE) ** 2
+    return kelvin + slope * np.minimum(x - edge, 0.0), slope
 
 
 def bin_pixels(pixels, spectra, usable, edges):

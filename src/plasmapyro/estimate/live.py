@@ -11,6 +11,7 @@ from plasmapyro.estimate.dynamics import FLICKER, GAS, SIZE, TEMPERATURE, Dynami
 from plasmapyro.estimate.observations import constants, robust_sum, robust_weight
 from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, NORMAL_95, START_DYNAMICS, TELLING
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
+from plasmapyro.instrument.wander import WANDER
 from plasmapyro.record import noise, status
 from plasmapyro.record.binning import groups
 
@@ -93,9 +94,11 @@ class Filter:
         empty = prepare.Samples(
             np.zeros(1), np.zeros((2, 1)), np.ones((2, 1)), one, one, np.zeros(1, int), np.nan, np.nan
         )
-        data = prepare.pyrometer_data(empty, response, calibration, slope)
-        kept = {name: _Kept(getattr(data, name)) for name in ("table", "shifted")}
-        self._data = dataclasses.replace(data, drift=np.ones((1, 1)), **kept)
+        data = prepare.pyrometer_data(empty, response, calibration, np.zeros(2), slope)
+        kept, one = {name: _Kept(row) for name, row in data.errors.items()}, np.ones((1, 1))
+        self._data = dataclasses.replace(
+            data, drift=one, parting=WANDER["ratio"] * one, table=_Kept(data.table), errors=kept
+        )
         self._calibration, self._settings = calibration, settings
         self._dynamics = Dynamics(
             **START_DYNAMICS,
@@ -193,7 +196,7 @@ class Filter:
                 self._taken(time, np.array(signal), len(good))
 
     def _begin(self, signal):
-        settings = self._settings
+        settings, self._data = self._settings, dataclasses.replace(self._data, flickering=signal)
         fixed = prepare.pyrometer_constants(
             self._record,
             self._data,

@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import GreyTable
 
+PARTED = np.array([0.5, -0.5])  # share of the two bands in what their ratio wanders by
 HUBER = 4.0  # [1] residuals beyond this many standard deviations count less
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)  # of the mean over an exposure, which lasts from -1 to 1
 
@@ -60,13 +61,15 @@ def _fields(record):
 class PyrometerData:
     r"""Signals of C bands, on the time axis of the chain.
 
-    .. math:: S_i = e^{\ln\varepsilon + \phi_i\cdot a - g_i\delta + n_i + d_i (D_i(T) - \bar D_i)}
-              \,S_i^{bb}(T) + e^{m + f}\,G_i\,(1 + p_i)
+    .. math:: S_i = e^{\pm r(t)/2}\left[e^{\ln\varepsilon + \phi_i\cdot a - g_i\delta + n_i + D_i(T)\cdot d}
+              \,S_i^{bb}(T) + e^m\,G_i\,(1 + p_i) + f\,G_i^0\right]
 
     with the course a of the emissivity (`shape`; none: grey, or as stated), the source's error delta [K], the
-    gain's own error n_i, a shift d_i [m] of the response along the wavelength (D_i = d ln S_i / d lambda,
-    less its mean over the calibration, which the gain has absorbed), the gas signal G_i, and p_i only before
-    injection: without the sample the gas may have another colour.
+    gain's own error n_i, the errors d of the stated responses (`errors`: their place, how they err over
+    wavelength, their linearity), the gas signal G_i, and p_i only before injection: without the sample the
+    gas may have another colour. Of two bands the ratio of the gains wanders by r (`parting`). The flicker f
+    stands beside the gas, times a first guess of it: times the gas that is fitted, more gas would explain
+    what else flickers (a beam that moves, a gain), at the cost of 20 K.
     """
 
     signal: np.ndarray  # (C, n), NaN where missing or not to be used
@@ -75,18 +78,17 @@ class PyrometerData:
     shining: np.ndarray  # (n,) bool, gas in view
     table: GreyTable
     source_slope: np.ndarray  # (C,) [K-1] g_i
-    shifted: GreyTable  # the same with the response moved by `shift`
-    shift: float  # [m]
-    absorbed: np.ndarray  # (C,) [m-1] mean of D_i over the calibration points
+    errors: dict  # `ResponseErrors` by the name of their constants
+    flickering: np.ndarray  # (C,) signal of the gas as first guessed
     name: str = "pyrometer"
     shape: np.ndarray | None = None  # (C, K) change of ln(emissivity) per unit of its course
     longest: int = 1  # band of the longest waves
     drift: np.ndarray | None = None  # (n, K) ramps of the level of the surface's light; none: it stays
+    parting: np.ndarray | None = None  # (n, K) modes by which the ratio of two bands wanders; none: it stays
 
-    def leverage(self, temperature):
-        """D_i(T) less its mean over the calibration (C, n) [m-1]."""
-        ratio = np.log(self.shifted(temperature)[0] / self.table(temperature)[0]).T
-        return ratio / self.shift - self.absorbed[:, None]
+    def leverages(self, path):
+        """D_i(T) (n, C, K) and its slope by the temperature, by the name of the constants."""
+        return {name: one(path[:, TEMPERATURE]) for name, one in self.errors.items()}
 
     def predict(self, path, values, of):
         """Surface (C, n) and gas (C, n) parts, and the derivative of the surface by the temperature."""
@@ -98,61 +100,83 @@ class PyrometerData:
             + course(values, of, self.shape)
             + values[of("band_level")].sum()
         )[:, None]
-        gain = gain * np.exp(values[of("band_shift")][:, None] * self.leverage(path[:, TEMPERATURE]))
+        gain, bend = np.broadcast_to(gain, self.signal.shape), 0.0
+        for name, (leverage, by_temperature) in self.leverages(path).items():
+            gain = gain * np.exp(leverage @ values[of(name)]).T
+            bend = bend + (by_temperature @ values[of(name)]).T
         if of("band_drift").size:
             gain = gain * np.exp(self.drift @ values[of("band_drift")])
         seen = gain * self.injected
         gas = values[of("gas_signal")][:, None] * np.where(
             self.injected, 1.0, 1 + values[of("gas_signal_before")][:, None]
         )
-        amplitude = np.where(self.shining, np.exp(path[:, GAS] + path[:, FLICKER]), 0.0)
-        return seen * body.T, gas * amplitude, seen * slope.T
+        amplitude, parted = np.where(self.shining, np.exp(path[:, GAS]), 0.0), self._parted(values, of)
+        gas, seen = (gas * amplitude + self._flicker() * path[:, FLICKER]) * parted, seen * parted
+        return seen * body.T, gas, seen * (slope.T + bend * body.T)
+
+    def _parted(self, values, of):
+        """Factor (C, n) of the bands by the wandering of their ratio; 1 without."""
+        return (
+            1.0
+            if self.parting is None
+            else np.exp(np.outer(PARTED, self.parting @ values[of("ratio_wander")]))
+        )
+
+    def _flicker(self):
+        """Signal (C, n) per unit of the flicker."""
+        return self.flickering[:, None] * self.shining
 
     def residual(self, path, values, of):
         """Whitened residuals (C, n), NaN where there is no sample."""
         surface, gas, _ = self.predict(path, values, of)
         return (self.signal - surface - gas) / self.noise
 
-    def _by_state(self, band, gas, slope):
-        """Derivative (n, 4) of the whitened prediction of a band by the states."""
-        rows = np.zeros((gas.shape[1], SIZE))
-        rows[:, TEMPERATURE] = slope[band] / self.noise[band]
-        rows[:, GAS] = rows[:, FLICKER] = gas[band] / self.noise[band]
-        return rows
+    def _by_state(self, path, values, of, gas, slope):
+        """Derivative (C, n, 4) of the whitened prediction by the states."""
+        flicker = self._flicker() * self._parted(values, of)
+        rows = np.zeros((*gas.shape, SIZE))
+        rows[..., TEMPERATURE], rows[..., FLICKER] = slope, flicker
+        rows[..., GAS] = gas - flicker * path[:, FLICKER]
+        return rows / self.noise[..., None]
 
     def state_matrix(self, path, values, of):
         """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
         surface, gas, slope = self.predict(path, values, of)
         weight = robust_weight((self.signal - surface - gas) / self.noise)
-        rows = np.stack([self._by_state(band, gas, slope) for band in range(len(gas))])
+        rows = self._by_state(path, values, of, gas, slope)
         return np.einsum("bn,bni,bnj->nij", weight, rows, rows)
 
-    def _by_constants(self, band, surface, gas, leverage, values, of):
+    def _by_constants(self, band, path, surface, gas, values, of, leverages):
         """Derivatives (n,) of the prediction of a band by the constants it depends on, by their place."""
+        steady = gas - self._flicker() * path[:, FLICKER] * self._parted(values, of)
         before = 1 + values[of("gas_signal_before")[band]]
         found = {
             of("log_emittance")[0]: surface[band],
             of("source_error")[0]: -self.source_slope[band] * surface[band],
             of("gain_error")[band]: surface[band],
-            of("band_shift")[band]: leverage[band] * surface[band],
-            of("gas_signal")[band]: gas[band] / values[of("gas_signal")[band]],
-            of("gas_signal_before")[band]: np.where(~self.injected & self.shining, gas[band] / before, 0.0),
+            of("gas_signal")[band]: steady[band] / values[of("gas_signal")[band]],
+            of("gas_signal_before")[band]: np.where(~self.injected, steady[band] / before, 0.0),
         }
+        for name, (leverage, _) in leverages.items():
+            own = leverage[:, band].T * surface[band]
+            found |= {at: row for at, row in zip(of(name), own, strict=True) if row.any()}
         found |= {at: self.shape[band, k] * surface[band] for k, at in enumerate(of("emissivity_shape"))}
         found |= {at: self.drift[:, k] * surface[band] for k, at in enumerate(of("band_drift"))}
+        if self.parting is not None:
+            both = PARTED[band] * (surface[band] + gas[band])
+            found |= {at: self.parting[:, k] * both for k, at in enumerate(of("ratio_wander"))}
         return found | {at: surface[band] for at in of("band_level")}
 
     def of_sample(self, path, values, of):
         """Whitened Jacobian (C, 4 + p) by states and constants of a single sample, and its residuals (C,)."""
         surface, gas, slope = self.predict(path, values, of)
-        leverage = self.leverage(path[:, TEMPERATURE])
+        leverages = self.leverages(path)
         rows = np.zeros((len(gas), SIZE + len(values)))
+        rows[:, :SIZE] = self._by_state(path, values, of, gas, slope)[:, 0]
         for band, row in enumerate(rows):
-            row[TEMPERATURE] = slope[band, 0]
-            row[GAS] = row[FLICKER] = gas[band, 0]
-            for place, column in self._by_constants(band, surface, gas, leverage, values, of).items():
-                row[SIZE + place] = column[0]
-        return rows / self.noise, ((self.signal - surface - gas) / self.noise)[:, 0]
+            for place, column in self._by_constants(band, path, surface, gas, values, of, leverages).items():
+                row[SIZE + place] = column[0] / self.noise[band, 0]
+        return rows, ((self.signal - surface - gas) / self.noise)[:, 0]
 
     def information(self, path, values, of):
         surface, gas, slope = self.predict(path, values, of)
@@ -160,11 +184,10 @@ class PyrometerData:
         weight = robust_weight(residual)
         count, size = len(path), len(values)
         result = _nothing(count, size)
-        leverage = self.leverage(path[:, TEMPERATURE])
-        for band in range(len(gas)):
+        leverages, states = self.leverages(path), self._by_state(path, values, of, gas, slope)
+        for band, by_state in enumerate(states):
             w, r = weight[band], np.nan_to_num(residual[band])
-            by_state = self._by_state(band, gas, slope)
-            columns = self._by_constants(band, surface, gas, leverage, values, of)
+            columns = self._by_constants(band, path, surface, gas, values, of, leverages)
             where = list(columns)
             by_constant = np.stack(list(columns.values()), axis=1) / self.noise[band][:, None]
             weighted = w[:, None] * by_state
@@ -176,20 +199,22 @@ class PyrometerData:
         return dataclasses.replace(result, value=robust_sum(residual))
 
 
-def course(values, of, shape):
-    """Change (C,) of ln(emissivity) in channels by its course over wavelength; 0 without one."""
-    return 0.0 if shape is None else shape @ values[of("emissivity_shape")]
+def course(values, of, shape, name="emissivity_shape"):
+    """Change (C,) of ln(emissivity) in channels by its course over wavelength, or by another one of a `name`;
+    0 without one."""
+    return 0.0 if shape is None else shape @ values[of(name)]
 
 
 @dataclasses.dataclass(frozen=True)
 class SpectrometerData:
     r"""Radiances of the bins, or signals of the bands, of an instrument with its own clock.
 
-    .. math:: L_c = e^{d(t)}\left[e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + r_c}\,\bar B_c(T)
-              + e^{m}\,l_c\,(1 + p_c)\right],
+    .. math:: L_c = e^{d(t)}\left[e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + \sigma_c\cdot b + r_c}
+              \,\bar B_c(T) + e^{m}\,l_c\,(1 + p_c)\right],
               \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
 
-    s is the error of the scale, r_c that of a bin, d how the scale drifts from the injection on (`ramps`).
+    s is the error of the scale, b that of its course over wavelength (`instrument.scale`), r_c that of a bin,
+    d how the scale drifts from the injection on (`ramps`).
     The flicker within an exposure is common to all its bins: its variance times the outer product of the
     gas spectrum stands in their covariance. The mean over an exposure follows temperature and rate at its
     sample, and how the path bends away from them (`bent`), which an iteration holds.
@@ -211,6 +236,7 @@ class SpectrometerData:
     shape: np.ndarray | None = None  # (C, K) as that of `PyrometerData`
     away: np.ndarray | float = 0.0  # (S, nodes) temperature less that of its straight line, see `bent`
     drift: np.ndarray | None = None  # (S, K) ramps of the scale; none: it stays
+    scale: np.ndarray | None = None  # (C, m) sigma_c, modes of its course; none: it has no such error
 
     def moments(self):
         """Times (S, nodes) [s] of the nodes of each exposure, from its sample on."""
@@ -237,6 +263,7 @@ class SpectrometerData:
             + values[of(self.tag + "scale_error")]
             + values[of(self.tag + "bin_error")]
             + course(values, of, self.shape)
+            + course(values, of, self.scale, "scale_course")
         )
         seen = gain * self.injected[:, None]
         gas = values[of(self.tag + "gas_radiance")] * np.where(
@@ -297,6 +324,8 @@ class SpectrometerData:
         )
         for k, at in enumerate(of("emissivity_shape")):
             jacobian[:, :, SIZE + at] = self.shape[:, k] * surface
+        for k, at in enumerate(() if self.scale is None else of("scale_course")):
+            jacobian[:, :, SIZE + at] = self.scale[:, k] * surface
         for k, at in enumerate(of(self.tag + "scale_drift")):
             jacobian[:, :, SIZE + at] = self.drift[:, k, None] * (surface + gas)
         own = np.arange(bins)

@@ -9,7 +9,10 @@ from plasmapyro.estimate.bins import pixel_bins
 from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import BANDS, GreyTable, bin_pixels, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
+from plasmapyro.estimate.response import LINEARITY, SHIFT, of_course, of_linearity, of_place
+from plasmapyro.instrument.scale import scale_modes
 from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 from plasmapyro.record import noise
 from plasmapyro.record.binning import groups
 from plasmapyro.record.emittance import relative_emittance
@@ -19,10 +22,10 @@ MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of
 NOISE_BLOCK = 50  # samples per noise estimate of the pyrometer
 LEAST_SAMPLES = {"pyrometer": 4 * NOISE_BLOCK, "radiometer": 60}  # in which the noise is seen
 LEAST_NOISE = 1e-6  # of the usual noise: no sample is exact
-SHIFT = 0.5e-9  # [m] step of the derivative by the place of a response
 WIDE_PRIOR = 3.0  # [1] a gas level is known to this many times its first guess: left to the data
 NOTHING = 1e-6  # [1] or [K] stands for a standard deviation of zero
 RAMPS = 6  # of the scale of an instrument against the bands, through a test
+SHORTEST = 1.0  # [s] of a record, for what wanders in it
 DRIFT = 0.02  # [1] ASSUME standard deviation of them at its end: deposits on one of two windows, fibres
 BESIDE, BESIDE_STEPS = 0.5, 1.5  # [s], usual steps between samples: farther from all of them lies a gap
 RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
@@ -98,31 +101,42 @@ def samples_of(record, spans, least=None, most=MOST_SAMPLES):
     return Samples(middle, mean, own, injected, middle <= off, group, deviation, correlation)
 
 
-def pyrometer_data(samples, response, calibration, slope=0.0, course=None):
-    """What the pyrometer contributes to the estimate; `slope` [m-1] as from `record.emittance.tilt`.
+def pyrometer_data(samples, response, calibration, gas, slope=0.0, course=None):
+    """What the pyrometer contributes to the estimate; `gas` (2,) [A]: a first guess of its light, `slope`
+    [m-1] as from `record.emittance.tilt`.
 
     `course`: `radiometer.Course` of the emissivity, where other bands tell it.
     """
     moved = response.assign_coords(wavelength=response.wavelength + SHIFT)
-    both = [pyrometer(own, calibration) for own in (response, moved)]
-    black, black_shifted = (GreyTable(own) for own in both)
-    table, shifted = black, black_shifted
+    black = [pyrometer(own, calibration) for own in (response, moved)]
+    seen = black
     if slope or course is not None:
-        table, shifted = (GreyTable(lit(own, slope, course and course.relative)) for own in both)
+        seen = [lit(own, slope, course and course.relative) for own in black]
     points = calibration.source_temperature.values
-    value, by_temperature, _ = black(points)
+    value, by_temperature, _ = GreyTable(black[0])(points)
+    points = np.stack([points] * len(black[0].weight), axis=1)
     return PyrometerData(
         samples.signal,
         samples.noise,
         samples.injected,
         samples.shining,
-        table,
+        GreyTable(seen[0]),
         (by_temperature / value).mean(axis=0),
-        shifted,
-        SHIFT,
-        np.log(black_shifted(points)[0] / value).mean(axis=0) / SHIFT,
-        shape=None if course is None else course.of_bands(both[0]),
+        {
+            "band_shift": of_place(seen, black, points),
+            "band_course": of_course(seen[0], black[0], points),
+            "band_linearity": of_linearity(seen[0], black[0], points),
+        },
+        gas,
+        shape=None if course is None else course.of_bands(black[0]),
+        parting=parting(samples.time),
     )
+
+
+def parting(time):
+    """Modes (n, K), each times a standard normal number, by which the ratio of two bands wanders."""
+    knots, root = wandering(time[0], time[-1] + SHORTEST, MEMORY * (time[-1] - time[0] + SHORTEST))
+    return WANDER["ratio"] * np.array([np.interp(time, knots, mode) for mode in root.T]).T
 
 
 def lit(instrument, slope=0.0, relative=None):
@@ -160,7 +174,10 @@ def pyrometer_constants(record, data, calibration, gas, gas_change, band_shift_u
     """Prior of what does not change, as far as the pyrometer sees it; `gas` (2,) [A] is a first guess."""
     source, own = gain_uncertainties(calibration, data.source_slope)
     own = np.hypot(own, record.emittance_slope_uncertainty / np.sqrt(2))  # between the bands, half in each
-    return band_constants(record, source, own, gas, gas_change, band_shift_uncertainty)
+    fixed = band_constants(record, source, own, gas, gas_change, band_shift_uncertainty)
+    fixed = fixed + constants("band_course", np.zeros(data.errors["band_course"].number), 1.0)
+    fixed = fixed + constants("band_linearity", np.zeros(len(gas)), LINEARITY)
+    return fixed + constants("ratio_wander", np.zeros(data.parting.shape[1]), 1.0)
 
 
 def band_constants(record, source, own, gas, gas_change, band_shift_uncertainty):
@@ -249,6 +266,7 @@ def spectrometer_data(
         source="source_error" if shared else "spectrometer_source_error",
         shape=course["basis"](instrument.wavelength[good]) if course else None,
         drift=ramps(frames.time),
+        scale=scale_modes(instrument.wavelength[good]),
     )
 
 
@@ -305,13 +323,14 @@ def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change)
     gas = np.where(np.isfinite(gas), gas, floor)
     gas = np.where(np.abs(gas) > floor, gas, floor)
     none, tag = np.zeros(gas.size), data.tag
-    return (
+    found = (
         constants(f"{tag}scale_error", 0.0, max(scale_uncertainty, NOTHING))
         + constants(f"{tag}scale_drift", np.zeros(data.drift.shape[1]), DRIFT / np.sqrt(RAMPS))
         + constants(f"{tag}bin_error", none, np.maximum(bin_uncertainty, NOTHING))
         + constants(f"{tag}gas_radiance", gas, WIDE_PRIOR * np.abs(gas))
         + constants(f"{tag}gas_radiance_before", none, max(gas_change, NOTHING))
     )
+    return found if data.scale is None else found + constants("scale_course", 0 * data.scale[0], 1.0)
 
 
 def _mean(rows):

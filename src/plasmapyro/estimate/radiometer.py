@@ -9,6 +9,7 @@ from plasmapyro.estimate import prepare
 from plasmapyro.estimate.emissivity import smooth_prior
 from plasmapyro.estimate.instrument import GreyTable, radiometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
+from plasmapyro.estimate.response import SHIFT, of_place
 from plasmapyro.instrument.spectrometer import local_noise
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record.emittance import ANY_LEVEL, HOT, mean_emittance
@@ -68,27 +69,27 @@ def facts(frames, calibration):
     )
 
 
-def leading_data(samples, frames, calibration, course):
+def leading_data(samples, frames, calibration, gas, course):
     """What the bands of a radiometer contribute that makes the time axis."""
     _, kelvin, _, _ = facts(frames, calibration)
-    moved = calibration.assign_coords(wavelength=calibration.wavelength + prepare.SHIFT)
-    both = [radiometer(one, frames) for one in (calibration, moved)]
-    black, shifted = (GreyTable(one) for one in both)
-    points = np.clip(kelvin, *black.temperatures)
-    value, by_temperature, _ = (np.diagonal(one) for one in black(points))
-    middle = both[0].weight @ both[0].wavelength / both[0].weight.sum(axis=1)
+    moved = calibration.assign_coords(wavelength=calibration.wavelength + SHIFT)
+    black = [radiometer(one, frames) for one in (calibration, moved)]
+    seen = [prepare.lit(one, relative=course.relative) for one in black]
+    table = GreyTable(black[0])
+    points = np.clip(kelvin, *table.temperatures)
+    value, by_temperature, _ = (np.diagonal(one) for one in table(points))
+    middle = black[0].weight @ black[0].wavelength / black[0].weight.sum(axis=1)
     return PyrometerData(
         samples.signal,
         samples.noise,
         samples.injected,
         samples.shining,
-        GreyTable(prepare.lit(both[0], relative=course.relative)),
+        GreyTable(seen[0]),
         by_temperature / value,
-        GreyTable(prepare.lit(both[1], relative=course.relative)),
-        prepare.SHIFT,
-        np.log(np.diagonal(shifted(points)[0]) / value) / prepare.SHIFT,
+        {"band_shift": of_place(seen, black, points[None])},
+        gas,
         name="radiometer",
-        shape=course.of_bands(both[0]),
+        shape=course.of_bands(black[0]),
         longest=int(np.argmax(middle)),
     )
 

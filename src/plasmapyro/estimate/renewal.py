@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from plasmapyro.estimate.dynamics import SIZE, Dynamics
+from plasmapyro.estimate.dynamics import RATE, SIZE, TEMPERATURE, Dynamics
+from plasmapyro.estimate.instrument import from_straight
 from plasmapyro.estimate.stage import KICK, posterior
+from plasmapyro.instrument.wander import WANDER
 from plasmapyro.radiation.bandsignal import BANDS
 
 FASTER = 0.8  # [1] of the time between samples in which they come: they were taken before
@@ -34,25 +36,35 @@ class State:
 def state_of(test, calibration, response, settings):
     """State at the end of a test; None where its samples tell nothing yet.
 
-    The ramps of a drift are one constant: where they have led.
+    Modes of what drifts and wanders are one constant each: where they have led.
     """
     try:
         made = posterior(test, calibration, response, None, **settings | OF_LIVE)
     except ValueError:
         return None
-    names, ramps = made.fixed.names, made.fixed.where("band_drift")
-    kept = [at for at in range(len(names)) if at not in ramps]
-    whole = np.zeros((SIZE + len(kept) + 1, SIZE + len(names)))
+    names = made.fixed.names
+    leading = made.observations[0]
+    led = {"ratio_wander": leading.parting[-1] / WANDER["ratio"], "band_drift": 1.0}
+    left = [name for name in names if name not in led]
+    kept = np.flatnonzero([name not in led for name in names])
+    whole = np.zeros((SIZE + len(kept) + len(led), SIZE + len(names)))
     whole[np.arange(SIZE), np.arange(SIZE)] = 1.0
-    whole[SIZE + np.arange(len(kept)), SIZE + np.array(kept)] = 1.0
-    whole[-1, SIZE + ramps] = 1.0
+    whole[SIZE + np.arange(len(kept)), SIZE + kept] = 1.0
+    for row, (name, modes) in enumerate(led.items()):
+        whole[SIZE + len(kept) + row, SIZE + made.fixed.where(name)] = modes
+    last, dynamics = made.found.path[-1].copy(), made.found.dynamics
+    last[TEMPERATURE], slope = from_straight(last[TEMPERATURE])
+    last[RATE] *= slope
+    whole[[TEMPERATURE, RATE]] *= slope  # of kelvin by what the path is in
     against, words = made.contradicted()
     return State(
         float(made.samples.time[-1]),
-        (*(names[at] for at in kept), "band_drift"),
-        whole @ np.concatenate([made.found.path[-1], made.found.values]),
+        (*left, *led),
+        np.concatenate([last, whole[SIZE:, SIZE:] @ made.found.values]),
         whole @ made.spread.last @ whole.T,
-        replace(made.found.dynamics, kick=KICK),  # that of the end of the plasma is still to come
+        replace(  # the kick of the end of the plasma is still to come
+            dynamics, kick=KICK, quiet=dynamics.quiet * slope**2, bending=dynamics.bending * slope**2
+        ),
         tuple(words) if against[-1] else (),
         made.doubts["throughput_chance"] + made.doubts["ratio_chance"],
     )

@@ -12,8 +12,6 @@ from plasmapyro.estimate.observations import robust_sum
 STEPS = 60  # Gauss-Newton steps allowed
 HALVINGS = 12
 CONVERGED = 1e-3  # fall of half the sum of squares in a whole step that ends the iteration
-STATE_STEPS = (1e-2, 1e-2, 1e-5, 1e-5)  # [K], [K/s], [1], [1] of the slopes of the log-determinant
-CONSTANT_STEP = 1e-3  # the same, in prior standard deviations of a constant
 SEARCH = {"maxfev": 70, "xatol": 0.05, "fatol": 0.2}
 FITTED = ("quiet", "bending", "memory", "kick")
 LIMITS = ((1e-4, 1e3), (1e-3, 1e5), (1.0, 200.0), (0.1, 1e3))  # of these
@@ -104,63 +102,11 @@ def cost(chain, observations, prior_constants, found):
     return misfit(chain, observations, prior_constants, found) + 0.5 * determinants
 
 
-def marginalised(chain, observations, prior_constants, found):
-    r"""Constants of the largest marginal density, and the most probable path given them.
-
-    .. math:: -\ln p(\theta \mid y) = J(\hat x(\theta), \theta) + \tfrac12 \ln\det A(\hat x(\theta), \theta)
-
-    Parameters
-    ----------
-    found : Fit
-        Path and constants of the largest joint density, which minimise J alone.
-
-    Returns
-    -------
-    Fit
-
-    Notes
-    -----
-    Source: Tierney & Kadane, J. Am. Stat. Assoc. 81, 82 (1986), the Laplace approximation of a marginal
-    density. J alone falls when every temperature shrinks, since then the path bends less; A, which grows
-    with the share of the signal that a kelvin makes, gives that back. The slope of the log-determinant,
-    taken where J is least, acts as a shift of the prior means; taking it again where that leads to moves
-    nothing (1e-3 of the uncertainty).
-    """
-    slope = _slope_of_determinant(chain, observations, prior_constants, found)
-    shifted = prior_constants.mean - prior_constants.deviation**2 * slope
-    tilted = dataclasses.replace(prior_constants, mean=shifted)
-    path, values, done, used = _descend(chain, observations, tilted, found.dynamics, found.path, found.values)
+def again(chain, observations, prior_constants, found):
+    """The fit with other priors of its constants, dynamics as they are."""
+    path, values = found.path, found.values
+    path, values, done, used = _descend(chain, observations, prior_constants, found.dynamics, path, values)
     return Fit(path, values, found.dynamics, found.steps + used, found.converged and done)
-
-
-def _slope_of_determinant(chain, observations, prior_constants, found):
-    """Derivative (p,) of half ln det A by the constants, the path following them."""
-    count, size = len(found.path), len(found.values)
-    prior = chain.prior(found.dynamics)
-    factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)
-    effect = factor.solve(gathered.border.reshape(count * SIZE, size)).reshape(count, SIZE, size)
-    own = prior.spread(gathered.state_matrix)
-
-    def each(path, values):
-        """What each sample adds to half the trace of A^-1 times its matrix, A^-1 held."""
-        matrix = sum(one.state_matrix(path, values, prior_constants.where) for one in observations)
-        return 0.5 * np.einsum("kij,kji->k", own, matrix)
-
-    slope = np.zeros(size)
-    # A surface as cold as the tables begin gives no signal: there a step inwards tells as much.
-    coldest, hottest = observations[0].table.temperatures
-    middle = found.path.copy()
-    step = STATE_STEPS[TEMPERATURE]
-    middle[:, TEMPERATURE] = np.clip(middle[:, TEMPERATURE], coldest + step, hottest - step)
-    for place, step in enumerate(STATE_STEPS):
-        move = step * np.eye(SIZE)[place]
-        change = each(middle + move, found.values) - each(middle - move, found.values)
-        slope -= (change / (2 * step)) @ effect[:, place]
-    for place, step in enumerate(CONSTANT_STEP * prior_constants.deviation):
-        move = step * np.eye(size)[place]
-        change = each(found.path, found.values + move) - each(found.path, found.values - move)
-        slope[place] += change.sum() / (2 * step)
-    return slope
 
 
 def spread_of(chain, observations, prior_constants, found):

@@ -9,9 +9,10 @@ import xarray as xr
 from plasmapyro.estimate import prepare, radiometer
 from plasmapyro.estimate.contradiction import contradicted
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
-from plasmapyro.estimate.instrument import MIDDLE, InverseTable, from_straight, straight
+from plasmapyro.estimate.instrument import InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import Constants, constants
-from plasmapyro.estimate.smoother import FITTED, Chain, Fit, Spread, fit, marginalised, misfit, spread_of
+from plasmapyro.estimate.response import InverseErrors
+from plasmapyro.estimate.smoother import FITTED, Chain, Fit, Spread, fit, misfit, spread_of
 from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
@@ -36,9 +37,13 @@ INPUTS = (  # name of constants, words, group, unit
     ("source_error", "temperature of the calibration source", "calibration", "K"),
     ("gain_error", "gain of each band", "calibration", "1"),
     ("band_shift", "place of each band on the wavelength axis", "calibration", "m"),
+    ("band_course", "response of each band over wavelength", "calibration", "1"),
+    ("band_linearity", "linearity of each band", "calibration", "1"),
+    ("ratio_wander", "ratio of the gains of the bands that wanders", "calibration", "1"),
     ("scale_error", "scale of the spectrometer", "calibration", "1"),
     ("scale_drift", "drift of the spectrometer against the bands", "calibration", "1"),
-    ("bin_error", "shape of the spectrometer's calibration", "calibration", "1"),
+    ("scale_course", "scale of the spectrometer over wavelength", "calibration", "1"),
+    ("bin_error", "bins of the spectrometer's calibration", "calibration", "1"),
     ("band_level", "throughput or ratio of the bands, were they not as stated", "calibration", "1"),
     ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
     ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
@@ -181,23 +186,24 @@ def posterior(
         keys = {"relative": course.relative, "basis": course.basis}
     if record.instrument("pyrometer") is not None:
         slope = tilt(record.emittance_slope, response)
-        leading = prepare.pyrometer_data(samples, response, calibration, slope, course)
+        leading = prepare.pyrometer_data(samples, response, calibration, gas, slope, course)
         fixed = prepare.pyrometer_constants(
             record, leading, calibration, gas, gas_change, band_shift_uncertainty
         )
     else:
-        leading = radiometer.leading_data(samples, bands, radiometer_calibration, course)
+        leading = radiometer.leading_data(samples, bands, radiometer_calibration, gas, course)
         fixed = radiometer.leading_constants(
             record, radiometer_calibration, gas, gas_change, band_shift_uncertainty
         )
     path = prepare.first_path(samples, leading, gas, record.emittance, initial_temperature)
-    start, error, kick = initial_temperature, initial_temperature_uncertainty, KICK
+    path[:, TEMPERATURE] = straight(path[:, TEMPERATURE])
+    path[:, RATE] /= from_straight(path[:, TEMPERATURE])[1]
+    start = straight(initial_temperature)
+    slope_then = from_straight(start)[1]
+    error, kick = initial_temperature_uncertainty / slope_then, KICK / np.sqrt(slope_then)
     observations = [leading]
     if course is not None:
         fixed = fixed + constants("emissivity_shape", np.zeros(course.shapes.shape[1]), 1.0)
-        path[:, RATE] *= (MIDDLE / path[:, TEMPERATURE]) ** 2
-        path[:, TEMPERATURE] = straight(path[:, TEMPERATURE])
-        start, error, kick = straight(start), error * (MIDDLE / start) ** 2, KICK * MIDDLE / start
     if course is not None and leading.name == "pyrometer":
         exposure = prepare.mean_flicker(deviation, correlation, bands.integration_time)
         beside = radiometer.beside_data(
@@ -229,16 +235,15 @@ def posterior(
                 spectra, scale_uncertainty, bin_uncertainty, gas_change
             )
             if spectra.source != "source_error":
-                error = 0.0 if source is None else float(source.source_temperature_uncertainty.mean())
-                fixed = fixed + constants(spectra.source, 0.0, max(error, prepare.NOTHING))
+                own = 0.0 if source is None else float(source.source_temperature_uncertainty.mean())
+                fixed = fixed + constants(spectra.source, 0.0, max(own, prepare.NOTHING))
     # A second instrument contradicts a throughput that is not as stated; a pyrometer alone must doubt it.
     doubted = course is None and len(observations) == 1 and throughput_chance > 0
     if doubted:
         observations[0] = replace(leading, drift=prepare.ramps(samples.time))
         fixed = fixed + constants(NAME, 0.0, prepare.NOTHING)
         fixed = fixed + constants("band_drift", np.zeros(prepare.RAMPS), prepare.NOTHING)
-    if course is not None:
-        observations = [replace(one, **_inverse(one)) for one in observations]
+    observations = [replace(one, **_inverse(one)) for one in observations]
     time = samples.time
     chain = Chain(
         time,
@@ -265,23 +270,14 @@ def posterior(
     )
     found = fit(chain, observations, fixed, dynamics, path, fixed.mean.copy(), FIRST_ROUNDS)
     observations, found = _refined(chain, observations, fixed, found)
-    likely = found
-    if course is None:  # else no temperature is nearer to others than another one
-        found = marginalised(chain, observations, fixed, found)
-    steps, lost = found.steps, not found.converged
-    if lost:
-        found = likely
     if not found.converged:
-        raise ValueError(f"the joint estimate did not converge in {steps} steps")
+        raise ValueError(f"the joint estimate did not converge in {found.steps} steps")
     doubts = {}
     if doubted:
         found, spread, fixed, doubts = in_doubt(chain, observations, fixed, found, throughput_chance)
     else:
         spread = spread_of(chain, observations, fixed, found)
-    made = Posterior(record, test, samples, observations, fixed, found, spread, doubts)
-    if lost and not made.contradicted()[1]:  # what contradicts itself has no marginal density
-        raise ValueError(f"the joint estimate did not converge in {steps} steps")
-    return made
+    return Posterior(record, test, samples, observations, fixed, found, spread, doubts)
 
 
 @wraps(posterior, assigned=())
@@ -335,7 +331,10 @@ def _refined(chain, observations, fixed, found):
 
 def _inverse(data):
     """Tables of an observation over the inverse temperature."""
-    return {name: InverseTable(getattr(data, name)) for name in ("table", "shifted") if hasattr(data, name)}
+    found = {"table": InverseTable(data.table)}
+    if hasattr(data, "errors"):
+        found["errors"] = {name: InverseErrors(one) for name, one in data.errors.items()}
+    return found
 
 
 def _told(time, told, temperature, largest):
@@ -382,9 +381,7 @@ def _dataset(posterior, fit_range, least_share, largest):
     )
     fixed, found, spread = posterior.fixed, posterior.found, posterior.spread
     of, group = fixed.where, samples.group
-    middle, scale = found.path[:, TEMPERATURE], np.ones(samples.time.size)
-    if isinstance(observations[0].table, InverseTable):
-        middle, scale = from_straight(middle)
+    middle, scale = from_straight(found.path[:, TEMPERATURE])
     told = _told(samples.time, spread.told / scale**2, middle, largest)[group]
     bands, names = prepare.leading(record), [one.name for one in observations]
     current = "gas_current" if names[0] == "pyrometer" else "radiometer_gas"

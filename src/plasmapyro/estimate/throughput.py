@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plasmapyro.estimate.smoother import Fit, Spread, cost, marginalised, spread_of
+from plasmapyro.estimate.smoother import Fit, Spread, again, cost, spread_of
 from plasmapyro.record.emittance import RATIO_CHANCE, RATIO_WIDTH
 from plasmapyro.record.emittance import THROUGHPUT_CHANCE as CHANCE
 from plasmapyro.record.emittance import THROUGHPUT_WIDTH as WIDTH
@@ -54,7 +54,7 @@ def in_doubt(chain, observations, fixed, found, prior=CHANCE):
         drifting = fixed.deviation.copy()
         drifting[ramps] = DRIFT / np.sqrt(ramps.size)
         drifting = replace(fixed, deviation=drifting)
-        freed = marginalised(chain, observations, drifting, found)
+        freed = again(chain, observations, drifting, found)
         if freed.converged:
             fixed, found = drifting, freed
     tried, costs, levels = [found], [cost(chain, observations, fixed, found)], [0.0]
@@ -137,7 +137,7 @@ def _of_any_ratio(chain, observations, fixed, near):
         places = fixed.where(name)
         deviation[places] = np.hypot(deviation[places], width)
     freed = replace(fixed, deviation=deviation)
-    found = marginalised(chain, observations, freed, near)
+    found = again(chain, observations, freed, near)
     price = cost(chain, observations, freed, found) + np.log(deviation / fixed.deviation).sum()
     return freed, found, price
 
@@ -146,4 +146,4 @@ def _at(chain, observations, fixed, near, place, level):
     """The fit at another level, from one near to it."""
     values = near.values.copy()
     values[place] = level
-    return marginalised(chain, observations, _held(fixed, place, level), replace(near, values=values))
+    return again(chain, observations, _held(fixed, place, level), replace(near, values=values))
