@@ -10,7 +10,7 @@ import xarray as xr
 import yaml
 
 from plasmapyro import contracts
-from plasmapyro.estimate.dynamics import Dynamics, transition
+from plasmapyro.estimate.dynamics import GAS, Dynamics, transition
 from plasmapyro.estimate.instrument import GreyTable, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.estimate.prepare import apart, first_gas, gain_uncertainties, pyrometer_data, samples_of
@@ -326,7 +326,8 @@ def test_flicker_within_an_exposure_widens_what_the_bins_say_of_the_gas(response
     (_, spectra), fixed, path = observations(response, made[2])
     sure = spectra.information(path, fixed.mean, fixed.where).state_matrix[0, 2, 2]
     unsure = dataclasses.replace(spectra, flicker=0.5).information(path, fixed.mean, fixed.where)
-    assert 1 / unsure.state_matrix[0, 2, 2] == pytest.approx(1 / sure + 0.25, rel=1e-9)
+    brightness = 1 + path[0, GAS]
+    assert 1 / unsure.state_matrix[0, 2, 2] == pytest.approx(1 / sure + 0.25 * brightness**2, rel=1e-9)
 
 
 def test_four_twins_against_the_subtraction(response, radiations):

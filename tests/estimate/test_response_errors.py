@@ -70,7 +70,7 @@ def test_a_response_that_errs_over_wavelength_does_too(response, calibration):
 
 
 def test_other_sources_are_as_far_apart_at_every_temperature(response, calibration):
-    """Wien: ln of the light of T by another level is that of x moved by a constant, hot surfaces' all along."""
+    """Wien: the light of T by another level is that of x moved by a constant."""
     table = InverseTable(GreyTable(pyrometer(response, calibration)))
     x = straight(np.linspace(900.0, 1900.0, 41))
     value, slope, bend = table(x)

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-# One state: temperature [K], its rate [K/s], logarithm of the gas amplitude (slow), its flicker.
+# One state: temperature [K], its rate [K/s], gas amplitude less 1 (slow), its flicker.
 TEMPERATURE, RATE, GAS, FLICKER = range(4)
 SIZE = 4
 SETTING_IN = 3.0  # [s] tau_k: over which the heat of a switch may set in
@@ -18,8 +18,8 @@ class Dynamics:
     bending: float  # [K2 s-3] in addition, right after injection and the end of the plasma
     memory: float  # [s] over which that fades
     kick: float  # [K/s] standard deviation of the change of the rate at a switch, and of what follows it
-    gas: float  # [s-1] variance of the logarithm of the gas amplitude per second
-    gas_start: float  # [1] standard deviation of it right after injection, where it is 0 by definition
+    gas: float  # [s-1] variance of the gas amplitude per second
+    gas_start: float  # [1] standard deviation of it right after injection, where it is 1 by definition
     flicker: float  # [1] standard deviation of the flicker
     flicker_time: float  # [s]
     start: float = 0.0  # [K] standard deviation of the change of the temperature at injection

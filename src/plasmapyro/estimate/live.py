@@ -196,7 +196,7 @@ class Filter:
                 self._taken(time, np.array(signal), len(good))
 
     def _begin(self, signal):
-        settings, self._data = self._settings, dataclasses.replace(self._data, flickering=signal)
+        settings, self._data = self._settings, dataclasses.replace(self._data, first_gas=signal)
         fixed = prepare.pyrometer_constants(
             self._record,
             self._data,

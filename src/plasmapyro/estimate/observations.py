@@ -8,6 +8,7 @@ from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import GreyTable
 
 PARTED = np.array([0.5, -0.5])  # share of the two bands in what their ratio wanders by
+TINY = 1e-9  # [1] of a brightness that a path may pass through
 HUBER = 4.0  # [1] residuals beyond this many standard deviations count less
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)  # of the mean over an exposure, which lasts from -1 to 1
 
@@ -62,14 +63,14 @@ class PyrometerData:
     r"""Signals of C bands, on the time axis of the chain.
 
     .. math:: S_i = e^{\pm r(t)/2}\left[e^{\ln\varepsilon + \phi_i\cdot a - g_i\delta + n_i + D_i(T)\cdot d}
-              \,S_i^{bb}(T) + e^m\,G_i\,(1 + p_i) + f\,G_i^0\right]
+              \,S_i^{bb}(T) + G_i\,(1 + p_i) + (m + f)\,G_i^0\right]
 
     with the course a of the emissivity (`shape`; none: grey, or as stated), the source's error delta [K], the
     gain's own error n_i, the errors d of the stated responses (`errors`: their place, how they err over
     wavelength, their linearity), the gas signal G_i, and p_i only before injection: without the sample the
-    gas may have another colour. Of two bands the ratio of the gains wanders by r (`parting`). The flicker f
-    stands beside the gas, times a first guess of it: times the gas that is fitted, more gas would explain
-    what else flickers (a beam that moves, a gain), at the cost of 20 K.
+    gas may have another colour. Of two bands the ratio of the gains wanders by r (`parting`). How the gas
+    changes, m, and flickers, f, is times a first guess of it: times the gas that is fitted, more gas would
+    change and flicker more, and explain what else does (a beam that moves, a gain), at the cost of 20 K.
     """
 
     signal: np.ndarray  # (C, n), NaN where missing or not to be used
@@ -79,7 +80,7 @@ class PyrometerData:
     table: GreyTable
     source_slope: np.ndarray  # (C,) [K-1] g_i
     errors: dict  # `ResponseErrors` by the name of their constants
-    flickering: np.ndarray  # (C,) signal of the gas as first guessed
+    first_gas: np.ndarray  # (C,) its signal as first guessed
     name: str = "pyrometer"
     shape: np.ndarray | None = None  # (C, K) change of ln(emissivity) per unit of its course
     longest: int = 1  # band of the longest waves
@@ -110,8 +111,8 @@ class PyrometerData:
         gas = values[of("gas_signal")][:, None] * np.where(
             self.injected, 1.0, 1 + values[of("gas_signal_before")][:, None]
         )
-        amplitude, parted = np.where(self.shining, np.exp(path[:, GAS]), 0.0), self._parted(values, of)
-        gas, seen = (gas * amplitude + self._flicker() * path[:, FLICKER]) * parted, seen * parted
+        parted = self._parted(values, of)
+        gas, seen = (gas * self.shining + self._changing(path)) * parted, seen * parted
         return seen * body.T, gas, seen * (slope.T + bend * body.T)
 
     def _parted(self, values, of):
@@ -122,33 +123,33 @@ class PyrometerData:
             else np.exp(np.outer(PARTED, self.parting @ values[of("ratio_wander")]))
         )
 
-    def _flicker(self):
-        """Signal (C, n) per unit of the flicker."""
-        return self.flickering[:, None] * self.shining
+    def _changing(self, path):
+        """Signal (C, n) that the gas has more than right after injection."""
+        return self.first_gas[:, None] * self.shining * (path[:, GAS] + path[:, FLICKER])
 
     def residual(self, path, values, of):
         """Whitened residuals (C, n), NaN where there is no sample."""
         surface, gas, _ = self.predict(path, values, of)
         return (self.signal - surface - gas) / self.noise
 
-    def _by_state(self, path, values, of, gas, slope):
+    def _by_state(self, values, of, slope):
         """Derivative (C, n, 4) of the whitened prediction by the states."""
-        flicker = self._flicker() * self._parted(values, of)
-        rows = np.zeros((*gas.shape, SIZE))
-        rows[..., TEMPERATURE], rows[..., FLICKER] = slope, flicker
-        rows[..., GAS] = gas - flicker * path[:, FLICKER]
+        rows = np.zeros((*slope.shape, SIZE))
+        rows[..., TEMPERATURE] = slope
+        by_gas = self.first_gas[:, None] * self.shining * self._parted(values, of)
+        rows[..., GAS] = rows[..., FLICKER] = by_gas
         return rows / self.noise[..., None]
 
     def state_matrix(self, path, values, of):
         """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
         surface, gas, slope = self.predict(path, values, of)
         weight = robust_weight((self.signal - surface - gas) / self.noise)
-        rows = self._by_state(path, values, of, gas, slope)
+        rows = self._by_state(values, of, slope)
         return np.einsum("bn,bni,bnj->nij", weight, rows, rows)
 
     def _by_constants(self, band, path, surface, gas, values, of, leverages):
         """Derivatives (n,) of the prediction of a band by the constants it depends on, by their place."""
-        steady = gas - self._flicker() * path[:, FLICKER] * self._parted(values, of)
+        steady = gas - self._changing(path) * self._parted(values, of)
         before = 1 + values[of("gas_signal_before")[band]]
         found = {
             of("log_emittance")[0]: surface[band],
@@ -172,7 +173,7 @@ class PyrometerData:
         surface, gas, slope = self.predict(path, values, of)
         leverages = self.leverages(path)
         rows = np.zeros((len(gas), SIZE + len(values)))
-        rows[:, :SIZE] = self._by_state(path, values, of, gas, slope)[:, 0]
+        rows[:, :SIZE] = self._by_state(values, of, slope)[:, 0]
         for band, row in enumerate(rows):
             for place, column in self._by_constants(band, path, surface, gas, values, of, leverages).items():
                 row[SIZE + place] = column[0] / self.noise[band, 0]
@@ -184,7 +185,7 @@ class PyrometerData:
         weight = robust_weight(residual)
         count, size = len(path), len(values)
         result = _nothing(count, size)
-        leverages, states = self.leverages(path), self._by_state(path, values, of, gas, slope)
+        leverages, states = self.leverages(path), self._by_state(values, of, slope)
         for band, by_state in enumerate(states):
             w, r = weight[band], np.nan_to_num(residual[band])
             columns = self._by_constants(band, path, surface, gas, values, of, leverages)
@@ -210,7 +211,7 @@ class SpectrometerData:
     r"""Radiances of the bins, or signals of the bands, of an instrument with its own clock.
 
     .. math:: L_c = e^{d(t)}\left[e^{\ln\varepsilon + \phi_c\cdot a - w_c\delta + s + \sigma_c\cdot b + r_c}
-              \,\bar B_c(T) + e^{m}\,l_c\,(1 + p_c)\right],
+              \,\bar B_c(T) + (1 + m)\,l_c\,(1 + p_c)\right],
               \qquad w_c = \frac{c_2}{\lambda_c T_s^2}
 
     s is the error of the scale, b that of its course over wavelength (`instrument.scale`), r_c that of a bin,
@@ -271,7 +272,7 @@ class SpectrometerData:
         )
         drifted = 1.0 if self.drift is None else np.exp(self.drift @ values[of(self.tag + "scale_drift")])
         seen = seen * np.reshape(drifted, (-1, 1))
-        amplitude = (np.where(self.shining, np.exp(state[:, GAS]), 0.0) * drifted)[:, None]
+        amplitude = (np.where(self.shining, 1 + state[:, GAS], 0.0) * drifted)[:, None]
         return seen * body, gas * amplitude, seen * slope, seen * by_rate
 
     def _whitened(self, gas, rows):
@@ -290,11 +291,11 @@ class SpectrometerData:
         white = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         return np.where(np.isfinite(self.radiance), white, np.nan)
 
-    def _by_state(self, gas, slopes):
+    def _by_state(self, path, gas, slopes):
         """Derivative (S, C, 4) of the prediction by the states."""
         rows = np.zeros((*gas.shape, SIZE))
         rows[:, :, TEMPERATURE], rows[:, :, RATE] = slopes
-        rows[:, :, GAS] = gas
+        rows[:, :, GAS] = gas / _brightness(path[self.place])[:, None]
         return rows
 
     def state_matrix(self, path, values, of):
@@ -302,7 +303,7 @@ class SpectrometerData:
         surface, gas, *slopes = self.predict(path, values, of)
         residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
-        rows = self._whitened(gas, self._by_state(gas, slopes))
+        rows = self._whitened(gas, self._by_state(path, gas, slopes))
         result = np.zeros((len(path), SIZE, SIZE))
         np.add.at(result, self.place, np.matmul(np.swapaxes(rows * weight[:, :, None], 1, 2), rows))
         return result
@@ -314,7 +315,7 @@ class SpectrometerData:
         residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
         weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
         jacobian = np.zeros((frames, bins, SIZE + size))
-        jacobian[:, :, :SIZE] = self._by_state(gas, slopes)
+        jacobian[:, :, :SIZE] = self._by_state(path, gas, slopes)
         jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
         jacobian[:, :, SIZE + of(self.tag + "scale_error")[0]] = surface
         jacobian[:, :, SIZE + of(self.source)[0]] = -self.source_slope * surface
@@ -349,6 +350,12 @@ class SpectrometerData:
         return dataclasses.replace(
             result, value=robust_sum(np.where(np.isfinite(self.radiance), residual, np.nan))
         )
+
+
+def _brightness(path):
+    """1 + m (n,) of the gas, and not 0."""
+    amplitude = 1 + path[:, GAS]
+    return np.where(np.abs(amplitude) > TINY, amplitude, TINY)
 
 
 def between(time, path, moments, switches):

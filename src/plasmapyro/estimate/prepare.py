@@ -230,7 +230,7 @@ def first_path(samples, data, gas, emittance, initial_temperature):
     before = samples.signal[0, ~data.injected]
     before = before[np.isfinite(before)]
     if before.size and np.median(before) > 0:
-        path[~data.injected, GAS] = np.log(np.median(before) / gas[0])
+        path[~data.injected, GAS] = np.median(before) / gas[0] - 1
     return path
 
 

@@ -66,7 +66,7 @@ def of_place(seen, black, points):
 
 
 def of_course(seen, black, points):
-    """`ResponseErrors` per standard deviation of modes, own ones of each band, of its response over wavelength.
+    """`ResponseErrors` per standard deviation of modes, own ones of each band, of it over wavelength.
 
     ASSUME: it was measured against a detector that is as well known as a lamp, see `instrument.scale`.
     """

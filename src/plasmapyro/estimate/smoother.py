@@ -9,7 +9,7 @@ from plasmapyro.estimate.banded import Factor, solve_bordered
 from plasmapyro.estimate.dynamics import GAS, SIZE, TEMPERATURE, ChainPrior, transition
 from plasmapyro.estimate.observations import robust_sum
 
-STEPS = 60  # Gauss-Newton steps allowed
+STEPS = 150  # Gauss-Newton steps allowed
 HALVINGS = 12
 CONVERGED = 1e-3  # fall of half the sum of squares in a whole step that ends the iteration
 SEARCH = {"maxfev": 70, "xatol": 0.05, "fatol": 0.2}

@@ -26,7 +26,7 @@ FIRST_RATE = 0.01  # [K/s] standard deviation before injection: nothing heats th
 KICK = 100.0  # [K/s] of the rate at injection and at the end of the plasma
 START_DYNAMICS = {"quiet": 1e-2, "bending": 30.0, "memory": 15.0}  # where the search begins
 GAS_START = 1e-3  # [1] the gas amplitude right after injection is 1 by definition
-BEFORE_DEVIATION = 1.0  # [1] of the logarithm of the gas amplitude before injection: left to the data
+BEFORE_DEVIATION = 1.0  # [1] of the gas amplitude before injection: left to the data
 FIRST_ROUNDS = 2  # of path and dynamics, before the noise is looked at again
 BENDS = 2  # times that exposures take the path between their samples anew
 # ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
@@ -402,7 +402,7 @@ def _dataset(posterior, fit_range, least_share, largest):
     known &= ~against[group]
     state[~injected] = status.NOT_INJECTED
     factor = np.exp(NORMAL_95 * deviation / temperature)
-    amplitude = np.where(samples.shining, np.exp(found.path[:, GAS]), 0.0)[group]
+    amplitude = np.where(samples.shining, 1 + found.path[:, GAS], 0.0)[group]
     of_constants = np.sqrt(np.diag(spread.constants))
     sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told
     emittance = sound * float(np.exp(found.values[of("log_emittance")[0]]))
@@ -425,7 +425,10 @@ def _dataset(posterior, fit_range, least_share, largest):
             "estimate_status": ("time", state, status.flags()),
             "estimated_surface_share": (("band", "time"), np.where(injected, share, np.nan)),
             "gas_amplitude": ("time", amplitude),
-            "gas_amplitude_uncertainty": ("time", amplitude * np.sqrt(spread.path[:, GAS, GAS])[group]),
+            "gas_amplitude_uncertainty": (
+                "time",
+                (samples.shining * np.sqrt(spread.path[:, GAS, GAS]))[group],
+            ),
             current: ("band", found.values[of("gas_signal")]),
             f"{current}_uncertainty": ("band", of_constants[of("gas_signal")]),
             "estimated_emittance": emittance,
