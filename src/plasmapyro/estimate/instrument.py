@@ -9,7 +9,7 @@ from plasmapyro.radiation.bandsignal import BANDS, responsivities, two_bands
 from plasmapyro.radiation.planck import blackbody_derivatives
 
 MIDDLE = 1500.0  # [K] where x of `InverseTable` is T
-COLD = 700.0  # [K] below which nothing shines: a cold surface is heated in kelvin, not in 1/T
+COLD = 750.0  # [K] below which little shines: a cold surface is heated in kelvin, not in 1/T
 TABLE_TEMPERATURES = (200.0, 4000.0)  # [K] of the tables of a grey surface
 ROUNDING = 1e-9  # [1] by which paths may pass the ends of the tables
 TABLE_POINTS = 400  # equal steps of 1/T; ln S is nearly straight in it: error below 1e-8
