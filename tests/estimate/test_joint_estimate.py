@@ -153,9 +153,10 @@ def test_a_deposit_before_the_spectrometer_is_its_drift(made, response, found):
     again = estimate(fouled, calibration, response, counts, **board.SETTINGS)
     assert again.attrs["contradictions"] == ""
     hot = (found.time > 60) & (found.time < 290)
-    for one in (found, again):  # 0.3 K and 1.6
-        pull = (one.surface_temperature - truth.surface_temperature) / one.surface_temperature_uncertainty
-        assert float(np.abs(pull)[hot].mean()) < 1
+    for one in (found, again):
+        error = one.surface_temperature - truth.surface_temperature
+        assert float(np.abs(error / one.surface_temperature_uncertainty)[hot].mean()) < 0.5
+        assert float(np.abs(error)[hot].mean()) < 2.0  # [K] 0.3 and 1.6
 
 
 def test_gains_that_wander_and_a_beam_that_moves_are_neither_gas_nor_another_temperature(

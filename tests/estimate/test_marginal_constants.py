@@ -25,19 +25,18 @@ DYNAMICS = Dynamics(QUIET, 1e-12, 1.0, 0.0, 1e-4, 1e-3, 0.01, 0.3)
 
 @dataclasses.dataclass(frozen=True)
 class Scaled:
-    """Signal = e^theta T^power + noise: the smaller T, the cheaper its path, and theta makes good for it."""
+    """Signal = e^theta T + noise: the smaller T, the cheaper its path, and theta makes good for it."""
 
     signal: np.ndarray
-    power: int = 1
     noise: float = NOISE
     table = types.SimpleNamespace(temperatures=(-1e6, 1e6))
 
     def slope(self, path, values):
         """Whitened, by the temperature."""
-        return np.exp(values[0]) * self.power * path[:, TEMPERATURE] ** (self.power - 1) / self.noise
+        return np.full(len(path), np.exp(values[0])) / self.noise
 
     def residual(self, path, values, of):
-        return (self.signal - np.exp(values[0]) * path[:, TEMPERATURE] ** self.power) / self.noise
+        return (self.signal - np.exp(values[0]) * path[:, TEMPERATURE]) / self.noise
 
     def state_matrix(self, path, values, of):
         matrix = np.zeros((len(path), SIZE, SIZE))
@@ -46,7 +45,7 @@ class Scaled:
 
     def information(self, path, values, of):
         slope, rest = self.slope(path, values), self.residual(path, values, of)
-        by_constant = np.exp(values[0]) * path[:, TEMPERATURE] ** self.power / self.noise
+        by_constant = np.exp(values[0]) * path[:, TEMPERATURE] / self.noise
         gradient, border = np.zeros((len(path), SIZE)), np.zeros((len(path), SIZE, 1))
         gradient[:, TEMPERATURE] = -slope * rest
         border[:, TEMPERATURE, 0] = slope * by_constant

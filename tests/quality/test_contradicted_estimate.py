@@ -91,8 +91,8 @@ def alone(calibrations, wide=1.0, narrow=1.0, **changes):
     return found, error[good], NORMAL_95 * found.surface_temperature_uncertainty.values[good]
 
 
-@pytest.mark.parametrize("factor", [0.25, 0.35])
-def test_a_throughput_beyond_three_deviations_leaves_no_temperature(calibrations, factor):
+@pytest.mark.parametrize("factor", [0.25, 0.35, 0.5])
+def test_a_throughput_of_a_half_and_less_leaves_no_temperature(calibrations, factor):
     """A ratio that is 15 % off would explain it as well: temperatures 100 K apart."""
     test = laboratory.made(spectrometer=False).assign_attrs(emittance_slope_uncertainty=0.0)
     bands = {name: factor * test[name] for name in ("signal_wide", "signal_narrow")}
@@ -109,6 +109,12 @@ def test_the_ratio_decides_where_the_level_of_a_pyrometer_alone_contradicts_it(c
     case = Case("", estimate=found)
     said = throughput_in_doubt.find(case, throughput_in_doubt.limit)
     assert said["chance"] > 0.5 and said["least"] < factor < said["most"]
+
+
+def test_where_ratio_and_level_explain_a_pyrometer_alone_alike_both_lie_in_the_interval(calibrations):
+    found, error, half = alone(calibrations, 0.6, 0.6, emittance_slope_uncertainty=0.0)
+    assert (np.abs(error) < half).all()
+    assert 0.3 < found.attrs["throughput_chance"] < 0.7 and found.attrs["ratio_chance"] > 0.3
 
 
 def test_a_sound_pyrometer_is_hardly_doubted(calibrations):
