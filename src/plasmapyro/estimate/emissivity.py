@@ -231,7 +231,7 @@ def beginning(channels, prior, signal, noise):
     return 1 / inverse
 
 
-def follow(channels, prior, kept, signal, noise, linear):
+def follow(channels, prior, kept, signal, noise, linear, start=None):
     r"""As `infer`, for samples after one another: what is known of the coefficients carries over.
 
     .. math:: a_{n+1} = r_n\,a_n + \sqrt{1 - r_n^2}\,w_n
@@ -243,6 +243,8 @@ def follow(channels, prior, kept, signal, noise, linear):
     channels, prior, signal, noise, linear : as in `infer`
     kept : (n - 1, K + M) array [1]
         r of each coefficient from sample to sample: 0 for none, 1 for a constant.
+    start : (K + M,) array, optional
+        Variance of each coefficient before the first sample; 1 by default.
 
     Returns
     -------
@@ -255,7 +257,7 @@ def follow(channels, prior, kept, signal, noise, linear):
     that hold no light carry what is known over.
     """
     count = kept.shape[1]
-    mean, covariance = np.zeros(count), np.eye(count)
+    mean, covariance = np.zeros(count), np.diag(np.ones(count) if start is None else start + TINY)
     before, parts, begin = [], [], beginning(channels, prior, signal, noise)
     for n in range(len(signal)):
         before.append((mean, covariance))

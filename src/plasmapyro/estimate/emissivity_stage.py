@@ -25,6 +25,9 @@ LEAST_CLEAR = 3.0  # standard deviations of a bin whose brightness is told
 PULLED = 5.0
 LASTS = 0.1  # [1] ASSUME: relative change of temperature over which a bin keeps its error: slit and stray
 # light act on the slope of the light, so at another temperature they leave other errors
+# ASSUME: of the freedom of its course; by as much the level of an emissivity wanders from what is stated at
+# the injection. A surface that oxidises, or is roughened, changes in both.
+AGES = 0.5
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 
 
@@ -127,33 +130,39 @@ def estimate_emissivity(
     state[unlike] = status.CONTRADICTED
     # What is not light of a hot surface says nothing about its neighbours; the errors of bins last.
     data[~np.isin(state, (status.VALID, status.GAS_DOMINATED))] = np.nan
-    whole = prior._replace(basis=np.column_stack([prior.basis, light.rough]))
+    age = np.full(wavelength.size, AGES * shape)
+    whole = prior._replace(basis=np.column_stack([age, prior.basis, light.rough]))
     # Of the fitted light: noise in the place of a constant would be learned as one, sample by sample.
     surface = np.nan_to_num(data - alone.residual * error)
     linear = np.concatenate([light.linear, surface[..., None] * light.gains], axis=-1)
     memories = np.full(whole.basis.shape[1] + linear.shape[-1], np.inf)
-    memories[: prior.basis.shape[1]] = light.kept
+    smooth, shapes = 1 + smooth, 1 + prior.basis.shape[1]
+    memories[:shapes] = light.kept
     memories[:smooth] = memory
     memories[whole.basis.shape[1] :][: len(light.memory)] = light.memory
     with np.errstate(divide="ignore"):
         kept = np.exp(-np.diff(frames.time)[:, None] / memories)
-    rough = slice(prior.basis.shape[1], whole.basis.shape[1])
+    rough = slice(shapes, whole.basis.shape[1])
     kept[:, rough] *= np.exp(-_change(frames.time, alone)[:, None] / LASTS)
-    bare = found = follow(light.channels, whole, kept, data, noise, linear)
+    kept[~record.phases(frames.time[1:])[0], 0] = 1.0
+    start = np.append(0.0, np.ones(kept.shape[1] - 1))
+    bare = found = follow(light.channels, whole, kept, data, noise, linear, start)
     if room is not None:
-        of_room = np.broadcast_to(room.columns, (len(data), *room.columns.shape))
-        stays = np.pad(kept, ((0, 0), (0, room.columns.shape[1])), constant_values=1.0)
-        found = follow(light.channels, whole, stays, data, noise, np.concatenate([linear, of_room], axis=-1))
+        count = room.columns.shape[1]
+        of_room = np.concatenate([linear, np.broadcast_to(room.columns, (*data.shape, count))], axis=-1)
+        stays = np.pad(kept, ((0, 0), (0, count)), constant_values=1.0)
+        begun = np.append(start, np.ones(count))
+        found = follow(light.channels, whole, stays, data, noise, of_room, begun)
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
     state = np.where(lost, unread, state)
     # Judged without a lamp, whose free spectrum takes up much that is none.
-    pull = log_emissivity(bare, 0.0, prior.basis[:, :smooth])[0] / np.hypot(level, shape)
+    pull = log_emissivity(bare, 0.0, whole.basis[:, :smooth])[0] / np.hypot(level, shape)
     pulled = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     pulled &= np.abs(np.nan_to_num(pull)).max(axis=1) > PULLED
     state[pulled] = status.CONTRADICTED
     said = _contradictions(record.clock(frames.time), light, alone.residual, np.flatnonzero(unlike))
     said = said or _asked_for(record.clock(frames.time), wavelength, pull, np.flatnonzero(pulled))
-    made = _dataset(test, record, light, prior, smooth, found, alone.residual, state, said)
+    made = _dataset(test, record, light, whole, smooth, found, alone.residual, state, said)
     if room is None:
         return made
     return made.assign_attrs(_of_lamp(room, bare.temperature - made.spectral_temperature.values))
