@@ -262,5 +262,5 @@ def test_a_level_that_was_stated_ages():
     low, high = found.spectral_temperature_interval.values
     assert ((low < kelvin) & (kelvin < high)).all()
     stated = by_twelve_bands(kelvin).spectral_temperature_uncertainty.values
-    grown = np.sqrt(1 + 0.05**2 * (1 - np.exp(-2 * 149.5 / 100)) / (0.05 / 0.75) ** 2)
+    grown = np.sqrt(1 + (0.1 / 3) ** 2 * (1 - np.exp(-2 * 149.5 / 100)) / (0.05 / 0.75) ** 2)
     assert stated[-1] == pytest.approx(grown * stated[0], rel=0.05)  # the course stands beside both

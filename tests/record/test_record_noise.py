@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.estimate.observations import HUBER, robust_sum, robust_weight
-from plasmapyro.record.noise import flicker, signal_noise, variance
+from plasmapyro.record.noise import flicker, signal_noise, standing_together, variance
 
 TIME = np.arange(0, 400, 0.1)
 
@@ -61,6 +61,19 @@ def test_few_samples_are_refused():
         signal_noise(np.ones((2, 100)), 50)
     with pytest.raises(ValueError, match="a signal has no noise at all"):
         signal_noise(np.ones((2, 400)), 50)
+
+
+def test_samples_that_stand_together_count_as_fewer():
+    """The mean of many such values is known as of (1 - m)/(1 + m) as many, m: memory per step."""
+    random = np.random.default_rng(6)
+    white = random.standard_normal(TIME.size)
+    joined = np.stack([white, ornstein_uhlenbeck(random, 1.0, 0.4)])
+    joined[:, 500:700] = np.nan
+    own, together = standing_together(joined)
+    assert own == pytest.approx(1.0, abs=0.05)  # three standard errors of a median of 3800
+    memory = np.exp(-0.1 / 0.4)
+    # blocks of 32, two standard errors of 125 less than found
+    assert 0.7 < together / np.sqrt((1 + memory) / (1 - memory)) < 1.0
 
 
 def test_variance_does_not_see_outliers():

@@ -27,7 +27,7 @@ LASTS = 0.1  # [1] ASSUME: relative change of temperature over which a bin keeps
 # light act on the slope of the light, so at another temperature they leave other errors
 # ASSUME: of the freedom of its course; by as much the level of an emissivity wanders from what is stated at
 # the injection. A surface that oxidises, or is roughened, changes in both.
-AGES = 0.5
+AGES = 1 / 3
 LARGEST = 0.1  # [1] relative standard uncertainty of the temperature, beyond which there is none
 
 

@@ -364,7 +364,8 @@ class Filter:
         told = sum(part for _, part in self._told) * largest**2 > 1
         low, high = self._calibration.fit_range.values
         if not np.isfinite(data.signal).any():
-            state = status.MISSING
+            dying = abs(time - self.off) <= settings["plasma_off_time_span"]
+            state = status.STRADDLING if dying else status.MISSING
         elif not told or deviation >= largest:
             state = status.NO_SIGNAL
         elif (share < settings["least_surface_share"]).all():

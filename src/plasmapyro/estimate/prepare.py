@@ -343,10 +343,11 @@ def _mean(rows):
 def rescaled(data, found, fixed):
     """Data whose noise, in each band or bin, is that of their residuals."""
     residual = data.residual(found.path, found.values, fixed.where)
-    axis = 1 if isinstance(data, PyrometerData) else 0
-    scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=axis, keepdims=True)
-    scale = np.clip(scale, *RESCALING)
-    return dataclasses.replace(data, noise=data.noise * scale)
+    if isinstance(data, PyrometerData):
+        scale = noise.standing_together(residual)[:, None]
+    else:
+        scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=0, keepdims=True)
+    return dataclasses.replace(data, noise=data.noise * np.clip(scale, *RESCALING))
 
 
 def bent(data, chain, path):

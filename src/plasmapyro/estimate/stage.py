@@ -288,7 +288,10 @@ def estimate(
     given = response, spectrometer_calibration, radiometer_calibration
     found = posterior(test, calibration, *given, **settings)
     bands = radiometer_calibration.instrument_range if calibration is None else calibration.fit_range
-    return _dataset(found, bands.values, settings["least_surface_share"], settings["largest_uncertainty"])
+    limits = (
+        settings[name] for name in ("least_surface_share", "largest_uncertainty", "plasma_off_time_span")
+    )
+    return _dataset(found, bands.values, *limits)
 
 
 @dataclass(frozen=True)
@@ -375,7 +378,7 @@ def _of_slope(record, fixed, rows):
     return [budget.Input(words, "emittance", row.contribution * share, own, "1")]
 
 
-def _dataset(posterior, fit_range, least_share, largest):
+def _dataset(posterior, fit_range, least_share, largest, span):
     test, record, samples, observations = (
         getattr(posterior, name) for name in ("test", "record", "samples", "observations")
     )
@@ -398,8 +401,11 @@ def _dataset(posterior, fit_range, least_share, largest):
     state[bands.flagged(flags.SATURATED, flags.CLIPPED).all(axis=1)] = status.SATURATED
     state[bands.flagged(flags.LOST, flags.STUCK, flags.SPIKED).all(axis=1)] = status.MISSING
     state[~known] = status.NO_SIGNAL
+    # Between the samples before and behind a switch only the path's own bend tells.
+    dying = (bands.time > record.off) & (bands.time <= record.off + span)
+    state[dying] = status.STRADDLING
     state[against[group]] = status.CONTRADICTED
-    known &= ~against[group]
+    known &= ~(against[group] | dying)
     state[~injected] = status.NOT_INJECTED
     factor = np.exp(NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, 1 + found.path[:, GAS], 0.0)[group]

@@ -15,6 +15,8 @@ LARGEST_SHARED = 1.5  # of the lesser variance: beyond, it is no common flicker 
 LEAST_ALIKE = 12  # samples that tell a variance
 LEAST_SHOWN = 60  # samples that show what noise a signal has
 STILL = 1000  # samples of one value that err alike; of as many that move the error of rounding is gone
+ERROR_OF_MAD = 1.17  # relative standard error of it, of one normal value
+LEAST_BLOCKS = 100  # of samples that may stand together
 LAGS = 4  # samples over which the decay of the flicker is read
 
 
@@ -74,6 +76,27 @@ def signal_noise(signals, block):
             model = np.maximum(design @ both, SMALLEST_SHARE * found)
         floor[band], relative[band] = np.sqrt(both) * [least, 1.0]
     return floor, relative
+
+
+def standing_together(residual):
+    r"""Noise (C,) per sample of residuals (C, n) such that means over samples err by their part of it.
+
+    .. math:: \sigma = \max_B \sqrt B\,\sigma(\overline r_B)
+
+    over blocks of B = 1, 2, 4 ... samples, robustly, NaN ignored. Of samples that move together, as in 1/f
+    noise, a mean is known less well than of as many that do not. What lies within two standard errors of a
+    :math:`\sigma(\overline r_B)` is white.
+    """
+    good = np.isfinite(residual)
+    total, number = (np.cumsum(rows, axis=1) for rows in (np.where(good, residual, 0.0), good))
+    size, found = 1, []
+    while size == 1 or residual.shape[1] >= LEAST_BLOCKS * size:
+        held, count = (np.diff(rows[:, size - 1 :: size], prepend=0) for rows in (total, number))
+        chance = 1 + (2 * ERROR_OF_MAD / np.sqrt(held.shape[1]) if size > 1 else 0.0)
+        whole = np.where(count > 0, held / np.sqrt(np.maximum(count, 1)), np.nan)
+        found.append(NORMAL_MAD * np.nanmedian(np.abs(whole), axis=1) / chance)
+        size *= 2
+    return np.max(found, axis=0)
 
 
 def floor_of(signals):

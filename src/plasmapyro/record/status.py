@@ -10,7 +10,7 @@ MISSING = 3  # a sample is absent
 NO_SIGNAL = 4  # what the surface adds cannot be told from zero
 GAS_DOMINATED = 5  # the gas gives more than the allowed share of a signal
 NOT_INJECTED = 6  # no sample in view
-STRADDLING = 7  # the exposure holds the injection or the end of the plasma
+STRADDLING = 7  # the sample, or exposure, holds the injection or the end of the plasma
 SATURATED = 8  # the detector or its converter was at its limit
 CONTRADICTED = 9  # instruments, or one and its calibration, contradict each other
 
