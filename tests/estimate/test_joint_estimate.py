@@ -13,7 +13,15 @@ from plasmapyro import contracts
 from plasmapyro.estimate.dynamics import GAS, Dynamics, transition
 from plasmapyro.estimate.instrument import GreyTable, pyrometer, spectrometer
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
-from plasmapyro.estimate.prepare import apart, first_gas, gain_uncertainties, pyrometer_data, samples_of
+from plasmapyro.estimate.prepare import (
+    JITTER,
+    apart,
+    first_gas,
+    gain_uncertainties,
+    jitter,
+    pyrometer_data,
+    samples_of,
+)
 from plasmapyro.estimate.response import SHIFT, of_course, of_place
 from plasmapyro.estimate.smoother import Chain, Fit, spread_of
 from plasmapyro.estimate.stage import estimate
@@ -277,6 +285,35 @@ def observations(response, calibration):
     )
     path = np.array([[400.0, 0, 0.4, 0.01], [1200, 30, 0.0, 0.02], [1400, 20, 0.1, -0.01], [1500, -10, 0, 0]])
     return (bands, spectra), fixed, path
+
+
+def test_what_bins_share_is_taken_out_of_their_residuals(response, made):
+    """A root of the inverse of the covariance: W (N + f f' + d d') W' = 1, written out."""
+    spectra = observations(response, made[2])[0][1]
+    random, bins = np.random.default_rng(4), spectra.radiance.shape[1]
+    radiance, gas = random.uniform(1e9, 3e9, (3, bins)), random.uniform(1e8, 1e9, (3, bins))
+    noise = random.uniform(1e6, 5e6, (3, bins))
+    spectra = dataclasses.replace(spectra, radiance=radiance, noise=noise, flicker=0.01, jitter=0.003)
+    root = spectra._whitened(gas, np.broadcast_to(np.eye(bins), (3, bins, bins)))
+    whole = [
+        np.diag(own**2) + np.outer(0.01 * glow, 0.01 * glow) + np.outer(0.003 * light, 0.003 * light)
+        for own, glow, light in zip(noise, gas, radiance, strict=True)
+    ]
+    white = np.einsum("sij,sjk,slk->sil", root, whole, root)
+    np.testing.assert_allclose(white, np.broadcast_to(np.eye(bins), white.shape), atol=1e-6)
+
+
+def test_how_all_light_moves_from_exposure_to_exposure_is_told():
+    random, time = np.random.default_rng(7), np.arange(60.0)
+    heating = np.linspace(1, 3, 40) * (1 + time / 80)[:, None] ** 3
+    noise = 0.004 * heating
+    moved = heating * (1 + random.normal(0, 0.002, (60, 1))) + noise * random.standard_normal(heating.shape)
+    moved[:, 3] = np.nan  # a bin that is not used
+    # 57 third differences, which are not independent: 12 %
+    assert jitter(moved, noise) == pytest.approx(0.002, rel=0.3)
+    steady = heating + noise * random.standard_normal(heating.shape)
+    assert jitter(steady, noise) < 5e-4
+    assert jitter(moved[:10], noise[:10]) == JITTER  # too few to tell
 
 
 @pytest.mark.parametrize("which", [0, 1], ids=["pyrometer", "spectrometer"])

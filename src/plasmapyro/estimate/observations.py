@@ -206,6 +206,17 @@ def course(values, of, shape, name="emissivity_shape"):
     return 0.0 if shape is None else shape @ values[of(name)]
 
 
+def _less(rows, common):
+    """Whitened rows (S, C, ...), with what their channels share (S, C), in standard deviations, taken out.
+
+    A root of the inverse of 1 + c c': 1 - s c c', s = (1 - (1 + |c|^2)^(-1/2))/|c|^2.
+    """
+    power = np.sum(common**2, axis=1)
+    share = np.where(power > 0, (1 - 1 / np.sqrt(1 + power)) / np.maximum(power, 1e-300), 0.0)
+    along = np.einsum("sc,sc...->s...", common, rows)
+    return rows - np.einsum("s,sc,s...->sc...", share, common, along)
+
+
 @dataclasses.dataclass(frozen=True)
 class SpectrometerData:
     r"""Radiances of the bins, or signals of the bands, of an instrument with its own clock.
@@ -216,9 +227,10 @@ class SpectrometerData:
 
     s is the error of the scale, b that of its course over wavelength (`instrument.scale`), r_c that of a bin,
     d how the scale drifts from the injection on (`ramps`).
-    The flicker within an exposure is common to all its bins: its variance times the outer product of the
-    gas spectrum stands in their covariance. The mean over an exposure follows temperature and rate at its
-    sample, and how the path bends away from them (`bent`), which an iteration holds.
+    The flicker within an exposure is common to all its bins, and so is how a beam that moves dims it: their
+    variances times the outer products of the gas spectrum and of all light stand in their covariance. The
+    mean over an exposure follows temperature and rate at its sample, and how the path bends away from them
+    (`bent`), which an iteration holds.
     """
 
     place: np.ndarray  # (S,) sample nearest to the middle of the exposure
@@ -238,6 +250,7 @@ class SpectrometerData:
     away: np.ndarray | float = 0.0  # (S, nodes) temperature less that of its straight line, see `bent`
     drift: np.ndarray | None = None  # (S, K) ramps of the scale; none: it stays
     scale: np.ndarray | None = None  # (C, m) sigma_c, modes of its course; none: it has no such error
+    jitter: float = 0.0  # [1] standard deviation of all light from exposure to exposure
 
     def moments(self):
         """Times (S, nodes) [s] of the nodes of each exposure, from its sample on."""
@@ -276,14 +289,13 @@ class SpectrometerData:
         return seen * body, gas * amplitude, seen * slope, seen * by_rate
 
     def _whitened(self, gas, rows):
-        """Rows (S, C, ...) over the noise, with the common flicker of an exposure taken out."""
-        shape = (*self.noise.shape, *(1,) * (rows.ndim - 2))
-        rows = np.where(np.isfinite(self.radiance).reshape(shape), rows / self.noise.reshape(shape), 0.0)
-        common = np.where(np.isfinite(self.radiance), self.flicker * gas / self.noise, 0.0)
-        power = np.sum(common**2, axis=1)
-        share = np.where(power > 0, (1 - 1 / np.sqrt(1 + power)) / np.maximum(power, 1e-300), 0.0)
-        along = np.einsum("sc,sc...->s...", common, rows)
-        return rows - np.einsum("s,sc,s...->sc...", share, common, along)
+        """Rows (S, C, ...) over the noise, with what all bins of an exposure share taken out."""
+        good = np.isfinite(self.radiance)
+        weight = np.where(good, 1 / self.noise, 0.0)
+        rows = np.nan_to_num(rows) * weight.reshape(*weight.shape, *(1,) * (rows.ndim - 2))
+        flickering = self.flicker * gas * weight
+        dimmed = self.jitter * np.nan_to_num(self.radiance) * weight
+        return _less(_less(rows, flickering), _less(dimmed, flickering))
 
     def residual(self, path, values, of):
         """Whitened residuals (S, C), NaN where there is no sample."""

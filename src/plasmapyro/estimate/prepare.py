@@ -28,6 +28,10 @@ RAMPS = 6  # of the scale of an instrument against the bands, through a test
 SHORTEST = 1.0  # [s] of a record, for what wanders in it
 DRIFT = 0.02  # [1] ASSUME standard deviation of them at its end: deposits on one of two windows, fibres
 BESIDE, BESIDE_STEPS = 0.5, 1.5  # [s], usual steps between samples: farther from all of them lies a gap
+# ASSUME: a beam that moves dims all light of an exposure; what the data do not tell, and the least.
+JITTER, LEAST_JITTER = 1e-3, 1e-4  # [1]
+LEAST_BENDS = 12  # third differences that tell it
+FINE, STEADY = 0.01, 0.05  # [1] noise of all light of a spectrum, and by what the next one differs, at most
 RESCALING = (0.2, 20.0)  # by how much residuals may correct the noise
 
 
@@ -267,7 +271,27 @@ def spectrometer_data(
         shape=course["basis"](instrument.wavelength[good]) if course else None,
         drift=ramps(frames.time),
         scale=scale_modes(instrument.wavelength[good]),
+        jitter=jitter(mean[:, good], spread[:, good]),
     )
+
+
+def jitter(radiance, spread):
+    """Relative standard deviation of all light of an exposure, by third differences of spectra (S, C) while
+    they hardly change, less the `spread` of their bins."""
+    good = np.isfinite(radiance) & (spread > 0)
+    weight = np.where(good, np.abs(np.nan_to_num(radiance)) / np.where(good, spread, 1.0) ** 2, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        weight = np.median(weight, axis=0)
+        light = np.where(good, radiance, 0.0) @ weight
+        own = np.sqrt(np.where(good, spread, 0.0) ** 2 @ weight**2) / light
+        change = np.diff(np.log(np.where(light > 0, light, np.nan)))
+    bend = np.diff(change, 2)
+    most = np.abs(np.stack([change[:-2], change[1:-1], change[2:]])).max(axis=0)
+    told = (most < STEADY) & (own[:-3] < FINE)
+    if told.sum() < LEAST_BENDS:
+        return JITTER
+    found = noise.variance(bend[told]) / noise.THIRD_DIFFERENCES - np.median(own[:-3][told] ** 2)
+    return max(np.sqrt(max(found, 0.0)), LEAST_JITTER)
 
 
 def ramps(time):

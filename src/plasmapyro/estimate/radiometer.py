@@ -124,6 +124,7 @@ def beside_data(record, calibration, time, flicker, noise_block, spans, course):
         source=f"{TAG}source_error",
         shape=course.of_bands(own),
         drift=prepare.ramps(frames.time),
+        jitter=prepare.jitter(signal, noise),
     )
 
 
