@@ -57,6 +57,17 @@ def test_a_line_that_must_be_there_and_is_not_speaks_against_a_species():
     assert evidence([(769.896, 160)]) < whole - 4  # the stronger line of the two is missing
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_plateau_of_a_full_converter_is_no_peak_and_no_warning():
+    """Wider than what peaks are held against it has no prominence, of which scipy warned."""
+    axis, counts = made.spectrum(made.CALCIUM)
+    full = np.minimum(counts + 5e4 * np.exp(-(((axis * 1e9 - 750) / 5) ** 2)), 2e4)
+    assert (full == 2e4).sum() > 60
+    answer = identify(axis, full)
+    assert names(answer) == {"Ca"}
+    assert not np.any(np.abs(answer.peaks.wavelength * 1e9 - 750) < 4)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_lines_at_random_have_no_name(seed):
     rng = np.random.default_rng(seed)

@@ -141,8 +141,9 @@ def find(axis, signal, noise=None, slit=None):
         peak_widths,
     )  # half a second, which reading a table of lines does not cost
 
-    found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=2 * WING + 1)
-    channels, _, left, right = peak_widths(signal, found, rel_height=0.5, wlen=2 * WING + 1)
+    wide = 2 * WING + 1  # a plateau as wide (a full converter) stands out of nothing in it
+    found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=wide, plateau_size=(None, wide - 2))
+    channels, _, left, right = peak_widths(signal, found, rel_height=0.5, wlen=wide)
     prominence = facts["prominences"]
     if slit is None:
         shaped = prominence > SHAPED * noise[found]
