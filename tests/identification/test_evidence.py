@@ -78,6 +78,15 @@ def test_a_peak_is_no_chance_for_being_there_itself(scene):
     assert bright.chance[5] < 0.05 * scene.chance[5]
 
 
+def test_the_peaks_of_a_species_are_no_chance_to_each_other(scene):
+    """Of three around the second, all its own, chance makes three without it and none with it:
+    3!/0! is about (3 - (3 - 1)/2)^3. Each stands for four here: fewer have a least density."""
+    crowd = scene.counted(np.full(len(SEEN), 4.0))
+    beside = crowd._beside(crowd.fit(MANY))
+    assert beside[1] / crowd.chance[1] == pytest.approx(2 / 3, rel=0.05)
+    assert beside[5] == crowd.chance[5]
+
+
 def test_a_line_is_brighter_than_expected_less_often_than_fainter():
     faint, bright = Scene._strength(np.log([0.05, 20.0]), 1.0)
     assert 0.5 < bright / faint < 0.8

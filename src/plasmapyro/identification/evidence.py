@@ -36,6 +36,7 @@ KERNEL = 1.0  # of ln(strength), over which the strengths of the peaks around ar
 ANY = 0.05  # density of ln(strength) of one peak more than those around, which may have any
 SPREAD = 0.05  # least density of chance peaks, per width of a sharp line
 HOLE = 6e-9  # [m] longer clipped stretches are blind
+DOUBTFUL = -2.0, 30.0  # log evidence at which it is asked how many peaks a species leaves to chance
 AROUND = 12e-9  # [m] within which peaks tell how many there are by chance
 THICK = 0.03  # of the brightest peak: least light of a line that absorbs itself; zones differ in temperature
 BELIEVED = 4.0, 7.0  # standard deviations of a peak from which it speaks, and speaks in full
@@ -137,7 +138,7 @@ class Scene:
     def counted(self, by_chance):
         """The same, its chance counted by what probability (P,) a peak has to be there by chance."""
         scene = copy(self)
-        scene.chance, scene.fits = self._chance(by_chance), {}
+        scene.chance, scene.fits = scene._chance(by_chance), {}
         return scene
 
     def _chance(self, known):
@@ -148,19 +149,31 @@ class Scene:
         seen = np.diff(axis) * _open(self.peaks)[1:]
         reach = np.concatenate([[0.0], np.cumsum(seen)])
         reach = np.interp(at + AROUND, axis, reach) - np.interp(at - AROUND, axis, reach)
-        count = (np.abs(at[:, None] - at) < AROUND) @ known
         wide = (np.abs(at[:, None] - at) < REGION) * known
         np.fill_diagonal(wide, 0.0)
         alike = np.sum(wide * _normal(self.log[:, None], self.log, KERNEL), axis=1)
-        alike = (alike + ANY) / (wide.sum(axis=1) + 1)
-        return alike * np.maximum(count / np.maximum(reach, slit), SPREAD / slit)
+        self.alike = (alike + ANY) / (wide.sum(axis=1) + 1)
+        self.known, self.least = known, SPREAD / slit
+        self.around = (np.abs(at[:, None] - at) < AROUND) / np.maximum(reach, slit)[:, None]
+        return self.alike * np.maximum(self.around @ known, self.least)
 
-    def without(self, explained):
+    def _beside(self, fit):
+        r"""Density of the peaks (P,) by chance [m-1] beside those of a species, as its fit tells them.
+
+        Of :math:`n` peaks around :math:`k` are its own. Chance of an unknown rate (exponential prior)
+        makes :math:`n` instead of :math:`n - k` as :math:`n!/(n - k)! \approx (n - (k - 1)/2)^k` to one.
+        """
+        own = self.known * (1 - self.chance / self.without(fit.explained)) / 2
+        count = self.around @ (self.known - own) + np.diag(self.around) * own
+        return self.alike * np.maximum(count, self.least)
+
+    def without(self, explained, chance=None):
         """Density of the peaks (P,) by chance or by what is explained [m-1]."""
+        chance = self.chance if chance is None else chance
         if explained is NOTHING:
-            return self.chance
+            return chance
         own = self._strength(self.log, explained.light)
-        return self.chance + own * _normal(self.peaks.wavelength, explained.place, self.error)
+        return chance + own * _normal(self.peaks.wavelength, explained.place, self.error)
 
     @staticmethod
     def _strength(log, expected):
@@ -200,17 +213,20 @@ class Scene:
             beside[:] = others.light[groups], others.place[groups]
         known = self.fits.get(species)  # most of what is named has no line among these peaks
         if known is None or not np.array_equal(known[0], beside):
-            known = self.fits[species] = beside, self._fit(species, expected, others, beside)
+            fit = self._fit(species, expected, others, beside, self.chance)
+            if self.settings is SETTINGS and DOUBTFUL[0] < fit.log_bayes < DOUBTFUL[1]:
+                fit = self._fit(species, expected, others, beside, self._beside(fit))
+            known = self.fits[species] = beside, fit
         return known[1]
 
-    def _fit(self, species, expected, others, before):
-        """As `fit`; `before` (2, G): light and place of what others explain of its peaks."""
+    def _fit(self, species, expected, others, before, chance):
+        """As `fit`; `before` (2, G): light and place of what others explain of its peaks; `chance` (P,)."""
         peaks, groups, own, place, (lost, absent), prior = self.peaks, *expected
         total = own + before[0]
         centre = (own * place + before[0] * before[1]) / np.maximum(total, 1e-300)
         sigma = np.hypot(self.error[groups], species.error)
         there = self._strength(self.log[groups], total) * _normal(peaks.wavelength[groups], centre, sigma)
-        gain = np.log((self.chance[groups] + (1 - LOST) * there) / self.without(others)[groups])
+        gain = np.log((chance[groups] + (1 - LOST) * there) / self.without(others, chance)[groups])
         gain = self.believed[groups] * gain
         regions = (np.concatenate([peaks.wavelength[groups], lost]) / REGION).astype(int)
         score, shares = self._over_regions(regions, np.concatenate([gain, absent], axis=2), prior)
