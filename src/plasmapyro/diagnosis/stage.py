@@ -22,6 +22,7 @@ from plasmapyro.diagnosis.report.temperature import temperatures
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.left_in_bands import left_in_bands
 from plasmapyro.diagnosis.select.leftover import left_over
+from plasmapyro.diagnosis.select.pixels import in_turn
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
@@ -161,7 +162,8 @@ def diagnose(
     if left and selection.in_bands and any(one.kind == "spectrometer" for one in base.model.instruments):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
-    selection = selection.with_rest(left or left_in_bands(base.model, selection.final))
+    left = in_turn(base.model.record) or left or left_in_bands(base.model, selection.final)
+    selection = selection.with_rest(left)
     comparison, elsewhere = nothing_to_compare(base.model), ""
     if plasma:
         own = radiation[str(test.attrs["condition"])]

@@ -36,10 +36,10 @@ def chance_of_peak(value, step, longest):
     about = np.where(inside, power[np.clip(place, 0, power.size - 1)], np.nan)
     usual = np.nanmedian(about, axis=1) / np.log(2)
     asked = frequency * longest > 1
-    asked[[0, -1]] = False
     if not asked.any():
         return 1.0, np.nan
     height = np.where(asked, power / np.maximum(usual, 1e-300), 0.0)
+    height[-1] /= 2 - value.size % 2  # one wave of the fastest, of two of others
     best = int(height.argmax())
     known = inside[best].sum() / 2
     chance = asked.sum() * (1 + height[best] / known) ** -known
