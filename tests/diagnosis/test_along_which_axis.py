@@ -1,11 +1,13 @@
 """Along which axis lies what no effect describes, and whether a name fits only because it is alike."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.base import model_with, raw_model
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
@@ -42,9 +44,22 @@ def ranges(model, which, time, temperature, value):
     return np.where(value > 0.6 * value.max(axis=0), 1.01, 1.0) if which == 0 else 1.0
 
 
+@pytest.fixture(scope="module")
+def model(model):
+    """Its samples are those of the surface below."""
+    values = np.array([parameter.centre for parameter in model.parameters])
+    light = [raw_model(model).evaluate(which, knots_of(model), values, ()) for which in range(2)]
+    own = [replace(one, raw=raw) for one, raw in zip(model.instruments, light, strict=True)]
+    return model_with(model, own)
+
+
+def knots_of(model):
+    return np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+
+
 def fitted(model, fault, settings=(), **ends):
     """A fit to data with a fault."""
-    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    knots = knots_of(model)
     values = np.array([parameter.centre for parameter in model.parameters])
     measured = []
     for which, instrument in enumerate(model.instruments):

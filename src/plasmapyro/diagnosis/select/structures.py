@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro.diagnosis.effects.instrument import pyrometer_late
-from plasmapyro.diagnosis.fit.base import phase_of
+from plasmapyro.diagnosis.fit.base import phase_of, raw_model
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.radiation.bandsignal import BANDS
+from plasmapyro.record.binning import mean_in_bins
 from plasmapyro.record.phases import during
 
 SMOOTH_MAP = "smooth"  # id of the class that has two axes
@@ -96,7 +97,7 @@ def seen_by(identity):
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
-    if words & {"walk", "wave", "moment", "frames", "step"}:
+    if words & {"walk", "wave", "moment", "frames", "step", "lag"}:
         return {"instrument": "spectrometer", "axis": "time"}
     if words & {"surface", "released"}:
         return {"instrument": "spectrometer", "axis": "wavelength and temperature"}
@@ -146,6 +147,9 @@ def structures_of(model, solution, steps=WALK_STEPS):
             classes.add_products(
                 "walk_zero_spectrometer", "wandering zero of the spectrometer", {place: [(zero, walk)]}
             )
+            kept = products.row(_kept(model, solution, place))
+            lag = "part of a spectrum that appears in the next"
+            classes.add_products("lag_spectrometer", lag, {place: [(kept, np.ones((time.size, 1)))]})
             heat = _heat(model, solution, time)
             tilts = [products.row(value * (instrument.wavelength / PIVOT) ** power) for power in TILTS]
             parts = [(row, np.kron(one, heat)) for row, one in zip(tilts, np.eye(len(tilts)), strict=True)]
@@ -174,7 +178,7 @@ def structures_of(model, solution, steps=WALK_STEPS):
             classes.add_products(
                 "end_clock", f"clock of the {instrument.source} from a moment on", {place: parts}
             )
-            _add_codes(classes, place, bands, value, kinds)
+            _add_codes(classes, place, bands, instrument, kinds)
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -213,15 +217,24 @@ def _add_bands(classes, place, bands, walk, wave, kinds):
                 classes.add_products(f"{kind}_{identity}", f"{word} {name}", {place: parts})
 
 
-def _add_codes(classes, place, bands, value, kinds):
-    """Gains of the bands along their signals (n, C): of each, and of all where one converter reads them, or
-    amplifiers change their ranges together, by the first."""
-    codes, each = [_codes(signal) for signal in value.T], kinds[-len(bands) :]
-    for (identity, name, _), band, gains, signal in zip(each, bands, codes, value.T, strict=True):
-        parts = [(band, np.hstack([gains, _ranges(signal)]))]
+def _add_codes(classes, place, bands, one, kinds):
+    """Gains of the bands along the signals (t, C) of their samples: of each, and of all where one converter
+    reads them, or amplifiers change their ranges together, by the first."""
+    raw = np.where((one.raw_bin >= 0)[:, None], one.raw, np.nan)
+
+    def in_bins(gains, signal):
+        shares, number = mean_in_bins(gains * signal[:, None], one.raw_bin, len(one.value))
+        mean, _ = mean_in_bins(signal, one.raw_bin, len(one.value))
+        return np.where(number > 0, shares / mean[:, None], 0.0)
+
+    codes = [in_bins(_codes(signal), signal) for signal in raw.T]
+    ranges = [in_bins(_ranges(signal), signal) for signal in raw.T]
+    each = kinds[-len(bands) :]
+    for (identity, name, _), band, gains, steps in zip(each, bands, codes, ranges, strict=True):
+        parts = [(band, np.hstack([gains, steps]))]
         classes.add_products(f"signal_{identity}", f"gain of the {name}", {place: parts})
     if len(bands) > 1:
-        steps = _ranges(value[:, 0])
+        steps = ranges[0]
         parts = [(band, np.hstack([gains, steps])) for band, gains in zip(bands, codes, strict=True)]
         classes.add_products("signal_pyrometer", kinds[0][1], {place: parts})
 
@@ -291,6 +304,15 @@ def _late(model, solution, place, value, before):
     return changes, shares
 
 
+def _kept(model, solution, place):
+    """Change (n, C) of the bins of a spectrometer if each spectrum were the one before it."""
+    state, instrument = solution.state, model.instruments[place]
+    error = state.error_of_gas(place)
+    light = raw_model(model).evaluate(place, state.knots, state.values, solution.settings, gas_error=error)
+    change = np.diff(light, axis=0, prepend=light[:1]) * -(1 + state.pattern[place])
+    return mean_in_bins(change, instrument.raw_bin, len(instrument.value))[0]
+
+
 def _places(time, off, steps):
     """Bins (m,) with which so many steps of a walk begin, and those with which a surface comes into view and
     a plasma ends."""
@@ -357,13 +379,13 @@ def _slope(surface, time, off):
 
 def _codes(signal):
     """Gains (n, m) that come and go along a signal (n,), as those of a converter with unequal steps do."""
-    angle = 2 * np.pi * (signal / signal.max())[:, None, None] * CODES[:, None] + PHASES
+    angle = 2 * np.pi * (signal / np.nanmax(signal))[:, None, None] * CODES[:, None] + PHASES
     return np.sin(angle).reshape(signal.size, -1)
 
 
 def _ranges(signal):
     """Gains (n, m) that are another one above a level of the signal (n,), at most `WALK_STEPS` levels."""
-    order = np.sort(signal)
+    order = np.sort(signal[np.isfinite(signal)])
     places = np.unique(np.linspace(0, order.size - 2, min(WALK_STEPS, order.size - 1)).astype(int))
     return (signal[:, None] > (order[places] + order[places + 1]) / 2).astype(float)
 
