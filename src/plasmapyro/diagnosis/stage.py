@@ -8,6 +8,7 @@ import xarray as xr
 from plasmapyro import conditions
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
+from plasmapyro.diagnosis.effects.gas import leaks
 from plasmapyro.diagnosis.fit.no_plasma import askable
 from plasmapyro.diagnosis.fit.setting import numbers_of
 from plasmapyro.diagnosis.fit.slit import SLIT, seen_slit
@@ -174,7 +175,7 @@ def diagnose(
         beside = {"mixing"} - {term.setting.id for term in given} if base.model.library.core else ()
         beside = {one: OF_FLOW[one] for one in beside}
         away = expected_power(own)
-        asked = {"beside": beside, "away": away, "seed": seed}
+        asked = {"beside": beside, "away": away, "leaks": leaks(), "seed": seed}
         comparison = compare(base.model, measured, questions[1], **asked)
         elsewhere = other_gas(test, radiation, comparison)
         if elsewhere:

@@ -1,7 +1,7 @@
 """Effects of the gas: other spectra from the engine, other histories, matter that does not belong there."""
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from plasmapyro.radiation.slit import FWHM_PER_SIGMA
 from plasmapyro.refraction import vacuum_wavelength
 
 RELEASE_EXCITATION = 5000.0  # [K] of metals at the wall
+LEAKS = ("H I", "He I", "Ne I", "Kr I", "Xe I", "F I", "Cl I")
 LINES, THIN = "lines", 1e-3  # first word of the id of lines of any species, and their optical depth
 GRAINS = 2300.0  # [K], whose light at 0.95 um counts hot grains
 JET_EXCITATION = 6000.0  # [K] of foreign gas in the jet
@@ -136,6 +137,12 @@ def lines_of(name):
     by_name = {one.name: one for one in catalogue()}
     plain = effect(LINES)(foreign(name))
     return replace(plain, id=f"{LINES} {by_name[name].name}", name=f"lines of {name}")
+
+
+@cache
+def leaks():
+    """The effects 'lines <species>' of gases that purges and leaks bring, and air has not."""
+    return tuple(lines_of(name) for name in LEAKS)
 
 
 def proposed(identity):

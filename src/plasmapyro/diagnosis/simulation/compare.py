@@ -24,7 +24,7 @@ from plasmapyro.diagnosis.fit.setting import (
 )
 from plasmapyro.diagnosis.fit.slit import SLIT, SeenSlit
 from plasmapyro.diagnosis.simulation.simulated import Simulated
-from plasmapyro.diagnosis.simulation.systems import brightest_line, lines_of, systems_of
+from plasmapyro.diagnosis.simulation.systems import CLEARER, brightest_line, leaks_of, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
@@ -43,7 +43,6 @@ AT_END = 1e-3  # [1], of the largest amplitude
 MOST_WRONG = 3  # systems
 MOST_GROUPS = 10  # the brightest, which may be of another strength,
 MOST_FREE = 2  # and how many of them or of the systems together may stand for an effect
-CLEARER = 6.0  # of the objective, by which an effect must beat that: log odds of 3
 RARE = 7.4  # of the objective: an effect is one of forty, and before the data less probable than such errors
 WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
 SYSTEM = "system"  # stands for one radiating system of another strength
@@ -116,7 +115,9 @@ class Comparison:
         return replace(self, final=self.base, rivals={}, silence=why)
 
 
-def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0, 0.0), draws=1000, seed=1):
+def compare(
+    model, measured, effects, *, beside=MappingProxyType({}), away=(0.0, 0.0), leaks=(), draws=1000, seed=1
+):
     """Hold the measured gas against the simulated one.
 
     .. math:: y \\sim N\\left(L(P, b, a),\\; S + E\\right)
@@ -134,6 +135,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0,
         More that are asked only whether they look like a wrong power.
     away : mean and standard deviation
         Of ln P of the gas over the simulated one at the power that was simulated.
+    leaks : effects, lines of a gas each, that are asked only whether they are there
     draws, seed : int
         Simulated spectra behind the threshold.
 
@@ -160,7 +162,7 @@ def compare(model, measured, effects, *, beside=MappingProxyType({}), away=(0.0,
     final, rivals = _names(fitter, base, alone, effects, wanted, holds)
     if not final.settings:
         simulated, fitter = plain, without
-    lines = tuple(lines_of(fitter, final, threshold))
+    lines = (*lines_of(fitter, final, threshold), *leaks_of(fitter, final, threshold, leaks))
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     evidence = {identity: log_bayes(fit, base) for identity, fit in alone.items()}
     evidence |= {one.id: log_bayes(final, base) for one in final.settings[:1]}

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit.observation import line_shapes
+from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.radiation.uncertainty import LEAST_STRENGTH
 
 FREE = 2.0  # [1] prior of the relative change of a group where the data alone are to speak
@@ -17,6 +18,8 @@ UNSEEN = 0.5  # [1] error of a ratio beyond which a group counts as not measured
 NEAR = 3.0  # slits
 BRIGHT = 0.3  # [1] of the mean light
 OF_NAMED = 0.3  # [1] of a line: a named effect that is as bright there may leave it, by its formula
+CLEARER = 6.0  # of the objective, by which all lines of an atom must beat one: log odds of 3
+LITTLE = 1e-4  # of an effect
 OF_ATOMS = ("N I", "O I", "faint lines of N I", "faint lines of O I")
 MIDDLE = (0.05, 0.95)  # shares of the light of a group between which it is said to lie
 
@@ -135,6 +138,28 @@ def lines_of(fitter, fit, threshold):
                 strange = strength[place] > 0 and not known
                 error = float(np.sqrt(spread / information[place]))
                 yield Line(float(centres[place]), float(strength[place]), error, bool(strange))
+
+
+def leaks_of(fitter, fit, threshold, leaks):
+    """The brightest `Line` of each of some effects, lines of gases in the jet, that together stand out beside
+    a fit, beyond chance and clearly beyond what one line does, wherever it shines."""
+    measured, spread, plain = fitter.measured, fitter.spread(fit), fitter.light(fit)
+    if fitter.simulated.model.instruments[-1].weight is not None:
+        return
+    fine = np.where(measured.instrument == measured.instrument[-1], measured.level, 0.0)
+    mean, shines = np.mean((measured.simulated * fine)[fine > 0]), _named_light(fitter, fit)
+    rest = fitter.white(measured.value - plain)[0]
+    least = max(spread * (threshold + 2 * np.log(max(len(leaks), 1))), brightest_line(fitter, fit) + CLEARER)
+    for effect in leaks:
+        more = replace(fit, settings=(*fit.settings, Setting(effect, LITTLE, {})))
+        row = (fitter.light(more) - plain) / LITTLE
+        white, place = fitter.white(row)[0], int(np.argmax(row * fine))
+        information, brightest = float(white @ white), float(row[place] * fine[place] / mean)
+        if white @ rest > np.sqrt(least * information) > 0:
+            strength = brightest * float(white @ rest) / information
+            strange = shines(measured.wavelength[place]) <= OF_NAMED * strength
+            error = brightest * float(np.sqrt(spread / information))
+            yield Line(float(measured.wavelength[place]), strength, error, bool(strange))
 
 
 def brightest_line(fitter, fit):
