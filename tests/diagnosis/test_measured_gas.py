@@ -47,7 +47,7 @@ NOT_OF_GAS = {identity: effect for identity, effect in CATALOGUE.items() if not 
 BESIDE = {"mixing": OF_FLOW["mixing"]}
 CLOSE = 0.08  # [1] of ln of the power: its prior, the errors that the simulation states allow no better
 EMITTANCE = 0.85  # as stated
-FAINT = 0.1  # of the krypton of a leak
+FAINT = 0.2  # of a tenth of the O I triplet: of the lines of a leak none is beyond chance alone
 STRAY = 2.0  # [K] rms: what noise of 1 % in a thousand samples leaves
 
 
@@ -552,16 +552,19 @@ def test_an_atom_has_all_of_its_lines(fitted, record, atom, strength, names):
     assert found.lines and not any(line.strange for line in found.lines)
 
 
-@pytest.mark.parametrize(("share", "asked", "told"), [(0, "Kr I", 0), (1, "Kr I", 1), (1, "He I", 0)])
+@pytest.mark.parametrize(("share", "asked", "told"), [(0, "Cl I", 0), (1, "Cl I", 1), (1, "He I", 0)])
 def test_lines_of_a_leak_are_told_together_where_none_is_alone(fitted, record, share, asked, told):
-    """Krypton of a tenth of that above."""
+    """Chlorine has ten lines here."""
     base = fitted(record())
     gas = measured_gas(base.model, base.solution)
     light = Simulated(base.model, gas, {}).light
-    shines = light(0.0, 0.0, (Setting(lines_of("Kr I"), FAINT, {}),)) - light(0.0, 0.0, ())
+    shines = light(0.0, 0.0, (Setting(lines_of("Cl I"), FAINT, {}),)) - light(0.0, 0.0, ())
     gas = replace(gas, value=gas.value + share * shines)
-    found = compare(base.model, gas, {"Cu": CATALOGUE["Cu"]}, draws=300, leaks=[lines_of(asked)])
-    assert sum(line.strange for line in found.lines) == told
+    alone, found = (
+        compare(base.model, gas, {"Cu": CATALOGUE["Cu"]}, draws=300, leaks=leaks)
+        for leaks in ([], [lines_of(asked)])
+    )
+    assert (len(alone.lines), sum(line.strange for line in found.lines)) == (0, told)
 
 
 @pytest.fixture
