@@ -15,10 +15,12 @@ from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.screen import screen
 from plasmapyro.diagnosis.select.search import Step
 from plasmapyro.diagnosis.select.selection import _along_time
-from plasmapyro.diagnosis.select.structures import seen_by
+from plasmapyro.diagnosis.select.structures import seen_by, structures_of
 from plasmapyro.diagnosis.select.unknowns import Unknowns
+from plasmapyro.record.binning import mean_in_bins
 
 NOISE = 0.003  # [1]
+SAME = 1e-9  # [1]
 
 
 def blister(model, which, time, temperature, value):
@@ -87,6 +89,21 @@ def test_a_fault_lies_along_the_axis_that_it_changes_along(model, fault, identit
     step = Step(solution, seen, None, Unknowns(seen)(seen.score), None)
     assert seen_by(step.structure) == {"instrument": instrument, "axis": along}
     assert identity in (None, step.structure)
+
+
+def test_gains_along_a_signal_are_those_of_its_samples(model):
+    """Steps of a converter repeat along the signal, some of them within a bin while it heats: what the bins
+    then change by is one column."""
+    solution, one = fitted(model, lambda *_: 1.0), model.instruments[0]
+    used = one.raw_bin >= 0
+    steps = 1 + np.sin(24 * np.pi * one.raw / one.raw[used].max(axis=0))
+    means = [mean_in_bins(part, one.raw_bin, len(one.value))[0] for part in (steps * one.raw, one.raw)]
+    change = solution.prediction[0] * (means[0] / means[1] - 1)
+    classes, products, _ = structures_of(model, solution)
+    (own,) = [structure.columns for structure in classes if structure.id == "one_signal_pyrometer"]
+    columns = products[0][0] @ products[0][1][..., own]
+    off = np.abs(columns - change[..., None]).max(axis=(0, 1)) / np.abs(change).max()
+    assert off.min() < SAME
 
 
 def hum(model, which, time, temperature, value):
