@@ -1,13 +1,11 @@
 """Along which axis lies what no effect describes, and whether a name fits only because it is alike."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
-from plasmapyro.diagnosis.fit.base import model_with, raw_model
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
@@ -15,12 +13,10 @@ from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.screen import screen
 from plasmapyro.diagnosis.select.search import Step
 from plasmapyro.diagnosis.select.selection import _along_time
-from plasmapyro.diagnosis.select.structures import seen_by, structures_of
+from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.unknowns import Unknowns
-from plasmapyro.record.binning import mean_in_bins
 
 NOISE = 0.003  # [1]
-SAME = 1e-9  # [1]
 
 
 def blister(model, which, time, temperature, value):
@@ -46,22 +42,9 @@ def ranges(model, which, time, temperature, value):
     return np.where(value > 0.6 * value.max(axis=0), 1.01, 1.0) if which == 0 else 1.0
 
 
-@pytest.fixture(scope="module")
-def model(model):
-    """Its samples are those of the surface below."""
-    values = np.array([parameter.centre for parameter in model.parameters])
-    light = [raw_model(model).evaluate(which, knots_of(model), values, ()) for which in range(2)]
-    own = [replace(one, raw=raw) for one, raw in zip(model.instruments, light, strict=True)]
-    return model_with(model, own)
-
-
-def knots_of(model):
-    return np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
-
-
 def fitted(model, fault, settings=(), **ends):
     """A fit to data with a fault."""
-    knots = knots_of(model)
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
     values = np.array([parameter.centre for parameter in model.parameters])
     measured = []
     for which, instrument in enumerate(model.instruments):
@@ -89,21 +72,6 @@ def test_a_fault_lies_along_the_axis_that_it_changes_along(model, fault, identit
     step = Step(solution, seen, None, Unknowns(seen)(seen.score), None)
     assert seen_by(step.structure) == {"instrument": instrument, "axis": along}
     assert identity in (None, step.structure)
-
-
-def test_gains_along_a_signal_are_those_of_its_samples(model):
-    """Steps of a converter repeat along the signal, some of them within a bin while it heats: what the bins
-    then change by is one column."""
-    solution, one = fitted(model, lambda *_: 1.0), model.instruments[0]
-    used = one.raw_bin >= 0
-    steps = 1 + np.sin(24 * np.pi * one.raw / one.raw[used].max(axis=0))
-    means = [mean_in_bins(part, one.raw_bin, len(one.value))[0] for part in (steps * one.raw, one.raw)]
-    change = solution.prediction[0] * (means[0] / means[1] - 1)
-    classes, products, _ = structures_of(model, solution)
-    (own,) = [structure.columns for structure in classes if structure.id == "one_signal_pyrometer"]
-    columns = products[0][0] @ products[0][1][..., own]
-    off = np.abs(columns - change[..., None]).max(axis=(0, 1)) / np.abs(change).max()
-    assert off.min() < SAME
 
 
 def hum(model, which, time, temperature, value):

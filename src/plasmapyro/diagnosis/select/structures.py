@@ -178,7 +178,7 @@ def structures_of(model, solution, steps=WALK_STEPS):
             classes.add_products(
                 "end_clock", f"clock of the {instrument.source} from a moment on", {place: parts}
             )
-            _add_codes(classes, place, bands, instrument, kinds)
+            _add_codes(classes, place, bands, value, kinds)
         if instrument.weight is None:
             waves = zip(*_smooth(model, instrument), strict=True)
             smooth[place] = [(products.row(value * wave), shares) for wave, shares in waves]
@@ -217,24 +217,15 @@ def _add_bands(classes, place, bands, walk, wave, kinds):
                 classes.add_products(f"{kind}_{identity}", f"{word} {name}", {place: parts})
 
 
-def _add_codes(classes, place, bands, one, kinds):
-    """Gains of the bands along the signals (t, C) of their samples: of each, and of all where one converter
-    reads them, or amplifiers change their ranges together, by the first."""
-    raw = np.where((one.raw_bin >= 0)[:, None], one.raw, np.nan)
-
-    def in_bins(gains, signal):
-        shares, number = mean_in_bins(gains * signal[:, None], one.raw_bin, len(one.value))
-        mean, _ = mean_in_bins(signal, one.raw_bin, len(one.value))
-        return np.where(number > 0, shares / mean[:, None], 0.0)
-
-    codes = [in_bins(_codes(signal), signal) for signal in raw.T]
-    ranges = [in_bins(_ranges(signal), signal) for signal in raw.T]
-    each = kinds[-len(bands) :]
-    for (identity, name, _), band, gains, steps in zip(each, bands, codes, ranges, strict=True):
-        parts = [(band, np.hstack([gains, steps]))]
+def _add_codes(classes, place, bands, value, kinds):
+    """Gains of the bands along their signals (n, C): of each, and of all where one converter reads them, or
+    amplifiers change their ranges together, by the first."""
+    codes, each = [_codes(signal) for signal in value.T], kinds[-len(bands) :]
+    for (identity, name, _), band, gains, signal in zip(each, bands, codes, value.T, strict=True):
+        parts = [(band, np.hstack([gains, _ranges(signal)]))]
         classes.add_products(f"signal_{identity}", f"gain of the {name}", {place: parts})
     if len(bands) > 1:
-        steps = ranges[0]
+        steps = _ranges(value[:, 0])
         parts = [(band, np.hstack([gains, steps])) for band, gains in zip(bands, codes, strict=True)]
         classes.add_products("signal_pyrometer", kinds[0][1], {place: parts})
 
@@ -379,13 +370,13 @@ def _slope(surface, time, off):
 
 def _codes(signal):
     """Gains (n, m) that come and go along a signal (n,), as those of a converter with unequal steps do."""
-    angle = 2 * np.pi * (signal / np.nanmax(signal))[:, None, None] * CODES[:, None] + PHASES
+    angle = 2 * np.pi * (signal / signal.max())[:, None, None] * CODES[:, None] + PHASES
     return np.sin(angle).reshape(signal.size, -1)
 
 
 def _ranges(signal):
     """Gains (n, m) that are another one above a level of the signal (n,), at most `WALK_STEPS` levels."""
-    order = np.sort(signal[np.isfinite(signal)])
+    order = np.sort(signal)
     places = np.unique(np.linspace(0, order.size - 2, min(WALK_STEPS, order.size - 1)).astype(int))
     return (signal[:, None] > (order[places] + order[places + 1]) / 2).astype(float)
 
