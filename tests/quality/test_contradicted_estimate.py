@@ -187,6 +187,29 @@ def test_what_is_pulled_is_named_from_five_uncertainties_on():
         assert all(word in sentence for word, sentence in zip(words, said, strict=True))
 
 
+def test_a_statement_that_is_pulled_counts_as_uncertain_as_it_is_off(calibrations):
+    """Birge's ratio: before, an emittance 3.2 uncertainties off cost 2.4 of the stated ones, unsaid."""
+    from types import SimpleNamespace
+
+    from plasmapyro.estimate.observations import constants
+
+    fixed = constants("log_emittance", 0.0, 0.02) + constants("gas_signal", 1.0, 1e-3)
+    found = SimpleNamespace(values=np.array([-0.08, 9.0]))  # the gas is left to the data
+    np.testing.assert_allclose(contradiction.stretched(fixed, found), [4.0, 1.0])
+    found.values[0] = 0.059
+    np.testing.assert_allclose(contradiction.stretched(fixed, found), 1.0)
+    test = laboratory.made()
+    test.attrs |= {"emittance": 0.6, "emittance_uncertainty": 0.01}  # 0.8 in truth
+    strained = joint(test, calibrations)
+    assert "the emittance by" in strained.attrs["strained"] and not strained.attrs["contradictions"]
+    part = strained.temperature_contribution.sel(input_quantity="level of the emittance").values
+    plain = joint(laboratory.made(), calibrations)
+    of_truth = plain.temperature_contribution.sel(input_quantity="level of the emittance").values
+    assert not plain.attrs["strained"]
+    # stated five times as well, and pulled by more than three of that
+    assert np.nanmax(np.abs(part)) > 0.5 * np.nanmax(np.abs(of_truth))
+
+
 @pytest.mark.parametrize("factor", [0.97, 1.05])
 def test_a_ratio_that_is_off_lies_in_the_interval_and_is_said(calibrations, factor):
     """Before, the level alone was doubted: a gain 3 % low cost 46 K at a half interval of 33 K."""

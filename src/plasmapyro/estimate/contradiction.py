@@ -26,6 +26,7 @@ STATED = {
 }
 LARGEST_PULL = 5.0  # standard deviations; sound data pull by 1.2 at most, a gain that is 5 % off by 18
 LARGEST_RESIDUAL = {True: 20.0, False: 10.0}  # [1] of the pyrometer, of a spectrum; sound ones reach 10 and 2
+STRAINED = 3.0  # standard deviations beyond which a statement is as uncertain as it is off (Birge's ratio)
 NEAR = 1.0  # [s] over which residuals of the pyrometer are averaged
 
 
@@ -51,15 +52,7 @@ def contradicted(time, observations, fixed, found):
     -----
     Not in the paper. A pull is (value - stated) / uncertainty; one of 5 is no chance.
     """
-    pulls = np.abs(found.values - fixed.mean) / fixed.deviation
-    largest = {name: pulls[fixed.where(name)].max(initial=0.0) for name in STATED}
-    leading = observations[0].name if observations else "pyrometer"
-    words = [
-        f"the data pull {STATED[name].format(leading=leading)} by {pull:.0f} standard"
-        " uncertainties away from what is stated"
-        for name, pull in largest.items()
-        if pull > LARGEST_PULL
-    ]
+    words = pulled(observations, fixed, found, LARGEST_PULL)
     if words:
         return np.ones(time.size, dtype=bool), words
     where = np.zeros(time.size, dtype=bool)
@@ -75,6 +68,33 @@ def contradicted(time, observations, fixed, found):
                 f" temperature, first at {moments[far][0]:.5g} s after the injection"
             )
     return where, words
+
+
+def pulls(fixed, found):
+    """By how many of its standard deviations (p,) each constant is off what is stated."""
+    return np.abs(found.values - fixed.mean) / fixed.deviation
+
+
+def pulled(observations, fixed, found, least):
+    """What is pulled by more than `least` standard deviations, in words, one each."""
+    size, leading = pulls(fixed, found), observations[0].name if observations else "pyrometer"
+    largest = {name: size[fixed.where(name)].max(initial=0.0) for name in STATED}
+    return [
+        f"the data pull {STATED[name].format(leading=leading)} by {pull:.0f} standard"
+        " uncertainties away from what is stated"
+        for name, pull in largest.items()
+        if pull > least
+    ]
+
+
+def stretched(fixed, found):
+    """Factors (p,) by which what is stated is less certain than it says: its pull, where that is `STRAINED`.
+
+    Source: R. T. Birge, Phys. Rev. 40 (1932) 207, for a single statement.
+    """
+    size = pulls(fixed, found)
+    said = np.isin(np.array(fixed.names), list(STATED))
+    return np.where(said & (size > STRAINED), size, 1.0)
 
 
 def _sizes(data, residual, time):

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.estimate import prepare, radiometer
-from plasmapyro.estimate.contradiction import contradicted
+from plasmapyro.estimate.contradiction import STRAINED, contradicted, pulled, stretched
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import Constants, constants
@@ -347,16 +347,23 @@ def _told(time, told, temperature, largest):
     return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
 
 
+def _families(fixed, spread, stretch=1.0):
+    """Of each family of constants what it adds to the temperatures (n,) of the chain, see `budget.of_family`;
+    `stretch` (p,): times what is stated of each."""
+    across, deviation = spread.across * np.square(stretch), fixed.deviation * stretch
+    places = {one: fixed.where(one[0]) for one in INPUTS}
+    return [
+        budget.of_family(words, group, across[:, at], deviation[at], unit)
+        for (_, words, group, unit), at in places.items()
+        if at.size
+    ]
+
+
 def _inputs(record, pyrometer, fixed, found, spread):
-    """The uncertainty budget of the temperatures (n,) of the chain, see `budget.of_family`."""
-    rows = []
-    for name, words, group, unit in INPUTS:
-        places = fixed.where(name)
-        if places.size:
-            one = budget.of_family(words, group, spread.across[:, places], fixed.deviation[places], unit)
-            rows.append(one)
+    """The uncertainty budget of the temperatures (n,) of the chain."""
+    noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], _families(fixed, spread))
+    rows = _families(fixed, spread, stretched(fixed, found))
     rows += _of_slope(record, fixed, rows) if pyrometer.name == "pyrometer" else []
-    noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], rows)
     kelvin = found.path[:, TEMPERATURE]
     signal, slope, _ = pyrometer.table(kelvin)
     level = CHANGING * np.mean(signal / slope, axis=1)
@@ -389,7 +396,8 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     bands, names = prepare.leading(record), [one.name for one in observations]
     current = "gas_current" if names[0] == "pyrometer" else "radiometer_gas"
     temperature = np.interp(bands.time, samples.time, middle)
-    deviation = (scale * np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE]))[group]
+    inputs = _inputs(record, observations[0], fixed, found, spread)
+    deviation = (scale * budget.combined(inputs[:-1]))[group]  # what changes is recommended, not fitted
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     # Where there is no light of a gas, noise may make what is fitted of it negative.
     share, injected = np.clip(surface / (surface + gas), 0, 1)[:, group], samples.injected[group]
@@ -413,7 +421,6 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told
     emittance = sound * float(np.exp(found.values[of("log_emittance")[0]]))
     gains = found.values[of("gain_error")] - observations[0].source_slope * found.values[of("source_error")]
-    inputs = _inputs(record, observations[0], fixed, found, spread)
     blank = np.where(known, 1.0, np.nan)
     inputs = [one._replace(contribution=(scale * one.contribution)[group] * blank) for one in inputs]
     direction = np.zeros((len(gains), fixed.mean.size))
@@ -452,6 +459,7 @@ def _dataset(posterior, fit_range, least_share, largest, span):
         | {
             "instruments": " ".join(sorted(names)),
             "contradictions": "; ".join(words),
+            "strained": "; ".join(pulled(observations, fixed, found, STRAINED)),
             "steps": found.steps,
             "gas_flicker": float(found.dynamics.flicker),
             "gas_flicker_time": float(found.dynamics.flicker_time),

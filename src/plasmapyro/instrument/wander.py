@@ -7,7 +7,7 @@ WANDER = {  # [1] standard deviations of gains about their means, ASSUME: amplif
     "ratio": 1e-3,
     "spectrometer": 3e-3,
 }
-STEP, LEAST_KNOTS, MOST_KNOTS = 8.0, 10, 40  # [s] between knots of what wanders, and how many there may be
+STEP, LEAST_KNOTS, MOST_KNOTS = 3.0, 10, 40  # [s] between knots of what wanders, and how many there may be
 MEMORY = 0.25  # [1], of the record: correlation time of the gains
 
 

@@ -45,7 +45,8 @@ class Facts(NamedTuple):
 
     `given`: estimates with a value; `against`: sentences of instruments that contradict each other;
     `missing`: {estimate: why it has none}; of a diagnosis its `verdict`, whether the extension is `applied`,
-    and names of `strained` numbers of a calibration, which the fit moved out of what was known;
+    and names of `strained` numbers of a calibration, which the fit moved out of what was known (of the joint
+    estimate: a sentence);
     `instruments` that are compared, and whether they contradict each other `partly`, for some time.
     """
 
@@ -57,6 +58,9 @@ class Facts(NamedTuple):
     strained: tuple = ()
     instruments: tuple = ()
     partly: bool = False
+
+
+OF_ESTIMATE = {"contradictions", "degenerate", "strained"}  # attributes that the recommended series has not
 
 
 class Choice(NamedTuple):
@@ -92,6 +96,7 @@ def recommended(facts):
     why = {
         "joint": f"it uses all light of {listed(facts.instruments)}"
         + (", which agree" if len(facts.instruments) > 1 else " and no second instrument contradicts it")
+        + (f", though {facts.strained[0]}, which its interval holds" if facts.strained else "")
         + (" but where the status is contradicted" if facts.partly else ""),
         "emissivity": "it lets the emissivity depend on wavelength and time",
         "subtraction": "no joint estimate stands beside it",
@@ -186,7 +191,9 @@ def of_correction(parts, found=(), missing=None):
     partly = "joint" in given and bool(holding["joint"].attrs.get("contradictions"))
     if "joint" in given:
         instruments = holding["joint"].attrs["instruments"].split()
-    choice = recommended(Facts(given, against, missing or {}, instruments=tuple(instruments), partly=partly))
+    strained = holding["joint"].attrs.get("strained") if "joint" in given else ""
+    facts = {"instruments": tuple(instruments), "partly": partly, "strained": (strained,) if strained else ()}
+    choice = recommended(Facts(given, against, missing or {}, **facts))
     best = choice.estimate or next(one for one in BEST_FIRST if one in holding)
     part, (name, state) = holding[best], SERIES[best]
     (axis,) = part[name].dims
@@ -195,7 +202,7 @@ def of_correction(parts, found=(), missing=None):
         states[np.isfinite(part[name].values)] = status.CONTRADICTED
     inputs = [*_inputs(part, name), *_of_spot(part.attrs.get("temperature_spread", 0.0), part[name].values)]
     result = series(part[axis].values, part[name].values, states, inputs)
-    kept = {key: value for key, value in part.attrs.items() if key not in {"contradictions", "degenerate"}}
+    kept = {key: value for key, value in part.attrs.items() if key not in OF_ESTIMATE}
     return result.assign_attrs(kept | attributes(choice))
 
 

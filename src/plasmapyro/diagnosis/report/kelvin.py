@@ -94,6 +94,7 @@ class PaperShift:
         scale = amplitude / used if used else 1.0
         other, _ = self._read((Setting(effect, used, shape),), self.reading)
         change = np.where(self.judged, other - self.plain, np.nan)
+        change[~np.isfinite(change)] = np.nan  # a ratio that no temperature gives
         if not np.isfinite(change).any():
             return 0.0, 0.0
         worst = int(np.nanargmax(np.abs(change)))
