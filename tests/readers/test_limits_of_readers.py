@@ -47,6 +47,17 @@ def test_dates_mark_begin_middle_or_end_of_an_exposure_of_two_averages(tmp_path,
     )
 
 
+def test_a_dark_may_be_averaged_more_often_than_its_spectra_not_less(tmp_path):
+    place = folder(tmp_path)
+    twice = read_test(place)
+    dark = place / "dark.txt"
+    words = dark.read_bytes()
+    dark.write_bytes(words.replace(b"Averaged: 2", b"Averaged: 20"))
+    np.testing.assert_array_equal(read_test(place).background_counts, twice.background_counts)
+    dark.write_bytes(words.replace(b"Averaged: 2", b"Averaged: 1"))
+    assert any("averages 1, but 2 in frame_0000.txt" in words for words in check_test(place))
+
+
 def test_a_tunnel_file_is_asked_for_at_the_times_of_the_pyrometer_only(tmp_path):
     parts = samples.CSV + "tunnel:\n  zero: 1.0\n  columns:\n    time: {name: t, unit: s}\n"
     parts += "    mass_flow_rate: {name: m, unit: g/min, scale: 2}\n"

@@ -209,7 +209,7 @@ def read_line_lamp(folder):
     settings = {"quantity": "counts", "column": section.text("column")}
     paths = [Path(folder) / lamp[key] for key in ("light", "dark")]
     light, dark = (ocean.read_spectrum(path) for path in paths)
-    require_alike(paths[1], dark, paths[0], light)
+    require_alike(paths[1], dark, paths[0], light, of="a dark")
     rows = [ocean.column_of(path, one, settings) for path, one in zip(paths, (light, dark), strict=True)]
     net = np.where(ocean.clipped(rows[0]), np.nan, rows[0] - rows[1])
     return vacuum(paths[0], light.wavelength, medium), net, lamp["fwhm"]

@@ -395,7 +395,10 @@ SETTINGS = ("integration_time", "averages", "dark_corrected", "linearised")
 
 
 def require_alike(path, spectrum, first_path, first, settings=SETTINGS, of="a spectrum"):
-    """Refuse a spectrum, or a dark, of other wavelengths than the first, or of other settings."""
+    """Refuse a spectrum, or a dark, of other wavelengths than the first, or of other settings.
+
+    A dark may be averaged more often: its counts are a mean, as theirs are, with less noise.
+    """
     if spectrum.wavelength.size != first.wavelength.size or not np.allclose(
         spectrum.wavelength, first.wavelength, rtol=0, atol=SHIFT
     ):
@@ -404,7 +407,8 @@ def require_alike(path, spectrum, first_path, first, settings=SETTINGS, of="a sp
         )
     for name in settings:
         mine, its = getattr(spectrum, name), getattr(first, name)
-        if mine != its and not (of == "a dark" and mine is None):
+        enough = mine is None or (name == "averages" and mine >= (its or 1))
+        if mine != its and not (of == "a dark" and enough):
             words = name.replace("_", " ")
             remedy = (
                 "take a dark of the same settings, and name it as `background`"
