@@ -205,6 +205,16 @@ def test_samples_beyond_all_their_neighbours_are_spikes(case):
     assert np.flatnonzero(found[:, 1]).tolist() == (list(range(where.start, where.stop)) if spike else [])
 
 
+def test_noise_of_a_record_that_begins_between_its_neighbours_is_no_spike():
+    """Three first samples in line, by chance: the scatter there is that of the samples about it."""
+    noise = 1 + 0.04 * np.random.default_rng(4).standard_normal((200, 1))
+    noise[:5, 0] = [1.05, 1.0, 0.95, 1.0, 1.05]
+    assert not flags.spiked(noise).any()
+    assert not flags.spiked(noise[::-1]).any()
+    noise[2] = 2.0
+    assert np.flatnonzero(flags.spiked(noise)).tolist() == [2]
+
+
 def test_a_stated_slope_is_taken_out_of_the_ratio():
     def steeper(signals):
         return np.stack([1.03 * signals[0], signals[1]])

@@ -113,7 +113,8 @@ def spiked(values):
         if row.size < AROUND:
             continue
         rest = np.abs(row[1:-1] - (row[:-2] + row[2:]) / 2)
-        scatter = MAD * median_filter(np.pad(rest, 1, mode="edge"), AROUND, mode="nearest")
+        # Mirrored at the ends: half a window of copies of the last one would be no median of many.
+        scatter = MAD * np.pad(median_filter(rest, AROUND, mode="reflect"), 1, mode="edge")
         written = rounding(row)
         step = np.interp(row, written.level, written.step) if written.level.size else np.zeros(row.size)
         for width in range(1, WIDEST + 1):
