@@ -89,7 +89,8 @@ def contents(test):
         name = "spectral_radiance" if "spectral_radiance" in test.variables else "counts"
         values, pixels = test[name].values, test.wavelength.values * 1e9
         moved = test.attrs.get("spectra_moved", 0.0)
-        within = f", moved by {moved:.2g} s within the second of their dates" if moved else ""
+        within = ", in the constant cycle that their dates fit" if "spectra_period" in test.attrs else ""
+        within += f", moved by {moved:.2g} s within the second of their dates" if moved else ""
         lines += [
             f"  spectrometer: {_clock(test.spectrum_time.values, 'spectra')}{within}",
             f"  wavelengths: {pixels.size} pixels, {pixels[0]:.2f} to {pixels[-1]:.2f} nm in vacuum",

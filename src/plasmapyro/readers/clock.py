@@ -4,6 +4,7 @@ import re
 from datetime import UTC, datetime
 
 import numpy as np
+from scipy.optimize import linprog
 
 from plasmapyro.readers.text import fault, missing, quote, refuse
 
@@ -39,6 +40,8 @@ UNSURE = ("%Z", "%c", "%x", "%X")  # depend on the computer's settings, or on na
 EPOCH = datetime(2000, 1, 1)
 DAY, HOUR = 86400.0, 3600.0  # [s]
 CHANGE = 60.0  # [s] a step back of an hour within this is that of the end of summer time
+FRAMES, LEAST_SPAN = 8, 10.0  # and [s]: fewer dates, or a shorter series, tell no period
+JITTER = 0.05  # [s] by which a frame may miss the second of its date
 EXAMPLE = "%d.%m.%Y %H:%M:%S"
 
 
@@ -142,3 +145,25 @@ def times(path, words, lines, form, zero, set_back):
 def _value(word, form):
     value = seconds(word, form)
     return np.nan if value is None else value
+
+
+def cycle(stamps):
+    r"""Period, moment of the first and margin m [s] of frames that come in a constant cycle, or None.
+
+    .. math:: t_k + m \le a + p k \le t_k + 1 - m, \qquad m \to \max
+
+    `stamps` (n,) [s]: their dates, whose decimals are cut off. None where no line runs through the seconds
+    of all of them: a lost frame, or a cycle that is not constant.
+    """
+    if len(stamps) < FRAMES or stamps[-1] - stamps[0] < LEAST_SPAN:
+        return None
+    one, order = np.ones(len(stamps)), np.arange(len(stamps))
+    late, early = (np.stack([sign * one, sign * order, one], axis=1) for sign in (-1, 1))
+    since = stamps - stamps[0]
+    found = linprog(
+        [0, 0, -1], np.concatenate([late, early]), np.append(-since, since + 1), bounds=[(None, None)] * 3
+    )
+    if not found.success or found.x[2] < -JITTER or found.x[1] <= 0:
+        return None
+    first, period, margin = found.x
+    return period, first + stamps[0], max(margin, 0.0)

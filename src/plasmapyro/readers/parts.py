@@ -391,6 +391,7 @@ def _read_all(paths, settings):
     return spectra, faults
 
 
+MARGIN = 0.25  # [s] by which a cycle may be off, either way, before the light is asked, too
 SETTINGS = ("integration_time", "averages", "dark_corrected", "linearised")
 
 
@@ -422,10 +423,12 @@ def _of_folder(paths, spectra, dark_path, dark, settings):
     first = spectra[0][0]
     values = np.stack([row for _, row in spectra]) * units.factor(settings["unit"], settings["quantity"])
     result = {
-        "spectrum_time": _spectrum_times(paths, [spectrum for spectrum, _ in spectra], settings["time"]),
         "wavelength": vacuum(paths[0], first.wavelength, settings["medium"]),
     }
     attrs = {}
+    result["spectrum_time"], left = _spectrum_times(
+        paths, [spectrum for spectrum, _ in spectra], settings["time"], attrs
+    )
     if first.integration_time is not None:
         attrs["spectrometer_integration_time"] = first.integration_time
     if first.linearised is not None:
@@ -434,7 +437,7 @@ def _of_folder(paths, spectra, dark_path, dark, settings):
         "place": paths[0].parent,
         "names": [path.name for path in paths],
         "dates": [spectrum.date for spectrum, _ in spectra],
-        "ordered": settings["time"]["from"] == "order",
+        "left_open": left,
         "background": dark_path,
     }
     if settings["quantity"] == "counts":
@@ -459,9 +462,13 @@ def _without_clipped(values, saturation, result, attrs):
     return np.where(lost, np.nan, values)
 
 
-def _spectrum_times(paths, spectra, settings):
+def _spectrum_times(paths, spectra, settings, attrs):
+    """Times (S,) [s] of spectra, and the seconds by which they may all be later: dates cut decimals off.
+
+    Dates in whole seconds that fit a constant cycle are of that cycle, which `attrs` says.
+    """
     if settings["from"] == "order":
-        return settings["first"] + settings["period"] * np.arange(len(spectra))
+        return settings["first"] + settings["period"] * np.arange(len(spectra)), 0.0
     faults = [
         fault(path, "its header holds no date", "state the times by `from: order`")
         for path, spectrum in zip(paths, spectra, strict=True)
@@ -474,8 +481,13 @@ def _spectrum_times(paths, spectra, settings):
     refuse_all(paths[0].parent, faults)
     exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
     middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
-    time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra]) + middle
-    return rising(paths[0].parent, time)
+    time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra])
+    left = 0.0 if any(spectrum.date.microsecond for spectrum in spectra) else 1.0
+    if left and (cycle := clock.cycle(time)):
+        attrs["spectra_period"], first, margin = cycle
+        left = 2 * margin if margin > MARGIN else 0.0
+        time = first - left / 2 + attrs["spectra_period"] * np.arange(time.size)
+    return rising(paths[0].parent, time + middle), left
 
 
 def vacuum(path, wavelength, medium):

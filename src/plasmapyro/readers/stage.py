@@ -146,20 +146,16 @@ def _raw(folder, path):
         dataset = contracts.check(contracts.label(dataset, "test"), "test")
     except contracts.ContractError as reason:
         return None, [f"{path}: {reason}"]
-    if {"time", "spectrum_time"} <= dataset.sizes.keys() and _whole_seconds(**files["spectrometer"]):
-        dataset = _within_second(dataset)
+    left = files.get("spectrometer", {}).get("left_open", 0.0)
+    if {"time", "spectrum_time"} <= dataset.sizes.keys() and left:
+        dataset = _within_second(dataset, left)
     return _sound(dataset, path, files)
 
 
-def _whole_seconds(dates=(None,), ordered=True, **_):
-    """Whether the spectra have their times from dates without decimals."""
-    return not ordered and None not in dates and not any(date.microsecond for date in dates)
-
-
-def _within_second(dataset):
-    """The spectra moved within the second that their dates leave open, to where they fit the pyrometer."""
+def _within_second(dataset, left):
+    """The spectra moved within what their dates leave open [s], to where they fit the pyrometer."""
     try:
-        moved = clock.within_second(dataset)
+        moved = clock.within_second(dataset, left)
     except np.linalg.LinAlgError:
         moved = 0.0
     if not moved:

@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-SECOND = 1.0  # [s] that dates in whole seconds leave open
 FARTHEST, STEP = 1.5, 0.05  # [s]: up to where, and in which steps, it is looked for
 FRAMES, DIM = 8, 0.02  # fewer spectra, brighter than so much of the brightest, do not tell a lag
 CLEARER = 1.5  # times the residual at another lag; normal noise of 30 spectra makes it 1.3 once in 1000 cases
@@ -89,8 +88,8 @@ def _least_squares(design, values):
     return found, np.sqrt(np.sum(rest**2) / max(values.size - found.size, 1))
 
 
-def within_second(test):
-    """Seconds by which the spectra of a test must be moved, 0 to 1, where their dates are whole seconds.
+def within_second(test, left):
+    """Seconds by which the spectra of a test must be moved, 0 to `left`, where their dates are whole seconds.
 
     They are cut off; 0 where the light does not tell how much.
     """
@@ -114,4 +113,4 @@ def within_second(test):
     if np.isnan(rest).all() or rest[0] < max(CLEARER * np.nanmin(rest), SMALLEST):
         return 0.0
     best = float(lags[np.nanargmin(rest)])
-    return best if best < SECOND else 0.0  # a clock that is off by more is for a person to see
+    return best if best < left else 0.0  # a clock that is off by more is for a person to see
