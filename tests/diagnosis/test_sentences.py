@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from blind.consistent import contradictions
 
+from plasmapyro.diagnosis.report.report import found_apart
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
 from plasmapyro.diagnosis.report.simulation import simulation
+from plasmapyro.diagnosis.select.pixels import NAMES, PIXELS
 from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
 from plasmapyro.page.stage import STATUS, write_page
 
@@ -46,6 +48,40 @@ def test_what_costs_less_than_half_a_kelvin_is_not_warned_of():
     *_, last = verdict_sentences("null", {}, [], [], 0.5, None, None, limits, [])
     assert last == "What could still be wrong and would not be seen in these data: ratio (23 K)."
     assert len(verdict_sentences("null", {}, [], [], 0.5, None, None, limits[1:], [])) == 1
+
+
+def test_the_chance_of_a_misfit_is_no_reason_for_what_another_test_found():
+    rest = ([], [], 1.0, "what repeats in the bands", None, [], [])
+    first, *_ = verdict_sentences("unknown", {}, *rest, apart=True)
+    assert first == (
+        "Something is wrong that no single cause of the catalogue explains: what repeats in the bands,"
+        " by a test of its own."
+    )
+    assert verdict_sentences("unknown", {}, *rest)[0].startswith("Something is wrong (p = 1) that no ")
+
+
+@pytest.mark.parametrize(
+    ("found", "unknown", "gain", "apart"),
+    [
+        ("walk", 9.0, 1.0, False),
+        ("walk", 1.0, 30.0, False),
+        ("walk", 1.0, 1.0, True),  # a strange line is a structure that the gas asks for
+        ("repeats", 9.0, 30.0, True),
+    ],
+)
+def test_what_is_unknown_is_of_a_test_of_its_own(found, unknown, gain, apart):
+    screen = SimpleNamespace(structures=[SimpleNamespace(id="walk")])
+    findings = SimpleNamespace(
+        first=SimpleNamespace(screen=screen, unknown=np.array([unknown]), gains=np.array([gain])),
+        selection=SimpleNamespace(unknown_class=found, thresholds=SimpleNamespace(unknown=5.0, effect=20.0)),
+    )
+    assert found_apart(findings) == apart
+
+
+def test_a_verdict_says_that_pixels_in_turn_are_of_a_test_of_its_own(diagnosed, monkeypatch):
+    monkeypatch.setattr("plasmapyro.diagnosis.stage.in_turn", lambda record: PIXELS)
+    first, *_ = diagnosed(without=("clock",)).report["verdict"]["sentences"]
+    assert first.endswith(f" explains: {NAMES[PIXELS]}, by a test of its own.")
 
 
 @pytest.mark.parametrize(

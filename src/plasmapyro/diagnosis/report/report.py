@@ -218,6 +218,7 @@ def _verdict(findings, entries, hidden, shift):
             hidden,
             unsure,
             [term.setting.effect.name for term in findings.model.given if term.setting.id == LAMP],
+            found_apart(findings),
         ),
         "missing_evidence": missing_evidence(findings),
     }
@@ -252,6 +253,15 @@ def _name_of_unknown(findings):
     names |= leftover.names(findings.model.instruments) | left_in_bands.names(findings.model.instruments)
     names |= pixels.NAMES
     return names.get(findings.selection.unknown_class)
+
+
+def found_apart(findings):
+    """Whether what is unknown is not of the two tests of `p_base`: no structure of theirs, or neither is
+    beyond chance."""
+    first, limits = findings.first, findings.selection.thresholds
+    structures = {structure.id for structure in first.screen.structures}
+    beyond = first.unknown.max() > limits.unknown or first.gains.max() > limits.effect
+    return findings.selection.unknown_class not in structures or not beyond
 
 
 def _checks(findings):

@@ -10,14 +10,15 @@ AGREE, NOTHING_NEEDED = "The data agree with the base model", "nothing that the 
 
 
 def verdict_sentences(
-    status, candidates, named, of_gas, p_value, unknown_name, gained, limits, unsure, held=()
+    status, candidates, named, of_gas, p_value, unknown_name, gained, limits, unsure, held=(), apart=False
 ):
     """Sentences of a verdict; the first stands alone.
 
     `candidates`: id -> entry of the report; `named`, `of_gas`: ids that the thermometer asks for, and what
     the spectrum of the gas asks of the simulation; `unknown_name`: of the structure that remains; `limits`:
     entries of the report, worst first; `unsure`: why the base fit is not adequate, why names are not certain,
-    or parameters far from their priors; `held`: light in the view that the base model holds besides.
+    or parameters far from their priors; `held`: light in the view that the base model holds besides;
+    `apart`: a test of its own found what is unknown, of which `p_value` says nothing.
     """
     p = f"p < {10**-3}" if p_value < 1e-3 else f"p = {p_value:.2g}"
     names, gas = (
@@ -28,7 +29,9 @@ def verdict_sentences(
     elif named:
         lines = [f"The data reject the base model ({p}); the best explanation: {names}."]
     elif unknown_name:
-        lines = [f"Something is wrong ({p}) that no single cause of the catalogue explains: {unknown_name}."]
+        how, end = ("", ", by a test of its own") if apart else (f" ({p})", "")
+        what = f"{unknown_name}{end}"
+        lines = [f"Something is wrong{how} that no single cause of the catalogue explains: {what}."]
     else:
         lines = [f"{AGREE}: {NOTHING_NEEDED}."]
         if gas:
