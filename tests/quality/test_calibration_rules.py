@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from plasmapyro import cli
+from plasmapyro import cli, io
 from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.instrument.stage import band_response
 from plasmapyro.quality.catalogue import OF_CALIBRATION
@@ -101,3 +101,19 @@ def test_calibrate_refuses_by_name_and_goes_on_by_name(tmp_path, capsys):
     assert cli.main([*words, "--accept", "points_leave_curve"]) == 2
     assert cli.main([*words, "--accept", "points_leave_curve", "levels_leave_curve"]) == 0
     assert (tmp_path / "lab" / "calibration.nc").exists()
+
+
+def test_check_takes_the_responses_that_calibrate_takes(tmp_path, capsys):
+    """Points that a pyrometer of other bands measured: the narrow one 60 nm further to the red."""
+    folder = laboratory.calibration_folder(tmp_path / "raw")
+    response = band_response(**RESPONSE)
+    own = response.copy()
+    moved = np.interp(response.wavelength - 60e-9, response.wavelength, response.responsivity_narrow)
+    own["responsivity_narrow"] = response.responsivity_narrow.copy(data=moved)
+    io.write_labelled([(tmp_path / "own.nc", io.labelled(own, "response", [], {}))])
+    words = ["check", str(folder), "--response", str(tmp_path / "own.nc")]
+    assert cli.main(["check", str(folder)]) == 0
+    assert cli.main(words) == 2 and "[points_leave_curve]" in capsys.readouterr().err
+    assert cli.main(["calibrate", *words[1:], "--out", str(tmp_path / "lab")]) == 2
+    assert cli.main(["check", str(tmp_path), *words[2:]]) == 2
+    assert "--response is of a calibration" in capsys.readouterr().err

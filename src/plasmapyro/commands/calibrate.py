@@ -76,8 +76,7 @@ def calibrated(options):
         raise ValueError("\n".join(found))
     results, present = {}, instruments(options.folder)
     if "pyrometer" in present:
-        own = options.response
-        response = io.read(own, "response").sortby("wavelength") if own else band_response(**RESPONSE)
+        response = response_of(options.response)
         points = read_points(options.folder)
         result = _calibrated(
             response,
@@ -119,16 +118,21 @@ def calibrated(options):
     return {name: io.labelled(dataset, name, read, config) for name, dataset in results.items()}
 
 
+def response_of(path=None):
+    """Responses of both bands: of a file, or without one modelled, of the MR1SB."""
+    return io.read(path, "response").sortby("wavelength") if path else band_response(**RESPONSE)
+
+
 def calibration_findings(folder, response=None, result=None):
     """What contradicts itself in a calibration folder, in the words of the rules.
 
-    Without `response` that of the modelled MR1SB, without `result` ('calibration') one made with the usual
-    settings.
+    `response` of the bands, by default that of the modelled MR1SB; without `result` ('calibration') one is
+    made with the usual settings.
     """
     present, held = instruments(folder), {}
     if "pyrometer" in present:
         points = read_points(folder)
-        response = band_response(**RESPONSE) if response is None else response
+        response = response_of() if response is None else response
         held |= {"points": points, "response": response}
         held["calibration"] = result if result is not None else _calibrated(response, points)
     if "spectrometer" in present:

@@ -19,12 +19,15 @@ def run(options):
     """Run `plasmapyro check`; ValueError with one line per fault."""
     progress.say(f"reading {options.test}")
     if describes(options.test):
-        from plasmapyro.commands.calibrate import calibration_findings  # loads what fits lamps
+        from plasmapyro.commands.calibrate import calibration_findings, response_of  # loads what fits lamps
 
-        _refuse(options.test, check_calibration(options.test) or calibration_findings(options.test))
+        response = response_of(options.response)
+        _refuse(options.test, check_calibration(options.test) or calibration_findings(options.test, response))
         present = " and ".join(instruments_calibrated(options.test))
         sys.stdout.write(f"{options.test}: can be used to calibrate the {present}\n")
         return
+    if options.response:
+        raise ValueError("--response is of a calibration; that of a test is in the folder of --instrument")
     test, found, failed = checked(options.test, options.instrument)
     for finding in found:
         progress.warn(finding.words)

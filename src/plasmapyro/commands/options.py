@@ -1,9 +1,10 @@
 """Options of the commands, from the table options.csv, and the kinds of numbers that they take.
 
-A row per option: `kind` is the name of a function of this module or of Python, `flag`, `append`, `once` of
-what must not stand twice, or the words that may be chosen, between bars; `default` may be `required`; a
-`metavar` of several words takes as many values, one that ends in ... any number, in [] also none. Two words
-are a range that rises, but LEAST MOST, which may be a point. Texts of help stand in words/.
+A row per option, of one command or of several between bars: `kind` is the name of a function of this module
+or of Python, `flag`, `append`, `once` of what must not stand twice, or the words that may be chosen, between
+bars; `default` may be `required`; a `metavar` of several words takes as many values, one that ends in ... any
+number, in [] also none. Two words are a range that rises, but LEAST MOST, which may be a point. Texts of help
+stand in words/.
 """
 
 import argparse
@@ -80,7 +81,7 @@ def check(name, given):
 
 def _rows(name):
     with (HERE / "options.csv").open(encoding="utf-8", newline="") as table:
-        return [row for row in csv.DictReader(table) if row["command"] == name]
+        return [row for row in csv.DictReader(table) if name in row["command"].split("|")]
 
 
 def _settings(row):
