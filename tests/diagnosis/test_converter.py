@@ -21,16 +21,12 @@ PERIODS, SIZE = 6.3, 0.01  # along the signal, and of the gain [1]
 
 @pytest.fixture(scope="module")
 def diagnosed(record, response, laboratory):
-    """Base fit and choice for a test whose signals `change` (signal (t,) -> (t,)) and whose
-    spectra `keep` a part of the one before."""
+    """Base fit and choice for a test whose signals `change` (signal (t,) -> (t,))."""
     library = gas_library("80kW", laboratory.radiation, laboratory.variations, fwhm=SLIT_FWHM)
 
-    def of(change, alone=False, keep=0.0):
+    def of(change, alone=False):
         test = record(noise=0.2).isel(wavelength=slice(None, None, 8))  # it is all about signals
         test = test.drop_dims("spectrum_time") if alone else test
-        if keep:
-            spectra = test["spectral_radiance"].values
-            spectra[1:] = (1 - keep) * spectra[1:] + keep * spectra[:-1]
         for name in ("signal_wide", "signal_narrow"):
             test[name].values = change(test[name].values)
         with np.errstate(all="ignore"):
@@ -86,10 +82,3 @@ def test_a_clock_that_is_off_is_found_with_its_size_and_sign(diagnosed, early, a
     step = float(np.median(np.diff(base.model.record.instruments[0].time)))
     (clock,) = [one for one in found.final.settings if one.id == "clock"]
     assert clock.amplitude == pytest.approx(early * step, abs=TENTH * step)
-
-
-def test_images_that_lag_lie_in_the_spectrometer_not_in_the_clock_of_the_pyrometer(diagnosed):
-    """A part of each spectrum appears in the next, also of the last that the plasma lights."""
-    _, found = diagnosed(lambda signal: signal, keep=0.05)
-    assert seen_by(found.steps[0].structure) == {"instrument": "spectrometer", "axis": "time"}
-    assert found.steps[0].structure == "lag_spectrometer"

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from plasmapyro.diagnosis.effects.instrument import pyrometer_late
-from plasmapyro.diagnosis.fit.base import phase_of, raw_model
+from plasmapyro.diagnosis.fit.base import phase_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.radiation.bandsignal import BANDS
-from plasmapyro.record.binning import mean_in_bins
 from plasmapyro.record.phases import during
 
 SMOOTH_MAP = "smooth"  # id of the class that has two axes
@@ -97,7 +96,7 @@ def seen_by(identity):
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
-    if words & {"walk", "wave", "moment", "frames", "step", "lag"}:
+    if words & {"walk", "wave", "moment", "frames", "step"}:
         return {"instrument": "spectrometer", "axis": "time"}
     if words & {"surface", "released"}:
         return {"instrument": "spectrometer", "axis": "wavelength and temperature"}
@@ -147,9 +146,6 @@ def structures_of(model, solution, steps=WALK_STEPS):
             classes.add_products(
                 "walk_zero_spectrometer", "wandering zero of the spectrometer", {place: [(zero, walk)]}
             )
-            kept = products.row(_kept(model, solution, place))
-            lag = "part of a spectrum that appears in the next"
-            classes.add_products("lag_spectrometer", lag, {place: [(kept, np.ones((time.size, 1)))]})
             heat = _heat(model, solution, time)
             tilts = [products.row(value * (instrument.wavelength / PIVOT) ** power) for power in TILTS]
             parts = [(row, np.kron(one, heat)) for row, one in zip(tilts, np.eye(len(tilts)), strict=True)]
@@ -293,15 +289,6 @@ def _late(model, solution, place, value, before):
         for late in MOVED
     ]
     return changes, shares
-
-
-def _kept(model, solution, place):
-    """Change (n, C) of the bins of a spectrometer if each spectrum were the one before it."""
-    state, instrument = solution.state, model.instruments[place]
-    error = state.error_of_gas(place)
-    light = raw_model(model).evaluate(place, state.knots, state.values, solution.settings, gas_error=error)
-    change = np.diff(light, axis=0, prepend=light[:1]) * -(1 + state.pattern[place])
-    return mean_in_bins(change, instrument.raw_bin, len(instrument.value))[0]
 
 
 def _places(time, off, steps):
