@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from plasmapyro.diagnosis.fit.persistent import GAIN_STEP
 from plasmapyro.instrument.wander import MEMORY, wandering
 
 
 def test_knots_of_a_usual_record_follow_noise_of_seconds():
     """Knots 8 s apart do not follow 1/f noise: five of seven sound tests had been unknown."""
-    knots, root = wandering(-15.0, 100.0, MEMORY * 115.0)
+    knots, root = wandering(-15.0, 100.0, MEMORY * 115.0, step=GAIN_STEP)
     assert np.diff(knots).max() < 3.2
     # Two knots of an exponential covariance part by sqrt(2 (1 - exp(-d/m))) of a standard deviation.
     change = np.sqrt(np.sum(np.diff(root, axis=0) ** 2, axis=1))
@@ -15,4 +16,4 @@ def test_knots_of_a_usual_record_follow_noise_of_seconds():
 
 
 def test_knots_of_a_long_record_stay_few():
-    assert wandering(0.0, 3600.0, 900.0)[0].size == 40
+    assert wandering(0.0, 3600.0, 900.0, step=GAIN_STEP)[0].size == 40

@@ -250,7 +250,7 @@ def test_a_diagnosis_asks_the_blocks_left_out_the_structures_and_the_samples(
     step = Step(SimpleNamespace(settings=()), seen, np.zeros(1), np.array([14.8]), np.zeros(1))
     limits = SimpleNamespace(unknown=5.0, third=THIRD)
     selected = Selection((step,), fit, (("winE",),), {}, "named", None, limits, {}, "", evidence)
-    base = SimpleNamespace(model=None, solution=fit)
+    base = SimpleNamespace(model=SimpleNamespace(record=None), solution=fit)
     alike = SimpleNamespace(lines=(), final=SimpleNamespace(settings=()), gained=0.0)
     found = []
 
@@ -263,6 +263,7 @@ def test_a_diagnosis_asks_the_blocks_left_out_the_structures_and_the_samples(
         "select": selected,
         "gain": Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None),
         "left_over": None,
+        "in_turn": None,
         "left_in_bands": in_samples,
         "nothing_to_compare": alike,
         "gas_is_likelier": True,

@@ -359,10 +359,10 @@ def _families(fixed, spread, stretch=1.0):
     ]
 
 
-def _inputs(record, pyrometer, fixed, found, spread):
-    """The uncertainty budget of the temperatures (n,) of the chain."""
+def _inputs(record, pyrometer, fixed, found, spread, stretch):
+    """The uncertainty budget of the temperatures (n,) of the chain; `stretch` as of `_families`."""
     noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], _families(fixed, spread))
-    rows = _families(fixed, spread, stretched(fixed, found))
+    rows = _families(fixed, spread, stretch)
     rows += _of_slope(record, fixed, rows) if pyrometer.name == "pyrometer" else []
     kelvin = found.path[:, TEMPERATURE]
     signal, slope, _ = pyrometer.table(kelvin)
@@ -396,8 +396,12 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     bands, names = prepare.leading(record), [one.name for one in observations]
     current = "gas_current" if names[0] == "pyrometer" else "radiometer_gas"
     temperature = np.interp(bands.time, samples.time, middle)
-    inputs = _inputs(record, observations[0], fixed, found, spread)
-    deviation = (scale * budget.combined(inputs[:-1]))[group]  # what changes is recommended, not fitted
+    # Of a pyrometer alone level and ratio are in doubt already, each by its chance.
+    sure = not posterior.doubts
+    stretch = stretched(fixed, found) if sure else 1.0
+    inputs = _inputs(record, observations[0], fixed, found, spread, stretch)
+    own, wide = (budget.combined(_families(fixed, spread, one)) for one in (1.0, stretch))
+    deviation = (scale * np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE] + wide**2 - own**2))[group]
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     # Where there is no light of a gas, noise may make what is fitted of it negative.
     share, injected = np.clip(surface / (surface + gas), 0, 1)[:, group], samples.injected[group]
@@ -459,7 +463,7 @@ def _dataset(posterior, fit_range, least_share, largest, span):
         | {
             "instruments": " ".join(sorted(names)),
             "contradictions": "; ".join(words),
-            "strained": "; ".join(pulled(observations, fixed, found, STRAINED)),
+            "strained": "; ".join(pulled(observations, fixed, found, STRAINED)) if sure else "",
             "steps": found.steps,
             "gas_flicker": float(found.dynamics.flicker),
             "gas_flicker_time": float(found.dynamics.flicker_time),

@@ -8,6 +8,7 @@ from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.instrument.scale import SCALE_ERROR, SCALE_LENGTHS, alike
 from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 
+GAIN_STEP = 3.0  # [s] between knots of gains: noise of 1/f is not followed by knots 8 s apart
 GAS_TIME = 20.0  # [s] correlation time of half of the gas; of its other half as of the gains
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
@@ -57,7 +58,7 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     -----
     Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes (2006), eq. 4.9 and B.29.
     """
-    knots, root = wandering(start, end, MEMORY * (end - start), more=np.ravel(pauses))
+    knots, root = wandering(start, end, MEMORY * (end - start), more=np.ravel(pauses), step=GAIN_STEP)
     kinds = {"pyrometer": np.ones(instrument.channels), "ratio": [0.5, -0.5]}
     if instrument.channels != 2:
         del kinds["ratio"]
