@@ -437,6 +437,7 @@ def _of_folder(paths, spectra, dark_path, dark, settings):
         "place": paths[0].parent,
         "names": [path.name for path in paths],
         "dates": [spectrum.date for spectrum, _ in spectra],
+        "ordered": settings["time"]["from"] == "order",
         "left_open": left,
         "background": dark_path,
     }
