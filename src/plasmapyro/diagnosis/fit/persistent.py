@@ -8,7 +8,7 @@ from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.instrument.scale import SCALE_ERROR, SCALE_LENGTHS, alike
 from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 
-GAIN_STEP = 3.0  # [s] between knots of gains: noise of 1/f is not followed by knots 8 s apart
+GAIN_STEP = 3.0  # [s] between knots of gains and gas: noise of 1/f is not followed by knots 8 s apart
 GAS_TIME = 20.0  # [s] correlation time of half of the gas; of its other half as of the gains
 GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and cooling water wander by a tenth
 # of a per cent, and lines follow the power by its third to sixth power
@@ -166,7 +166,7 @@ def _stray_share(instrument, chosen):
 
 def wandering_gas(start, end):
     """Parameters of a brightness of the gas that wanders over a record from `start` to `end` [s]."""
-    knots, root = wandering(start, end, GAS_TIME, MEMORY * (end - start))
+    knots, root = wandering(start, end, GAS_TIME, MEMORY * (end - start), step=GAIN_STEP)
     name = "wandering brightness of the gas"
     return tuple(
         Parameter("gas_wander", name, GAS_WANDER, history=(tuple(knots), tuple(column))) for column in root.T
