@@ -174,8 +174,11 @@ def test_a_plasma_that_ends_a_moment_before_its_stated_end_moves_no_surface(shel
     assert found[-1]["temperature"] == pytest.approx(told[-1]["temperature"], abs=spread / 4)
 
 
-def test_it_says_what_is_there_and_what_is_not(told):
+def test_it_says_what_is_there_and_what_is_not(shelf, told):
     moments = np.array([line["time"] for line in told])
+    off = read_test(shelf / "my_test").attrs["plasma_off_time"]
+    dying = np.abs(moments - off) <= SETTINGS["plasma_off_time_span"]
+    assert dying.any() and {told[at]["status"] for at in np.flatnonzero(dying)} == {"straddling"}
     assert {line["status"] for line in told if line["time"] < 0} == {"not_injected"}
     assert {line["status"] for line in told if 0 <= line["time"] < 6} == {"no_signal"}
     hot = [line for line in told if line["time"] > 30 and line["status"] == "valid"]

@@ -170,3 +170,10 @@ def test_a_reference_window_of_two_samples_gives_no_reference():
     assert np.isnan(reference_of(record)).all()
     bands.time = np.array([0.0, 0.5, 1.0, 1.5])
     assert reference_of(record) == pytest.approx(np.array([[1.0, 1.0], [0.0, 0.0]]))
+
+
+def test_a_ratio_that_no_temperature_gives_costs_no_kelvin(laboratory_record):
+    """Six times the wide signal is an infinite reading, which the report had held and JSON refuses."""
+    shift = shift_of(laboratory_record, np.array([0, 0.02, 5.0, 0]))
+    change, worst = shift(SimpleNamespace(instruments=("pyrometer",), bounds=(-1.0, 1.0)), 0.02, None)
+    assert worst == 30.0 and 25.0 < change < 45.0

@@ -51,9 +51,11 @@ def test_its_own_prior_changes_no_model(model):
     np.testing.assert_allclose(same.precision, model.precision, rtol=1e-6, atol=1e-6)
 
 
-def test_a_fit_with_a_prior_is_the_fit_without_times_what_the_prior_adds(model):
-    """Gauss: information adds up, within seven tenths of each standard deviation: fits are not linear, and
-    each estimates its noise, and how far gains wander, anew."""
+def test_a_fit_with_a_prior_is_the_fit_without_times_what_the_prior_adds(model, monkeypatch):
+    """Gauss: information adds up, within a fifth of each standard deviation: fits are not linear, and each
+    estimates its noise anew. How far gains wander, which a fit estimates too, is held: it is no number of
+    the law, and with knots 3 s apart it moved one of the means by 0.6 deviations."""
+    monkeypatch.setattr("plasmapyro.diagnosis.fit.base.steadier", lambda *_: {})
     plain = fit_base(model)
     known = posterior_of(plain.model, plain.solution)
     other = Normal(known.names, known.mean + 0.3 * known.sigma, 0.5 * known.covariance)
@@ -67,8 +69,7 @@ def test_a_fit_with_a_prior_is_the_fit_without_times_what_the_prior_adds(model):
         - np.linalg.solve(prior.covariance, prior.mean)
         + np.linalg.solve(other.covariance, other.mean)
     )
-    assert (np.abs(found.mean - mean) < 0.7 * known.sigma).all()
-    assert np.median(np.abs(found.mean - mean) / known.sigma) < 0.1
+    assert (np.abs(found.mean - mean) < 0.2 * known.sigma).all()
 
 
 def _fitted(model):

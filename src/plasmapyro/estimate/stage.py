@@ -359,12 +359,10 @@ def _families(fixed, spread, stretch=1.0):
     ]
 
 
-def _inputs(record, pyrometer, fixed, found, spread, stretch):
-    """The uncertainty budget of the temperatures (n,) of the chain; `stretch` as of `_families`."""
-    noise = budget.remainder(spread.path[:, TEMPERATURE, TEMPERATURE], _families(fixed, spread))
-    rows = _families(fixed, spread, stretch)
+def _inputs(record, pyrometer, fixed, kelvin, rows, noise):
+    """The uncertainty budget of the temperatures (n,) `kelvin` of the chain from `rows` of the constants and
+    what `noise` adds."""
     rows += _of_slope(record, fixed, rows) if pyrometer.name == "pyrometer" else []
-    kelvin = found.path[:, TEMPERATURE]
     signal, slope, _ = pyrometer.table(kelvin)
     level = CHANGING * np.mean(signal / slope, axis=1)
     of_bands = budget.Input("noise of the samples; flicker and drift of the gas", "noise", noise)
@@ -398,10 +396,13 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     temperature = np.interp(bands.time, samples.time, middle)
     # Of a pyrometer alone level and ratio are in doubt already, each by its chance.
     sure = not posterior.doubts
-    stretch = stretched(fixed, found) if sure else 1.0
-    inputs = _inputs(record, observations[0], fixed, found, spread, stretch)
-    own, wide = (budget.combined(_families(fixed, spread, one)) for one in (1.0, stretch))
-    deviation = (scale * np.sqrt(spread.path[:, TEMPERATURE, TEMPERATURE] + wide**2 - own**2))[group]
+    own = _families(fixed, spread)
+    wide = _families(fixed, spread, stretched(fixed, found)) if sure else list(own)
+    variance = spread.path[:, TEMPERATURE, TEMPERATURE]
+    more = budget.combined(wide) ** 2 - budget.combined(own) ** 2
+    deviation = (scale * np.sqrt(variance + more))[group]
+    noise = budget.remainder(variance, own)
+    inputs = _inputs(record, observations[0], fixed, found.path[:, TEMPERATURE], wide, noise)
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     # Where there is no light of a gas, noise may make what is fitted of it negative.
     share, injected = np.clip(surface / (surface + gas), 0, 1)[:, group], samples.injected[group]

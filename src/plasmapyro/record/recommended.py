@@ -38,6 +38,7 @@ SERIES = {  # estimate: its temperature and its status in a file of a correction
     "subtraction": ("corrected_temperature", "corrected_status"),
     "spectra": ("scaled_temperature", "spectrum_status"),
 }
+OF_ESTIMATE = {"contradictions", "degenerate", "strained"}  # attributes that the recommended series has not
 
 
 class Facts(NamedTuple):
@@ -58,9 +59,6 @@ class Facts(NamedTuple):
     strained: tuple = ()
     instruments: tuple = ()
     partly: bool = False
-
-
-OF_ESTIMATE = {"contradictions", "degenerate", "strained"}  # attributes that the recommended series has not
 
 
 class Choice(NamedTuple):
