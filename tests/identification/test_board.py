@@ -44,7 +44,7 @@ def test_a_list_of_pairs_is_read_as_it_was_written(species, folder, tmp_path):
 def test_a_list_says_which_names_are_false_and_which_lines_count(species, folder, shown, snr):
     """Sodium is named at all shares; who listed the pair may not have seen it, or no clear line of it."""
     listed = [species.Pair("Cu", "Na", "Na", shown, snr)]
-    _, clear, hit, false, _, count = np.sum(species.board(folder, 9, seed=1, pairs=listed), axis=0)
+    _, clear, first, sure, false, _, count = np.sum(species.board(folder, 9, seed=1, pairs=listed), axis=0)
     assert count == len(species.SHARES)
-    assert clear == hit == (count if snr else 0)
+    assert clear == first == sure == (count if snr else 0)
     assert false == (0 if "Na" in shown else count)

@@ -47,6 +47,18 @@ def test_a_little_of_another_element_is_found_beside_much_of_one():
     assert names(identify(*made.spectrum(made.CALCIUM + faint, peak=2e4))) == {"Ca", "Cu"}
 
 
+@pytest.mark.parametrize(
+    ("lines", "share", "element"), [(made.COPPER, 0.012, "Cu"), (made.LITHIUM, 0.02, "Li")]
+)
+def test_what_is_likely_and_not_certain_is_listed_with_its_probability(lines, share, element):
+    faint = [(place, share * strength) for place, strength in lines]
+    answer = identify(*made.spectrum(made.CALCIUM + faint, peak=2e4))
+    listed = {one.species.element: one.probability for one in answer.named}
+    assert set(listed) == {"Ca", element}
+    assert 0.5 < listed[element] < SURE < listed["Ca"]
+    assert answer.unexplained.size == 0
+
+
 def test_a_line_that_must_be_there_and_is_not_speaks_against_a_species():
     def evidence(lines):
         found = identify(*made.spectrum(made.CALCIUM + lines))

@@ -12,8 +12,9 @@ COMMON = tuple("H C N O Na K Li Rb Cs Mg Ca Sr Ba Al Si Ti Cr Mn Fe Ni Cu Zn CN 
 ANYWHERE = ("Na", "K", "Ca", "Mg")  # traces on whatever was touched, with few lines, hard to miss
 PRIOR, PRIOR_COMMON, PRIOR_ANYWHERE, PRIOR_AIR = 0.001, 0.05, 0.3, 0.5  # that a species shows lines
 PRIOR_OTHER_STAGE = 0.3
-NAMED = 0.9  # probability from which a species is named
+NAMED = 0.9  # probability from which a species counts as certain beside others
 LEAST = np.log(NAMED / (1 - NAMED))
+PERHAPS = 0.0  # log odds from which one that is not certain is listed, beside those that are
 SHARED = 0.5  # least share of the peaks of a species that a rival explains too
 ALIKE = 3.0  # difference of log evidence below which two species are not told apart
 CALIBRATED, UNCALIBRATED = 0.2, 1.2  # scatter of ln(response) between regions of a spectrum
@@ -58,10 +59,10 @@ class Answer:
     Attributes
     ----------
     named : tuple of Named
-        Strongest evidence first.
+        Strongest evidence first; likelier than not each, unless it has rivals.
     peaks : Peaks
     unexplained : ndarray of int
-        Peaks that no named species explains and that noise does not make (`CLEAR`).
+        Peaks that none of these species explains and that noise does not make (`CLEAR`).
     scale : Scale
         What the wavelengths are too high by.
     """
@@ -106,7 +107,9 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
     # Again, chance counted by the peaks that are left: those of a named species are no coincidences.
     weight = np.maximum(scene.chance / scene.without(known), EXPLAINED)
     scene, chance = scene.counted(weight), {}
-    return _answer(scene, inside, _named(scene, inside, chance=chance), chance)
+    sure = _named(scene, inside, chance=chance)
+    listed = _named(scene, inside, least=PERHAPS, chance=chance, given=sure)
+    return _answer(scene, inside, listed, chance)
 
 
 @dataclass(frozen=True)
@@ -210,13 +213,15 @@ def _evidence(_one, fit, _fits):
     return fit.log_bayes
 
 
-def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
+def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None, given=None):
     """Species named one after the other: species -> fit, each given the others.
 
-    `chance`: mapping to be filled, species -> `_by_chance` where it was asked for.
+    `chance`: mapping to be filled, species -> `_by_chance` where it was asked for. `given`: such a mapping of
+    those that are named already and stay as they are.
     """
-    fits = {}
-    waiting = list(species)
+    given = given or {}
+    fits = dict(given)
+    waiting = [one for one in species if one not in given]
     chance = {} if chance is None else chance
     judged = log_odds is _log_odds
     while waiting:
@@ -239,7 +244,7 @@ def _named(scene, species, log_odds=_log_odds, least=LEAST, chance=None):
         if found - chance.get(best, 0.0) < least:
             continue
         fits[best] = fit
-        for one in list(fits):  # again, each beside the others
+        for one in [one for one in fits if one not in given]:  # again, each beside the others
             others = together(fit.explained for other, fit in fits.items() if other is not one)
             fits[one] = scene.fit(one, others)
             if log_odds(one, fits[one], fits) - chance.get(one, 0.0) < least:
