@@ -5,8 +5,8 @@
 FOLDER holds spectra of public data as CSV (wavelength [nm], signal): TheFermiSea/CF-LIBS-improved,
 `data/aalto_libs`, pure elements and minerals, named after them. The files are not ours to ship.
 Mixtures are 1, 3 and 10 % of one spectrum's light in another's: the element of the admixture is to be the
-likeliest of those listed that neither part shows alone. Listed is what is likelier than not, as `plasmapyro
-identify` has it; what is listed and neither part shows is a false name, and with --decoys every decoy: the
+likeliest of those listed that neither part shows alone. Listed is what `plasmapyro identify` prints by
+default; what is listed and neither part shows is a false name, and with --decoys every decoy: the
 same species with every line moved by 0.8 %. A false name is a trace if its lines speak for it in one of the
 two apart as well, though not enough for the list. A fixed hash of the names halves the pairs: half 0 was
 looked at while the program was made, half 1 was not (its first 16 were judged before; --skip 16 takes the

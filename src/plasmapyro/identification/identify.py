@@ -14,7 +14,7 @@ PRIOR, PRIOR_COMMON, PRIOR_ANYWHERE, PRIOR_AIR = 0.001, 0.05, 0.3, 0.5  # that a
 PRIOR_OTHER_STAGE = 0.3
 NAMED = 0.9  # probability from which a species counts as certain beside others
 LEAST = np.log(NAMED / (1 - NAMED))
-PERHAPS = 0.0  # log odds from which one that is not certain is listed, beside those that are
+PERHAPS = np.log(2.0)  # log odds from which one that is not certain is listed, beside those that are
 SHARED = 0.5  # least share of the peaks of a species that a rival explains too
 ALIKE = 3.0  # difference of log evidence below which two species are not told apart
 CALIBRATED, UNCALIBRATED = 0.2, 1.2  # scatter of ln(response) between regions of a spectrum
@@ -59,7 +59,7 @@ class Answer:
     Attributes
     ----------
     named : tuple of Named
-        Strongest evidence first; likelier than not each, unless it has rivals.
+        Strongest evidence first; odds of two and more each, unless it has rivals.
     peaks : Peaks
     unexplained : ndarray of int
         Peaks that none of these species explains and that noise does not make (`CLEAR`).
