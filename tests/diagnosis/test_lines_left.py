@@ -8,7 +8,7 @@ import pytest
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.gas import lines_of
 from plasmapyro.diagnosis.fit.terms import terms_of
-from plasmapyro.diagnosis.report.lines import species_left
+from plasmapyro.diagnosis.simulation.foreign import certain, lines_lacking, species_left
 
 FWHM = 1.0  # [nm]
 RUBIDIUM = [(780.027, 1.0), (794.760, 0.5), (775.765, 0.02), (775.944, 0.03)]  # air [nm], resonance lines
@@ -43,6 +43,38 @@ def test_noise_that_is_left_gets_none(library):
     axis = np.arange(745.0, 1035.0, 0.5)
     noise = np.random.default_rng(5).normal(0, 1e5, axis.size)
     assert species_left(axis * 1e-9, noise, np.full(axis.size, 1e5), library) == []
+
+
+def test_a_line_that_the_simulated_gas_lacks_gets_the_name_of_its_species(library):
+    """Frames of gas, surface and rubidium; the comparison saw one of its lines, or one beside none."""
+    axis = np.arange(745.0, 1035.0, 0.15)
+    gas = np.interp(axis * 1e-9, library.wavelength, library.base)
+    light = gas + 2e8 * np.exp((axis - 900) / 300) + gaussians(axis, RUBIDIUM, 3e7)
+    time = np.arange(-5.0, 40.0)
+    frames = light + np.random.default_rng(6).normal(0, 2e6, (time.size, axis.size))
+    frames[:, 700] = np.nan
+    spectrometer = SimpleNamespace(wavelength=axis * 1e-9, time=time, integration_time=1.0, sound=frames)
+    library.group, library.group_name = np.array([library.base]), ["O I 777 nm"]
+    model = SimpleNamespace(
+        record=SimpleNamespace(instrument={"spectrometer": spectrometer}.get),
+        instruments=[SimpleNamespace(weight=None, wavelength=axis[::9] * 1e-9)],
+        library=library,
+        off=35.0,
+    )
+
+    def asked(*places):
+        lines = [SimpleNamespace(wavelength=place * 1e-9, strength=1.0) for place in places]
+        systems = [SimpleNamespace(name="O I 777 nm", ratio=1.0)]
+        return lines_lacking(model, SimpleNamespace(lines=lines, systems=systems))
+
+    (found,) = asked(780.3)
+    assert found["species"] == "Rb I" and certain(found)
+    assert found["lines"] == pytest.approx([780.027e-9, 794.760e-9], abs=0.05e-9)
+    assert found["effect"]["amplitude"] == pytest.approx(3e7 * 1.55 / (0.1 * 1e9 * 2.1), rel=0.15)
+    assert asked(850.0) == asked() == []
+    library.base = library.base * 1.2  # a simulation that errs by a fifth has no oxygen too much
+    library.group = np.array([library.base])
+    assert [one["species"] for one in asked(780.3, 777.5)] == ["Rb I"]
 
 
 def test_a_species_without_lines_in_the_table_is_no_effect():

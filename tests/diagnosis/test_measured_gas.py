@@ -37,6 +37,7 @@ from plasmapyro.diagnosis.simulation.compare import (
     settled,
     spectroscopy,
 )
+from plasmapyro.diagnosis.simulation.foreign import line_pattern
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import _beyond
@@ -550,6 +551,19 @@ def test_an_atom_has_all_of_its_lines(fitted, record, atom, strength, names):
     named = replace(gas, named=0.5 * np.abs(shines - simulated.light(0.0, 0.0, ())))
     found = compare(base.model, named, {"Cu": CATALOGUE["Cu"]}, draws=300)
     assert found.lines and not any(line.strange for line in found.lines)
+
+
+def test_the_lines_of_a_species_that_is_certain_are_lines_no_more(fitted, record):
+    base = fitted(record())
+    gas = measured_gas(base.model, base.solution)
+    light = Simulated(base.model, gas, {}).light
+    shines = light(0.0, 0.0, (Setting(lines_of("Kr I"), 3.0, {}),)) - light(0.0, 0.0, ())
+    with_krypton = replace(gas, value=gas.value + shines)
+    freed = with_krypton.without(line_pattern(base.model, "Kr I"), False)
+    other = with_krypton.without(line_pattern(base.model, "Ne I"), False)
+    sound, free, wrong = (compare(base.model, one, {"Cu": CATALOGUE["Cu"]}) for one in (gas, freed, other))
+    assert wrong.lines and not free.lines
+    assert free.base.power == pytest.approx(sound.base.power, abs=0.002)
 
 
 @pytest.mark.parametrize(("share", "asked", "told"), [(0, "Cl I", 0), (1, "Cl I", 1), (1, "He I", 0)])

@@ -26,6 +26,7 @@ from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.pixels import in_turn
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
+from plasmapyro.diagnosis.simulation.foreign import certain, line_pattern, lines_lacking
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import expected_power
 from plasmapyro.experiment.correction import Reading
@@ -165,7 +166,7 @@ def diagnose(
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     left = in_turn(base.model.record) or left or left_in_bands(base.model, selection.final)
     selection = selection.with_rest(left)
-    comparison, elsewhere = nothing_to_compare(base.model), ""
+    comparison, elsewhere, foreign = nothing_to_compare(base.model), "", []
     if plasma:
         own = radiation[str(test.attrs["condition"])]
         slit = None if SLIT in taken else seen_slit(base.model.record, own)
@@ -177,6 +178,12 @@ def diagnose(
         away = expected_power(own)
         asked = {"beside": beside, "away": away, "leaks": leaks(), "seed": seed}
         comparison = compare(base.model, measured, questions[1], **asked)
+        foreign = lines_lacking(base.model, comparison)
+        if any(certain(one) for one in foreign):  # their light is no cause of the simulated gas
+            for one in filter(certain, foreign):
+                measured = measured.without(line_pattern(base.model, one["species"]), False)
+            found = comparison.lines
+            comparison = replace(compare(base.model, measured, questions[1], **asked), lines=found)
         elsewhere = other_gas(test, radiation, comparison)
         if elsewhere:
             comparison = anywhere(base.model, measured, questions[1], comparison, elsewhere, seed=seed)
@@ -195,7 +202,7 @@ def diagnose(
             comparison = comparison.without_names(elsewhere)
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
-    rest = gained, crossed, reading, provenance or {}, digest_of(test)
+    rest = gained, crossed, reading, provenance or {}, digest_of(test), tuple(foreign)
     findings = Findings(base, selection, comparison, effects, *rest)
     temperature = temperatures(findings, against, contradicted)
     found = Diagnosis(

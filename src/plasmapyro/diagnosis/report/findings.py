@@ -36,7 +36,8 @@ class Findings:
 
     `effects` {id: Effect} of the whole catalogue share the prior; `gained` by the extension on held-out data,
     None without one; `crossed` its log score on tests at other conditions; `reading` of the paper's method,
-    None without a pyrometer; `provenance` goes into the report; `data` digest of the signals of the test.
+    None without a pyrometer; `provenance` goes into the report; `data` digest of the signals of the test;
+    `foreign` species whose lines the gas has and its simulation lacks, see `foreign.lines_lacking`.
     """
 
     base: Base
@@ -48,6 +49,7 @@ class Findings:
     reading: Reading | None
     provenance: dict
     data: str = ""
+    foreign: tuple = ()
 
     @property
     def model(self):

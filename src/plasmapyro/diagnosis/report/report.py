@@ -13,7 +13,7 @@ from plasmapyro.diagnosis.report.candidates import candidates, likeness, limits,
 from plasmapyro.diagnosis.report.extended import extension, worth
 from plasmapyro.diagnosis.report.following import following
 from plasmapyro.diagnosis.report.line_hump import line_against_hump
-from plasmapyro.diagnosis.report.lines import lines_left
+from plasmapyro.diagnosis.report.lines import species_of
 from plasmapyro.diagnosis.report.posterior import posterior
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
@@ -284,7 +284,7 @@ def _discrepancy(findings):
             for structure, value in classes
         ],
         "rank1": show.leading_pattern(findings.model, findings.residuals[1]) if unknown else None,
-        "lines": lines_left(findings),
+        "lines": species_of(findings),
     }
 
 

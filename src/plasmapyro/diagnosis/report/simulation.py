@@ -42,7 +42,7 @@ def simulation(findings):
             {"id": identity, "gain_chi2": float(value)}
             for identity, value in sorted(found.gains.items(), key=lambda one: -one[1])
         ],
-        "sentences": _sentences(found, systems),
+        "sentences": [*_sentences(found, systems), *foreign_sentences(findings.foreign)],
     }
 
 
@@ -71,6 +71,15 @@ def _sentences(found, systems):
             "The measured gas agrees with the simulated one, within the errors that this one states."
         )
     return lines
+
+
+def foreign_sentences(foreign):
+    """Which species are in the gas and not in its simulation, in words."""
+    return [
+        f"{one['species']}, with probability {one['probability']:.2f}, is in the gas, not in the simulation:"
+        f" lines at {', '.join(f'{place / NANOMETRE:.1f}' for place in one['lines'])} nm in air."
+        for one in foreign
+    ]
 
 
 def slit_sentences(found):
