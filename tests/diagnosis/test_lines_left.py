@@ -8,7 +8,7 @@ import pytest
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.gas import lines_of
 from plasmapyro.diagnosis.fit.terms import terms_of
-from plasmapyro.diagnosis.simulation.foreign import certain, lines_lacking, species_left
+from plasmapyro.diagnosis.report.foreign import certain, lines_lacking, species_left
 
 FWHM = 1.0  # [nm]
 RUBIDIUM = [(780.027, 1.0), (794.760, 0.5), (775.765, 0.02), (775.944, 0.03)]  # air [nm], resonance lines

@@ -22,6 +22,7 @@ from plasmapyro.diagnosis.fit.slit import SeenSlit
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.gas.templates import WARMTH_OF_POWER
 from plasmapyro.diagnosis.report.findings import gas_is_likelier
+from plasmapyro.diagnosis.report.foreign import line_pattern
 from plasmapyro.diagnosis.report.simulation import power_sentences, slit_sentences
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation import compare as compare_module
@@ -37,7 +38,6 @@ from plasmapyro.diagnosis.simulation.compare import (
     settled,
     spectroscopy,
 )
-from plasmapyro.diagnosis.simulation.foreign import line_pattern
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import _beyond

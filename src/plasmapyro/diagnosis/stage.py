@@ -17,6 +17,7 @@ from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
 from plasmapyro.diagnosis.report.findings import Findings, gas_is_likelier
+from plasmapyro.diagnosis.report.foreign import certain, line_pattern, lines_lacking
 from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
@@ -26,7 +27,6 @@ from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.pixels import in_turn
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
-from plasmapyro.diagnosis.simulation.foreign import certain, line_pattern, lines_lacking
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import expected_power
 from plasmapyro.experiment.correction import Reading

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro.diagnosis.simulation.foreign import species_left
+from plasmapyro.diagnosis.report.foreign import species_left
 
 
 def species_of(findings):
