@@ -7,8 +7,8 @@ import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.gas import lines_of
-from plasmapyro.diagnosis.fit.terms import terms_of
-from plasmapyro.diagnosis.report.foreign import certain, lines_lacking, species_left
+from plasmapyro.diagnosis.fit.terms import AMPLITUDE, terms_of
+from plasmapyro.diagnosis.report.foreign import certain, lines_lacking, species_left, terms_of_jet
 
 FWHM = 1.0  # [nm]
 RUBIDIUM = [(780.027, 1.0), (794.760, 0.5), (775.765, 0.02), (775.944, 0.03)]  # air [nm], resonance lines
@@ -62,13 +62,18 @@ def test_a_line_that_the_simulated_gas_lacks_gets_the_name_of_its_species(librar
         off=35.0,
     )
 
-    def asked(*places):
+    def asked(*places, light=frames):
+        spectrometer.sound = light
         lines = [SimpleNamespace(wavelength=place * 1e-9, strength=1.0) for place in places]
         systems = [SimpleNamespace(name="O I 777 nm", ratio=1.0)]
         return lines_lacking(model, SimpleNamespace(lines=lines, systems=systems))
 
     (found,) = asked(780.3)
-    assert found["species"] == "Rb I" and certain(found)
+    assert found["species"] == "Rb I" and certain(found) and found["with_sample"] is False
+    (term,) = terms_of_jet([found])  # for the simulation of the condition
+    assert term.setting.id == "lines Rb I" and list(term.uncertainty) == [AMPLITUDE]
+    (later,) = asked(780.3, light=frames - (time < 0)[:, None] * gaussians(axis, RUBIDIUM, 3e7))
+    assert later["with_sample"] is True and not [*terms_of_jet([later])]
     assert found["lines"] == pytest.approx([780.027e-9, 794.760e-9], abs=0.05e-9)
     assert found["effect"]["amplitude"] == pytest.approx(3e7 * 1.55 / (0.1 * 1e9 * 2.1), rel=0.15)
     assert asked(850.0) == asked() == []

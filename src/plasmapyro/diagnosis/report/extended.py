@@ -7,6 +7,7 @@ from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term, text_of
 from plasmapyro.diagnosis.report import show
+from plasmapyro.diagnosis.report.foreign import terms_of_jet
 from plasmapyro.diagnosis.simulation.compare import HOTTER
 
 HOT = 1000.0  # [K] from which the uncertainty of a temperature is given
@@ -112,7 +113,7 @@ def proposed(findings):
             change += np.log1p(given.pop(power.id).setting.amplitude)
         size = float(np.clip(np.expm1(change), *power.bounds))
         of_gas.append(Term(Setting(power, size), {AMPLITUDE: float(error * (1 + size))}, own=True))
-    of_gas = [*given.values(), *of_gas]
+    of_gas = [*given.values(), *of_gas, *terms_of_jet(findings.foreign)]
     return tuple(of_test), tuple(of_gas)
 
 

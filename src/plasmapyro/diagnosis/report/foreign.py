@@ -4,8 +4,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from plasmapyro.diagnosis.effects.gas import JET_EXCITATION, line_spectrum, lines_of
+from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.fit.terms import AMPLITUDE, Term
 from plasmapyro.identification.identify import NAMED, identify
-from plasmapyro.record.binning import LEAVE_OUT_OFF
+from plasmapyro.record.binning import LEAVE_OUT_BEFORE, LEAVE_OUT_OFF
 from plasmapyro.refraction import air_wavelength
 
 LEAST = 0.5  # probability from which a species is proposed
@@ -22,31 +24,48 @@ def lines_lacking(model, comparison):
 
     Asked where the comparison shows such a line, in the mean of the spectra behind the injection, pixel by
     pixel, less the simulated gas with its systems and multiplets as strong as measured. A species is listed
-    that has one of those lines among its own.
+    that has one of those lines among its own. `with_sample`: whether less than half of its light is there
+    before the injection; None where no spectra say.
     """
     lacking = np.array([one.wavelength for one in comparison.lines if one.strength > 0])
     frames = model.record.instrument("spectrometer")
     if frames is None or not lacking.size:
         return []
-    margin = frames.integration_time / 2 + LEAVE_OUT_OFF
-    light = frames.sound[(frames.time > margin) & (frames.time < model.off - margin)]
-    told = np.isfinite(light).sum(axis=0) >= FEWEST
-    if not told.any():
-        return []
-    library, wavelength, light = model.library, frames.wavelength[told], light[:, told]
+    library, half = model.library, frames.integration_time / 2
     ratio = {one.name: one.ratio for one in comparison.systems}
-    strength = np.array([ratio.get(name, 1.0) for name in library.group_name])
-    gas = np.interp(wavelength, library.wavelength, strength @ library.group, left=0.0, right=0.0)
-    sigma = np.hypot(_noise(light), ERROR * gas)
-    found = species_left(wavelength, np.nanmean(light, axis=0) - gas, sigma, library)
+    gas = np.array([ratio.get(name, 1.0) for name in library.group_name]) @ library.group
+    margin = half + LEAVE_OUT_OFF
+    seen = _mean(frames, (frames.time > margin) & (frames.time < model.off - margin), library, gas)
+    before = _mean(frames, frames.time < -half - LEAVE_OUT_BEFORE, library, gas)
+    if seen is None:
+        return []
+    found = species_left(*seen, library, gas)
     reach = NEAR * max(library.slit_fwhm, *(_spacing(one) for one in model.instruments))
     simulated = {name.split()[0] for name in (*library.group_name, *OF_AIR)}
     return [
-        one
+        {**one, "with_sample": _with_sample(one, before, library, gas)}
         for one in found
         if one["species"].split()[0] not in simulated
         and _beside(one["lines"], air_wavelength(lacking), reach)
     ]
+
+
+def _mean(frames, chosen, library, gas):
+    """Wavelengths (C,) [m] of pixels, their mean light in chosen frames less a gas (K,), and its error."""
+    light = frames.sound[chosen]
+    told = np.isfinite(light).sum(axis=0) >= FEWEST
+    if not told.any():
+        return None
+    wavelength, light = frames.wavelength[told], light[:, told]
+    gas = np.interp(wavelength, library.wavelength, gas, left=0.0, right=0.0)
+    return wavelength, np.nanmean(light, axis=0) - gas, np.hypot(_noise(light), ERROR * gas)
+
+
+def _with_sample(one, before, library, gas):
+    """Whether a species shines as `before` the injection (of `_mean`) by less than half as much as behind."""
+    if before is None:
+        return None
+    return _amount(one["species"], *before, library, gas)[0] < one["effect"]["amplitude"] / 2
 
 
 def _spacing(instrument):
@@ -65,34 +84,25 @@ def _noise(light):
     return np.sqrt(np.nanmean(np.diff(light, axis=0) ** 2, axis=0) / 2 / count)
 
 
-def species_left(wavelength, left, sigma, library):
+def species_left(wavelength, left, sigma, library, gas=None):
     """Species behind light that a model leaves, and the effects that would explain it.
 
     `left`, `sigma` (C,) [W m-2 sr-1 m-1]: mean light besides the model while the plasma burns, and its
-    standard deviation, in channels [m] in vacuum; the O I triplet of the library is the unit of the
-    amplitude. One dict each: `species`, `probability`, `lines` [m] (in air), `rivals`, and `effect` with id,
-    amplitude and its standard `uncertainty`, as under the key `effects`.
+    standard deviation, in channels [m] in vacuum; the O I triplet of a gas (K,), or of the library, is the
+    unit of the amplitude. One dict each: `species`, `probability`, `lines` [m] (in air), `rivals`, and
+    `effect` with id, amplitude and its standard `uncertainty`, as under the key `effects`.
     """
     usable = np.isfinite(left) & (sigma < 1e3 * np.median(sigma))
     wavelength, left, sigma = wavelength[usable], left[usable], sigma[usable]
     axis = air_wavelength(wavelength)
     answer = identify(axis, left, sigma, library.slit_fwhm, calibrated=True)
-    around = BROAD * library.slit_fwhm / np.median(np.diff(wavelength))
-    left = left - gaussian_filter1d(left, around)
     found = []
     for one in answer.named:
         if one.probability >= LEAST:
-            shape = line_spectrum((one.species.name,), library, JET_EXCITATION)
-            shape = np.interp(wavelength, library.wavelength, shape)
-            shape = (shape - gaussian_filter1d(shape, around)) / sigma  # beside what is broad, as the light
             matched = one.fit.matched[np.argsort(-answer.peaks.light[one.fit.matched], kind="stable")]
             places = np.sort(answer.peaks.wavelength[matched[:STRONGEST]])
-            size = max(float(shape @ shape), 1e-300)
-            effect = {
-                "id": lines_of(one.species.name).id,
-                "amplitude": max(float(shape @ (left / sigma)) / size, 0.0),
-                "uncertainty": size**-0.5,
-            }
+            amplitude, error = _amount(one.species.name, wavelength, left, sigma, library, gas)
+            effect = {"id": lines_of(one.species.name).id, "amplitude": amplitude, "uncertainty": error}
             found.append(
                 {
                     "species": one.species.name,
@@ -105,9 +115,29 @@ def species_left(wavelength, left, sigma, library):
     return found
 
 
+def _amount(species, wavelength, left, sigma, library, gas):
+    """Amplitude of the lines of a species in light (C,) and its error, both beside what is broad."""
+    around = BROAD * library.slit_fwhm / np.median(np.diff(wavelength))
+    shape = line_spectrum((species,), library, JET_EXCITATION, gas)
+    shape = np.interp(wavelength, library.wavelength, shape)
+    shape, left = ((one - gaussian_filter1d(one, around)) / sigma for one in (shape, left))
+    size = max(float(shape @ shape), 1e-300)
+    return max(float(shape @ left) / size, 0.0), size**-0.5
+
+
 def certain(one):
     """Whether a species is listed with the probability of a name, and no other explains its lines as well."""
     return one["probability"] >= NAMED and not one["rivals"]
+
+
+def terms_of_jet(foreign):
+    """Terms of species that are certain and in the jet with and without a sample, for its simulation."""
+    for one in foreign:
+        if certain(one) and one["with_sample"] is False:
+            effect = one["effect"]
+            error = float(np.hypot(effect["uncertainty"], ERROR * effect["amplitude"]))
+            setting = Setting(lines_of(one["species"]), effect["amplitude"])
+            yield Term(setting, {AMPLITUDE: error}, own=True)
 
 
 def line_pattern(model, species):

@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.simulation.compare import FAR, LEVEL
 from plasmapyro.diagnosis.simulation.systems import LEAST
 
 NANOMETRE = 1e-9
+WITH_SAMPLE = {True: ", since the injection", False: ", before the injection too", None: ""}
 
 
 def simulation(findings):
@@ -77,7 +78,8 @@ def foreign_sentences(foreign):
     """Which species are in the gas and not in its simulation, in words."""
     return [
         f"{one['species']}, with probability {one['probability']:.2f}, is in the gas, not in the simulation:"
-        f" lines at {', '.join(f'{place / NANOMETRE:.1f}' for place in one['lines'])} nm in air."
+        f" lines at {', '.join(f'{place / NANOMETRE:.1f}' for place in one['lines'])} nm in air"
+        f"{WITH_SAMPLE[one['with_sample']]}."
         for one in foreign
     ]
 
