@@ -3,8 +3,9 @@
 import numpy as np
 
 from plasmapyro.instrument.pyrometer import blackbody_signals
-from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import SIGMA
+from plasmapyro.radiation.bandsignal import BANDS
 
 
 @rule()

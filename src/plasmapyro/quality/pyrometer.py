@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import SIDE, SIGMA, blocks, longest_run, steps, widened
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags
 from plasmapyro.record.record import gas_of
 

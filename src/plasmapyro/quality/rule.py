@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import onset
 from plasmapyro.record.calibrated import halves
 from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.phases import phases
 from plasmapyro.tables import rows
 
-BANDS = ("wide", "narrow")
 CONTRADICTION, DOUBT = SEVERITIES = "contradiction", "doubt"  # both cannot be true; it may be meant so
 
 
