@@ -20,7 +20,6 @@ from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import UNTOLD, tilt
 from plasmapyro.record.record import Record, record_of
 
-NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
 FIRST_RATE = 0.01  # [K/s] standard deviation before injection: nothing heats the sample
 KICK = 100.0  # [K/s] of the rate at injection and at the end of the plasma
@@ -420,7 +419,7 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     state[against[group]] = status.CONTRADICTED
     known &= ~(against[group] | dying)
     state[~injected] = status.NOT_INJECTED
-    factor = np.exp(NORMAL_95 * deviation / temperature)
+    factor = np.exp(budget.NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, 1 + found.path[:, GAS], 0.0)[group]
     of_constants = np.sqrt(np.diag(spread.constants))
     sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told
