@@ -6,7 +6,7 @@ import re
 import zlib
 from pathlib import Path
 
-from plasmapyro.contracts import ContractError
+from plasmapyro.contracts import ContractError, check, label
 from plasmapyro.foreign import printable, unfit
 from plasmapyro.foreign import quote as quote
 
@@ -85,6 +85,14 @@ def refuse_all(path, faults):
     if faults:
         more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
         raise Refusal(faults[:REPORTED] + more)
+
+
+def checked(dataset, contract, path):
+    """A dataset made from a file, labelled; Refusal where it breaches its contract."""
+    try:
+        return check(label(dataset, contract), contract)
+    except ContractError as reason:
+        raise Refusal([f"{path}: {reason}"]) from None
 
 
 def regular_file(path, limit):
