@@ -7,8 +7,9 @@ import numpy as np
 import yaml
 
 from plasmapyro.foreign import told
-from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
+from plasmapyro.readers.text import fault, number, quote, read_lines, refuse
 
+GUIDE = "compare with docs/your-own-data.md"
 LARGEST = 64_000  # [byte] a description is a page of text
 LONGEST_NAME = 200
 DEEPEST = 12  # nested levels
@@ -60,22 +61,11 @@ def load(path):
         values = yaml.load("\n".join(lines), Loader=_Loader)  # noqa: S506  a BaseLoader: words only
     except yaml.MarkedYAMLError as reason:
         line = reason.problem_mark.line + 1 if reason.problem_mark else None
-        raise Refusal(
-            [
-                fault(
-                    path,
-                    f"not readable as YAML ({told(reason.problem)})",
-                    "compare with docs/your-own-data.md",
-                    line,
-                )
-            ]
-        ) from None
+        refuse(path, f"not readable as YAML ({told(reason.problem)})", GUIDE, line)
     except (yaml.YAMLError, ValueError) as reason:
-        raise Refusal(
-            [fault(path, f"not readable as YAML ({told(reason)})", "compare with docs/your-own-data.md")]
-        ) from None
+        refuse(path, f"not readable as YAML ({told(reason)})", GUIDE)
     if not isinstance(values, dict):
-        raise Refusal([fault(path, "must hold keys and values", "compare with docs/your-own-data.md")])
+        refuse(path, "must hold keys and values", GUIDE)
     return values
 
 
