@@ -220,7 +220,7 @@ def _matrix(path, lines):
         if long := spectra_table.long_places(rows[start]):
             listed = [row[long[0]] for row in rows[start + 1 :] if len(row) > long[0]]
             listed = listed[: listed.index(listed[0], 1)] if listed[0] in listed[1:] else listed
-        values = [number(word, "," if "," in word else ".") for word in listed]
+        values = [number(word, None) for word in listed]
         if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
             values.sort()
             for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0), ("Angstrom", 1e-10)):

@@ -124,7 +124,7 @@ def _names(above, width, count):
     while {len(row) for row in above} != {len(row) for row in above[-1:]}:
         del above[0]
     below = [columns.units_in(row) for row in above]
-    labels = [[columns._label(cell) for cell in row] for row in above]
+    labels = [[columns.label_of(cell) for cell in row] for row in above]
     telling = [
         -1
         if units_only

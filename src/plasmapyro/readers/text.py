@@ -203,10 +203,12 @@ def missing(word):
 def number(word, decimal="."):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
+    `decimal` None: a comma is the decimal sign where the cell holds one.
+
     Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
-    word = word.strip()
+    word, decimal = word.strip(), decimal or ("," if "," in word else ".")
     if decimal == "." and NUMBER.fullmatch(word):
         value = float(word.replace("d", "e").replace("D", "e"))
         return value if math.isfinite(value) else None
