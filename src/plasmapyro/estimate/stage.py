@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.estimate import prepare, radiometer
-from plasmapyro.estimate.contradiction import STRAINED, contradicted, pulled, stretched
+from plasmapyro.estimate.contradiction import REGISTER, STRAINED, contradicted, pulled, stretched
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import Constants, constants
@@ -31,33 +31,6 @@ BENDS = 2  # times that exposures take the path between their samples anew
 # ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
 # a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
 CHANGING = 0.02  # [1] standard, of the level of the light through the test
-INPUTS = (  # name of constants, words, group, unit
-    ("log_emittance", "level of the emittance", "emittance", "1"),
-    ("source_error", "temperature of the calibration source", "calibration", "K"),
-    ("gain_error", "gain of each band", "calibration", "1"),
-    ("band_shift", "place of each band on the wavelength axis", "calibration", "m"),
-    ("band_course", "response of each band over wavelength", "calibration", "1"),
-    ("band_linearity", "linearity of each band", "calibration", "1"),
-    ("ratio_wander", "ratio of the gains of the bands that wanders", "calibration", "1"),
-    ("scale_error", "scale of the spectrometer", "calibration", "1"),
-    ("scale_drift", "drift of the spectrometer against the bands", "calibration", "1"),
-    ("scale_course", "scale of the spectrometer over wavelength", "calibration", "1"),
-    ("bin_error", "bins of the spectrometer's calibration", "calibration", "1"),
-    ("band_level", "throughput or ratio of the bands, were they not as stated", "calibration", "1"),
-    ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
-    ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
-    ("radiometer_source_error", "temperature of the radiometer's source", "calibration", "K"),
-    ("radiometer_scale_error", "scale of the radiometer", "calibration", "1"),
-    ("radiometer_scale_drift", "drift of the radiometer against the bands", "calibration", "1"),
-    ("radiometer_bin_error", "sensitivities of the radiometer", "calibration", "1"),
-    ("band_drift", "emittance or window that drifts", "unnamed misfit", "1"),
-    ("gas_signal", "light of the gas in the bands", "gas", ""),
-    ("gas_radiance", "light of the gas in the spectra", "gas", ""),
-    ("radiometer_gas_radiance", "light of the gas in the radiometer", "gas", ""),
-    ("radiometer_gas_radiance_before", "colour of the gas before injection, radiometer", "gas", "1"),
-    ("gas_signal_before", "colour of the gas before injection, bands", "gas", "1"),
-    ("gas_radiance_before", "colour of the gas before injection, spectra", "gas", "1"),
-)
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
@@ -350,10 +323,10 @@ def _families(fixed, spread, stretch=1.0):
     """Of each family of constants what it adds to the temperatures (n,) of the chain, see `budget.of_family`;
     `stretch` (p,): times what is stated of each."""
     across, deviation = spread.across * np.square(stretch), fixed.deviation * stretch
-    places = {one: fixed.where(one[0]) for one in INPUTS}
+    places = [(row, fixed.where(row["name"])) for row in REGISTER]
     return [
-        budget.of_family(words, group, across[:, at], deviation[at], unit)
-        for (_, words, group, unit), at in places.items()
+        budget.of_family(row["input"], row["group"], across[:, at], deviation[at], row["unit"])
+        for row, at in places
         if at.size
     ]
 
