@@ -215,10 +215,8 @@ def thin_lines(path, lines):
     quantum = SECOND_RADIATION * lines.wavenumber
     hot = quantum / path.temperature.max()
     hottest = np.expm1(-hot)
-    cold, excess = (
-        np.empty(len(lines)),
-        np.empty(len(lines)),
-    )  # new arrays would cost more than the arithmetic
+    # new arrays would cost more than the arithmetic
+    cold, excess = np.empty(len(lines)), np.empty(len(lines))
     for layer, thickness in enumerate(path.thickness):
         radiance = path.emission(lines, layer)
         radiance *= thickness

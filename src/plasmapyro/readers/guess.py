@@ -132,9 +132,8 @@ def describe(folder):
         "# Guessed from the files; every '?' is a question that no file answers: correct what is wrong, then",
         "#   plasmapyro check FOLDER",
     ]
-    asked = [
-        " ".join(printable(words).split()) for words in [*questions, *remarks]
-    ]  # names may hold line ends
+    # names may hold line ends
+    asked = [" ".join(printable(words).split()) for words in [*questions, *remarks]]
     head += [f"# ? {words}" for words in asked]
     return Guess("\n".join([*head, "attributes:", *attributes, *blocks]) + "\n", asked)
 

@@ -514,17 +514,15 @@ def _tables(paths, folder, settings):
         if settings["format"] == "csv":
             return spectra_table.read_matrix(path, *settings["marks"], settings["stamps"])
         series = andor.read_series(path)
-        if (
-            path != background and series.exposure
-        ):  # a dark of another exposure holds the baseline, if little dark current
+        # a dark of another exposure holds the baseline, if little dark current
+        if path != background and series.exposure:
             exposures[path] = series.exposure
         dates[path] = series.date
         return series.time, series.wavelength * 1e9, series.counts
 
     tables = {path: read(path) for path in paths}
-    if (
-        len(paths) > 1 and dates and all(dates.values()) and not settings["time"]
-    ):  # each counts from its begin
+    # each counts from its begin
+    if len(paths) > 1 and dates and all(dates.values()) and not settings["time"]:
         paths = sorted(paths, key=dates.get)
         since = {path: (dates[path] - dates[paths[0]]).total_seconds() for path in paths}
         tables = {path: (tables[path][0] + since[path], *tables[path][1:]) for path in paths}

@@ -43,16 +43,8 @@ MISSING = re.compile(  # what meters and spreadsheets write in the place of a nu
     r"|over([- ]?(range|load|flow))?|ovl?d?|ovf|ovrng|o\.?l|under([- ]?range)?|sat(urated)?"
     r"|[<>] ?\d{1,15}([.,]\d{1,15})?|#[\w/]+[!?]?|[-+]?1\.#(inf|ind|qnan|snan|j)"
 )
-FILLS = (
-    -999.0,
-    -999.25,
-    -9999.0,
-    -99999.0,
-    -999999.0,
-    9.9e37,
-    -9.9e37,
-    9.91e37,
-)  # no sample; SCPI: over, under, none
+# no sample; SCPI: over, under, none
+FILLS = (-999.0, -999.25, -9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37)
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
 LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
