@@ -11,7 +11,7 @@ from plasmapyro.estimate.instrument import BANDS, GreyTable, bin_pixels, pyromet
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.estimate.response import LINEARITY, SHIFT, of_course, of_linearity, of_place
 from plasmapyro.instrument.scale import scale_modes
-from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 from plasmapyro.record import noise
 from plasmapyro.record.binning import groups
@@ -370,7 +370,7 @@ def rescaled(data, found, fixed):
     if isinstance(data, PyrometerData):
         scale = noise.standing_together(residual)[:, None]
     else:
-        scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=0, keepdims=True)
+        scale = NORMAL_MAD * np.nanmedian(np.abs(residual), axis=0, keepdims=True)
     return dataclasses.replace(data, noise=data.noise * np.clip(scale, *RESCALING))
 
 
