@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.sightline import trace
 from plasmapyro.tables import rows
 
+AXES = ("x", "y", "z")
 # nodes in the order of VTK, CGNS and Tecplot alike
 CELLS = {row["kind"]: row for row in rows("cfd/cells.csv")}
 
