@@ -13,8 +13,8 @@ from plasmapyro.gas.species import SPECIES
 from plasmapyro.quantities import in_si
 from plasmapyro.sightline import trace
 from plasmapyro.sightline.hemisphere import directions
-from plasmapyro.sightline.ray import spread
-from plasmapyro.sightline.stage import FINE_SAMPLES, SURFACE_LENGTH, beyond_the_field, bundle
+from plasmapyro.sightline.ray import fine_samples, spread
+from plasmapyro.sightline.stage import SURFACE_LENGTH, beyond_the_field, bundle
 
 TEMPERATURE_RANGE = (100.0, 3e4)  # [K]
 PRESSURE_RANGE = (1.0, 1e7)  # [Pa]
@@ -177,10 +177,7 @@ def _along_ray(field, mapping, points, angle):
             f"begins {1e3 * start:.4g} mm from its origin, where the field does, and "
             + attributes["path_status"]
         )
-    fine = start + SURFACE_LENGTH * np.expm1(
-        np.linspace(0, np.log1p((leaves - start) / SURFACE_LENGTH), FINE_SAMPLES)
-    )
-    fine[-1] = leaves
+    fine = fine_samples(start, leaves, SURFACE_LENGTH)
     fine_temperature = trace.values_along(field, ray, found, fine, ["temperature"])["temperature"]
     _require_finite("temperature", fine_temperature, fine, ray)
     positive("temperature along the line of sight", fine_temperature, "K")
