@@ -25,7 +25,7 @@ class Case:
 
     place: Path  # folder or file, for messages
     test: xr.Dataset | None = None
-    files: dict = field(default_factory=dict)  # of the spectrometer, as readers.parts gives them
+    files: dict = field(default_factory=dict)  # of the spectrometer, as readers.spectrometer gives them
     calibration: xr.Dataset | None = None
     response: xr.Dataset | None = None
     spectrometer_calibration: xr.Dataset | None = None

@@ -10,7 +10,7 @@ from plasmapyro.instrument.raw_counts import certified_source
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers import andor, columns, description, ocean
 from plasmapyro.readers.instrument import read_instrument
-from plasmapyro.readers.parts import require_alike, vacuum
+from plasmapyro.readers.spectrometer import require_alike, vacuum
 from plasmapyro.readers.text import Refusal, checked, fault, refuse, refuse_all
 from plasmapyro.record.emittance import mean_emittance
 from plasmapyro.tables import ORIGINS, weakest

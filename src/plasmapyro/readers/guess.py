@@ -30,6 +30,7 @@ from plasmapyro.readers.guess_table import (
     suits,
     values_of,
 )
+from plasmapyro.readers.spectrometer import SPECTRUM_SUFFIXES, natural
 from plasmapyro.readers.text import Refusal, number, quote, read_lines, refuse
 from plasmapyro.record import onset
 
@@ -68,7 +69,7 @@ def describe(folder):
     files = [
         path
         for path in sorted(
-            folder.rglob("*"), key=lambda path: (path.suffix.lower() in ARRAYS, parts.natural(str(path)))
+            folder.rglob("*"), key=lambda path: (path.suffix.lower() in ARRAYS, natural(str(path)))
         )
         if path.is_file()
         and not path.is_symlink()
@@ -493,9 +494,9 @@ def _series(place, light, dark):
     for path in light:
         groups.setdefault(re.sub(r"\d+", "*", path.name), []).append(path)
     pattern, series = max(groups.items(), key=lambda item: len(item[1]))
-    held = [path for path in place.iterdir() if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
+    held = [path for path in place.iterdir() if path.suffix.lower() in SPECTRUM_SUFFIXES]
     others = [path.name for path in held if path not in series and path not in dark[:1]]
-    odd = series[0].suffix.lower() not in parts.SPECTRUM_SUFFIXES
+    odd = series[0].suffix.lower() not in SPECTRUM_SUFFIXES
     if not (others or odd):
         return pattern, light, []
     return pattern, series, sorted(others) or ["files of other kinds"]
