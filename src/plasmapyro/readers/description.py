@@ -1,5 +1,6 @@
 """The file test.yaml: what the raw files of a test folder mean."""
 
+import json
 from difflib import get_close_matches
 from pathlib import PurePath
 
@@ -202,3 +203,8 @@ class Section:
                 near = get_close_matches(str(key), self.used, n=1, cutoff=0.5)
                 hint = f"did you mean '{near[0]}'?" if near else f"valid here: {', '.join(sorted(self.used))}"
                 self.blame(str(key)[:60], "is not a known key", hint)
+
+
+def in_yaml(word):
+    """A word as YAML holds it, whatever is in it."""
+    return json.dumps(word, ensure_ascii=not word.isprintable())
