@@ -25,8 +25,9 @@ import numpy as np
 from plasmapyro import io
 from plasmapyro.commands.joint import SETTINGS
 from plasmapyro.estimate.prepare import NOISE_BLOCK
-from plasmapyro.estimate.stage import NORMAL_95, estimate
+from plasmapyro.estimate.stage import estimate
 from plasmapyro.readers.stage import read_test
+from plasmapyro.record.budget import NORMAL_95
 from plasmapyro.record.inputs import NUMBERS
 from plasmapyro.record.noise import signal_noise
 

@@ -18,4 +18,9 @@ def run(job, stage, contract, *, renamed=None, **made):
     settings = in_si(job.params)
     settings |= {name: make(*settings[name]) for name, make in made.items()}
     settings = {(renamed or {}).get(name, name): value for name, value in settings.items()}
-    io.write(stage(*given, **settings), job.output[0], contract, sources=job.input, config=dict(job.params))
+    write(job, stage(*given, **settings), contract)
+
+
+def write(job, result, contract):
+    """Store the result of a job, with the files and the parameters of its rule as what it was made from."""
+    io.write(result, job.output[0], contract, sources=job.input, config=dict(job.params))

@@ -110,13 +110,3 @@ def test_a_third_band_where_the_gas_is_weak_lowers_its_weight_where_it_shines():
 
 def test_gas_that_swamps_the_surface_counts_as_no_reading():
     assert parts(signal(gas=1e14), temperature=(1000.0,))[0, 0] == budget.NO_READING
-
-
-def test_reflected_gas_vanishes_for_a_black_surface():
-    some = signal(gas=1e6)
-    back = np.full((1, 2, 1), 1e-9)
-    for emittance, same in ((1.0, True), (0.5, False)):
-        lone, both = (
-            parts(some, emittance=(emittance,), **changes)[0, 0] for changes in ({}, {"reflected": back})
-        )
-        assert (abs(lone - both) < 1e-12) == same

@@ -5,7 +5,7 @@ from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.partition import partition_function, two_temperature_partition_function
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.grid import log_grid
-from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance, surface_radiance
+from plasmapyro.radiation.path import CONTINUA, gas_path, path_radiance
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.populations import Departure, absorption_excess, level_factors
 from plasmapyro.radiation.systems import line_lists
@@ -195,34 +195,15 @@ def test_excess_is_one_in_equilibrium_to_the_last_bit(atoms):
     assert np.all(absorption_excess(atoms[0], 8000.0, 8000.0) == 1.0)
 
 
-def test_a_surface_shines_through_the_gas(systems, grid, equilibrium_densities):
-    path = layers(equilibrium_densities, 8000.0, length=2.0)
-    behind = surface_radiance(grid, 0.8, 3000.0)
-    alone = path_radiance(path, systems, grid)
-    both = path_radiance(path, systems, grid, boundary=behind)
-    assert both.components == (*(lines.component for lines in systems), *CONTINUA, "boundary")
-    assert both.radiance[:-1] == pytest.approx(alone.radiance, rel=ROUND_OFF, abs=0)
-    assert both.radiance[-1] == pytest.approx(behind * np.exp(-alone.optical_depth), rel=1e-9, abs=0)
-
-
 @pytest.mark.parametrize("excitation", [None, 6000.0])
 def test_an_equilibrium_cavity_shows_planck_at_any_depth(systems, grid, equilibrium_densities, excitation):
     # A black wall at the temperature of the gas disappears behind it: thin, moderate and thick.
     exact = blackbody_radiance(grid.wavelength, 6000.0)
     for length in (1e-6, 30.0, 1e12):
         path = layers(equilibrium_densities, 6000.0, excitation, length=length)
-        wall = surface_radiance(grid, 1.0, 6000.0)
-        found = path_radiance(path, systems, grid, boundary=wall).radiance.sum(axis=0)
+        gas = path_radiance(path, systems, grid)
+        found = gas.radiance.sum(axis=0) + exact * np.exp(-gas.optical_depth)
         assert found == pytest.approx(exact, rel=1e-6, abs=0)
-
-
-def test_a_bright_wall_finds_every_layer_that_absorbs(systems, grid, equilibrium_densities):
-    # Warm gas alone is too faint to be kept; before a lamp of 1e5 K its absorption counts.
-    path = layers(equilibrium_densities, 3500.0, length=1e3)
-    lamp = surface_radiance(grid, 1.0, 1e5)
-    result = path_radiance(path, systems, grid, boundary=lamp)
-    assert result.neglected_bound == 0
-    assert result.radiance[-1] == pytest.approx(lamp * np.exp(-result.optical_depth), rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize(
@@ -263,18 +244,6 @@ def test_factors_of_an_unknown_system_are_refused(systems, grid, equilibrium_den
     path = layers(equilibrium_densities, 8000.0, departures={"O III": Departure(2.0)})
     with pytest.raises(ValueError, match="departures must name components among O I, .*; got O III"):
         path_radiance(path, systems, grid)
-
-
-@pytest.mark.parametrize(
-    "boundary, message",
-    [
-        (np.ones(3), r"boundary must have the grid's shape \(6000,\); got \(3,\)"),
-        (-1.0, "boundary must be >= 0"),
-    ],
-)
-def test_bad_boundaries_are_refused(systems, grid, equilibrium_densities, boundary, message):
-    with pytest.raises(ValueError, match=message):
-        path_radiance(layers(equilibrium_densities, 8000.0), systems, grid, boundary=boundary)
 
 
 def test_bad_levels_are_refused():

@@ -5,7 +5,7 @@ import pytest
 import samples
 
 from plasmapyro.readers import clock
-from plasmapyro.readers.parts import natural
+from plasmapyro.readers.spectrometer import natural
 from plasmapyro.readers.stage import check_test, read_test
 
 RTOL = 1e-12

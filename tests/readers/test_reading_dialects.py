@@ -28,7 +28,6 @@ def test_each_dialect_gives_the_same_spectrum(tmp_path, form):
     assert found.date == datetime(2013, 2, 13, 9, 53, 48)
     assert found.dark_corrected is False
     assert found.linearised is False
-    assert found.instrument.startswith(("MAY", "JAZ"))
 
 
 @pytest.mark.parametrize("form", samples.FORMS)

@@ -79,9 +79,8 @@ class Bench:
     sightlines: dict  # numerical power [W]: profile
     table: xr.Dataset  # composition of the gas
     spectra: Spectra
-    flows: dict = field(
-        default_factory=dict
-    )  # numerical power [W]: file of the flow field, for what a sample scatters
+    # numerical power [W]: file of the flow field, for what a sample scatters
+    flows: dict = field(default_factory=dict)
     _views: dict = field(default_factory=dict)
 
     def view(self, power):

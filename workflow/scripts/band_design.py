@@ -1,6 +1,6 @@
 """Rule band_design: pyrometers by bands and detector, searched, confirmed and ranked."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.design.settings import design_tables, settings_from
 from plasmapyro.design.stage import band_design
 
@@ -12,4 +12,4 @@ result = band_design(
     design_tables(keys.silicon_table),
     settings=settings_from(keys.design, keys.air_path_mm),
 )
-io.write(result, snakemake.output[0], "band_design", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "band_design")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.cfd.stage import condition_of, sightline, to_instrument
 
 io.log_to(snakemake.log[0])
@@ -21,4 +21,4 @@ result = to_instrument(
     laboratory_pressure=keys.laboratory_pressure_pa,
 )
 result.attrs |= condition_of(result, keys.map, angle_deg=keys.angle_deg, **keys.state)
-io.write(result, snakemake.output[0], "sightline", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "sightline")

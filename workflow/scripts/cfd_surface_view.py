@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.cfd.stage import surface_view
 
 io.log_to(snakemake.log[0])
@@ -16,4 +16,4 @@ result = surface_view(
     core_angle=np.radians(keys.core_angle_deg),
     points=keys.points,
 )
-io.write(result, snakemake.output[0], "surface_view", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "surface_view")

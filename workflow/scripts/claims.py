@@ -1,6 +1,6 @@
 """Rule claims: each number or statement of the paper beside what this chain gives."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.claims.stage import as_markdown, claims_table
 
 io.log_to(snakemake.log[0])
@@ -22,5 +22,5 @@ table = claims_table(
     gas=io.read(given.gas, "gas"),
     **known,
 )
-io.write(table, snakemake.output.table, "claims", sources=given, config=dict(snakemake.params))
+job.write(snakemake, table, "claims")
 io.write_text(as_markdown(table), snakemake.output.text)

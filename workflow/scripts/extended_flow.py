@@ -1,6 +1,6 @@
 """Rule extended_flow: the flow at the power that a diagnosis proposes; as it was if it proposes none."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.commands.terms import amplitude_of, read_terms
 from plasmapyro.flow.stage import condition
 from plasmapyro.quantities import in_si
@@ -16,4 +16,4 @@ known = {
 }
 inputs = [io.read(files.gas, "gas"), io.read(files.start, "flow")] if change else []
 result = condition(*inputs, **known, numerical_power=power, **keys) if change else base
-io.write(result, snakemake.output[0], "flow", sources=files, config=dict(snakemake.params))
+job.write(snakemake, result, "flow")

@@ -1,6 +1,6 @@
 """Rule extended_radiance: light of the gas as a diagnosis proposes it; as it was if it proposes nothing."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.commands.changes import radiance_with
 from plasmapyro.commands.terms import changes_of, read_terms
 from plasmapyro.quantities import in_si
@@ -12,4 +12,4 @@ axes = {"wavelength_range": keys.pop("wavelength")}
 inputs = [io.read(files.sightline, "sightline"), io.read(files.response, "response")] if terms else []
 base = io.read(files.radiation, "radiation")
 result = radiance_with(changes_of(terms), *inputs, **axes, **keys) if terms else base
-io.write(result, snakemake.output[0], "radiation", sources=files, config=dict(snakemake.params))
+job.write(snakemake, result, "radiation")

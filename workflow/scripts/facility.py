@@ -1,6 +1,6 @@
 """Rule facility: what measured pairs of heat flux and Pitot pressure say of the computed flows."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.facility.stage import facility
 from plasmapyro.facility.verdict import as_markdown
 
@@ -10,5 +10,5 @@ readings = {
     name: io.read(path, "probe_readings") for name, path in zip(keys.conditions, given.readings, strict=True)
 }
 result = facility(readings, **keys.settings)
-io.write(result, made.table, "facility", sources=given, config=dict(keys))
+job.write(snakemake, result, "facility")
 io.write_text(as_markdown(result), made.text)

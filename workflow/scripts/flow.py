@@ -1,6 +1,6 @@
 """Rule flow: steady flow at one condition, continued from the nearest known solution."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.flow.stage import condition
 from plasmapyro.quantities import in_si
 
@@ -13,4 +13,4 @@ result = condition(
     emission=next((io.read(path, "net_emission") for path in snakemake.input.emission), None),
     **in_si(keys),
 )
-io.write(result, snakemake.output[0], "flow", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "flow")

@@ -1,6 +1,6 @@
 """Rule flow_start: steady flow at the reference condition, from a hot first guess."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.flow.stage import cold_start
 from plasmapyro.quantities import in_si
 
@@ -14,4 +14,4 @@ result = cold_start(
     torch={name.removeprefix("torch_"): value for name, value in torch.items()},
     **settings,
 )
-io.write(result, snakemake.output[0], "flow", sources=snakemake.input, config=dict(snakemake.params))
+job.write(snakemake, result, "flow")

@@ -1,6 +1,6 @@
 """Rule gas_spectra: binned spectra of the gas along every line of sight and of the light on the sample."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.design.stage import gas_spectra
 from plasmapyro.quantities import in_si
 
@@ -15,4 +15,4 @@ result = gas_spectra(
     mirror_angle=keys.pop("angle"),
     **keys,
 )
-io.write(result, snakemake.output[0], "gas_spectra", sources=given, config=dict(snakemake.params))
+job.write(snakemake, result, "gas_spectra")

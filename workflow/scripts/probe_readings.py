@@ -1,6 +1,6 @@
 """Rule probe_readings: what a calorimeter and Pitot probes read in one computed flow."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.facility.stage import probe_readings
 from plasmapyro.quantities import in_si
 
@@ -13,6 +13,4 @@ result = probe_readings(
     measured=measured,
     **in_si(keys),
 )
-io.write(
-    result, snakemake.output[0], "probe_readings", sources=snakemake.input, config=dict(snakemake.params)
-)
+job.write(snakemake, result, "probe_readings")

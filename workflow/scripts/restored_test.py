@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.commands.terms import given_terms
 from plasmapyro.diagnosis import command
 
@@ -14,4 +14,4 @@ made, _ = command.without_given(
     given_terms(keys.effects, paths.get("terms")),
     saturation_counts=keys.saturation_counts,
 )
-io.write(made(), snakemake.output[0], "test", sources=paths, config=dict(keys))
+job.write(snakemake, made(), "test")

@@ -1,6 +1,6 @@
 """Rule study_flow: steady flow at one condition of a study, or the word that there is none."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.quantities import in_si
 from plasmapyro.study.stage import flow
 
@@ -15,4 +15,4 @@ result = flow(
     emission=next((io.read(path, "net_emission") for path in snakemake.input.emission), None),
     **in_si(settings),
 )
-io.write(result, snakemake.output[0], "study_flow", sources=snakemake.input, config=keys)
+job.write(snakemake, result, "study_flow")

@@ -1,6 +1,6 @@
 """Rule study_gather: all conditions of a study along named dimensions."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.quantities import steps
 from plasmapyro.study import plan
 from plasmapyro.study.stage import gather
@@ -16,4 +16,4 @@ result = gather(
     limit_temperature=steps(*keys.error_temperature_k),
     error_level=keys.error_level,
 )
-io.write(result, snakemake.output[0], "study", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "study")

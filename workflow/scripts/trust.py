@@ -1,6 +1,6 @@
 """Rule trust: from which temperature on, and how long after injection, a reading can be trusted."""
 
-from plasmapyro import io
+from plasmapyro import io, job
 from plasmapyro.design.settings import design_tables, settings_from
 from plasmapyro.design.trust import trust
 
@@ -13,4 +13,4 @@ result = trust(
     design_tables(keys.silicon_table),
     settings=settings_from(keys.design, keys.air_path_mm),
 )
-io.write(result, snakemake.output[0], "trust", sources=snakemake.input, config=dict(keys))
+job.write(snakemake, result, "trust")

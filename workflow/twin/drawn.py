@@ -90,9 +90,8 @@ def campaign(seen, seed, *, odd=None, last=None):
         if odd is not None and odd[0] == place:
             values[odd[1]] += odd[2]
         record = last if last is not None and place == len(seen) - 1 else one
-        slope = record.variance("ratio") - first.variance(
-            "ratio"
-        )  # of an emittance whose colour nothing sees
+        # of an emittance whose colour nothing sees
+        slope = record.variance("ratio") - first.variance("ratio")
         if slope > 1e-9:
             values["ratio"] += np.sqrt(slope) * random.normal()
         told, temperature = record.diagnosis(values, random)

@@ -12,11 +12,8 @@ import xarray as xr
 from twin.campaign import Scene
 from twin.sample import Sample
 
-EFFICIENCY, EXPONENT, REFERENCE = (
-    0.53,
-    -0.25,
-    160e3,
-)  # simulated over electric power, at 160 kW; law in the power
+# simulated over electric power, at 160 kW; law in the power
+EFFICIENCY, EXPONENT, REFERENCE = 0.53, -0.25, 160e3
 SCATTER = 0.02  # of its logarithm
 LOSS = {"pyrometer": 0.004, "spectrometer": 0.008}  # of throughput in a run
 LOSS_SCATTER = 0.0015

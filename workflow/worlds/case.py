@@ -228,7 +228,7 @@ class Stage:
 
     @cached_property
     def record(self):
-        return Record(self.lab, self.bench.response, self.scene, self.base.seed, self.base.flicker)
+        return Record(self.lab, self.scene, self.base.seed, self.base.flicker)
 
     @cached_property
     def context(self):

@@ -94,9 +94,8 @@ def detachment(wavenumber, temperature, electrons, oxygen):
     thermal = (PLANCK**2 / (2 * np.pi * ELECTRON * BOLTZMANN * temperature)) ** 1.5
     q = partition("O", np.array([temperature]))[0]
     ions = electrons * oxygen * thermal * 6 / (2 * q) * np.exp(C2 * AFFINITY / temperature)
-    opening = (
-        np.clip((wavenumber - AFFINITY) / 1500, 0, 1) ** 0.5
-    )  # the cross section opens as k of an s wave
+    # the cross section opens as k of an s wave
+    opening = np.clip((wavenumber - AFFINITY) / 1500, 0, 1) ** 0.5
     absorption = ions * DETACHMENT * opening * -np.expm1(-C2 * wavenumber / temperature)
     return absorption * planck_wavenumber(wavenumber, temperature)
 

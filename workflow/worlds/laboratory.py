@@ -277,9 +277,8 @@ def through_slit(spectrum, wavelength, fwhm, blur=0.0):
 class Record:
     """What is recorded of scenes: the same instants, clocks and wandering for each scene of a case."""
 
-    def __init__(self, lab, response, scene, seed, flicker):
+    def __init__(self, lab, scene, seed, flicker):
         self.lab, self.random_seed, self.flicker_size = lab, seed, flicker
-        self.base_bands = true_bands(lab, response)
         self.start, self.end = scene.time[0], scene.time[-1]
         self.instants = np.arange(self.start, self.end, 1 / lab.pyrometer_rate)
         frames = int((self.end - self.start) / lab.period)

@@ -6,8 +6,8 @@ import xarray as xr
 from plasmapyro.analysis.heated_through import heated_through, scatter
 from plasmapyro.checks import flags, non_negative, positive
 from plasmapyro.instrument.pyrometer import blackbody_signals, invert_ratio
+from plasmapyro.radiation.bandsignal import BANDS
 
-BANDS = ("wide", "narrow")
 STEP = 2.0  # [K] between the surface temperatures at which the reading is known
 SURFACES = (500.0, 4000.0)  # [K]
 QUANTILES = (0.025, 0.975)

@@ -155,7 +155,11 @@ def transient(gas, response, curve, *, conditions, time, initial_temperature, ga
 def surface_radiance(*, object_temperature, emittance, wavelength):
     """Radiance of a grey surface at several temperatures [K], to be set beside that of the gas.
 
-    Source: Fagnani et al., sec. 4.2.
+    Source: Fagnani et al., eq. 2, first term, without window and atmosphere; sec. 4.2.
+
+    >>> found = surface_radiance(object_temperature=[1500.0], emittance=0.85, wavelength=[1.0e-6])
+    >>> f"{found.surface_radiance.item() * 1e-6:.1f} W m-2 sr-1 per um"
+    '6913.4 W m-2 sr-1 per um'
     """
     temperature = increasing("object_temperature", object_temperature, "K")
     wavelength = increasing("wavelength", wavelength, "m")

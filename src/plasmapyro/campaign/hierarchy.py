@@ -5,10 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import logsumexp
 
-EFFICIENCY = (
-    np.log(0.5),
-    0.5,
-)  # of ln(simulated over electric power) at the reference power, before any test
+# of ln(simulated over electric power) at the reference power, before any test
+EFFICIENCY = np.log(0.5), 0.5
 EXPONENT = 0.5  # of the efficiency in the electric power
 FOULING = 0.03  # [1] of the throughput that a window loses from one run to the next
 PIECE = 0.01  # [1] ASSUME: emittance of one sample over that of its material

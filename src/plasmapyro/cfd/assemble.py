@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
 from plasmapyro.cfd import cgns, columns, su2, tecplot, vtk_files
-from plasmapyro.cfd.grid import DIMENSION, LOWER, OTHER_CELLS, kept_cells, simplices_of
+from plasmapyro.cfd.grid import AXES, DIMENSION, LOWER, OTHER_CELLS, kept_cells, simplices_of
 from plasmapyro.cfd.nodes import to_nodes
 from plasmapyro.foreign import PACKED, memory_for
 from plasmapyro.readers.text import quote, refuse, regular_file
@@ -107,7 +107,7 @@ def build(zones, mapping, path):
     if mapping.geometry == "axisymmetric":
         field = _upper_half(field, path)
     for name, place in mapping.mirror.items():
-        field = _mirrored(field, mapping.coordinates.index(_own_name(mapping, name)), place, name, path)
+        field = _mirrored(field, AXES.index(name), place, path)
     return field
 
 
@@ -128,12 +128,6 @@ def table(zones, mapping, path):
 def _si(source, count, column):
     values = np.full(count, float(source.value)) if source.name is None else column(source.name)
     return source.si(values)
-
-
-def _own_name(mapping, name):
-    """Name in the file of the coordinate x, y or z of a map."""
-    place = ("x", "y", "z").index(name)
-    return mapping.coordinates[place]
 
 
 def _zone_field(zone, mapping, path, dimension):
@@ -262,12 +256,12 @@ def _upper_half(field, path):
     return Field(points, field.simplices[kept], field.middles[kept], field.values)
 
 
-def _mirrored(field, axis, place, name, path):
+def _mirrored(field, axis, place, path):
     """The field and its mirror image at the plane where coordinate `axis` is `place`."""
     offset = field.points[:, axis] - place
     side = 1e-6 * max(np.ptp(field.points[:, axis]), np.finfo(float).tiny)
     if offset.min() < -side and offset.max() > side:
-        refuse(path, f"lies on both sides of the mirror plane {name} = {place:g} m", "correct `mirror`")
+        refuse(path, f"lies on both sides of the mirror plane {AXES[axis]} = {place:g} m", "correct `mirror`")
     image = field.points.copy()
     image[:, axis] = place - offset
     count = len(field.points)

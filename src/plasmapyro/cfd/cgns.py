@@ -62,13 +62,13 @@ def _data(node):
 def _zone(path, node, dimension):
     name = node.name.rpartition("/")[2]
     coordinates = [
-        _data(part) for grid in _labelled(node, "GridCoordinates_t") for part in grid.values() if DATA in part
-    ]
-    titles = [
-        key for grid in _labelled(node, "GridCoordinates_t") for key, part in grid.items() if DATA in part
+        (title, _data(part))
+        for grid in _labelled(node, "GridCoordinates_t")
+        for title, part in grid.items()
+        if DATA in part
     ]
     points = {}
-    for title, values in zip(titles, coordinates, strict=True):
+    for title, values in coordinates:
         points[title] = values.ravel()
         if title.startswith("Coordinate") and len(title) == len("CoordinateX"):
             points[title[-1].lower()] = values.ravel()
@@ -76,9 +76,10 @@ def _zone(path, node, dimension):
     structured = bool(kinds) and _data(kinds[0]).tobytes().startswith(b"Structured")
     zone = Zone(name, points)
     count = len(next(iter(points.values()))) if points else 0
-    zone.cells = (
-        block_cells(coordinates[0].shape) if structured and points else _sections(path, node, dimension)
-    )
+    if structured and points:
+        zone.cells = block_cells(coordinates[0][1].shape)
+    else:
+        zone.cells = _sections(path, node, dimension)
     cell_count = sum(len(cells) for kind, cells in zone.cells if DIMENSION.get(kind) == dimension)
     for solution in _labelled(node, "FlowSolution_t"):
         places = _labelled(solution, "GridLocation_t")

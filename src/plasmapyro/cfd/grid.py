@@ -7,9 +7,9 @@ import numpy as np
 from plasmapyro.sightline import trace
 from plasmapyro.tables import rows
 
-CELLS = {
-    row["kind"]: row for row in rows("cfd/cells.csv")
-}  # nodes in the order of VTK, CGNS and Tecplot alike
+AXES = ("x", "y", "z")
+# nodes in the order of VTK, CGNS and Tecplot alike
+CELLS = {row["kind"]: row for row in rows("cfd/cells.csv")}
 
 
 def _lists(words):

@@ -10,10 +10,11 @@ from plasmapyro.cfd import assemble, composition
 from plasmapyro.cfd.mapping import parse
 from plasmapyro.checks import increasing, positive, within
 from plasmapyro.gas.species import SPECIES
+from plasmapyro.quantities import in_si
 from plasmapyro.sightline import trace
 from plasmapyro.sightline.hemisphere import directions
-from plasmapyro.sightline.ray import spread
-from plasmapyro.sightline.stage import FINE_SAMPLES, SURFACE_LENGTH, beyond_the_field, bundle
+from plasmapyro.sightline.ray import fine_samples, spread
+from plasmapyro.sightline.stage import SURFACE_LENGTH, beyond_the_field, bundle
 
 TEMPERATURE_RANGE = (100.0, 3e4)  # [K]
 PRESSURE_RANGE = (1.0, 1e7)  # [Pa]
@@ -93,27 +94,17 @@ def to_instrument(
     return whole
 
 
-def condition_of(
-    line,
-    settings,
-    *,
-    angle_deg=None,
-    numerical_power_kw=None,
-    chamber_pressure_mbar=None,
-    mass_flow_rate_g_s=None,
-):
+def condition_of(line, settings, *, angle_deg=None, **state):
     """Attributes that say which condition the gas of a sight line belongs to (`conditions.stated`).
 
-    `settings`: the map of the file; `angle_deg` where that does not state the ray; the others None if not
-    known.
+    `settings`: the map of the file; `angle_deg` where that does not state the ray; `state`: power, pressure
+    and mass flow rate by their keys of the configuration, None if not known.
     """
     names = {str(name) for name in line["species"].values}
     return conditions.stated(
         gas="air" if names <= set(SPECIES) else " ".join(sorted(names)),
         settings={"cfd": settings, "angle": angle_deg},
-        numerical_power=None if numerical_power_kw is None else numerical_power_kw * 1e3,
-        chamber_pressure=None if chamber_pressure_mbar is None else chamber_pressure_mbar * 100,
-        mass_flow_rate=None if mass_flow_rate_g_s is None else mass_flow_rate_g_s * 1e-3,
+        **in_si({name: value for name, value in state.items() if value is not None}),
     )
 
 
@@ -186,10 +177,7 @@ def _along_ray(field, mapping, points, angle):
             f"begins {1e3 * start:.4g} mm from its origin, where the field does, and "
             + attributes["path_status"]
         )
-    fine = start + SURFACE_LENGTH * np.expm1(
-        np.linspace(0, np.log1p((leaves - start) / SURFACE_LENGTH), FINE_SAMPLES)
-    )
-    fine[-1] = leaves
+    fine = fine_samples(start, leaves, SURFACE_LENGTH)
     fine_temperature = trace.values_along(field, ray, found, fine, ["temperature"])["temperature"]
     _require_finite("temperature", fine_temperature, fine, ray)
     positive("temperature along the line of sight", fine_temperature, "K")

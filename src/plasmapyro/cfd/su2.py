@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plasmapyro.cfd.grid import Zone, known_as
+from plasmapyro.cfd.grid import AXES, Zone, known_as
 from plasmapyro.readers.text import WHOLE, quote, read_lines, refuse, regular_file
 
 LARGEST = 2_000_000_000  # [byte]
@@ -12,7 +12,6 @@ CELLS = {int(number): cell for number, cell in known_as("VTK").items()}  # SU2 n
 BINARY_MARK = 535532
 NAME_LENGTH = 33  # bytes of a name in a binary restart file
 HEADER = 5  # whole numbers at its beginning
-COORDINATES = ("x", "y", "z")
 
 
 def read(path, mesh):
@@ -63,7 +62,7 @@ def read_mesh(path):
             )
         kinds.setdefault(kind, []).append(nodes)
     cells = [(kind, np.array(nodes)) for kind, nodes in kinds.items()]
-    return Zone("su2", {name: points[:, k] for k, name in enumerate(COORDINATES[:dimension])}, cells)
+    return Zone("su2", {name: points[:, k] for k, name in enumerate(AXES[:dimension])}, cells)
 
 
 def _words(path, rows, at, key):

@@ -4,13 +4,12 @@ from contextlib import contextmanager
 
 import meshio
 
-from plasmapyro.cfd.grid import OTHER_CELLS, Zone
+from plasmapyro.cfd.grid import AXES, OTHER_CELLS, Zone
 from plasmapyro.foreign import told
 from plasmapyro.readers.text import refuse, regular_file
 
 LARGEST = 4_000_000_000  # [byte]
 READERS = {".vtu": meshio.vtu.read, ".vtk": meshio.vtk.read}
-COORDINATES = ("x", "y", "z")
 UNREAD = ("pixel", "voxel")  # cells of image data that meshio does not know
 
 
@@ -37,7 +36,7 @@ def read(path):
             kind = words.partition("handle")[2].strip(" .")
             refuse(path, f"holds cells of a kind that is not read {kind}", OTHER_CELLS)
         refuse(path, f"cannot be read as VTK ({words})", "it may be cut off; save it again as .vtu")
-    points = {name: mesh.points[:, k] for k, name in enumerate(COORDINATES[: mesh.points.shape[1]])}
+    points = {name: mesh.points[:, k] for k, name in enumerate(AXES[: mesh.points.shape[1]])}
     cells = [(block.type, block.data) for block in mesh.cells]
     zone = Zone(path.stem, {**_scalars(mesh.point_data), **points}, cells)
     for name in mesh.cell_data:
@@ -73,6 +72,6 @@ def _scalars(data):
             found[name] = values.reshape(len(values))
         elif values.ndim == 2:
             for k in range(values.shape[1]):
-                suffix = COORDINATES[k] if values.shape[1] <= 3 else str(k)
+                suffix = AXES[k] if values.shape[1] <= 3 else str(k)
                 found[f"{name}_{suffix}"] = values[:, k]
     return found

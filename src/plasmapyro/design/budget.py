@@ -177,7 +177,7 @@ def read(signal, weights, measured, emittance=None):
     return 1 / inverse
 
 
-def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas=None, reflected=None):
+def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas=None):
     r"""Relative errors of temperature by source.
 
     .. math:: e_s = \frac{\sigma_s(F)}{|dF/d\ln T|}, \qquad e_{gas} = T_{app}/T - 1
@@ -193,7 +193,6 @@ def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas
     temperature, emittance : (T,) [K], (E,) [1]
     receiver, uncertainties
     gas : (D, N, C), instead of `signal.gas`
-    reflected : (D, N, C), currents of the gas that a perfect reflector would send back; none by default
 
     Returns
     -------
@@ -204,8 +203,6 @@ def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas
     black = at_temperature(signal.black, temperature)[:, :, None, None, :]
     grey = emittance[:, None]
     measured = black * grey + gas[:, :, :, None, None]
-    if reflected is not None:
-        measured = measured + (1 - grey) * reflected[:, :, :, None, None]
     shape = measured[:, 0].shape
     apparent = read(
         signal, weights, measured, np.broadcast_to(grey, shape) if weights.shape[1] == 1 else None

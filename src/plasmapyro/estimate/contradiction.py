@@ -3,27 +3,11 @@
 import numpy as np
 
 from plasmapyro.estimate.observations import PyrometerData
+from plasmapyro.tables import rows
 
-# What calibrations and statements say, with their uncertainty; the gas is left to the data.
-STATED = {
-    "log_emittance": "the emittance",
-    "source_error": "the temperature of the calibration source",
-    "gain_error": "a gain of the {leading}",
-    "band_shift": "the place of a band of the {leading}",
-    "band_course": "the response of a band of the {leading} over wavelength",
-    "band_linearity": "the linearity of a band of the {leading}",
-    "ratio_wander": "how the ratio of the bands of the {leading} wanders",
-    "scale_error": "the scale of the spectrometer",
-    "scale_drift": "the drift of the spectrometer",
-    "scale_course": "the scale of the spectrometer over wavelength",
-    "bin_error": "the shape of the spectrometer's calibration",
-    "emissivity_shape": "the course of the emissivity",
-    "spectrometer_source_error": "the temperature of the spectrometer's calibration source",
-    "radiometer_source_error": "the temperature of the radiometer's calibration source",
-    "radiometer_scale_error": "the scale of the radiometer",
-    "radiometer_scale_drift": "the drift of the radiometer",
-    "radiometer_bin_error": "a sensitivity of the radiometer",
-}
+# All constants; `stated`: of what calibrations and statements say, the gas is left to the data.
+REGISTER = rows("estimate/constants.csv")
+STATED = {row["name"]: row["stated"] for row in REGISTER if row["stated"]}
 LARGEST_PULL = 5.0  # standard deviations; sound data pull by 1.2 at most, a gain that is 5 % off by 18
 LARGEST_RESIDUAL = {True: 20.0, False: 10.0}  # [1] of the pyrometer, of a spectrum; sound ones reach 10 and 2
 STRAINED = 3.0  # standard deviations beyond which a statement is as uncertain as it is off (Birge's ratio)

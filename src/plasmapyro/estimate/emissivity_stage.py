@@ -14,7 +14,6 @@ from plasmapyro.record.foreign import without_narrow_light
 from plasmapyro.record.inputs import instruments
 from plasmapyro.record.record import record_of
 
-NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 MISFIT = 2.0  # rms of the residuals in standard deviations, beyond which this is not light of a hot surface:
 # five of chi-squared for five bands; real furnaces show 0.3 to 1.2, room light on them 2 to 14
 FREER, TRIED = (1.0, 1.5, 2.0, 3.0), 20  # times the stated course, told by the clearest samples
@@ -228,10 +227,10 @@ def _dataset(test, record, light, prior, smooth, found, residual, state, said):
     known = np.isin(state, (status.VALID, status.GAS_DOMINATED))
     blank = np.where(known, 1.0, np.nan)
     temperature, error = found.temperature * blank, found.relative_uncertainty
-    factor = np.exp(NORMAL_95 * error)
+    factor = np.exp(budget.NORMAL_95 * error)
     nearest = np.array([np.argmin(np.abs(wavelength - one)) for one in middle])
     value, deviation = log_emissivity(found, prior.logarithm[nearest], prior.basis[nearest, :smooth])
-    value, spread = np.exp(value) * blank[:, None], np.exp(NORMAL_95 * deviation)
+    value, spread = np.exp(value) * blank[:, None], np.exp(budget.NORMAL_95 * deviation)
     across = ("spectrum_time", "emissivity_wavelength")
     return xr.Dataset(
         {

@@ -85,14 +85,15 @@ def spectrometer(pixels):
 class GreyTable:
     """Black body signals of an instrument as a function of 1/T, with two derivatives by T."""
 
-    def __init__(self, instrument, temperatures=TABLE_TEMPERATURES, points=TABLE_POINTS):
+    def __init__(self, instrument):
         from scipy.interpolate import CubicSpline
 
-        inverse = np.linspace(1 / temperatures[1], 1 / temperatures[0], points)
+        low, high = TABLE_TEMPERATURES
+        inverse = np.linspace(1 / high, 1 / low, TABLE_POINTS)
         body = blackbody_derivatives(instrument.wavelength, 1 / inverse[:, None])[0]
         # Evaluated here: three calls of scipy take ten times as long for the one temperature of a filter.
         self._pieces = CubicSpline(inverse, np.log(instrument.detect(body))).c
-        self._inverse, self.temperatures = inverse, temperatures
+        self._inverse, self.temperatures = inverse, TABLE_TEMPERATURES
 
     def __call__(self, temperature):
         r"""Signal, :math:`S'`, :math:`S''` by the temperature, each (t, C).

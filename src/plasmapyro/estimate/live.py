@@ -9,11 +9,12 @@ import numpy as np
 from plasmapyro.estimate import prepare, throughput
 from plasmapyro.estimate.dynamics import FLICKER, GAS, SIZE, TEMPERATURE, Dynamics, transition
 from plasmapyro.estimate.observations import constants, robust_sum, robust_weight
-from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, NORMAL_95, START_DYNAMICS, TELLING
+from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, START_DYNAMICS, TELLING
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.instrument.wander import WANDER
 from plasmapyro.record import noise, status
 from plasmapyro.record.binning import groups
+from plasmapyro.record.budget import NORMAL_95
 
 LONGEST = 20_000  # samples before the surface shines that tell the flicker
 STEPS, FALL = 8, 1e-6  # Gauss-Newton steps of a sample, and the fall of the objective that ends them

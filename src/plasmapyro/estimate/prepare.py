@@ -11,10 +11,10 @@ from plasmapyro.estimate.instrument import BANDS, GreyTable, bin_pixels, pyromet
 from plasmapyro.estimate.observations import PyrometerData, SpectrometerData, constants
 from plasmapyro.estimate.response import LINEARITY, SHIFT, of_course, of_linearity, of_place
 from plasmapyro.instrument.scale import scale_modes
-from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 from plasmapyro.record import noise
-from plasmapyro.record.binning import groups
+from plasmapyro.record.binning import finite_mean, groups
 from plasmapyro.record.emittance import relative_emittance
 from plasmapyro.record.rounding import rounding
 
@@ -342,7 +342,7 @@ def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change)
     injected = np.flatnonzero(data.injected & data.shining & np.isfinite(data.radiance).any(axis=1))
     before = np.flatnonzero(~data.injected & np.isfinite(data.radiance).any(axis=1))
     early = injected[:2] if injected.size else before
-    gas = _mean(data.radiance[early])
+    gas = finite_mean(data.radiance[early])
     floor = np.median(data.noise, axis=0)
     gas = np.where(np.isfinite(gas), gas, floor)
     gas = np.where(np.abs(gas) > floor, gas, floor)
@@ -357,20 +357,13 @@ def spectrometer_constants(data, scale_uncertainty, bin_uncertainty, gas_change)
     return found if data.scale is None else found + constants("scale_course", 0 * data.scale[0], 1.0)
 
 
-def _mean(rows):
-    """Mean over the first axis of what is finite; NaN without any."""
-    good = np.isfinite(rows)
-    with np.errstate(invalid="ignore"):
-        return np.where(good, rows, 0.0).sum(axis=0) / good.sum(axis=0)
-
-
 def rescaled(data, found, fixed):
     """Data whose noise, in each band or bin, is that of their residuals."""
     residual = data.residual(found.path, found.values, fixed.where)
     if isinstance(data, PyrometerData):
         scale = noise.standing_together(residual)[:, None]
     else:
-        scale = noise.NORMAL_MAD * np.nanmedian(np.abs(residual), axis=0, keepdims=True)
+        scale = NORMAL_MAD * np.nanmedian(np.abs(residual), axis=0, keepdims=True)
     return dataclasses.replace(data, noise=data.noise * np.clip(scale, *RESCALING))
 
 

@@ -1,5 +1,7 @@
 """What signals owe to errors of a stated response that its calibration has not absorbed, over temperature."""
 
+from functools import partial
+
 import numpy as np
 
 from plasmapyro.estimate.instrument import TABLE_POINTS, TABLE_TEMPERATURES, from_straight
@@ -55,14 +57,11 @@ def of_place(seen, black, points):
     `seen`, `black`: pairs of instruments, as they are and moved by `SHIFT`.
     """
 
-    def change(pair):
-        def at(kelvin):
-            plain, moved = (_signals(one, kelvin) for one in pair)
-            return np.log(moved / plain)[:, :, None] / SHIFT * np.eye(plain.shape[1])
+    def change(pair, kelvin):
+        plain, moved = (_signals(one, kelvin) for one in pair)
+        return np.log(moved / plain)[:, :, None] / SHIFT * np.eye(plain.shape[1])
 
-        return at
-
-    return ResponseErrors(change(seen), change(black), points)
+    return ResponseErrors(partial(change, seen), partial(change, black), points)
 
 
 def of_course(seen, black, points):
@@ -73,31 +72,25 @@ def of_course(seen, black, points):
     modes = scale_modes(seen.wavelength)
     bands, number = len(seen.weight), modes.shape[1]
 
-    def change(instrument):
-        def at(kelvin):
-            light = _light(instrument, kelvin)
-            mean = np.einsum("cb,nb,bm->ncm", instrument.weight, light, modes)
-            mean /= _signals(instrument, kelvin)[:, :, None]
-            found = np.zeros((len(kelvin), bands, bands, number))
-            found[:, np.arange(bands), np.arange(bands)] = mean
-            return found.reshape(len(kelvin), bands, bands * number)
+    def change(instrument, kelvin):
+        light = _light(instrument, kelvin)
+        mean = np.einsum("cb,nb,bm->ncm", instrument.weight, light, modes)
+        mean /= _signals(instrument, kelvin)[:, :, None]
+        found = np.zeros((len(kelvin), bands, bands, number))
+        found[:, np.arange(bands), np.arange(bands)] = mean
+        return found.reshape(len(kelvin), bands, bands * number)
 
-        return at
-
-    return ResponseErrors(change(seen), change(black), points)
+    return ResponseErrors(partial(change, seen), partial(change, black), points)
 
 
 def of_linearity(seen, black, points):
     """`ResponseErrors` per power of the signal by which a band is not linear."""
 
-    def change(instrument):
-        def at(kelvin):
-            logarithm = np.log(_signals(instrument, kelvin))
-            return logarithm[:, :, None] * np.eye(logarithm.shape[1])
+    def change(instrument, kelvin):
+        logarithm = np.log(_signals(instrument, kelvin))
+        return logarithm[:, :, None] * np.eye(logarithm.shape[1])
 
-        return at
-
-    return ResponseErrors(change(seen), change(black), points)
+    return ResponseErrors(partial(change, seen), partial(change, black), points)
 
 
 def _light(instrument, kelvin):

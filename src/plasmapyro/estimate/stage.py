@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.estimate import prepare, radiometer
-from plasmapyro.estimate.contradiction import STRAINED, contradicted, pulled, stretched
+from plasmapyro.estimate.contradiction import REGISTER, STRAINED, contradicted, pulled, stretched
 from plasmapyro.estimate.dynamics import GAS, RATE, TEMPERATURE, Dynamics
 from plasmapyro.estimate.instrument import InverseTable, from_straight, straight
 from plasmapyro.estimate.observations import Constants, constants
@@ -20,7 +20,6 @@ from plasmapyro.record.attributes import carried
 from plasmapyro.record.emittance import UNTOLD, tilt
 from plasmapyro.record.record import Record, record_of
 
-NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
 FIRST_RATE = 0.01  # [K/s] standard deviation before injection: nothing heats the sample
 KICK = 100.0  # [K/s] of the rate at injection and at the end of the plasma
@@ -32,33 +31,6 @@ BENDS = 2  # times that exposures take the path between their samples anew
 # ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
 # a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
 CHANGING = 0.02  # [1] standard, of the level of the light through the test
-INPUTS = (  # name of constants, words, group, unit
-    ("log_emittance", "level of the emittance", "emittance", "1"),
-    ("source_error", "temperature of the calibration source", "calibration", "K"),
-    ("gain_error", "gain of each band", "calibration", "1"),
-    ("band_shift", "place of each band on the wavelength axis", "calibration", "m"),
-    ("band_course", "response of each band over wavelength", "calibration", "1"),
-    ("band_linearity", "linearity of each band", "calibration", "1"),
-    ("ratio_wander", "ratio of the gains of the bands that wanders", "calibration", "1"),
-    ("scale_error", "scale of the spectrometer", "calibration", "1"),
-    ("scale_drift", "drift of the spectrometer against the bands", "calibration", "1"),
-    ("scale_course", "scale of the spectrometer over wavelength", "calibration", "1"),
-    ("bin_error", "bins of the spectrometer's calibration", "calibration", "1"),
-    ("band_level", "throughput or ratio of the bands, were they not as stated", "calibration", "1"),
-    ("emissivity_shape", "course of the emissivity over wavelength", "emittance", "1"),
-    ("spectrometer_source_error", "temperature of the spectrometer's source", "calibration", "K"),
-    ("radiometer_source_error", "temperature of the radiometer's source", "calibration", "K"),
-    ("radiometer_scale_error", "scale of the radiometer", "calibration", "1"),
-    ("radiometer_scale_drift", "drift of the radiometer against the bands", "calibration", "1"),
-    ("radiometer_bin_error", "sensitivities of the radiometer", "calibration", "1"),
-    ("band_drift", "emittance or window that drifts", "unnamed misfit", "1"),
-    ("gas_signal", "light of the gas in the bands", "gas", ""),
-    ("gas_radiance", "light of the gas in the spectra", "gas", ""),
-    ("radiometer_gas_radiance", "light of the gas in the radiometer", "gas", ""),
-    ("radiometer_gas_radiance_before", "colour of the gas before injection, radiometer", "gas", "1"),
-    ("gas_signal_before", "colour of the gas before injection, bands", "gas", "1"),
-    ("gas_radiance_before", "colour of the gas before injection, spectra", "gas", "1"),
-)
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
@@ -351,10 +323,10 @@ def _families(fixed, spread, stretch=1.0):
     """Of each family of constants what it adds to the temperatures (n,) of the chain, see `budget.of_family`;
     `stretch` (p,): times what is stated of each."""
     across, deviation = spread.across * np.square(stretch), fixed.deviation * stretch
-    places = {one: fixed.where(one[0]) for one in INPUTS}
+    places = [(row, fixed.where(row["name"])) for row in REGISTER]
     return [
-        budget.of_family(words, group, across[:, at], deviation[at], unit)
-        for (_, words, group, unit), at in places.items()
+        budget.of_family(row["input"], row["group"], across[:, at], deviation[at], row["unit"])
+        for row, at in places
         if at.size
     ]
 
@@ -420,7 +392,7 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     state[against[group]] = status.CONTRADICTED
     known &= ~(against[group] | dying)
     state[~injected] = status.NOT_INJECTED
-    factor = np.exp(NORMAL_95 * deviation / temperature)
+    factor = np.exp(budget.NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, 1 + found.path[:, GAS], 0.0)[group]
     of_constants = np.sqrt(np.diag(spread.constants))
     sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told

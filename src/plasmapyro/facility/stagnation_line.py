@@ -55,10 +55,8 @@ HEAT_CAPACITY = 2e3  # [J kg-1 K-1]: scale of the energy equation
 PROBE = 3e-5  # relative change for slopes: 0.2 K, wider than the seams of the polynomials at 1000 and 6000 K
 RENEWED, PATIENCE = 0.6, 50  # share of new transport coefficients per step, halved after so many steps
 STEPS, CONVERGED = 200, 1e-5  # largest relative change of the last step
-SETTLED, SHRINKING = (
-    3e-3,
-    0.9,
-)  # relative change of a step, also over the one before, below which slopes are kept
+# relative change of a step, also over the one before, below which slopes are kept
+SETTLED, SHRINKING = 3e-3, 0.9
 
 
 class NotConverged(ArithmeticError):

@@ -52,9 +52,8 @@ def find_lines(wavelength, net, *, expected_fwhm, search, least_signal_to_noise)
     width = float(positive("expected_fwhm", expected_fwhm, "m"))
     noise = local_noise(net, NOISE_BLOCK)
     species, certified = lamp_lines()
-    apart = np.minimum(
-        np.diff(certified, prepend=-np.inf), np.diff(certified, append=np.inf)
-    )  # to the nearest neighbour
+    # to the nearest neighbour
+    apart = np.minimum(np.diff(certified, prepend=-np.inf), np.diff(certified, append=np.inf))
     found = []
     for name, line in zip(
         species[apart > ISOLATION * width], certified[apart > ISOLATION * width], strict=True

@@ -3,9 +3,8 @@
 import numpy as np
 
 from plasmapyro.checks import increasing, positive
-from plasmapyro.instrument.spectrometer import local_noise
+from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 
-ROBUST = 1.4826  # median absolute deviation to standard deviation of a Gaussian
 ROUNDS = 5  # of outlier rejection; it settles in two or three
 REJECTED = 4.0  # standard deviations
 AROUND = 10  # pixels on either side that make the surroundings of one
@@ -67,7 +66,7 @@ def dark_scale(light, dark, dim):
     for _ in range(ROUNDS):
         scale = _orthogonal_slope(x, y)
         residual = y - scale * x
-        spread = ROBUST * np.median(np.abs(residual))
+        spread = NORMAL_MAD * np.median(np.abs(residual))
         kept = np.abs(residual) <= REJECTED * max(spread, np.finfo(float).tiny)
         if kept.all() or kept.sum() < 30:
             break
@@ -101,7 +100,7 @@ def hot_pixels(dark, threshold):
     padded = np.pad(dark, AROUND, mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * AROUND + 1)
     level = np.nanmedian(around, axis=-1)
-    spread = ROBUST * np.nanmedian(np.abs(dark - level))
+    spread = NORMAL_MAD * np.nanmedian(np.abs(dark - level))
     return dark - level > positive("threshold", threshold, "1") * spread
 
 

@@ -7,6 +7,7 @@ from plasmapyro.radiation.planck import blackbody_radiance
 
 USABLE, NO_SIGNAL, SATURATED, MISSING, HOT, MASKED, LEFT_OUT = range(7)  # pixel status
 STATUS = dict(enumerate("usable no_signal saturated missing hot masked left_out".split()))
+NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 
 
 def pixel_status(counts, background, saturation, least_net):
@@ -81,7 +82,7 @@ def local_noise(values, block):
     for row, own, kept in zip(joined, level, enough, strict=True):
         if kept.any():
             row[:] = np.interp(np.arange(count), centres[kept], own[kept])
-    return joined.reshape(values.shape) * 1.4826 / np.sqrt(6)
+    return joined.reshape(values.shape) * NORMAL_MAD / np.sqrt(6)
 
 
 def _median(part):

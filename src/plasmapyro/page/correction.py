@@ -14,9 +14,8 @@ from plasmapyro.record.recommended import SERIES
 from plasmapyro.record.status import REASONS, WITH_VALUE
 from plasmapyro.tables import rows as register
 
-FIGURES = {
-    row["figure"]: list(row.values())[1:] for row in register("page/figures.csv")
-}  # title, caption, alternative
+# title, caption, alternative
+FIGURES = {row["figure"]: list(row.values())[1:] for row in register("page/figures.csv")}
 JOINT = "surface_temperature"  # a line, the others are points
 TALLER = {"temperatures": 4.2}  # [inch], for the legend below
 

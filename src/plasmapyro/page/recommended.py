@@ -62,7 +62,7 @@ def _half(low, high):
     return f"{half:.0f}" if half >= 10 else f"{half:.1f}"
 
 
-def figure(result, others, name="recommended"):
+def figure(result, others):
     """The recommended temperature with its interval and the others; below, differences in kelvin.
 
     `others`: (words, time, values, marker, colour) of each.
@@ -99,7 +99,7 @@ def figure(result, others, name="recommended"):
         axes[1].set(xlabel="time [s]", ylabel="difference [K]")
 
     ratios = {"gridspec_kw": {"height_ratios": (3, 2)}}
-    return drawn(draw, name, (SIZE[0], 4.4), nrows=2, sharex=True, **ratios)
+    return drawn(draw, "recommended", (SIZE[0], 4.4), nrows=2, sharex=True, **ratios)
 
 
 def by_group(result):

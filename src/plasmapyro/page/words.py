@@ -16,20 +16,21 @@ FOLDER = re.compile(r"(?<![\w/.:])(?:[A-Za-z]:\\|\\\\|/|~/)(?:[^\s/\\<>\"'|,;]+[
 
 def without_folders(value):
     """A report whose texts, keys too, hold no folder: each is cut down to the name of its file."""
-    if isinstance(value, dict):
-        return {without_folders(name): without_folders(entry) for name, entry in value.items()}
-    if isinstance(value, list):
-        return [without_folders(entry) for entry in value]
-    return FOLDER.sub(lambda found: file_name(found.group()), value) if isinstance(value, str) else value
+    return _each(value, lambda text: FOLDER.sub(lambda found: file_name(found.group()), text))
 
 
 def for_figures(value):
-    """A report whose texts may go into figures: no dollar that would start a formula."""
+    """A report whose texts, keys too, may go into figures: no dollar that would start a formula."""
+    return _each(value, lambda text: text.replace("$", r"\$"))
+
+
+def _each(value, change):
+    """A report with a change of each of its texts."""
     if isinstance(value, dict):
-        return {name: for_figures(entry) for name, entry in value.items()}
+        return {_each(name, change): _each(entry, change) for name, entry in value.items()}
     if isinstance(value, list):
-        return [for_figures(entry) for entry in value]
-    return value.replace("$", r"\$") if isinstance(value, str) else value
+        return [_each(entry, change) for entry in value]
+    return change(value) if isinstance(value, str) else value
 
 
 def file_name(path):

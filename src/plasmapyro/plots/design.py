@@ -92,7 +92,7 @@ def trade_off(designs, paths):
         rows &= best | (kind not in ("optimum", "robust optimum"))
         axes.plot(designs.ratio_sensitivity.values[rows], mean[rows], marker, ms=6, color=colour, label=label)
     level = 100 * designs.attrs["error_level"]
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.legend_beside(axes, title=None)
     axes.set(
         xlabel=r"Sensitivity of the ratio at 1500 K, $d\ln\rho/d\ln T$ [–]",
         ylabel=f"Gas shifts less than {level:g} % above [K]\n(mean over the powers)",

@@ -2,7 +2,6 @@
 
 from plasmapyro.plots import style
 
-DASHES = ("-", "--", "-.", ":")
 RATES = {  # of recombination in the gas before the wall
     "kossyi": "rates measured (kossyi)",
     "gupta": "rates from shocks (gupta)",
@@ -18,12 +17,12 @@ def pairs(found, paths):
         pressure, found.equilibrium_heat_flux * 1e-3, color="0.1", lw=1.6, label="equilibrium at the wall"
     )
     colours = style.case_colours(found.sizes["recombination"])
-    for kind, dash in zip(found.rates.values, DASHES, strict=False):
+    for kind, dash in zip(found.rates.values, style.DASHES, strict=False):
         for gamma, colour in zip(found.recombination.values, colours, strict=True):
             flux = found.stagnation_heat_flux.sel(rates=kind, recombination=gamma) * 1e-3
             label = f"recombination $\\gamma$ = {gamma:g}" if kind == found.rates.values[0] else None
             axes.plot(pressure, flux, color=colour, ls=dash, label=label)
-    for kind, dash in zip(found.rates.values, DASHES, strict=False):
+    for kind, dash in zip(found.rates.values, style.DASHES, strict=False):
         axes.plot([], [], color="0.5", ls=dash, label=RATES.get(kind, kind))
     for name, colour in zip(found.pitot_radius.values[1:], ("#4e79a7", "#59a14f", "#af7aa1"), strict=False):
         reading = found.pitot_pressure.sel(pitot_radius=name)

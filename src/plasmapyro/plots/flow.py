@@ -246,12 +246,12 @@ def balances(flows, paths):
         bottom += share
     upper.axhline(100, color="0.2", lw=0.7)
     upper.set(ylabel="Share of Joule power [%]", ylim=(0, 106))
-    upper.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.legend_beside(upper, title=None)
     for name, label, offset in (("energy_imbalance", "energy", -0.2), ("mass_imbalance", "mass", 0.2)):
         values = [100 * float(flow[name]) for flow in flows.values()]
         lower.bar(place + offset, values, width=0.35, label=label)
     lower.axhline(0, color="0.2", lw=0.7)
-    lower.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.legend_beside(lower, title=None)
     lower.set(ylabel="Imbalance [%]", xticks=place, xlabel="Numerical power")
     lower.set_xticklabels([curve.label for curve in _curves(flows)], rotation=45)
     style.save(upper, paths, *flows.values())
@@ -274,7 +274,7 @@ def budgets(flow, found, paths):
     for axes in (upper, lower):
         axes.axvline(exit_position, color="0.6", lw=0.7)
         axes.axhline(0, color="0.6", lw=0.7)
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+        style.legend_beside(axes, title=None)
     upper.annotate("torch exit", (exit_position + 6, 0.85 * upper.get_ylim()[1]), fontsize=7, color="0.3")
     upper.set_title(_named(flow), loc="left", fontsize=8)
     style.save(upper, paths, flow)

@@ -40,9 +40,9 @@ def given(result):
     return [name for name in TEMPERATURES if name in result]
 
 
-def shown_spectra(result):
+def shown_spectra(temperature):
     """Places of a few spectra that give a temperature, spread over the test."""
-    good = np.flatnonzero(np.isfinite(result.spectrometer_temperature.values))
+    good = np.flatnonzero(np.isfinite(temperature.values))
     return good[np.unique(np.linspace(0, good.size - 1, SHOWN).round().astype(int))] if good.size else good
 
 
@@ -152,7 +152,7 @@ def spectra(axes, test, result):
         gas = result.reference_radiance.values / MICRO
         axes.plot(wavelength, np.where(gas > 0, gas, np.nan), color="0.55", lw=0.9, label="gas (reference)")
         top.append(np.nanmax(gas))
-    places = shown_spectra(result)
+    places = shown_spectra(result.spectrometer_temperature)
     for place, colour in zip(places, style.case_colours(max(len(places), 1)), strict=False):
         one = result.isel(spectrum_time=place)
         values = one.corrected_radiance.values / MICRO
@@ -171,8 +171,7 @@ def spectra(axes, test, result):
 def emissivities(axes, test, result):
     """Emissivity over wavelength with its 95 % interval, at a few moments."""
     wavelength = result.emissivity_wavelength.values * NANO
-    good = np.flatnonzero(np.isfinite(result.spectral_temperature.values))
-    places = good[np.unique(np.linspace(0, good.size - 1, SHOWN).round().astype(int))] if good.size else good
+    places = shown_spectra(result.spectral_temperature)
     for place, colour in zip(places, style.case_colours(max(len(places), 1)), strict=False):
         one = result.isel(spectrum_time=place)
         axes.fill_between(wavelength, *one.emissivity_interval.values, color=colour, alpha=0.15, lw=0)

@@ -58,7 +58,7 @@ def limit_over_emittance(study, paths):
         ylabel=r"Emittance $\varepsilon$ [–]",
         ylim=(0, 1.02),
     )
-    axes.legend(title="angle to the axis", loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.legend_beside(axes, title="angle to the axis")
     axes.set_title(_where(chosen), fontsize=7, loc="left")
     style.save(axes, paths, study)
 

@@ -113,7 +113,7 @@ def curves_of(datasets):
 
 
 def legend_beside(axes, title="Numerical\npower", **options):
-    """Legend of the powers to the right of the axes, off the curves."""
+    """Legend to the right of the axes, off the curves; of the powers by default."""
     return axes.legend(title=title, loc="center left", bbox_to_anchor=(1.01, 0.5), **options)
 
 

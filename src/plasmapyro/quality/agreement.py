@@ -3,7 +3,8 @@
 import numpy as np
 
 from plasmapyro.quality import late
-from plasmapyro.quality.rule import BANDS, rule
+from plasmapyro.quality.rule import rule
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import status
 from plasmapyro.record.level import emittance_of_level, leeway
 

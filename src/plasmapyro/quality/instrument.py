@@ -3,8 +3,9 @@
 import numpy as np
 
 from plasmapyro.instrument.pyrometer import blackbody_signals
-from plasmapyro.quality.rule import BANDS, rule
-from plasmapyro.quality.series import SIGMA
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
+from plasmapyro.quality.rule import rule
+from plasmapyro.radiation.bandsignal import BANDS
 
 
 @rule()
@@ -41,7 +42,7 @@ def source_dark(case, limit):
     net = case.exposures.exposure_counts.values - case.exposures.exposure_dark.values
     for number, row in enumerate(net, 1):
         row = row[np.isfinite(row)]
-        noise = SIGMA * np.median(np.abs(np.diff(row))) if row.size > 1 else 0.0
+        noise = NORMAL_MAD * np.median(np.abs(np.diff(row))) if row.size > 1 else 0.0
         if np.median(row) < -limit * noise / np.sqrt(row.size):
             return {"number": number, "share": float(np.mean(row < 0))}
     return None

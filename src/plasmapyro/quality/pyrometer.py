@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from plasmapyro.quality.rule import BANDS, rule
-from plasmapyro.quality.series import SIDE, SIGMA, blocks, longest_run, steps, widened
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
+from plasmapyro.quality.rule import rule
+from plasmapyro.quality.series import SIDE, blocks, longest_run, steps, widened
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags
 from plasmapyro.record.record import gas_of
 
@@ -165,7 +167,7 @@ def scatter_of_signals(case, limit):
         if bright.size < 20:
             continue
         rest = (bright[1:-1] - (bright[:-2] + bright[2:]) / 2) / bright[1:-1]
-        share = float(SIGMA * np.median(np.abs(rest)) / np.sqrt(1.5))
+        share = float(NORMAL_MAD * np.median(np.abs(rest)) / np.sqrt(1.5))
         if share > limit:
             return {"band": band, "share": share}
     return None

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import onset
 from plasmapyro.record.calibrated import halves
 from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.phases import phases
 from plasmapyro.tables import rows
 
-BANDS = ("wide", "narrow")
 CONTRADICTION, DOUBT = SEVERITIES = "contradiction", "doubt"  # both cannot be true; it may be meant so
 
 
@@ -25,7 +25,7 @@ class Case:
 
     place: Path  # folder or file, for messages
     test: xr.Dataset | None = None
-    files: dict = field(default_factory=dict)  # of the spectrometer, as readers.parts gives them
+    files: dict = field(default_factory=dict)  # of the spectrometer, as readers.spectrometer gives them
     calibration: xr.Dataset | None = None
     response: xr.Dataset | None = None
     spectrometer_calibration: xr.Dataset | None = None

@@ -3,9 +3,10 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
+
 SIDE = 6  # blocks on each side of a step: enough to fit a line and to tell its scatter
 MOST_BLOCKS = 3000
-SIGMA = 1.4826  # standard deviations per median absolute deviation of normal noise
 
 
 def blocks(time, values, begin, end, least=0.0):
@@ -53,7 +54,7 @@ def steps(values):
     inner = np.arange(SIDE, values.size - SIDE - 1)
     before, after = slope[inner - SIDE], slope[inner + 2]
     height[inner] = known = values[inner + 2] - values[inner - 1] - 1.5 * (before + after)
-    scatter = SIGMA * np.median(np.abs(known - np.median(known)))
+    scatter = NORMAL_MAD * np.median(np.abs(known - np.median(known)))
     usual = np.maximum(np.maximum(scatter, _scatter(height)), 1e-12)
     # A sharp bend between two samples cannot be told from a step of one sample's slope.
     known = np.where(np.abs(known) > 3 * np.maximum(np.abs(before), np.abs(after)), known, 0.0)
@@ -77,7 +78,7 @@ def _scatter(height):
     near = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).copy()
     near[:, reach - SIDE : reach + SIDE + 1] = np.nan
     middle = np.nanmedian(near, axis=1, keepdims=True)
-    return SIGMA * np.nanmedian(np.abs(near - middle), axis=1)
+    return NORMAL_MAD * np.nanmedian(np.abs(near - middle), axis=1)
 
 
 def fall(time, values, length):
@@ -91,10 +92,10 @@ def fall(time, values, length):
     drop = -np.diff(np.log(values))
     change = np.abs(np.diff(drop))
     # A cooling surface goes on falling, and faster in the logarithm: the first large drop is the one.
-    clear = max(LEAST_DROP, MANY * SIGMA * np.median(change), drop.max() / 3)
+    clear = max(LEAST_DROP, MANY * NORMAL_MAD * np.median(change), drop.max() / 3)
     # Faint light is noisier than bright: it must stand out where it is, too.
     around = median_filter(np.append(change, change[-1]), 2 * SIDE + 1, mode="nearest")
-    fell = (drop >= clear) & (drop >= MANY * SIGMA * around)
+    fell = (drop >= clear) & (drop >= MANY * NORMAL_MAD * around)
     if not fell.any():
         return None
     place = int(np.argmax(fell))

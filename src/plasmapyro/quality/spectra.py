@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 
 from plasmapyro.identification.species import catalogue
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
 from plasmapyro.quality.rule import rule
-from plasmapyro.quality.series import SIGMA
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import foreign
 from plasmapyro.refraction import vacuum_wavelength
@@ -26,7 +26,7 @@ NUMBER = re.compile(r"(\d+)(?!.*\d)", re.ASCII)  # the last number of a name
 def _scatter(row):
     """Noise of one pixel from the differences of neighbours."""
     steps = np.diff(row[np.isfinite(row)])
-    return float(SIGMA * np.median(np.abs(steps - np.median(steps))) / np.sqrt(2)) if steps.size else 0.0
+    return float(NORMAL_MAD * np.median(np.abs(steps - np.median(steps))) / np.sqrt(2)) if steps.size else 0.0
 
 
 def _numbers(names):

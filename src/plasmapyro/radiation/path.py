@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plasmapyro.checks import fraction, non_negative, within
+from plasmapyro.checks import non_negative, within
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.gas.partition import partition_function, two_temperature_partition_function
 from plasmapyro.gas.species import IONS, NEUTRALS, SPECIES, TRACE_IONS, TRACE_NEUTRALS, TRACES, particle_mass
@@ -31,7 +31,6 @@ from plasmapyro.radiation.populations import absorption_excess, two_temperature_
 from plasmapyro.radiation.transfer import cross_layer, layer_thickness
 
 CONTINUA = ("e-ion free-free", "e-neutral free-free", "free-bound", "O- detachment")
-BOUNDARY = "boundary"  # component: what emerges of the radiance that entered at the start of the path
 CONTINUUM_POINTS = 2000  # of the coarse axis of the smooth parts, 0.25 nm; resolves the TOPbase resonances
 TEMPERATURE_RANGE = (200.0, 15000.0)  # [K], of the partition functions and continuum tables
 NEGLIGIBLE = 1e-6  # [1], of the radiance; what layers may contribute in total to be left out
@@ -216,10 +215,8 @@ def thin_lines(path, lines):
     quantum = SECOND_RADIATION * lines.wavenumber
     hot = quantum / path.temperature.max()
     hottest = np.expm1(-hot)
-    cold, excess = (
-        np.empty(len(lines)),
-        np.empty(len(lines)),
-    )  # new arrays would cost more than the arithmetic
+    # new arrays would cost more than the arithmetic
+    cold, excess = np.empty(len(lines)), np.empty(len(lines))
     for layer, thickness in enumerate(path.thickness):
         radiance = path.emission(lines, layer)
         radiance *= thickness
@@ -318,36 +315,8 @@ class PathRadiance:
     neglected_bound: float
 
 
-def surface_radiance(grid, emittance, temperature):
-    r"""What a surface sends into a path, for `path_radiance`: :math:`\epsilon\, B_\lambda(T)`.
-
-    Source: Fagnani et al., eq. 2, first term, without window and atmosphere.
-
-    ValueError: emittance outside (0, 1], temperature not > 0.
-
-    Parameters
-    ----------
-    grid : Grid
-    emittance : float [1]
-        In (0, 1].
-    temperature : float [K]
-
-    Returns
-    -------
-    ndarray (G,) [W m-2 sr-1 m-1]
-
-    Examples
-    --------
-    >>> from plasmapyro.radiation.grid import log_grid
-    >>> grid = log_grid((1.0e-6, 1.1e-6), 2001)  # the shortest wavelength comes last
-    >>> f"{surface_radiance(grid, 0.85, 1500.0)[-1] * 1e-6:.1f} W m-2 sr-1 per um"
-    '6913.4 W m-2 sr-1 per um'
-    """
-    return fraction("emittance", emittance) * blackbody_radiance(grid.wavelength, temperature)
-
-
-def path_radiance(path, line_lists, grid, *, boundary=None):
-    r"""Spectral radiance at the end of a path; nothing enters at its start unless told.
+def path_radiance(path, line_lists, grid):
+    r"""Spectral radiance at the end of a path; nothing enters at its start.
 
     .. math:: j_\lambda = \tilde\nu \sum_l \varepsilon_l P(x - x_l) + \kappa_c B_\lambda, \qquad
               \kappa = j_\lambda / B_\lambda(T)
@@ -362,22 +331,19 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
     Source: Fagnani et al., sec. 4.2; Kirchhoff's law for the absorption.
     ASSUME: within the profile of a line, emission over absorption varies as a black body.
 
-    ValueError if the grid is too coarse for the Doppler widths of a system where it emits, if the boundary
-    does not fit the grid or is negative, or if a departure names no component.
+    ValueError if the grid is too coarse for the Doppler widths of a system where it emits, or if a departure
+    names no component.
 
     Parameters
     ----------
     path : GasPath
     line_lists : list of LineList
     grid : Grid
-    boundary : (G,) [W m-2 sr-1 m-1], optional
-        Radiance that enters at the start of the path (of a surface: `surface_radiance`).
 
     Returns
     -------
     PathRadiance
-        Components in the order of the line lists, then `CONTINUA`, then `BOUNDARY` if there is one: what
-        emerges of it. Thin radiance counts the gas alone.
+        Components in the order of the line lists, then `CONTINUA`.
     """
     unknown = set(path.departures) - {lines.component for lines in line_lists}
     if unknown:
@@ -385,10 +351,6 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
             f"departures must name components among {', '.join(lines.component for lines in line_lists)};"
             f" got {', '.join(sorted(unknown))}"
         )
-    if boundary is not None:
-        boundary = non_negative("boundary", boundary, "W m-2 sr-1 m-1")
-        if boundary.shape != grid.wavenumber.shape:
-            raise ValueError(f"boundary must have the grid's shape ({len(grid)},); got {boundary.shape}")
     spreaders = [prepare(lines, grid) for lines in line_lists]
     continuum = Continuum(grid)
     smooth = np.array([continuum.absorption(path, layer) for layer in range(len(path.thickness))])
@@ -405,19 +367,16 @@ def path_radiance(path, line_lists, grid, *, boundary=None):
         if keep.any() and e.sum() > RESOLVED_SHARE * thin_total
     ]
     require_resolution_of_light(path.temperature, bright, grid)
-    # The bounds hold for black-body sources, and as long as nothing brighter than the gas shines through.
-    hottest = blackbody_radiance(grid.wavelength, path.temperature.max())
-    if not path.equilibrium or (boundary is not None and np.any(boundary > hottest)):
+    if not path.equilibrium:  # the bounds hold for black-body sources
         kept = np.ones_like(kept)
-    solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
-    gas = solution[0][: len(spreaders) + len(CONTINUA)]
-    emerging = -np.trapezoid(gas.sum(axis=0), grid.wavelength)
+    solution = _solve(path, spreaders, continuum, smooth, grid, kept)
+    emerging = -np.trapezoid(solution[0].sum(axis=0), grid.wavelength)
     # In gas so opaque that little of its thin radiance emerges, the allowance was too generous.
     if bounds[~kept].sum() > max(NEGLIGIBLE * emerging, dark):
         kept = np.ones_like(kept)
-        solution = _solve(path, spreaders, continuum, smooth, grid, kept, boundary)
+        solution = _solve(path, spreaders, continuum, smooth, grid, kept)
     return PathRadiance(
-        (*(lines.component for lines in line_lists), *CONTINUA, *(() if boundary is None else (BOUNDARY,))),
+        (*(lines.component for lines in line_lists), *CONTINUA),
         *solution,
         thin_lines=[(s.lines, values) for s, values in zip(spreaders, by_line, strict=True)],
         thin_continuum=smooth_emission,
@@ -448,12 +407,9 @@ def require_resolution_of_light(temperature, systems, grid):
         require_resolution(grid, *min(narrowest))
 
 
-def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
+def _solve(path, spreaders, continuum, smooth, grid, kept):
     """Radiance by component (C, G), thin radiance and depth (G,) from the kept parts of each layer."""
-    gas = len(spreaders) + len(CONTINUA)
-    radiance = np.zeros((gas if boundary is None else gas + 1, len(grid)))
-    if boundary is not None:
-        radiance[gas] = boundary
+    radiance = np.zeros((len(spreaders) + len(CONTINUA), len(grid)))
     thin_radiance, optical_depth = np.zeros(len(grid)), np.zeros(len(grid))
     crossed, emitted = np.flatnonzero(kept.any(axis=0)), np.empty_like(radiance)
     for done, layer in enumerate(crossed, start=1):
@@ -461,7 +417,7 @@ def _solve(path, spreaders, continuum, smooth, grid, kept, boundary):
         blackbody = blackbody_radiance(grid.wavelength, path.electron_temperature[layer])
         emitted[:], excess = 0.0, 0.0
         if kept[-1, layer]:
-            np.multiply(continuum.on_grid(smooth[layer]), blackbody, out=emitted[len(spreaders) : gas])
+            np.multiply(continuum.on_grid(smooth[layer]), blackbody, out=emitted[len(spreaders) :])
         for index, spreader in enumerate(spreaders):
             if kept[index, layer]:
                 lines = spreader.lines

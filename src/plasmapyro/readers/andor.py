@@ -58,7 +58,7 @@ def mean_spectrum(path):
     held = np.isfinite(series.counts)
     with np.errstate(invalid="ignore"):
         columns = {"counts": np.where(held, series.counts, 0.0).sum(axis=0) / held.sum(axis=0)}
-    return Spectrum(series.wavelength, columns, None, None, series.exposure, None, None, None, None)
+    return Spectrum(series.wavelength, columns, integration_time=series.exposure)
 
 
 def _date(text):
@@ -72,7 +72,7 @@ def _seconds(path, header, key):
     """A duration [s] of the header, or None."""
     for name, value in header.items():
         if name.startswith(key):
-            found = number(value, "," if "," in value else ".")
+            found = number(value, None)
             if found is None or not found > 0:
                 refuse(path, f"{name} is {quote(value)}, no number > 0", "correct the header")
             return found

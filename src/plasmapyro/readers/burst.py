@@ -122,18 +122,18 @@ def _names(letters):
 
 
 def _line(line):
-    """Time stamp (float, datetime parts or None) and items of one line; ValueError says what is wrong."""
+    """Time stamp (its kind, seconds or None) and items of one line; ValueError says what is wrong."""
     clock = CLOCK.match(line.strip().strip("\"'"))
     words = line.strip()
-    stamp = None
+    stamp = "none", None
     if clock:
         stamp, words = _clock(clock), words[clock.end() :]
     else:
         first, _, rest = words.replace(";", " ").replace("\t", " ").partition(" ")
         first = first.rstrip(",")
-        value = number(first, "," if "," in first else ".")
+        value = number(first, None)
         if value is not None and value == value:
-            stamp, words = value, rest
+            stamp, words = ("seconds", value), rest
     row = {}
     for word in words.replace(";", " ").replace("\t", " ").split():
         unit, item = UNIT.fullmatch(word), ITEM.fullmatch(word)
@@ -150,15 +150,15 @@ def _line(line):
 
 def first_line(line):
     """Time stamp as it is written, or None, and items of one line; ValueError says what is wrong."""
-    stamp, row = _line(line)
+    (_, value), row = _line(line)
     clock = CLOCK.match(line.strip().strip("\"'"))
-    return clock[0] if clock else stamp if stamp is None else f"{stamp:.13g}", row
+    return clock[0] if clock else value if value is None else f"{value:.13g}", row
 
 
 def _value(letter, word):
     if not word[-1].isdigit() and not word[-1] == ".":
         return np.nan  # EHHH, EUUU, >, <: above or below range
-    value = number(word, "," if "," in word else ".")
+    value = number(word, None)
     meaning, low, high = ITEMS[letter]
     if value is None or not low <= value <= high:
         raise ValueError(f"item {letter} ({meaning}) is {quote(word)}, the unit sends {low:g} to {high:g}")
@@ -179,20 +179,12 @@ def _clock(match):
     return ("date", (date - datetime(2000, 1, 1)) / timedelta(days=1) * DAY + of_day)
 
 
-def _kind(stamp):
-    return stamp[0] if isinstance(stamp, tuple) else "none" if stamp is None else "seconds"
-
-
-def _seconds(stamp):
-    return stamp[1] if isinstance(stamp, tuple) else stamp
-
-
 def _times(path, stamps, numbers, period, zero):
-    kinds = {_kind(stamp) for stamp in stamps}
-    if len(kinds) > 1:
-        line = next(n for n, stamp in zip(numbers, stamps, strict=True) if _kind(stamp) != _kind(stamps[0]))
+    kinds, moments = zip(*stamps, strict=True)
+    kind = kinds[0]
+    if len(set(kinds)) > 1:
+        line = next(n for n, other in zip(numbers, kinds, strict=True) if other != kind)
         refuse(path, "some lines have a time and others not, or of another kind", "make them alike", line)
-    kind = kinds.pop()
     if kind == "none":
         if period is None:
             refuse(path, "the lines carry no time", "state `period` [s] in test.yaml")
@@ -200,7 +192,7 @@ def _times(path, stamps, numbers, period, zero):
     else:
         if period is not None:
             refuse(path, "the lines carry times, and test.yaml states a `period`", "remove `period`")
-        time = np.array([_seconds(stamp) for stamp in stamps], dtype=float)
+        time = np.array(moments, dtype=float)
         if kind == "clock":
             time = time + DAY * np.cumsum(np.diff(time, prepend=time[0]) < -DAY / 2)  # midnight
     back = np.flatnonzero(np.diff(time) <= 0)

@@ -5,14 +5,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from plasmapyro import contracts
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument.raw_counts import certified_source
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers import andor, columns, description, ocean
 from plasmapyro.readers.instrument import read_instrument
-from plasmapyro.readers.parts import require_alike, vacuum
-from plasmapyro.readers.text import Refusal, fault, refuse, refuse_all
+from plasmapyro.readers.spectrometer import require_alike, vacuum
+from plasmapyro.readers.text import Refusal, checked, fault, refuse, refuse_all
 from plasmapyro.record.emittance import mean_emittance
 from plasmapyro.tables import ORIGINS, weakest
 
@@ -79,7 +78,7 @@ def read_points(folder):
     for band in POINTS[1:]:  # as they would be through the window that stood before the test only
         found[band] = found[band] * window
     dataset = xr.Dataset({key: ("calibration_point", found[key]) for key in POINTS}, attrs={"origin": origin})
-    return _checked(dataset, "calibration_points", path)
+    return checked(dataset, "calibration_points", path)
 
 
 def read_bands(folder):
@@ -190,7 +189,7 @@ def read_exposures(folder):
         {"wavelength": wavelength},
         {"origin": origin, **detector},
     )
-    return _checked(dataset, "spectrometer_exposures", path)
+    return checked(dataset, "spectrometer_exposures", path)
 
 
 def read_line_lamp(folder):
@@ -246,13 +245,6 @@ def _section(folder, instrument):
         top.blame(instrument, "is missing", f"describe its calibration; {GUIDE}")
         raise Refusal(top.faults)
     return top.section(instrument), origin
-
-
-def _checked(dataset, contract, path):
-    try:
-        return contracts.check(contracts.label(dataset, contract), contract)
-    except contracts.ContractError as reason:
-        raise Refusal([f"{path}: {reason}"]) from None
 
 
 def _share(section, key, default):

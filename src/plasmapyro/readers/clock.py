@@ -14,9 +14,8 @@ STAMP = re.compile(
     re.ASCII,
 )
 FRACTION = re.compile(r"[.,](\d{1,9})(?=$|Z$|[+-]\d{2}:?\d{2}$|\s*[AaPp][Mm]$)", re.ASCII)
-COLON = re.compile(
-    r"(?<![:\d])(\d{1,2}:\d{2}:\d{2}):(\d{1,9})(?!\d)", re.ASCII
-)  # decimals of seconds behind a colon
+# decimals of seconds behind a colon
+COLON = re.compile(r"(?<![:\d])(\d{1,2}:\d{2}:\d{2}):(\d{1,9})(?!\d)", re.ASCII)
 DAYS = re.compile(r"(\d{1,4}) days? ", re.ASCII)
 ENGLISH = {  # abbreviated months of other languages, by their beginning
     name: english

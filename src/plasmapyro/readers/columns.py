@@ -189,7 +189,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
     lines, ended = table_lines(path, LARGEST)
     stamped = columns["time"] if "time" in columns and columns["time"].format else None
     sought = {**columns, **stamped.beside()} if stamped else columns
-    start, mark, places, stated = _header(path, lines, sought, delimiter)
+    start, mark, places, stated = header_of(path, lines, sought, delimiter)
     for index in range(start + 1, min(start + 1 + STACKED, len(lines))):
         cells = split(lines[index], mark)
         if any(is_value(cell) and not cell[0].isalpha() for cell in cells):  # 'T0 = 12.03.2026' is none
@@ -234,7 +234,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
         faults += more
     result = {}
     for name, words in plain.items():
-        values = [number(word, decimal or ("," if "," in word else ".")) for word in words]
+        values = [number(word, decimal) for word in words]
         faults += [
             fault(
                 path,
@@ -365,7 +365,7 @@ def split(line, mark):
     return [cell.strip() for cell in cells]
 
 
-def _header(path, lines, columns, delimiter):
+def header_of(path, lines, columns, delimiter):
     """Index of the header line, its delimiter, the place of each column, the unit each header gives."""
     marks = [DELIMITERS[delimiter]] if delimiter else list(DELIMITERS.values())
     best, best_line = set(), None
@@ -379,7 +379,7 @@ def _header(path, lines, columns, delimiter):
                 hits = [
                     (place, unit)
                     for place, cell in enumerate(cells)
-                    for label, unit in [_label(cell)]
+                    for label, unit in [label_of(cell)]
                     if column.header in (cell, label)
                 ]
                 if len(hits) > 1:
@@ -408,7 +408,7 @@ def _header(path, lines, columns, delimiter):
 
 
 def _numbered(lines, columns, marks):
-    """What `_header` returns for a table without names, whose columns are called by numbers; or None."""
+    """What `header_of` returns for a table without names, whose columns are called by numbers; or None."""
     if not all(NUMBERED.fullmatch(column.header) for column in columns.values()):
         return None
     places = {name: int(column.header.split()[1]) - 1 for name, column in columns.items()}
@@ -421,7 +421,7 @@ def _numbered(lines, columns, marks):
 
 
 def _stacked(lines, columns, marks):
-    """What `_header` returns, for names that stand in several lines above the data, or None."""
+    """What `header_of` returns, for names that stand in several lines above the data, or None."""
     for mark in marks:
         rows = [split(line, mark) for line in lines[:HEADER_LINES]]
         for last in range(len(rows)):
@@ -429,7 +429,7 @@ def _stacked(lines, columns, marks):
                 row for row in rows[max(last - STACKED + 1, 0) : last + 1] if len(row) == len(rows[last])
             ]
             names = [
-                {part for cell in cells for part in (cell, _label(cell)[0])}
+                {part for cell in cells for part in (cell, label_of(cell)[0])}
                 for cells in zip(*block, strict=True)
             ]
             places = {
@@ -438,7 +438,7 @@ def _stacked(lines, columns, marks):
             }
             if len(rows[last]) > 1 and all(len(found) == 1 for found in places.values()):
                 below = [units_in(row) or [None] * len(row) for row in block]
-                labels = [[_label(cell)[1] for cell in row] for row in block]
+                labels = [[label_of(cell)[1] for cell in row] for row in block]
                 stated = [next(filter(None, words), None) for words in zip(*labels, *below, strict=True)]
                 places = {name: found[0] for name, found in places.items()}
                 return last, mark, places, {name: stated[place] for name, place in places.items()}
@@ -457,7 +457,7 @@ def is_value(word):
     )
 
 
-def _label(cell):
+def label_of(cell):
     """Name and unit of a cell of the header: 'S1 [nA]', 'S1 (nA)', 'S1 / nA', 'S1_nA'; else unit None.
 
     A single letter behind an underscore may be anything.

@@ -1,5 +1,6 @@
 """The file test.yaml: what the raw files of a test folder mean."""
 
+import json
 from difflib import get_close_matches
 from pathlib import PurePath
 
@@ -7,8 +8,9 @@ import numpy as np
 import yaml
 
 from plasmapyro.foreign import told
-from plasmapyro.readers.text import Refusal, fault, number, quote, read_lines
+from plasmapyro.readers.text import fault, number, quote, read_lines, refuse
 
+GUIDE = "compare with docs/your-own-data.md"
 LARGEST = 64_000  # [byte] a description is a page of text
 LONGEST_NAME = 200
 DEEPEST = 12  # nested levels
@@ -60,22 +62,11 @@ def load(path):
         values = yaml.load("\n".join(lines), Loader=_Loader)  # noqa: S506  a BaseLoader: words only
     except yaml.MarkedYAMLError as reason:
         line = reason.problem_mark.line + 1 if reason.problem_mark else None
-        raise Refusal(
-            [
-                fault(
-                    path,
-                    f"not readable as YAML ({told(reason.problem)})",
-                    "compare with docs/your-own-data.md",
-                    line,
-                )
-            ]
-        ) from None
+        refuse(path, f"not readable as YAML ({told(reason.problem)})", GUIDE, line)
     except (yaml.YAMLError, ValueError) as reason:
-        raise Refusal(
-            [fault(path, f"not readable as YAML ({told(reason)})", "compare with docs/your-own-data.md")]
-        ) from None
+        refuse(path, f"not readable as YAML ({told(reason)})", GUIDE)
     if not isinstance(values, dict):
-        raise Refusal([fault(path, "must hold keys and values", "compare with docs/your-own-data.md")])
+        refuse(path, "must hold keys and values", GUIDE)
     return values
 
 
@@ -212,3 +203,8 @@ class Section:
                 near = get_close_matches(str(key), self.used, n=1, cutoff=0.5)
                 hint = f"did you mean '{near[0]}'?" if near else f"valid here: {', '.join(sorted(self.used))}"
                 self.blame(str(key)[:60], "is not a known key", hint)
+
+
+def in_yaml(word):
+    """A word as YAML holds it, whatever is in it."""
+    return json.dumps(word, ensure_ascii=not word.isprintable())

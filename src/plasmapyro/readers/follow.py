@@ -38,7 +38,7 @@ def growing(path, patience=np.inf, poll=POLL):
 
 
 def _number(cell, decimal):
-    value = number(cell, decimal or ("," if "," in cell else "."))
+    value = number(cell, decimal)
     return np.nan if value is None else value
 
 
@@ -76,7 +76,7 @@ def samples_of_table(path, section, lines):
         elif header is None:
             above.append(line)
             try:
-                header = columns._header(path, above, sought, delimiter)
+                header = columns.header_of(path, above, sought, delimiter)
             except Refusal:
                 if len(above) >= columns.HEADER_LINES:
                     raise
@@ -98,7 +98,7 @@ def samples_of_table(path, section, lines):
                 word = wanted["time"].stamp({key: cells[place] for key, place in places.items()})
                 moment = clock.seconds(word, form)
             else:
-                moment = number(word, decimal or ("," if "," in word else "."))
+                moment = number(word, decimal)
                 moment = (
                     moment if moment is None else columns.to_si(path, wanted["time"], moment, stated["time"])
                 )

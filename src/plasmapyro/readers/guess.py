@@ -1,54 +1,32 @@
 """A first description of a folder of raw files: what they seem to hold, and what only a person knows."""
 
-import json
 import os
 import re
-from datetime import timedelta
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import yaml
 
-from plasmapyro.contracts import VARIABLES
 from plasmapyro.foreign import printable
-from plasmapyro.readers import burst, clock, columns, ocean, parts, spectra_table, tdms, units
-from plasmapyro.readers.description import Section
+from plasmapyro.readers import burst, columns, ocean, parts, spectra_table, units
+from plasmapyro.readers.description import Section, in_yaml
 from plasmapyro.readers.dialects import ARRAYS, table_lines
-from plasmapyro.readers.guess_table import (
-    INDIRECT,
-    MOST_ROWS,
-    NAMES,
-    TUNNEL_UNITS,
-    VOLTS,
-    Table,
-    assign,
-    by_name,
-    gains_of,
-    look_at_table,
-    stamp_format,
-    suits,
-    values_of,
-)
-from plasmapyro.readers.text import Refusal, number, quote, read_lines, refuse
+from plasmapyro.readers.guess_signals import pyrometer_section, table_section
+from plasmapyro.readers.guess_spectra import spectrometer_section
+from plasmapyro.readers.guess_table import assign, look_at_table
+from plasmapyro.readers.spectrometer import natural
+from plasmapyro.readers.text import Refusal, number, quote, refuse
 from plasmapyro.record import onset
 
 MOST_FILES = 20_000  # of a folder
 PLATEAU = 0.98  # of the highest signal: the plasma is taken to end when the signal last had it
 OF_WINDOW = "kept for the record: calibrate through it, or state window_transmittance in calibration.yaml"
-OF_ZERO = "what shall be 0, best the injection"
 FIRST_WINDOW = 0.1  # of the exposure, where no growth shows the surface
 GUIDE = "docs/your-own-data.md"
-MULTIPLE = re.compile(r"(\d+\.?\d*)\s*(\D+)")  # a unit of so many units: ticks of 0.1 ms
 OTHERS = set(
     ".yaml .yml .md .pdf .png .jpg .jpeg .tif .gif .mp4 .avi .html .py .m .docx .pptx .ini .db .lnk".split()
 )
-EPOCH = (1e9, 3e9)  # [s] since 1970: 2001 to 2065
-DAYS = (30_000, 800_000)  # dates as spreadsheets (1982 on) and Matlab count them
-DAY_PART = 1.0  # a record without a unit that ends before: times of day as spreadsheets count them
-# ASSUME: currents without a unit are amperes if as small as photodiodes give them, else nanoamperes.
-LEAST_GAIN = 1e3  # [V/A] of amplifiers of photodiodes
-LARGEST_CURRENT = 0.1  # [A]
 
 
 class Guess(NamedTuple):
@@ -58,17 +36,13 @@ class Guess(NamedTuple):
     questions: list
 
 
-def _quoted(word):
-    return json.dumps(word, ensure_ascii=not word.isprintable())
-
-
 def describe(folder):
     """A first test.yaml for a folder of raw files; Refusal if nothing in it looks like signals or spectra."""
     folder = Path(folder)
     files = [
         path
         for path in sorted(
-            folder.rglob("*"), key=lambda path: (path.suffix.lower() in ARRAYS, parts.natural(str(path)))
+            folder.rglob("*"), key=lambda path: (path.suffix.lower() in ARRAYS, natural(str(path)))
         )
         if path.is_file()
         and not path.is_symlink()
@@ -91,9 +65,9 @@ def describe(folder):
         f"not used: {name}: no columns of numbers with a time or wavelengths are seen" for name in unknown
     ]
     questions, blocks = [], []
-    pyrometer = _pyrometer(folder, kinds, questions)
-    read = _read(folder, "pyrometer", pyrometer, questions)
-    spectrometer = _spectrometer(folder, kinds, read, questions)
+    pyrometer = pyrometer_section(folder, kinds, questions)
+    read = _read(folder, pyrometer, questions)
+    spectrometer = spectrometer_section(folder, kinds, read, questions)
     for path, (table, places) in (
         kinds.get("band", []) if not any("{file:" in line for line in pyrometer) else ()
     ):
@@ -116,7 +90,7 @@ def describe(folder):
         blocks += ["spectrometer:", *spectrometer]
     if pyrometer and tunnel:
         path, (table, places) = tunnel[0]
-        blocks += ["tunnel:", *_table_lines(folder, [path], table, places, questions)]
+        blocks += ["tunnel:", *table_section(folder, [path], table, places, questions)]
     if not blocks:
         seen = ", ".join(sorted({path.suffix or path.name for path in files})) or "no files"
         raise Refusal(
@@ -132,9 +106,8 @@ def describe(folder):
         "# Guessed from the files; every '?' is a question that no file answers: correct what is wrong, then",
         "#   plasmapyro check FOLDER",
     ]
-    asked = [
-        " ".join(printable(words).split()) for words in [*questions, *remarks]
-    ]  # names may hold line ends
+    # names may hold line ends
+    asked = [" ".join(printable(words).split()) for words in [*questions, *remarks]]
     head += [f"# ? {words}" for words in asked]
     return Guess("\n".join([*head, "attributes:", *attributes, *blocks]) + "\n", asked)
 
@@ -220,7 +193,7 @@ def _matrix(path, lines):
         if long := spectra_table.long_places(rows[start]):
             listed = [row[long[0]] for row in rows[start + 1 :] if len(row) > long[0]]
             listed = listed[: listed.index(listed[0], 1)] if listed[0] in listed[1:] else listed
-        values = [number(word, "," if "," in word else ".") for word in listed]
+        values = [number(word, None) for word in listed]
         if len(values) > 2 and None not in values and abs(np.sign(np.diff(values)).sum()) == len(values) - 1:
             values.sort()
             for unit, scale in (("nm", 1e-9), ("um", 1e-6), ("m", 1.0), ("Angstrom", 1e-10)):
@@ -238,330 +211,26 @@ def _matrix(path, lines):
     return None
 
 
-def _named(folder, paths):
-    names = [_quoted(path.relative_to(folder).as_posix()) for path in paths]
-    return f"  file: {names[0] if len(names) == 1 else '[' + ', '.join(names) + ']'}"
-
-
-def _pyrometer(folder, kinds, questions):
-    """Lines of the section 'pyrometer'; empty if no file has its signals."""
-    if "pyrometer" in kinds:
-        (_, (table, places)), *others = kinds["pyrometer"]
-        same = [path for path, (other, _) in kinds["pyrometer"] if other.labels == table.labels]
-        questions += [
-            f"{path.name} looks like signals too and is not used"
-            for path, (o, _) in others
-            if o.labels != table.labels
-        ]
-        return _table_lines(folder, same, table, places, questions)
-    if bands := _bands(folder, kinds.get("band", []), questions):
-        return bands
-    if "burst" in kinds:
-        paths = [path for path, _ in kinds["burst"]]
-        stamp, items = kinds["burst"][0][1]
-        found = [_named(folder, paths), "  format: marathon"]
-        if stamp is None:
-            found.append("  period: 0.1  # ? s between lines, the log has no times")
-            questions.append("pyrometer.period: how many seconds lie between two lines of the log?")
-        else:
-            found.append(f"  zero: {_quoted(stamp)}  # ? {OF_ZERO}; here the first line")
-        if items.get("S", 1.0) != 1.0 or items.get("B", 0.0) != 0.0:
-            found.append("  undo: []  # ? whether Q and R contain slope or attenuation")
-            questions.append(
-                "pyrometer.undo: do Q and R contain the slope or the attenuation? docs/your-own-data.md"
-            )
-        return found
-    if "tdms" in kinds:
-        return _tdms(folder, [path for path, _ in kinds["tdms"]], questions)
-    return []
-
-
-def _bands(folder, listed, questions):
-    """Lines of the section 'pyrometer' for two files with a band each, or none."""
-    if len(listed) != 2 or listed[0][1][0].labels[0] != listed[1][1][0].labels[0]:
-        return []
-    sizes = [-np.nanmedian(values_of(table, places["band"])) for _, (table, places) in listed]
-    stems = [f"{p.stem} {table.labels[at['band']]}".lower().replace("_", " ") for p, (table, at) in listed]
-    order = sorted((0, 1), key=sizes.__getitem__)
-    for wide, narrow in ((0, 1), (1, 0)):
-        if re.search(r"wide|breit|large|ch1|s1", stems[wide]) and re.search(
-            r"narrow|schmal|troit|ch2|s2", stems[narrow]
-        ):
-            order = [wide, narrow]
-            break
-    else:
-        questions.append(
-            f"pyrometer.columns: which file is the wide band? {listed[order[0]][0].name} is taken, the larger"
-        )
-    table, places = listed[0][1]
-    lines = _table_lines(folder, [listed[0][0]], table, places, questions)[1:]
-    for variable, one in zip(parts.SIGNALS, order, strict=True):
-        path, (table, places) = listed[one]
-        line = _column(variable, table, places["band"], questions)
-        name = _quoted(path.relative_to(folder).as_posix())
-        lines.append(line.replace("{name:", f"{{file: {name}, name:", 1))
-    return lines
-
-
-def _table_lines(folder, paths, table, places, questions):
-    """Lines of a section for a text table."""
-    found = [_named(folder, paths), f"  delimiter: {_quoted(table.delimiter)}"]
-    if table.decimal == ",":
-        found.append('  decimal: ","')
-    if "stamps" in places:
-        form, zero, more = stamp_format(table, places["stamps"])
-        questions += more
-        names = [_quoted(table.labels[place]) for place in places["stamps"]]
-        found.append(f"  zero: {_quoted(zero)}  # ? {OF_ZERO}; here the first sample")
-        name = names[0] if len(names) == 1 else f"[{', '.join(names)}]"
-        more = (
-            f", milliseconds: {_quoted(table.labels[places['milliseconds']])}"
-            if "milliseconds" in places
-            else ""
-        )
-        timing = f"    time: {{name: {name}, format: {_quoted(form)}{more}}}"
-    else:
-        time = values_of(table, places["time"])
-        unit, stated, scale = table.units[places["time"]], True, 1.0
-        several = MULTIPLE.fullmatch(unit or "")
-        if several and suits(several[2], "time"):
-            unit, stated, scale = several[2], False, float(several[1])
-        elif unit is None or not suits(unit, "time"):
-            stated, unit = False, "ms" if np.nanmedian(np.diff(time)) >= 5 else "s"
-            since_1970 = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
-            unit = next((u for u, one in since_1970.items() if EPOCH[0] < time[0] / one < EPOCH[1]), unit)
-            if (DAYS[0] < time[0] < DAYS[1] and time[-1] - time[0] < 1) or 0 <= time[0] < time[-1] < DAY_PART:
-                unit = "d"  # of a spreadsheet: days since 1900
-            questions.append(f"pyrometer.columns.time.unit: is the time in {unit}? no file says it")
-        first = float(time[0]) * units.factor(unit, "time") * scale
-        if first > 0:
-            found.append(f"  zero: {first:.13g}  # ? s, {OF_ZERO}; here the first")
-        timing = f"    time: {{name: {_quoted(table.labels[places['time']])}" + (
-            "}" if stated else f", unit: {unit}" + (f", scale: {scale:g}" if scale != 1 else "") + "}  # ?"
-        )
-    found += ["  columns:", timing]
-    gains = gains_of(table, [place for place in places.values() if type(place) is int])
-    for variable in (*parts.SIGNALS, *parts.TUNNEL):
-        if variable in places:
-            gain = None
-            if gains and variable in parts.SIGNALS:
-                gain = gains.pop(0) if len(gains) > 1 else gains[0]
-            found.append(_column(variable, table, places[variable], questions, gain))
-    if "unsure" in places:
-        listed = ", ".join(places["unsure"])
-        questions.append(
-            f"pyrometer.columns: which of the columns {listed} are the two signals? the first two are taken"
-        )
-    elif places.get("by size"):
-        questions.append(
-            "pyrometer.columns: which signal is the wide band? the larger one is taken, no name says it"
-        )
-    return found
-
-
-def _column(variable, table, place, questions, gain=None):
-    label, unit = table.labels[place], table.units[place]
-    if gain is not None:
-        values, name = values_of(table, gain), table.labels[gain]
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        volt = VOLTS.get(units.normalised(unit)) if unit else None
-        if volt and low >= LEAST_GAIN:
-            questions.append(f"columns.{variable}.gain: {label!r} is divided by {name!r}, volts per ampere?")
-            described = f"name: {_quoted(label)}, unit: A, scale: {volt:g}, gain: {_quoted(name)}"
-            return f"    {variable}: {{{described}}}  # ?"
-        if low < high:
-            questions.append(
-                f"columns.{variable}.gain: {name!r} goes from {low:g} to {high:g}, and {label!r} is taken as"
-                f" it stands; if it must be divided by it row by row, add `gain: {name}`"
-            )
-    if unit is not None and suits(unit, variable):
-        return f"    {variable}: {{name: {_quoted(label)}}}"
-    if unit is not None and (each := INDIRECT.get(units.normalised(unit))) and variable in parts.SIGNALS:
-        questions.append(
-            f"columns.{variable}.scale: {label!r} is in {unit}: how many amperes is one? {each:g} is taken"
-        )
-        return f"    {variable}: {{name: {_quoted(label)}, unit: A, scale: {each:g}}}  # ?"
-    usual = TUNNEL_UNITS.get(VARIABLES[variable].units)
-    if usual is None:
-        usual = "A" if np.nanmax(np.abs(values_of(table, place))) < LARGEST_CURRENT else "nA"
-    questions.append(f"columns.{variable}.unit: is {label!r} in {usual}? no file says it")
-    return f"    {variable}: {{name: {_quoted(label)}, unit: {usual}}}  # ?"
-
-
-def _tdms(folder, paths, questions):
-    """Lines of the section 'pyrometer' for TDMS files, from the names of their channels."""
-    names = tdms.channels(paths[0])
-    table = Table(
-        "",
-        ".",
-        [name.rpartition("/")[2] for name in names],
-        [unit for unit, _ in names.values()],
-        [[] for _ in names],
-    )
-    places = {variable: by_name(table, variable, range(len(names))) for variable in NAMES}
-    found = {variable: place for variable, place in places.items() if place is not None}
-    if not set(parts.SIGNALS) <= found.keys():
-        questions.append(
-            f"pyrometer.columns: which channels are the two signals? there are {', '.join(names)}"
-        )
-        found |= dict(zip(parts.SIGNALS, range(len(names)), strict=False))
-    if "time" not in found and not all(track for _, track in names.values()):
-        questions.append("pyrometer.columns.time: no channel of time, and the channels carry none")
-    lines = [_named(folder, paths), "  columns:"]
-    for variable, place in found.items():
-        name, unit = list(names)[place], table.units[place]
-        usual = "s" if variable == "time" else "A"
-        if unit is None:
-            questions.append(f"columns.{variable}.unit: is {name!r} in {usual}? no file says it")
-        lines.append(
-            f"    {variable}: {{name: {_quoted(name)}" + ("}" if unit else f", unit: {usual}}}  # ?")
-        )
-    return lines
-
-
-def _read(folder, name, lines, questions):
-    """Variables of a section as its reader reads it; what it refuses is among the questions."""
+def _read(folder, lines, questions):
+    """Variables of the section 'pyrometer' as its reader reads it; what it refuses is among the questions."""
     if not lines:
         return {}
     faults = []
-    section = Section(yaml.load("\n".join(lines), Loader=yaml.BaseLoader), folder / "test.yaml", name, faults)
+    values = yaml.load("\n".join(lines), Loader=yaml.BaseLoader)
+    section = Section(values, folder / "test.yaml", "pyrometer", faults)
     try:
-        found = getattr(parts, name)(folder, section) or {}
+        found = parts.pyrometer(folder, section) or {}
     except Refusal as reason:
         found, faults = {}, [*faults, *reason.messages]
     questions += faults[:1]
     return found
 
 
-def _spectrometer(folder, kinds, read, questions):
-    """Lines of the section 'spectrometer'; empty if there are no spectra."""
-    if "spectrum" in kinds:
-        dark = [path for path, _ in kinds["spectrum"] if ocean.DARK.search(path.stem)]
-        light = [path for path, _ in kinds["spectrum"] if path not in dark]
-        if not light and "matrix" in kinds:  # a table of spectra with a dark of its own
-            return _matrix_lines(folder, kinds["matrix"], dark, questions)
-        if not light:
-            return []
-        places = {path.parent for path in light}
-        place = max(places, key=lambda one: sum(path.parent == one for path in light))
-        light = [path for path in light if path.parent == place]
-        if len(places) > 1:
-            questions.append(
-                f"spectrometer.folder: spectra lie in {len(places)} folders; {place.name} is taken"
-            )
-        found = [f"  folder: {_quoted(place.relative_to(folder).as_posix())}"]
-        series, light, others = _series(place, light, dark)
-        if others:
-            found.append(f"  files: {_quoted(series)}")
-            questions.append(f"spectrometer.files: only {series} are taken, not {', '.join(others[:5])}")
-        spectrum = ocean.read_spectrum(light[0])
-        found += _quantity(
-            light[0], next(iter(spectrum.columns.values())) if len(spectrum.columns) == 1 else None, questions
-        )
-        if dark:
-            found.append(f"  background: {_quoted(dark[0].relative_to(folder).as_posix())}")
-        elif "D" not in spectrum.columns and "quantity: counts" in found[1]:
-            questions.append(
-                "spectrometer.background: which file is the dark spectrum? add `background: NAME`"
-            )
-        dates = [ocean.read_spectrum(path).date for path in (light[0], light[-1])]
-        if None not in dates and dates[1] > dates[0]:
-            zero = dates[0] - timedelta(seconds=spectrum.integration_time or 0.0)
-            found.append(
-                f'  time: {{from: date, zero: "{zero:%Y-%m-%d %H:%M:%S}"}}  # ? the moment that shall be 0'
-            )
-            questions.append(
-                "spectrometer.time.zero: which clock time is the injection? the first spectrum is taken"
-            )
-        else:
-            time = read.get("time", np.array([0.0, float(len(light))]))
-            period = float(time[-1] - max(time[0], 0.0)) / len(light)
-            found.append(f"  time: {{from: order, first: {period / 2:.4g}, period: {period:.4g}}}  # ? s")
-            questions.append("spectrometer.time: when was the first spectrum, and how far apart are they?")
-        return found
-    if "andor" in kinds:
-        dark = [path for path, _ in kinds["andor"] if ocean.DARK.search(path.stem)]
-        light = [path for path, _ in kinds["andor"] if path not in dark] or dark
-        found = [_named(folder, light), "  format: andor", "  quantity: counts"]
-        questions.append("spectrometer.zero: when, after the begin of the series, is 0? 0 s is taken")
-        return found + [f"  background: {_quoted(path.relative_to(folder).as_posix())}" for path in dark[:1]]
-    return _matrix_lines(folder, kinds["matrix"], [], questions) if "matrix" in kinds else []
-
-
-def _series(place, light, dark):
-    """Pattern of the names of the largest series in a folder, its files, and the names of the others."""
-    groups = {}
-    for path in light:
-        groups.setdefault(re.sub(r"\d+", "*", path.name), []).append(path)
-    pattern, series = max(groups.items(), key=lambda item: len(item[1]))
-    held = [path for path in place.iterdir() if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
-    others = [path.name for path in held if path not in series and path not in dark[:1]]
-    odd = series[0].suffix.lower() not in parts.SPECTRUM_SUFFIXES
-    if not (others or odd):
-        return pattern, light, []
-    return pattern, series, sorted(others) or ["files of other kinds"]
-
-
-def _matrix_lines(folder, listed, dark, questions):
-    """Lines of the section 'spectrometer' for tables of spectra; `dark`: files of single spectra."""
-    dark = [path for path, _ in listed if ocean.DARK.search(path.stem)] + dark
-    tables = [path for path, _ in listed if path not in dark]
-    if not tables:
-        questions.append(f"{dark[0].name} looks like a dark, and no table like its spectra")
-        return []
-    unit, mark = dict(listed)[tables[0]]
-    lines = spectra_table.series_lines(read_lines(tables[0], columns.LARGEST)[0])
-    lines = [line for line in lines if line.strip()]
-    rows = [columns.split(line, columns.DELIMITERS[mark]) for line in lines]
-    upright = spectra_table.upright_row(rows)
-    begins = [row[0] for row in rows[-MOST_ROWS:]] if upright is None else rows[upright][1:]
-    stamps = [word for word in begins if clock.looks_like_stamp(word)]
-    timing = []
-    if stamps:
-        form, zero, more = stamp_format(Table(mark, ".", ["time"], [None], [stamps]), [0])
-        questions += [
-            words.replace("pyrometer.columns.time.format", "spectrometer.time_format") for words in more
-        ]
-        timing = [
-            f"  time_format: {_quoted(form)}",
-            f"  zero: {_quoted(zero)}  # ? the moment that shall be 0",
-        ]
-    times, _, values = spectra_table.read_matrix(tables[0], mark, stamps=(form, zero) if stamps else None)
-    if not stamps and times.size > 1 and (np.diff(times) == 1).all() and times[0] in (0, 1):
-        questions.append(
-            "spectrometer.time: the spectra are numbered: when was the first, how far apart are they?"
-        )
-        timing = ["  time: {from: order, first: 0.5, period: 1.0}  # ? s"]
-    found = [
-        _named(folder, tables),
-        f"  delimiter: {_quoted(mark)}",
-        *_quantity(tables[0], values, questions, table=True),
-        *timing,
-    ]
-    if unit != "nm":
-        found.append(f"  wavelength_unit: {unit}")
-    if dark:
-        found.append(f"  background: {_quoted(dark[0].relative_to(folder).as_posix())}")
-    return found
-
-
-def _quantity(path, values, questions, table=False):
-    """Whether spectra are counts, by their size: a converter gives up to some 2^16."""
-    if values is None or 20 < np.nanmax(values) < 70_000:
-        return ["  quantity: counts", *(["  unit: count"] if table else [])]
-    lines = read_lines(path, columns.LARGEST)[0][: ocean.HEADER_LINES]
-    words = [word for line in lines for word in re.findall(r"[\[(]([^\[\]]{5,40})[\])]", line[:2000])]
-    if stated := [word for word in words if units.factor(word, "spectral_radiance")]:
-        return ["  quantity: spectral_radiance", f"  unit: {_quoted(stated[0])}"]
-    questions.append("spectrometer.unit: the spectra look like radiances; in which unit?")
-    return ["  quantity: spectral_radiance", "  unit: W/m2/sr/nm  # ?"]
-
-
 def _attributes(folder, read, pyrometer, spectrometer, kinds, questions):
     """Lines of the attributes: events from the signals where there are any, the rest asked for."""
     begin, end, window = _events(read)
     rows = [
-        ("title", _quoted(folder.resolve().name), ""),
+        ("title", in_yaml(folder.resolve().name), ""),
         ("origin", "measured", ""),
         ("condition", "none", "? the simulation to compare with, such as 90kW"),
         ("injection_time", f"{begin:.6g}", "? s, sample in the plasma"),

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.readers import clock, columns, parts, units
+from plasmapyro.readers.description import in_yaml
 from plasmapyro.readers.dialects import table_lines
 from plasmapyro.readers.text import missing, number
 
@@ -124,7 +125,7 @@ def _names(above, width, count):
     while {len(row) for row in above} != {len(row) for row in above[-1:]}:
         del above[0]
     below = [columns.units_in(row) for row in above]
-    labels = [[columns._label(cell) for cell in row] for row in above]
+    labels = [[columns.label_of(cell) for cell in row] for row in above]
     telling = [
         -1
         if units_only
@@ -281,3 +282,9 @@ def stamp_format(table, places):
             "the clock goes back by an hour; if summer time ended, add `set_back: yes` beside `format`"
         )
     return form, known[0], questions
+
+
+def file_line(folder, paths):
+    """Line of a section that names its files, within the folder of the test."""
+    names = [in_yaml(path.relative_to(folder).as_posix()) for path in paths]
+    return f"  file: {names[0] if len(names) == 1 else '[' + ', '.join(names) + ']'}"

@@ -5,10 +5,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from plasmapyro import contracts
 from plasmapyro.readers import description
 from plasmapyro.readers.spectrum import read_frames
-from plasmapyro.readers.text import Refusal, fault
+from plasmapyro.readers.text import Refusal, checked, fault
 from plasmapyro.tables import ORIGINS
 
 CALIBRATIONS = ("absolute", "relative", "readings")
@@ -58,10 +57,7 @@ def read_instrument(path):
         {"wavelength": wavelength, "band": list(bands)},
         facts,
     )
-    try:
-        return contracts.check(contracts.label(dataset, "response"), "response")
-    except contracts.ContractError as reason:
-        raise Refusal([f"{path}: {reason}"]) from None
+    return checked(dataset, "response", path)
 
 
 def _curve(band):

@@ -53,13 +53,12 @@ class Spectrum(NamedTuple):
 
     wavelength: np.ndarray
     columns: dict
-    date: datetime | None
-    time_zone: str | None
-    integration_time: float | None
-    averages: int | None
-    instrument: str | None
-    dark_corrected: bool | None
-    linearised: bool | None
+    date: datetime | None = None
+    time_zone: str | None = None
+    integration_time: float | None = None
+    averages: int | None = None
+    dark_corrected: bool | None = None
+    linearised: bool | None = None
 
 
 def read_spectrum(path):
@@ -104,7 +103,6 @@ def read_spectrum(path):
         zone,
         _integration_time(path, header),
         _integer(header, "averag", "scans to", "promedi", "mittel", "moyenn"),
-        _after(header, "spectrom", "espectrom", "spektrom"),
         _yes(header, "lectri", but="linear"),
         _yes(header, "linear"),
     )
@@ -219,8 +217,7 @@ def plain_spectrum(lines):
             break
     header = [_plain(line) for line in lines[:first]]
     found = dict(zip(kinds, table[:, 1:].T, strict=True))
-    exposure = _integration_time(None, header)
-    return Spectrum(wavelength, found, *_date(header), exposure, None, None, None, None)
+    return Spectrum(wavelength, found, *_date(header), _integration_time(None, header))
 
 
 def stated_exposure(paths):
@@ -323,15 +320,6 @@ def _slow(path, line, row, decimal):
     return values
 
 
-def _after(header, *words):
-    """What follows the colon of the first header line that holds one of the words before it."""
-    for line in header:
-        key, colon, rest = line.partition(":")
-        if colon and any(word in key.lower() for word in words):
-            return rest.strip()
-    return None
-
-
 def _integer(header, *words):
     for line in header:
         key, colon, rest = line.partition(":")
@@ -360,7 +348,7 @@ def _integration_time(path, header):
         if match is None or match["unit"].lower() not in PER_SECOND:
             continue
         word = match["value"]
-        value = number(word, "," if "," in word else ".")
+        value = number(word, None)
         if value is None or not value > 0:
             refuse(path, f"integration time {quote(word)} is not a number > 0", "correct the header", index)
         return value / PER_SECOND[match["unit"].lower()]

@@ -141,7 +141,7 @@ def upright_row(rows):
     named = next((i for i, row in enumerate(rows[: STACKED + 1]) if row and names_wavelengths(row[0])), None)
     if named is not None or len(rows) < 4 or len(rows[0]) < 3:
         return named
-    below = [number(row[0], "," if "," in row[0] else ".") for row in rows[1:]]
+    below = [number(row[0], None) for row in rows[1:]]
     rising = None not in below and below[0] > 150 and (np.diff(below) > 0).all()
     return 0 if rising and all(map(clock.looks_like_stamp, rows[0][1:])) else None
 
@@ -204,7 +204,7 @@ def series_lines(lines):
 def spare_columns(header):
     """How many named columns stand between the times and the wavelengths of a table of spectra."""
     first = next((i for i in range(1, len(header)) if number(header[i]) is not None and header[i]), 0)
-    rest = [number(cell, "," if "," in cell else ".") for cell in header[first:]]
+    rest = [number(cell, None) for cell in header[first:]]
     return first - 1 if 1 < first < MOST_OF_LONG and len(rest) > 2 * first and None not in rest else 0
 
 

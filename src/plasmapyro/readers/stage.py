@@ -8,9 +8,15 @@ import xarray as xr
 
 from plasmapyro import contracts, io
 from plasmapyro.readers import description, parts
+from plasmapyro.readers.spectrometer import spectrometer
 from plasmapyro.readers.text import Refusal, fault, refuse
 from plasmapyro.record import clock, inputs
 
+INSTRUMENTS = {  # section of test.yaml -> its reader
+    "pyrometer": parts.pyrometer,
+    "spectrometer": spectrometer,
+    "radiometer": parts.radiometer,
+}
 DIMS = {key.rstrip("?"): dims for key, dims in contracts.DATASETS["test"].items()}
 OF_LAMP = {  # what need not be said of a record without plasma (`condition: none`)
     "emittance": 1.0,
@@ -28,7 +34,7 @@ class Reading(NamedTuple):
     """A test and the files it was read from, for rules that look at both."""
 
     test: xr.Dataset
-    files: dict  # instrument -> what parts.py says of its files; empty for netCDF
+    files: dict  # instrument -> what its reader says of its files; empty for netCDF
 
 
 def read_test(folder):
@@ -115,12 +121,12 @@ def _raw(folder, path):
     top = description.Section(description.load(path), path, "", faults)
     attributes = parts.attributes(top.section("attributes"))
     variables, files = {}, {}
-    present = [name for name in ("pyrometer", "spectrometer", "radiometer") if name in top]
+    present = [name for name in INSTRUMENTS if name in top]
     if not present:
         faults.append(fault(path, "describes no pyrometer, spectrometer or radiometer", GUIDE))
     for name in present:
         try:
-            found = getattr(parts, name)(folder, top.section(name))
+            found = INSTRUMENTS[name](folder, top.section(name))
             if name == "spectrometer" and found is not None:
                 found, own, files[name] = found
                 faults += _agree(path, attributes, own)
@@ -130,7 +136,7 @@ def _raw(folder, path):
             faults += reason.messages
     if "tunnel" in top:
         faults += _tunnel(folder, top.section("tunnel"), variables)
-    top.used |= {"attributes", "pyrometer", "spectrometer", "radiometer", "tunnel"}
+    top.used |= {"attributes", *INSTRUMENTS, "tunnel"}
     top.close()
     if attributes.get("condition") == "none" and "reference_window" not in attributes:
         needed = {name for instrument in present for name in inputs.OF_INSTRUMENT[instrument]}

@@ -22,10 +22,7 @@ def read_tdms(path, columns, joined=False):
     'start' [s] since 2000 (wf_start_time) is given as well, so that the files share one clock. Refusal:
     npTDMS is not installed, the file is damaged, a channel is absent, or lengths and times differ.
     """
-    try:
-        from nptdms import TdmsFile
-    except ImportError:
-        refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
+    TdmsFile = _of_nptdms(path)
     path, wanted, gains = regular_file(path, LARGEST), columns, divisors(columns)
     columns = wanted | {GAIN_OF + name: column for name, column in gains.items()}
     # npTDMS trusts what the file says about itself: a damaged one can raise anything.
@@ -71,10 +68,7 @@ def read_tdms(path, columns, joined=False):
 
 def channels(path):
     """Channels of a TDMS file: 'group/channel' -> (unit or None, whether it carries times)."""
-    try:
-        from nptdms import TdmsFile
-    except ImportError:
-        refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
+    TdmsFile = _of_nptdms(path)
     try:
         with _complaints(), TdmsFile.read_metadata(regular_file(path, LARGEST)) as file:
             return {
@@ -87,6 +81,15 @@ def channels(path):
             }
     except Exception as reason:  # noqa: BLE001  as in `read_tdms`
         refuse(path, f"is not a readable TDMS file ({quote(reason)})", "export it again from LabVIEW")
+
+
+def _of_nptdms(path):
+    """Its class of files; Refusal where it is not installed."""
+    try:
+        from nptdms import TdmsFile
+    except ImportError:
+        refuse(path, "reading TDMS needs npTDMS", "install it: pip install 'plasmapyro[tdms]'")
+    return TdmsFile
 
 
 @contextmanager

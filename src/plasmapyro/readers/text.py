@@ -6,7 +6,7 @@ import re
 import zlib
 from pathlib import Path
 
-from plasmapyro.contracts import ContractError
+from plasmapyro.contracts import ContractError, check, label
 from plasmapyro.foreign import printable, unfit
 from plasmapyro.foreign import quote as quote
 
@@ -43,16 +43,8 @@ MISSING = re.compile(  # what meters and spreadsheets write in the place of a nu
     r"|over([- ]?(range|load|flow))?|ovl?d?|ovf|ovrng|o\.?l|under([- ]?range)?|sat(urated)?"
     r"|[<>] ?\d{1,15}([.,]\d{1,15})?|#[\w/]+[!?]?|[-+]?1\.#(inf|ind|qnan|snan|j)"
 )
-FILLS = (
-    -999.0,
-    -999.25,
-    -9999.0,
-    -99999.0,
-    -999999.0,
-    9.9e37,
-    -9.9e37,
-    9.91e37,
-)  # no sample; SCPI: over, under, none
+# no sample; SCPI: over, under, none
+FILLS = (-999.0, -999.25, -9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37)
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
 LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
@@ -85,6 +77,14 @@ def refuse_all(path, faults):
     if faults:
         more = [f"{path}: {len(faults) - REPORTED} more faults like these"] if len(faults) > REPORTED else []
         raise Refusal(faults[:REPORTED] + more)
+
+
+def checked(dataset, contract, path):
+    """A dataset made from a file, labelled; Refusal where it breaches its contract."""
+    try:
+        return check(label(dataset, contract), contract)
+    except ContractError as reason:
+        raise Refusal([f"{path}: {reason}"]) from None
 
 
 def regular_file(path, limit):
@@ -195,10 +195,12 @@ def missing(word):
 def number(word, decimal="."):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
+    `decimal` None: a comma is the decimal sign where the cell holds one.
+
     Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
-    word = word.strip()
+    word, decimal = word.strip(), decimal or ("," if "," in word else ".")
     if decimal == "." and NUMBER.fullmatch(word):
         value = float(word.replace("d", "e").replace("D", "e"))
         return value if math.isfinite(value) else None

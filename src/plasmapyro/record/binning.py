@@ -117,6 +117,13 @@ def mean_in_bins(values, index, count):
         return np.where(number > 0, total / np.maximum(number, 1), np.nan), number
 
 
+def finite_mean(rows):
+    """Mean over the first axis of what is finite; NaN without any."""
+    good = np.isfinite(rows)
+    with np.errstate(invalid="ignore"):
+        return np.where(good, rows, 0.0).sum(axis=0) / good.sum(axis=0)
+
+
 def groups(time, switches, most):
     """Group (t,) of each sample, at most about `most` of them, none across a switch."""
     size = int(np.ceil(time.size / most))

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+NORMAL_95 = 1.959964  # standard deviations of half a 95 % interval
 GROUPS = ("noise", "calibration", "emittance", "gas", "named effects", "unnamed misfit")
 PLACES = 4  # moments of a test at which a budget is written out
 

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
 from plasmapyro.record.rounding import rounding
 
 SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED = (1 << bit for bit in range(6))
@@ -22,7 +23,7 @@ RULES = 0.3  # share of the surface in a signal from which on its slope is looke
 SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
 STEPS = 2.5  # of a converter or of digits: noise below a step moves single samples by one or two
 WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
-MAD = 1.4826 / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
+MAD = NORMAL_MAD / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
 # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
 ALTERNATING = 0.25
 

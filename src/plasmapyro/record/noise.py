@@ -4,9 +4,9 @@ from itertools import combinations, product
 
 import numpy as np
 
+from plasmapyro.instrument.spectrometer import NORMAL_MAD
 from plasmapyro.record.rounding import rounding
 
-NORMAL_MAD = 1.4826  # standard deviation of a normal law over its median absolute deviation
 THIRD_DIFFERENCES = 20.0  # variance of third differences of white noise over its own: 1 + 9 + 9 + 1
 ITERATIONS, SMALLEST_SHARE = 10, 1e-3  # of the weights of the groups, and least model
 # two standard errors of a covariance by medians, of third differences, which are not independent

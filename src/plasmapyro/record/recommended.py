@@ -20,7 +20,6 @@ CONTRADICTIONS = (
     "swapped_bands",
     "two_clocks",
 )
-NORMAL_95 = 1.959964  # standard uncertainties of half a 95 % interval
 BEST_FIRST = ("extended", "base", "emissivity", "joint", "subtraction", "spectra")
 WORDS = {
     "extended": "the diagnosis with the causes that it named",
@@ -153,7 +152,7 @@ def series(time, temperature, state, inputs, half_width=None, axis="time"):
     blank = np.where(known, 1.0, np.nan)
     inputs = [one._replace(contribution=one.contribution * blank) for one in inputs]
     deviation = budget.combined(inputs)
-    half = NORMAL_95 * deviation if half_width is None else half_width
+    half = budget.NORMAL_95 * deviation if half_width is None else half_width
     middle = temperature * blank
     return xr.Dataset(
         {

@@ -60,9 +60,8 @@ class Record:
     emittance_slope: float  # [1] emittance in the wide band over that in the narrow one
     emittance_slope_uncertainty: float
     instruments: tuple
-    accompanying: dict = field(
-        default_factory=dict
-    )  # name -> (time (t,), values (t,)): power, pressure, flow
+    # name -> (time (t,), values (t,)): power, pressure, flow
+    accompanying: dict = field(default_factory=dict)
     attributes: dict = field(default_factory=dict)
 
     def clock(self, time):

@@ -5,6 +5,8 @@ import numpy as np
 from plasmapyro.checks import positive, within
 from plasmapyro.sightline.trace import Ray
 
+FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
+
 
 def towards(nose, angle):
     r"""Path upstream and outward from the stagnation point at `nose` [m], at an angle [rad] to the axis.
@@ -16,6 +18,19 @@ def towards(nose, angle):
     """
     angle = float(within("angle", angle, 0, np.pi / 2, "rad"))
     return Ray(np.array([nose, 0.0, 0.0]), np.array([-np.cos(angle), np.sin(angle), 0.0]), True)
+
+
+def fine_samples(start, end, surface_length):
+    r"""Distances (n,) [m] from `start` to `end` that resolve the layer on the probe as well as the jet.
+
+    .. math:: \zeta_i = \zeta_0 + \zeta_s\,[(1 + (\zeta_{n-1} - \zeta_0)/\zeta_s)^{i/(n-1)} - 1]
+
+    with `surface_length` :math:`\zeta_s` [m].
+    """
+    logarithm = np.linspace(0, np.log1p((end - start) / surface_length), FINE_SAMPLES)
+    distance = start + surface_length * np.expm1(logarithm)
+    distance[-1] = end
+    return distance
 
 
 def spread(path_distance, temperature, *, points, surface_length):

@@ -10,7 +10,6 @@ from plasmapyro.gas.species import AIR, argon_of, gas_name, nitrogen_of
 from plasmapyro.sightline import ray, trace
 from plasmapyro.sightline.hemisphere import directions
 
-FINE_SAMPLES = 4000  # where the nodes are chosen from; not a resolution of the result
 SURFACE_LENGTH = 2e-4  # [m], about the smallest cell on the probe
 NEAR = 1e-4  # [m] of a path that finds the cell of a single point
 OUTER_POINTS = 4  # nodes of each uniform stretch outside the flow field
@@ -196,9 +195,7 @@ def _inside(flow, angle, points):
     def along(distance, wanted):
         return trace.values_along(field, path, found, distance, wanted)
 
-    # Geometric, so that the boundary layer on the probe is resolved as well as the jet.
-    fine = SURFACE_LENGTH * np.expm1(np.linspace(0, np.log1p(end / SURFACE_LENGTH), FINE_SAMPLES))
-    fine[-1] = end
+    fine = ray.fine_samples(0.0, end, SURFACE_LENGTH)
     kelvin = along(fine, ["temperature"])["temperature"]
     nodes = ray.spread(fine, kelvin, points=points, surface_length=SURFACE_LENGTH)
     z, r = path.at(nodes).T

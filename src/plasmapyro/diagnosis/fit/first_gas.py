@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from plasmapyro.record.binning import finite_mean
+
 EARLY = 3.0  # [s] after injection: few surfaces shine yet; or the first exposure, if that is longer
 RISEN = 1.5  # times the faintest light of that time: an ablator shines after a second
 SHAPE = 0.3  # [1] by which the simulated light of a channel errs, for its weight
@@ -20,8 +22,8 @@ def guess(model):
         time = one.moment.mean(axis=1)
         level, simulated = model.gas_level(which)
         first = min(time[time > 0], default=EARLY)
-        before = _mean(one.value[time < 0])
-        after = _mean(_dark(one.value[(time > 0) & (time <= max(EARLY, first))]))
+        before = finite_mean(one.value[time < 0])
+        after = finite_mean(_dark(one.value[(time > 0) & (time <= max(EARLY, first))]))
         known = np.isfinite(before) & np.isfinite(after)
         if ratio is None and known.any():
             weight = _weight(one, after)[known]
@@ -60,13 +62,6 @@ def _weight(one, light):
 
 def _dark(rows):
     """Those of the rows (n, C) in which light has not risen yet."""
-    whole = _mean(rows.T)
+    whole = finite_mean(rows.T)
     least = np.nanmin(whole, initial=np.inf)
     return rows[whole <= max(RISEN * least, least)]
-
-
-def _mean(rows):
-    """Mean over the first axis of what is finite; NaN without any."""
-    good = np.isfinite(rows)
-    with np.errstate(invalid="ignore"):
-        return np.where(good, rows, 0.0).sum(axis=0) / good.sum(axis=0)

@@ -22,9 +22,6 @@ SIGNALS = (
     "spectral_radiance",
 )
 AMPLITUDE = "amplitude"
-WHERE = (
-    "effects of the gas as it is simulated: condition; of surface, path, instrument, clock, gas in time: test"
-)
 
 
 @dataclass(frozen=True)
