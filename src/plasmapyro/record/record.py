@@ -10,7 +10,7 @@ from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags, inputs
 from plasmapyro.record.calibrated import calibrated_radiance
 from plasmapyro.record.emittance import UNTOLD_SLOPE
-from plasmapyro.record.phases import phases
+from plasmapyro.record.phases import phases, unlit
 
 ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
 
@@ -124,6 +124,9 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     }[name]
     value, flag, own = made(test, calibration, saturation_counts)
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
+    if inputs.has_plasma(test):
+        window = np.subtract(test.attrs["reference_window"], injection)
+        flag[unlit(test[axis].values - injection, np.where(flag, np.nan, value), window)] |= flags.UNLIT
     if name != "spectrometer":
         flag[flags.spiked(value)] |= flags.SPIKED
     return Instrument(
