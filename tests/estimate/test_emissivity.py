@@ -208,13 +208,16 @@ def test_light_that_does_not_tell_leaves_more_than_the_likeliest_course():
     assert course_freedom(np.full(4, np.nan), 5) == 1.0  # no sample is clear
 
 
-def by_twelve_bands(kelvin, level=0.75):
-    """Estimate of grey surfaces of `level` (300,), stated as 0.75 +- 0.05, every half second."""
-    random, time = np.random.default_rng(8), np.arange(300) / 2
-    centre, names = np.linspace(700e-9, 1100e-9, 12), [f"b{one}" for one in range(12)]
-    axis = np.arange(690e-9, 1110e-9, 0.5e-9)
-    curves = np.abs(axis - centre[:, None]) < 5e-9
-    facts = {"instrument": "twelve", "calibration": "absolute", "signal_uncertainty": 0.003}
+TWELVE = np.linspace(700e-9, 1100e-9, 12)
+
+
+def by_bands(kelvin, level=0.75, *, centre=TWELVE, half=5e-9, step=0.5, source=1.0):
+    """Estimate of grey surfaces of `level` (S,), stated as 0.75 +- 0.05, every `step` [s]."""
+    random, time = np.random.default_rng(8), np.arange(len(kelvin)) * step
+    names = [f"b{one}" for one in range(centre.size)]
+    axis = np.arange(centre[0] - 2 * half, centre[-1] + 2 * half, 0.5e-9)
+    curves = np.abs(axis - centre[:, None]) < half
+    facts = {"instrument": "bands", "calibration": "absolute", "signal_uncertainty": 0.003}
     facts |= {"origin": "synthetic", "instrument_range": (900.0, 2600.0)}
     response = xr.Dataset(
         {"responsivity": (("band", "wavelength"), curves.astype(float))},
@@ -227,8 +230,9 @@ def by_twelve_bands(kelvin, level=0.75):
 
     hot = np.arange(1100.0, 2001.0, 150.0)
     points = {"source_temperature": hot} | dict(zip(names, seen(hot).T, strict=True))
-    known = radiometer_calibration(response, points, source_temperature_uncertainty=1.0)
-    signal = np.reshape(level, (-1, 1)) * seen(kelvin) * random.normal(1, 0.003, (300, 12))
+    known = radiometer_calibration(response, points, source_temperature_uncertainty=source)
+    noise = random.normal(1, 0.003, (len(kelvin), centre.size))
+    signal = np.reshape(level, (-1, 1)) * seen(kelvin) * noise
     test = xr.Dataset(
         {"radiometer_signal": (("radiometer_time", "band"), signal, {"units": "1"})},
         {"radiometer_time": ("radiometer_time", time, {"units": "s"}), "band": names},
@@ -250,17 +254,25 @@ def by_twelve_bands(kelvin, level=0.75):
 def test_constants_of_many_bands_do_not_learn_from_noise():
     """300 samples of 12 bands at a stated grey emissivity: what is constant stays where it was stated."""
     kelvin = 1300 + 300 * np.sin(np.arange(300) / 80)
-    found = by_twelve_bands(kelvin)
+    found = by_bands(kelvin)
     off = (found.spectral_temperature.values - kelvin) / found.spectral_temperature_uncertainty.values
     assert np.abs(off).max() < 0.5  # the prior is right; noise makes a tenth of the uncertainty
+
+
+def test_a_long_record_of_three_bands_does_not_learn_the_source_from_noise():
+    """Columns that held the noise of the samples grew until it vanished: 10 uncertainties of the source."""
+    kelvin, centre = np.linspace(900.0, 1400.0, 2000), np.array([1050e-9, 1250e-9, 1550e-9])
+    found = by_bands(kelvin, centre=centre, half=25e-9, step=0.05, source=3.0)
+    off = (found.spectral_temperature.values - kelvin) / found.spectral_temperature_uncertainty.values
+    assert np.abs(off).max() < 0.5
 
 
 def test_a_level_that_was_stated_ages():
     """A surface that oxidises from 0.75 to 0.87: the level was stated of what it was at the injection."""
     kelvin = np.full(300, 1500.0)
-    found = by_twelve_bands(kelvin, np.linspace(0.75, 0.87, 300))
+    found = by_bands(kelvin, np.linspace(0.75, 0.87, 300))
     low, high = found.spectral_temperature_interval.values
     assert ((low < kelvin) & (kelvin < high)).all()
-    stated = by_twelve_bands(kelvin).spectral_temperature_uncertainty.values
+    stated = by_bands(kelvin).spectral_temperature_uncertainty.values
     grown = np.sqrt(1 + (0.1 / 3) ** 2 * (1 - np.exp(-2 * 149.5 / 100)) / (0.05 / 0.75) ** 2)
     assert stated[-1] == pytest.approx(grown * stated[0], rel=0.05)  # the course stands beside both

@@ -14,6 +14,7 @@ from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality import agreement, series
 from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, merged, of_test, table
 from plasmapyro.quality.rule import Case, look
+from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers.stage import Reading
 from plasmapyro.tables import rows
 
@@ -519,3 +520,25 @@ def test_times_that_differ_in_their_last_bit_are_one_clock():
     np.testing.assert_array_equal(merged(parts).time, time)
     with pytest.raises(ValueError, match="time"):
         merged([parts[0], parts[1].assign_coords(time=time + 1e-3)])
+
+
+@pytest.mark.parametrize(("bend", "said"), [(0.0, False), (0.12, True)])
+def test_the_shape_of_spectra_is_judged_where_the_surface_shines(bend, said):
+    """From 400 nm on: there 1600 K give a millionth of their light at 1000 nm, and the dark all there is."""
+    wavelength, random = np.linspace(400e-9, 1000e-9, 600), np.random.default_rng(3)
+    fitted = np.tile(blackbody_radiance(wavelength, 1600.0), (20, 1))
+    noise = np.full(fitted.shape, 2e-3 * fitted.max())
+    seen = fitted * (1 + bend * np.sin((wavelength - 700e-9) / 60e-9)) + noise * random.standard_normal(
+        noise.shape
+    )
+    across = ("spectrum_time", "wavelength")
+    result = xr.Dataset(
+        {
+            "spectrum_status": ("spectrum_time", np.zeros(20, dtype="int8")),
+            "corrected_radiance": (across, seen),
+            "radiance_noise": (across, noise),
+            "normalised_radiance": (across, seen / fitted.max()),
+            "normalised_fit": (across, fitted / fitted.max()),
+        }
+    )
+    assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said

@@ -368,3 +368,38 @@ def test_a_gain_of_a_band_before_a_furnace_is_found(place):
     report, _, _ = diagnosed(place[0], cut, plasma=False)
     assert report["verdict"]["status"] in ("unknown", "named+unknown")
     assert "band b3" in " ".join(report["verdict"]["sentences"])
+
+
+def test_a_display_that_shows_dashes_before_the_surface_shines_bounds_the_gas(place, capsys):
+    """Below its range it shows no reading: the gas then is less than the least that it shows."""
+    test, calibrated = place
+    lab, time, rng = calibrated("one_colour"), np.arange(-5.0, 60.0, 0.2), np.random.default_rng(2)
+    kelvin = np.where(time < 0, 300.0, 350 + 1150 * -np.expm1(-np.maximum(time, 0) / 12))
+    gas, edges, curve = 0.3 * light((800, 1100), 900.0), (800, 1100), np.arange(800.0, 2000.0, 0.5)
+    whole = 0.9 * (0.8 * light(edges, kelvin) * (time >= 0) + gas * (time < 40))
+    shown = np.interp(whole * rng.normal(1, 0.002, time.size) / 0.72, light(edges, curve), curve)
+    dark = shown < 900.0
+    rows = [
+        f"{t:.1f};{'---' if off else f'{one:.1f}'};0.72"
+        for t, one, off in zip(time, shown, dark, strict=True)
+    ]
+    (test / "radiometer.csv").write_text("t;T;E\n" + "\n".join(rows) + "\n")
+    reading = "    reading: {name: T, unit: K}\n    setting: {name: E}\n  bands: [si]\n"
+    facts = FACTS.format(condition="90kW").replace("uncertainty: 0.16", "uncertainty: 0.04") + PLASMA
+    (test / "test.yaml").write_text(facts + COLUMNS + reading)
+    assert run("correct", test, "--instrument", lab, "--out", test.parent / "t.nc") == 0
+    found = io.read(test.parent / "t.nc", "correction")
+    good = found.recommended_status.values == 0
+    assert good[(time > 12) & (np.abs(time - 40) > 0.5)].all() and not good[dark].any()
+    low, high = found.recommended_temperature_interval.values[:, good]
+    assert ((low < kelvin[good]) & (high > kelvin[good])).all()
+
+
+def test_a_displayed_ratio_behind_a_plasma_is_told_where_to_go(place, capsys):
+    test, calibrated = place
+    lab, time = calibrated("ratio"), np.arange(-5.0, 60.0)
+    table(test / "radiometer.csv", {"t": time, "T": 1400.0 + time, "s": np.ones(time.size)})
+    reading = "    reading: {name: T, unit: K}\n    setting: {name: s}\n  bands: [short, long]\n"
+    (test / "test.yaml").write_text(FACTS.format(condition="90kW") + PLASMA + COLUMNS + reading)
+    assert run("correct", test, "--instrument", lab, "--out", test.parent / "t.nc", "--keep-window") == 2
+    assert "correct-reading" in capsys.readouterr().err

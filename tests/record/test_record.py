@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.diagnosis.fit import observation
 from plasmapyro.experiment.stage import correct_pyrometer
 from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.record import binning, flags, status
 from plasmapyro.record.calibrated import of_pixels
 from plasmapyro.record.emittance import UNTOLD_SLOPE
-from plasmapyro.record.phases import afterwards, during
+from plasmapyro.record.phases import afterwards, during, unlit
 from plasmapyro.record.record import record_of
 
 START, STEP = 100.0, 0.1  # [s] injection on the clock of the test; from sample to sample
@@ -298,3 +299,28 @@ def test_a_calibration_serves_a_test_that_holds_some_of_its_pixels():
     assert part.calibration_factor.values.tolist() == [2, 3, 4, 5]
     other = xr.Dataset(coords={"wavelength": axis[2:6] + 1e-9})
     assert of_pixels(whole, other) is whole  # which is refused later
+
+
+@pytest.mark.parametrize("before", [0.0, 0.02])
+def test_what_was_recorded_before_the_plasma_burned_is_no_gas(before):
+    """The dark of a record that begins early would be gas that grew a thousandfold."""
+    dark = TIME < -1.5
+
+    def late(signals):
+        return np.where(dark, before * signals, signals)
+
+    pyrometer = record_of(made(late), {"pyrometer": None}).instrument("pyrometer")
+    assert (pyrometer.flagged(flags.UNLIT).all(axis=1) == dark).all()
+    weak = record_of(made(lambda x: np.where(dark, 0.5 * x, x)), {"pyrometer": None}).instrument("pyrometer")
+    assert not weak.flagged(flags.UNLIT).any()  # without a probe before it a jet shines less
+
+
+def test_a_slow_instrument_without_a_sample_in_the_window_knows_the_dark_by_its_last_before():
+    time, light = np.array([-26.0, -18.0, -10.0, -2.0, 6.0]), np.array([0.01, 0.01, 0.9, 1.0, 3.0])
+    assert list(unlit(time, light[:, None] * [2.0, 1.0], (0.2, 4.0))) == [True, True, False, False, False]
+    assert not unlit(time, np.full((5, 2), np.nan), (0.2, 4.0)).any()
+
+
+def test_gas_that_is_not_there_may_be_told_as_a_little_less_than_none():
+    """The walk of the joint estimate before the plasma, or in a pause, scatters about zero."""
+    assert VARIABLES["gas_amplitude"].low < 0

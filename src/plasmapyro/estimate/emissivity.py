@@ -110,7 +110,7 @@ def modes(covariance):
     return (vectors * np.sqrt(np.maximum(variance, 0.0)))[:, kept][:, ::-1]
 
 
-def infer(channels, prior, signal, noise, linear=None, known=None, begin=None):
+def infer(channels, prior, signal, noise, linear=None, known=None, begin=None, gains=None):
     """Temperature and coefficients of the largest posterior density, each sample by itself.
 
     Parameters
@@ -121,10 +121,12 @@ def infer(channels, prior, signal, noise, linear=None, known=None, begin=None):
         Standard uncertainty independent between channels; NaN in either: the channel is left out.
     linear : (n, C, M) array, optional
         Light g of unit coefficients z that adds: what is left of the gas, stray light.
-    known : pair of (n, K + M) mean and (n, K + M, K + M) precision, optional
+    known : pair of (n, K + M + G) mean and (n, K + M + G, K + M + G) precision, optional
         Of the coefficients, instead of unit normals.
     begin : (n,) array [K], optional
         Temperatures to begin with, see `beginning`.
+    gains : (n, C, G) array, optional
+        Change of the logarithm of the light of the surface per unit of further coefficients.
 
     Returns
     -------
@@ -132,7 +134,11 @@ def infer(channels, prior, signal, noise, linear=None, known=None, begin=None):
         NaN for samples without a channel.
     """
     signal, noise = (np.asarray(one, dtype=float) for one in (signal, noise))
-    count = prior.basis.shape[1] + (0 if linear is None else linear.shape[-1])
+    if linear is None:
+        linear = np.zeros((*signal.shape, 0))
+    if gains is None:
+        gains = np.zeros((*signal.shape, 0))
+    count = prior.basis.shape[1] + linear.shape[-1] + gains.shape[-1]
     begin = beginning(channels, prior, signal, noise) if begin is None else begin
     size = max(1, CHUNK // (signal.shape[1] * (1 + count) + channels.wavelength.size))
     parts = []
@@ -144,7 +150,8 @@ def infer(channels, prior, signal, noise, linear=None, known=None, begin=None):
                 prior,
                 signal[part],
                 noise[part],
-                np.zeros((*signal[part].shape, 0)) if linear is None else linear[part],
+                linear[part],
+                gains[part],
                 None if known is None else tuple(one[part] for one in known),
                 begin[part],
             )
@@ -158,15 +165,15 @@ def _weighted(signal, noise):
     return np.where(good, signal, 0.0), np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
 
 
-def _infer(channels, prior, signal, noise, linear, known, begin):
-    rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1]
+def _infer(channels, prior, signal, noise, linear, gains, known, begin):
+    rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1] + gains.shape[-1]
     signal, weight = _weighted(signal, noise)
     good = weight > 0
     linear = np.where(good[..., None], linear, 0.0)
     mean, precision = known or (np.zeros((rows, count)), np.broadcast_to(np.eye(count), (rows, count, count)))
     state = np.concatenate([np.zeros((rows, 1)), mean], axis=1)
     state[:, 0] = UNIT / begin
-    shapes = prior.basis.shape[1]
+    shapes, last = prior.basis.shape[1], 1 + prior.basis.shape[1] + linear.shape[-1]
     full = np.zeros((rows, 1 + count, 1 + count))
     full[:, 1:, 1:] = precision
 
@@ -174,9 +181,12 @@ def _infer(channels, prior, signal, noise, linear, known, begin):
         """Objective (n,), Jacobian and residuals, both in standard deviations."""
         body, by_kelvin = planck_and_slope(channels.wavelength, UNIT / state[:, 0])
         emissivity = np.exp(prior.logarithm + state[:, 1 : 1 + shapes] @ prior.basis.T)
-        own = channels.detect(emissivity * body) + np.einsum("ncm,nm->nc", linear, state[:, 1 + shapes :])
-        slope = channels.detect(-emissivity * by_kelvin * UNIT / state[:, :1] ** 2)
-        parts = [slope[..., None], channels.slopes(emissivity * body, prior.basis), linear]
+        # Not over the light as seen: its noise, times a gain, would be learned as one, sample by sample.
+        gain = np.exp(np.einsum("ncg,ng->nc", gains, state[:, last:]))[..., None]
+        surface = channels.detect(emissivity * body)[..., None] * gain
+        own = surface[..., 0] + np.einsum("ncm,nm->nc", linear, state[:, 1 + shapes : last])
+        slope = channels.detect(-emissivity * by_kelvin * UNIT / state[:, :1] ** 2)[..., None] * gain
+        parts = [slope, channels.slopes(emissivity * body, prior.basis) * gain, linear, surface * gains]
         rest = (signal - own) * weight
         off = state[:, 1:] - mean
         objective = np.sum(rest**2, axis=1) + np.einsum("ni,nij,nj->n", off, precision, off)
@@ -231,7 +241,7 @@ def beginning(channels, prior, signal, noise):
     return 1 / inverse
 
 
-def follow(channels, prior, kept, signal, noise, linear, start=None):
+def follow(channels, prior, kept, signal, noise, linear, gains=None, start=None):
     r"""As `infer`, for samples after one another: what is known of the coefficients carries over.
 
     .. math:: a_{n+1} = r_n\,a_n + \sqrt{1 - r_n^2}\,w_n
@@ -240,10 +250,10 @@ def follow(channels, prior, kept, signal, noise, linear, start=None):
 
     Parameters
     ----------
-    channels, prior, signal, noise, linear : as in `infer`
-    kept : (n - 1, K + M) array [1]
+    channels, prior, signal, noise, linear, gains : as in `infer`
+    kept : (n - 1, K + M + G) array [1]
         r of each coefficient from sample to sample: 0 for none, 1 for a constant.
-    start : (K + M,) array, optional
+    start : (K + M + G,) array, optional
         Variance of each coefficient before the first sample; 1 by default.
 
     Returns
@@ -263,7 +273,8 @@ def follow(channels, prior, kept, signal, noise, linear, start=None):
         before.append((mean, covariance))
         known = mean[None], np.linalg.inv(covariance)[None]
         one = slice(n, n + 1)
-        parts.append(infer(channels, prior, signal[one], noise[one], linear[one], known, begin[one]))
+        own = None if gains is None else gains[one]
+        parts.append(infer(channels, prior, signal[one], noise[one], linear[one], known, begin[one], own))
         if parts[-1].converged[0]:
             mean, covariance = parts[-1].state[0, 1:], parts[-1].covariance[0, 1:, 1:]
         if n < len(kept):

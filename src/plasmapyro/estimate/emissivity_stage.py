@@ -131,10 +131,9 @@ def estimate_emissivity(
     data[~np.isin(state, (status.VALID, status.GAS_DOMINATED))] = np.nan
     age = np.full(wavelength.size, AGES * shape)
     whole = prior._replace(basis=np.column_stack([age, prior.basis, light.rough]))
-    # Of the fitted light: noise in the place of a constant would be learned as one, sample by sample.
-    surface = np.nan_to_num(data - alone.residual * error)
-    linear = np.concatenate([light.linear, surface[..., None] * light.gains], axis=-1)
-    memories = np.full(whole.basis.shape[1] + linear.shape[-1], np.inf)
+    gains = np.broadcast_to(light.gains, (*data.shape, light.gains.shape[1]))
+    linear = light.linear
+    memories = np.full(whole.basis.shape[1] + linear.shape[-1] + gains.shape[-1], np.inf)
     smooth, shapes = 1 + smooth, 1 + prior.basis.shape[1]
     memories[:shapes] = light.kept
     memories[:smooth] = memory
@@ -145,13 +144,13 @@ def estimate_emissivity(
     kept[:, rough] *= np.exp(-_change(frames.time, alone)[:, None] / LASTS)
     kept[~record.phases(frames.time[1:])[0], 0] = 1.0
     start = np.append(0.0, np.ones(kept.shape[1] - 1))
-    bare = found = follow(light.channels, whole, kept, data, noise, linear, start)
+    bare = found = follow(light.channels, whole, kept, data, noise, linear, gains, start)
     if room is not None:
         count = room.columns.shape[1]
         of_room = np.concatenate([linear, np.broadcast_to(room.columns, (*data.shape, count))], axis=-1)
         stays = np.pad(kept, ((0, 0), (0, count)), constant_values=1.0)
         begun = np.append(start, np.ones(count))
-        found = follow(light.channels, whole, stays, data, noise, of_room, begun)
+        found = follow(light.channels, whole, stays, data, noise, of_room, gains, begun)
     lost = np.isfinite(data).any(axis=1) & ~(found.converged & (found.relative_uncertainty < LARGEST))
     state = np.where(lost, unread, state)
     # Judged without a lamp, whose free spectrum takes up much that is none.

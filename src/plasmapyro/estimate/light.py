@@ -15,6 +15,7 @@ from plasmapyro.record.inputs import SHORTER
 LINES = 0.01  # [1] ASSUME: of the gas in a channel, beyond its common change: its lines do not keep in step
 BASELINE = 0.15  # ASSUME: of a pixel's noise: how far the baseline of a frame is off that of the dark
 GAS_MEMORY = 20.0  # [s] over which the common change of the gas persists
+UNIFORM = 3**-0.5  # over its mean: of gas that a display shows nothing of, from none to the least it shows
 NO_LEVEL = 300.0  # of the logarithm of a level that each sample has anew: many samples must not add up to one
 LEAST_BINS = 3
 LEAST_SERIES = 5  # samples that tell their noise
@@ -105,8 +106,17 @@ def of_bands(record, calibration, settings):
     weight = (curves * _trapezoid(wavelength))[:, used] * bands.band_sensitivity.values[:, None]
     weight, wavelength = weight * frames.window_transmittance, wavelength[used]
     middle = weight @ wavelength / weight.sum(axis=1)
+    ratio = calibration.attrs["calibration"] == "readings" and len(frames.band) == 2
+    if ratio and record.window:
+        raise ValueError(
+            "a displayed ratio tells no level, so light of the gas cannot be taken out of it: `plasmapyro"
+            " correct-reading` does that with the gas of a computed condition"
+        )
     signal, shining = frames.sound, record.phases(frames.time)[1]
-    behind = shining[:, None] * _gas(record, frames)
+    gas, variation = _gas(record, frames), settings["gas_variation"]
+    if calibration.attrs["calibration"] == "readings" and np.isnan(gas).all() and shining.any():
+        gas, variation = np.nanmin(signal[shining], axis=0) / 2, UNIFORM
+    behind = shining[:, None] * gas
     seen, own = signal - behind, float(calibration.attrs["signal_uncertainty"])
     noise = local_noise(signal.T, settings["noise_block"]).T if len(signal) >= LEAST_SERIES else 0.0
     noise = np.sqrt(np.nan_to_num(noise) ** 2 + (own * signal) ** 2 + (LINES * behind) ** 2)
@@ -114,7 +124,6 @@ def of_bands(record, calibration, settings):
     source = float(bands.source_temperature_uncertainty) * SECOND_RADIATION
     source = source / (middle * bands.band_source_temperature.values**2)
     gains = np.column_stack([np.diag(sensitivity), source])
-    ratio = calibration.attrs["calibration"] == "readings" and len(frames.band) == 2
     free = ratio or calibration.attrs["calibration"] == "relative"
     return Light(
         frames,
@@ -129,7 +138,7 @@ def of_bands(record, calibration, settings):
         np.full((wavelength.size, int(free)), NO_LEVEL if ratio else ANY_LEVEL),
         0.0 if ratio else np.inf,  # a displayed ratio says nothing of a level at any time
         np.zeros((wavelength.size, 0)),
-        settings["gas_variation"] * behind[:, :, None],
+        variation * behind[:, :, None],
         (GAS_MEMORY,),
         gains,
     )

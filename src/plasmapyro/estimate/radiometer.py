@@ -60,7 +60,10 @@ def facts(frames, calibration):
     bands = calibration.sel(band=list(frames.band))
     kind = calibration.attrs["calibration"]
     if kind == "readings" and len(frames.band) == 2:
-        raise ValueError("a displayed ratio tells no level of the gas: use --estimator emissivity")
+        raise ValueError(
+            "a displayed ratio tells no level: use --estimator emissivity without a plasma, `plasmapyro"
+            " correct-reading` behind one"
+        )
     return (
         bands.band_sensitivity_uncertainty.values,
         bands.band_source_temperature.values,

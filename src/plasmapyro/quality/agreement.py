@@ -13,6 +13,9 @@ MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
 NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
 NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
+CLEAR = (
+    10.0  # of its noise: the fitted light of a pixel that tells the shape, as that of a spectrum that is read
+)
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
 
@@ -210,6 +213,11 @@ def shape_of_spectra(case, limit):
     bright = np.nanmedian(level, axis=1) > BRIGHT * np.nanmedian(level, axis=1).max()
     rest = (measured / fitted - 1)[bright]
     used = np.isfinite(rest).any(axis=0)
+    # Far in the blue a surface of 1600 K gives less than the last digit of its dark: no shape is seen there.
+    clear = (fitted / measured * level / case.result.radiance_noise.values[good])[bright][:, used]
+    used[used] = np.nanmedian(np.abs(clear), axis=0) > CLEAR
+    if not used.any():
+        return None
     parts = np.array_split(np.flatnonzero(used), max(used.sum() // PIXELS, 1))
     means = np.array([np.nanmedian(rest[:, part], axis=1) for part in parts if part.size])
     worst = float(np.median(np.sqrt(np.nanmean(means**2, axis=0))))

@@ -6,7 +6,7 @@ from scipy.ndimage import median_filter
 from plasmapyro.instrument.spectrometer import NORMAL_MAD
 from plasmapyro.record.rounding import rounding
 
-SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED = (1 << bit for bit in range(6))
+SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED, UNLIT = (1 << bit for bit in range(7))
 MEANINGS = {
     SATURATED: "at or beyond the stated limit of the detector or its converter",
     MASKED: "in a pixel that its calibration cannot use",
@@ -14,6 +14,7 @@ MEANINGS = {
     STUCK: "the same as before, over and over, in all channels",
     CLIPPED: "at or near a ceiling that nothing states, flat or approached more and more slowly",
     SPIKED: "far beyond all its neighbours: pick-up, or a number that stands for none",
+    UNLIT: "before the plasma burned",
 }
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault

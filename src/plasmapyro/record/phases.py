@@ -2,6 +2,7 @@
 
 import numpy as np
 
+LIT, STEADY = 1 / 3, 0.1  # [1] of the light of the window: less is no plasma, if that is as steady as this
 COOLING = 1 / 3  # of the exposure: what of the time after the end of the plasma is divided up
 
 
@@ -10,6 +11,35 @@ def phases(time, injection_time, plasma_off_time):
     time = np.asarray(time, dtype=float)
     injected = time >= injection_time
     return injected, injected & (time <= plasma_off_time)
+
+
+def unlit(time, value, window):
+    """Samples (t,) before the injection without plasma: up to the last with less than a third of its light.
+
+    A record may begin before the plasma burns; the dark then is no gas that was weak.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+        From the injection.
+    value : (t, C) array
+    window : pair [s]
+        The reference window; a slow instrument that has no sample in it is judged by the last before it.
+    """
+    held = np.isfinite(value).any(axis=1)
+    inside = (time >= window[0]) & (time <= window[1]) & held
+    if not inside.any():
+        inside = np.arange(time.size) == np.flatnonzero(held & (time < window[1]))[-1:].sum()
+    if not held[inside].any():
+        return np.zeros(time.size, dtype=bool)
+    number = np.maximum(np.isfinite(value[inside]).sum(axis=0), 1)
+    gas = np.nansum(value[inside], axis=0) / number
+    with np.errstate(invalid="ignore"):  # samples without a channel
+        share = np.nansum(value * gas, axis=1) / np.sum(np.isfinite(value) * gas**2, axis=1)
+    dark = np.flatnonzero((time < 0) & (share < LIT))
+    if not dark.size or not share[inside].std() < STEADY:
+        return np.zeros(time.size, dtype=bool)
+    return np.arange(time.size) <= dark[-1]
 
 
 def during(shares, off):

@@ -10,7 +10,7 @@ from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags, inputs
 from plasmapyro.record.calibrated import calibrated_radiance
 from plasmapyro.record.emittance import UNTOLD_SLOPE
-from plasmapyro.record.phases import phases
+from plasmapyro.record.phases import phases, unlit
 
 ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
 
@@ -123,6 +123,9 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     }[name]
     value, flag, own = made(test, calibration, saturation_counts)
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
+    if inputs.has_plasma(test):
+        window = np.subtract(test.attrs["reference_window"], injection)
+        flag[unlit(test[axis].values - injection, np.where(flag, np.nan, value), window)] |= flags.UNLIT
     if name != "spectrometer":
         flag[flags.spiked(value)] |= flags.SPIKED
     return Instrument(
@@ -172,9 +175,10 @@ def _filters(test, calibration, _):
         value = test.radiometer_signal.values.astype(float)
     else:  # what a black body of the reading gives, times the setting
         shown, bands = test.radiometer_reading.values, calibration.sel(band=names)
-        shown = np.where(shown > 0, shown, np.nan)
-        black = [blackbody_signal(*one) for one in _each_band(shown, bands)]
+        held = np.isfinite(shown) & (shown > 0)  # a display shows dashes out of its range
+        black = [blackbody_signal(*one) for one in _each_band(np.where(held, shown, 1000.0), bands)]
         value = test.radiometer_setting.values * np.stack(black, axis=1) * bands.band_sensitivity.values
+        value[~held] = np.nan
         if len(names) == 2:  # a ratio: its level means nothing, and must not jump where the slope is set anew
             value = value * np.nanmedian(value[:, 1]) / value[:, 1:]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")

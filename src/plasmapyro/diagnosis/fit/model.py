@@ -82,21 +82,16 @@ class History:
         deviations :math:`H/\tau_k^2` of the c, `SLOW_HEIGHT` and `SLOW_TIMES`.
         """
         rows, slow = [], []
-        for chosen, start, bend in (
-            (self.before, self.knots[0], CURVATURE),
-            (self.after, self.off, CURVATURE_OFF),
-        ):
+        for chosen, start in ((self.before, self.knots[0]), (self.after, self.off)):
             place = np.flatnonzero(chosen)
             for left, middle, right in zip(place[:-2], place[1:-1], place[2:], strict=True):
                 a, b = np.diff(self.knots[[left, middle, right]])
                 row = np.zeros(self.knots.size)
                 row[[left, middle, right]] = 2 / (a * (a + b)), -2 / (a * b), 2 / (b * (a + b))
-                since = self.knots[middle] - start
-                root = ROOT * max(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
-                falls = bend * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR + self.bend[middle]
-                rows.append(row / (falls if self.cold else bend))
-                heats = self.cold and start == self.knots[0]
-                slow.append([heats * SLOW_HEIGHT / t**2 * np.exp(-since / t) / falls for t in SLOW_TIMES])
+                own, besides = self._bending(self.knots[middle], start)
+                own += self.bend[middle] * self.cold
+                rows.append(row / own)
+                slow.append(besides / own)
         if rows:  # the root of (1 + M M^T)^-1
             mode, size, _ = np.linalg.svd(np.array(slow), full_matrices=False)
             share = 1 - 1 / np.sqrt(1 + size**2)
@@ -104,6 +99,27 @@ class History:
         first = np.zeros(self.knots.size)
         first[0] = 1 / (INITIAL_UNCERTAINTY if self.cold else ANY_TEMPERATURE)
         return np.array([*rows, first])
+
+    def _bending(self, time, start):
+        """Prior standard deviations [K s-2] at times (...) of a phase: each anew, and (3, ...) that stay."""
+        end = start != self.knots[0]
+        since, none = np.asarray(time) - start, np.zeros((len(SLOW_TIMES), *np.shape(time)))
+        if not self.cold:
+            return np.full(np.shape(time), CURVATURE_OFF if end else CURVATURE), none
+        root = ROOT * np.maximum(since, SHORTEST) ** -1.5 * np.exp(-since / ROOT_TIME)
+        own = (CURVATURE_OFF if end else CURVATURE) * np.exp(-since / CURVATURE_TIME) + root + CURVATURE_FLOOR
+        return own, none if end else np.array([SLOW_HEIGHT / t**2 * np.exp(-since / t) for t in SLOW_TIMES])
+
+    def bending(self, time):
+        """Prior standard deviation (...) [K s-2] of the second derivative at times (...), without `bend`."""
+        parts = [
+            np.hypot(own, np.linalg.norm(slow, axis=0))
+            for own, slow in (
+                self._bending(np.maximum(time, 0.0), self.knots[0]),
+                self._bending(np.maximum(time, self.off), self.off),
+            )
+        ]
+        return np.where(np.asarray(time) < self.off, *parts)
 
     def bulges(self):
         """Rows (R, K): by how much a knot after the end is above the chord of its neighbours, over `BULGE`.

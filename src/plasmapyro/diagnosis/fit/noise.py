@@ -216,16 +216,15 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
             variances.append(max(own_part, least))
     if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
-    one, two, place = differences(each, bright)
+    one, _, place = differences(of_gas, bright)
     own = same[place + 1]
     if own.sum() >= 8 and not alone:
-        both, (left, right) = clipped_variance(one[own, 0] - one[own, 1]), clipped_variance(one[own], axis=0)
-        for half, excess in enumerate((left - right, right - left)):
-            odd = np.arange(bands) % 2
-            weight = np.where(odd == half, 1 / np.where(odd, bands // 2, (bands + 1) // 2) ** 2.0, 0.0)
-            rows.append((*weight * np.mean(prediction[place[own]] ** -2.0, axis=0), weight.sum()))
-            least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own]] @ weight)
-            variances.append(max((both + excess) / 4, least, OWN * both / 4))
+        for band in range(bands):  # of each its own: what it does not share with the mean of the others
+            mine, others = one[own, band], np.delete(one[own], band, axis=1).mean(axis=1)
+            both, left, right = (clipped_variance(row) for row in (mine - others, mine, others))
+            rows.append((*np.eye(bands)[band] * np.mean(prediction[place[own]] ** -2.0, axis=0), 1.0))
+            least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own], band])
+            variances.append(max((both + left - right) / 4, least, OWN * both / 4))
     if not rows:  # too few samples of either kind, or none
         return (0.0, 0.0, START_RELATIVE**2), 0.0, light, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
@@ -238,7 +237,9 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     quadratic = float(quadratic[0])
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
-    if enough and alone:
+    if enough and alone:  # bright light, which tells little of a constant, must not make one of flicker
+        most = clipped_variance(differences(relative, longer)[0]) / 2 - quadratic
+        constant = np.minimum(constant, max(most, 0.0) / np.mean(prediction[longer] ** -2.0))
         error = (constant / np.maximum(prediction, 1e-30) ** 2 + quadratic) / np.maximum(share, 1e-9) ** 2
         error = error[:, 0]
         light = coloured(*each.T, error, bright, phase, period, LONGEST_FLICKER)

@@ -32,7 +32,8 @@ def covered(frames, calibration, wavelength):
     """
     if calibration.attrs["calibration"] == "readings" and len(frames.band) == 2:
         raise ValueError(
-            "a displayed ratio has no level to diagnose by: `correct --estimator emissivity` takes it"
+            "a displayed ratio has no level to diagnose by: `correct --estimator emissivity` takes it without"
+            " a plasma, `correct-reading` behind one"
         )
     axis, kept = calibration.wavelength.values, []
     inside = (axis >= wavelength[0]) & (axis <= wavelength[-1])

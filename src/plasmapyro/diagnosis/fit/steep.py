@@ -2,7 +2,7 @@
 
 These suit a temperature that runs as the root of the time since it was put into the plasma, or since the end:
 a slope of (T - T0)/2t. Where the light shows a slope q times as steep, a bin becomes q pieces, down to single
-samples, and the temperature may bend as it is seen to.
+samples, and the temperature may bend as it is seen to; so it may where it has a corner.
 """
 
 from typing import NamedTuple
@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.diagnosis.fit.base import LEAST_SEEN, seen_by_most
+from plasmapyro.diagnosis.fit.corners import around
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE
 from plasmapyro.diagnosis.fit.observation import time_bins
 
@@ -32,7 +33,8 @@ def steep(model):
     (time, kelvin), limit = seen_by_most(model, samples=True)
     if not model.history.cold or time.size < LEAST_SEEN:
         return None
-    usual = edges = time_bins(model.record)[0]
+    usual = time_bins(model.record)[0]
+    edges = around(usual, time, kelvin, model.history)
     for _ in range(ROUNDS):
         middle, mean = _in_bins(edges, time, kelvin)
         parts = _parts(edges, middle, mean, model.off, limit, np.median(np.diff(time)))
@@ -40,7 +42,7 @@ def steep(model):
             break
         pieces = zip(edges[:-1], edges[1:], parts, strict=True)
         edges = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in pieces), edges[-1:]])
-    if edges.size == usual.size:
+    if np.array_equal(edges, usual):
         return None
     middle, mean = _in_bins(edges, time, kelvin)
     slope = np.diff(mean) / np.diff(middle)
