@@ -109,7 +109,6 @@ def describe(folder):
             else "; ".join(_without_signals(table))
         )
         remarks.append(f"not used: {path.name}: {why}")
-    remarks = _grouped(remarks)
     if pyrometer:
         blocks += ["pyrometer:", *pyrometer]
     if spectrometer:
@@ -124,19 +123,39 @@ def describe(folder):
                 f"{folder}: nothing looks like signals of a pyrometer or spectra ({seen}); a table needs"
                 " names above its columns and one row per sample, such as 'Time [s];wide [nA];narrow [nA]',"
                 f" see {GUIDE}",
-                *remarks,
+                *_grouped(remarks),
             ]
         )
+    remarks += _left_out(folder, kinds, blocks, [*questions, *remarks])
     attributes = _attributes(folder, read, bool(pyrometer), spectrometer, kinds, questions)
     head = [
         "# Guessed from the files; every '?' is a question that no file answers: correct what is wrong, then",
         "#   plasmapyro check FOLDER",
     ]
     asked = [
-        " ".join(printable(words).split()) for words in [*questions, *remarks]
+        " ".join(printable(words).split()) for words in [*questions, *_grouped(remarks)]
     ]  # names may hold line ends
     head += [f"# ? {words}" for words in asked]
     return Guess("\n".join([*head, "attributes:", *attributes, *blocks]) + "\n", asked)
+
+
+SEEN_AS = {"andor": "a series of Andor Solis", "matrix": "a table of spectra", "burst": "a burst log"}
+
+
+def _left_out(folder, kinds, blocks, said):
+    """Remarks on files that were recognised, but stand in no line of test.yaml, nor are spoken of."""
+    lines, spoken = "\n".join(blocks), "\n".join(said)
+    series = {folder / name for name in re.findall(r'^  folder: "(.*)"$', lines, re.MULTILINE)}
+    return [
+        f"not used: {name}: looks like {SEEN_AS.get(kind, f'a {kind}')} beside what is read; take it out, or"
+        " name it in test.yaml"
+        for kind, listed in kinds.items()
+        for path, _ in listed
+        for name in [path.relative_to(folder).as_posix()]
+        if _quoted(name) not in lines
+        and not (kind == "spectrum" and path.parent in series)
+        and path.name not in spoken
+    ]
 
 
 def _grouped(remarks):
@@ -435,13 +454,10 @@ def _read(folder, name, lines, questions):
 
 def _spectrometer(folder, kinds, read, questions):
     """Lines of the section 'spectrometer'; empty if there are no spectra."""
-    if "spectrum" in kinds:
-        dark = [path for path, _ in kinds["spectrum"] if ocean.DARK.search(path.stem)]
-        light = [path for path, _ in kinds["spectrum"] if path not in dark]
-        if not light and "matrix" in kinds:  # a table of spectra with a dark of its own
-            return _matrix_lines(folder, kinds["matrix"], dark, questions)
-        if not light:
-            return []
+    single = [path for path, _ in kinds.get("spectrum", [])]
+    dark = [path for path in single if ocean.DARK.search(path.stem)]
+    light = [path for path in single if path not in dark]
+    if light:
         places = {path.parent for path in light}
         place = max(places, key=lambda one: sum(path.parent == one for path in light))
         light = [path for path in light if path.parent == place]
@@ -485,7 +501,8 @@ def _spectrometer(folder, kinds, read, questions):
         found = [_named(folder, light), "  format: andor", "  quantity: counts"]
         questions.append("spectrometer.zero: when, after the begin of the series, is 0? 0 s is taken")
         return found + [f"  background: {_quoted(path.relative_to(folder).as_posix())}" for path in dark[:1]]
-    return _matrix_lines(folder, kinds["matrix"], [], questions) if "matrix" in kinds else []
+    # A table of spectra may have a dark in a file of its own.
+    return _matrix_lines(folder, kinds["matrix"], dark, questions) if "matrix" in kinds else []
 
 
 def _series(place, light, dark):
@@ -494,7 +511,7 @@ def _series(place, light, dark):
     for path in light:
         groups.setdefault(re.sub(r"\d+", "*", path.name), []).append(path)
     pattern, series = max(groups.items(), key=lambda item: len(item[1]))
-    held = [path for path in place.iterdir() if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
+    held = [path for path in place.glob("[!.]*") if path.suffix.lower() in parts.SPECTRUM_SUFFIXES]
     others = [path.name for path in held if path not in series and path not in dark[:1]]
     odd = series[0].suffix.lower() not in parts.SPECTRUM_SUFFIXES
     if not (others or odd):
