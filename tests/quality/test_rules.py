@@ -140,6 +140,12 @@ def test_a_rule_of_the_pyrometer_is_silent_below_its_limit(sound, name):
     assert name not in said(with_signals(sound, SMALL[name]))
 
 
+def test_a_shutter_that_opens_in_the_reference_window_is_a_step(sound):
+    """Light that comes in the window is no surface: that window holds none."""
+    shut = with_signals(sound, lambda t, p: p * np.where(t < 3, 0.5, 1.0))
+    assert "signal_wide steps by +9" in said(shut)["unexplained_step"]
+
+
 def test_a_saturation_that_is_stated_is_not_said_again(sound):
     clipped = with_signals(sound, lambda t, p: np.minimum(p, [[np.inf], [1e-3]]))
     assert "flat_top" not in said(attributes(clipped, signal_saturation_narrow=0.99e-3))

@@ -125,9 +125,9 @@ def unexplained_step(case, limit):
     wide, narrow = np.log(pair)
     window = (time >= attrs["reference_window"][0]) & (time <= attrs["reference_window"][1])
     gas = pair[:, window].mean(axis=1, keepdims=True) if window.any() else np.zeros((2, 1))
-    # Where there was only the light of the gas, a surface may come into view.
+    # Where there was only the light of the gas, a surface may come into view; in the window it must not.
     rises = np.append((np.diff(pair, axis=1) > 0).all(axis=0), False)
-    near |= widened(rises & (pair < 1.2 * gas).all(axis=0), SIDE)
+    near |= widened(rises & (pair < 1.2 * gas).all(axis=0) & ~window, SIDE)
     near |= widened(np.append(np.diff(time) > 1.5 * step, False), SIDE)  # missing samples hide how it rose
     rows = {"the ratio wide/narrow": wide - narrow, "signal_wide": wide, "signal_narrow": narrow}
     for what, row in rows.items():
