@@ -75,6 +75,20 @@ def stuck(case, limit):
     return None
 
 
+@rule(limit=flags.LONGEST)
+def end_of_display(case, limit):
+    if "radiometer_reading" not in case.test:
+        return None
+    shown = case.test.radiometer_reading.values[:, 0]
+    shown = np.where(shown > 0, shown, np.nan)
+    least = np.nanmin(shown) if np.isfinite(shown).any() else np.nan
+    begin, count = longest_run(shown == least)
+    if count < limit or count == np.isfinite(shown).sum():
+        return None
+    begin = float(case.test.radiometer_time.values[begin])
+    return {"count": count, "begin": begin, "least": float(least)}
+
+
 @rule()
 def flat_top(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):

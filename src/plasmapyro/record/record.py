@@ -13,6 +13,7 @@ from plasmapyro.record.emittance import UNTOLD_SLOPE
 from plasmapyro.record.phases import phases
 
 ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
+ANY = 1000.0  # [K] in the place of a reading that is missing
 
 
 @dataclass(frozen=True)
@@ -173,9 +174,13 @@ def _filters(test, calibration, _):
         value = test.radiometer_signal.values.astype(float)
     else:  # what a black body of the reading gives, times the setting
         shown, bands = test.radiometer_reading.values, calibration.sel(band=names)
-        shown = np.where(shown > 0, shown, np.nan)
-        black = [blackbody_signal(*one) for one in _each_band(shown, bands)]
-        value = test.radiometer_setting.values * np.stack(black, axis=1) * bands.band_sensitivity.values
+        given = shown > 0  # NaN: no reading
+        black = [blackbody_signal(*one) for one in _each_band(np.where(given, shown, ANY), bands)]
+        value = (
+            test.radiometer_setting.values
+            * np.where(given, np.stack(black, axis=1), np.nan)
+            * bands.band_sensitivity.values
+        )
         if len(names) == 2:  # a ratio: its level means nothing, and must not jump where the slope is set anew
             value = value * np.nanmedian(value[:, 1]) / value[:, 1:]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
