@@ -217,7 +217,7 @@ def test_the_command_writes_a_prior_that_reads_back(folder):
         (lambda plan: plan["tests"].reverse(), "stands after a later one"),
         (lambda plan: plan["tests"][1].update(name="run00"), "listed twice"),
         (lambda plan: plan["tests"][0].update(materiel="C/SiC"), "materiel"),
-        (lambda plan: plan["tests"][0].update(diagnosis="none.json"), "none.json"),
+        (lambda plan: plan["tests"][0].update(diagnosis="none.json"), "none.json: no such file; a name"),
         (lambda plan: plan["tests"][0].update(diagnosis="campaign.yaml"), "no diagnosis.json"),
         (lambda plan: plan["tests"][1].update(diagnosis="run00.json"), "which would count twice"),
         (lambda plan: plan["tests"][3].update(date="2026-02-31"), "2026-02-31: day is out of range"),

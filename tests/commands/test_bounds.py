@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from argparse import ArgumentTypeError
 from pathlib import Path
 
 import h5py
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from judge import judge, require_refused
 
+from plasmapyro.commands import options
 from plasmapyro.commands.outputs import require_writable
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
@@ -219,3 +221,27 @@ def test_a_flood_of_one_character_is_refused_with_a_short_message(run, file, flo
         ending = run(name)
         require_refused(ending, file.name)
         assert len(ending.message) < 4000 and ending.message.replace("\n", "").isprintable()
+
+
+def test_what_a_laboratory_types_wrong_is_told_with_its_place_and_what_to_do(tmp_path):
+    """A name that promises another kind of file, one file for its folder, per cent, too few points."""
+    lamp, test = (shutil.copytree(folder, tmp_path / folder.name) for folder in (LAMP, TEST))
+    out = ["--out", tmp_path / "t.nc"]
+    for name in ("t.csv", "t.xlsx", "t.html"):
+        with pytest.raises(ArgumentTypeError, match=r"is a netCDF file: name it t\.nc"):
+            options.netcdf(name)
+    for command in ("correct", "correct-reading", "sightline", "radiance"):
+        with pytest.raises(ValueError, match="--out is a netCDF file"):
+            options.check(command, {"out": "t.csv"})
+    for name in ("test.yaml", "pyrometer.csv"):
+        command = ["correct", test / name, "--instrument", lamp, *out]
+        require_refused(judge(command, tmp_path), f"is one file of a test; name its folder, {test}")
+    described = test / "test.yaml"
+    described.write_text(described.read_text().replace("emittance: 0.8", "emittance: 80"))
+    require_refused(
+        judge(["check", test], tmp_path), "emittance: 80 is not in (0, 1]; state it as a fraction"
+    )
+    points = lamp / "points.csv"
+    points.write_text("\n".join(points.read_text().splitlines()[:4]) + "\n")
+    said = f"{points}: holds 3 different source temperatures, and a curve needs 4"
+    require_refused(judge(["calibrate", lamp, "--out", tmp_path / "lab"], tmp_path), said)

@@ -44,6 +44,20 @@ def test_a_log_becomes_a_file_and_a_summary(results, capsys):
     assert "2 two surface temperatures" in capsys.readouterr().out
 
 
+def test_a_display_that_ends_above_the_surface_tells_no_temperature(results, capsys):
+    """While the surface is colder a display shows the least it can: none if stated, asked for if not."""
+    shown = np.maximum(1264.0, np.linspace(400.0, 1700.0, 60).round())
+    table = "time [s];Ts [K]\n" + "".join(f"{second};{one:g}\n" for second, one in enumerate(shown))
+    status, out = run(results, table, "--condition", "60kW", "--floor-k", "1264")
+    found = io.read(out, "corrected_reading")
+    assert status == 0
+    assert np.isnan(found.surface_temperature.values[shown == 1264.0]).all()
+    assert np.isfinite(found.surface_temperature.values[shown > 1300.0]).all()
+    assert "in a row" not in capsys.readouterr().err
+    assert run(results, table, "--condition", "60kW")[0] == 0
+    assert "40 readings in a row show 1264 K, from 0 s on, and none shows less" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "table",
     [

@@ -144,6 +144,15 @@ def test_samples_without_a_temperature_say_why(pyrometer):
     assert (np.isfinite(pyrometer.corrected_temperature) == value).all()
 
 
+def test_no_temperature_is_given_without_an_uncertainty():
+    found = correct_pyrometer(
+        made(), calibration(), **PYROMETER | {"detection_level": 0.0, "gas_variation": 1.0}
+    )
+    given = np.isfinite(found.corrected_temperature.values)
+    np.testing.assert_array_equal(given, np.isfinite(found.corrected_temperature_uncertainty.values))
+    np.testing.assert_array_equal(given, np.isin(found.corrected_status.values, status.WITH_VALUE))
+
+
 def test_light_added_to_everything_the_plasma_lights_cancels(pyrometer):
     brighter = correct_pyrometer(made(ambient=3e-8), calibration(), **PYROMETER)
     hot = TIME > 25

@@ -83,20 +83,21 @@ def test_uncertainty_is_half_the_central_interval_of_the_draws():
     np.testing.assert_allclose(spreads, [6.827, 6.827, 0.06827], rtol=0.01)  # one draw in 400 is 0.4 %
 
 
-def test_failed_fit_gives_nothing_at_all():
-    cold = blackbody_radiance(WAVELENGTH, 500.0)
+@pytest.mark.parametrize(("temperature", "noise"), [(500.0, 0.01), (900.0, 3.0)])
+def test_failed_fit_or_one_without_an_uncertainty_gives_nothing_at_all(temperature, noise):
+    body = blackbody_radiance(WAVELENGTH, temperature)
     found = fit_frame(
         WAVELENGTH,
-        cold,
-        0.01 * cold,
-        0 * cold,
+        body,
+        noise * body,
+        0 * body,
         np.ones(50, dtype=bool),
         WAVELENGTH > 1020e-9,
         TRIALS,
         RANGE,
         0.0,
-        np.zeros((10, 1)),
-        np.zeros((10, 1)),
+        np.zeros((100, 1)),
+        np.zeros((100, 1)),
         np.random.default_rng(1),
     )
     assert np.isnan(found).all()

@@ -5,8 +5,11 @@ import pytest
 import xarray as xr
 
 from plasmapyro import contracts
+from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.experiment.stage import correct_pyrometer
-from plasmapyro.record import status
+from plasmapyro.instrument.pyrometer import blackbody_signals
+from plasmapyro.instrument.stage import band_response
+from plasmapyro.record import level, status
 from plasmapyro.record.noise import floor_of
 
 C2 = 6.62607015e-34 * 299792458.0 / 1.380649e-23  # [m K]
@@ -107,3 +110,26 @@ def test_the_noise_without_light_is_that_of_dark_samples():
     dark = FLOOR * np.array([[1.0], [4.0]]) * np.random.default_rng(5).standard_normal((2, 400))
     np.testing.assert_allclose(floor_of(dark), [FLOOR, 4 * FLOOR], rtol=0.25)
     assert not floor_of(dark[:, :20]).any() and not floor_of(np.ones((2, 400))).any()
+
+
+def test_a_long_record_takes_its_black_bodies_from_a_table(monkeypatch):
+    """As many integrals over wavelengths as nodes, whatever the length; the table is as good as they are."""
+    response, kelvin = band_response(**RESPONSE), np.linspace(700.0, 2500.0, 100_003)
+    asked = []
+
+    def counted(temperature, of):
+        asked.append(np.size(temperature))
+        return blackbody_signals(temperature, of)
+
+    monkeypatch.setattr(level, "blackbody_signals", counted)
+    np.testing.assert_allclose(
+        level._black(kelvin, response)[:, ::1000], blackbody_signals(kelvin[::1000], response), rtol=1e-8
+    )
+    assert asked == [level.NODES]
+
+
+def test_a_long_record_of_one_temperature_has_a_black_body():
+    response, kelvin = band_response(**RESPONSE), np.full(600, 1500.0)
+    np.testing.assert_allclose(
+        level._black(kelvin, response), blackbody_signals(kelvin, response), rtol=1e-12
+    )

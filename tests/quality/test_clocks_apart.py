@@ -54,7 +54,7 @@ def test_an_offset_is_measured_and_said(correct, by):
     found = late.clocks(case, 2.0).late
     assert found == pytest.approx(by, abs=0.03)
     said = agreement.clocks_apart(case)
-    assert f"the spectra are {found:+.2g} s late" in said.saw
+    assert f"the spectra are {abs(found):.2g} s {'late' if found > 0 else 'early'} against" in said.saw
     assert f"move the spectra by {-found:+.2g} s" in said.remedy
 
 

@@ -141,6 +141,12 @@ def test_a_rule_of_the_pyrometer_is_silent_below_its_limit(sound, name):
     assert name not in said(with_signals(sound, SMALL[name]))
 
 
+def test_a_shutter_that_opens_in_the_reference_window_is_a_step(sound):
+    """Light that comes in the window is no surface: that window holds none."""
+    shut = with_signals(sound, lambda t, p: p * np.where(t < 3, 0.5, 1.0))
+    assert "signal_wide steps by +9" in said(shut)["unexplained_step"]
+
+
 def test_a_saturation_that_is_stated_is_not_said_again(sound):
     clipped = with_signals(sound, lambda t, p: np.minimum(p, [[np.inf], [1e-3]]))
     assert "flat_top" not in said(attributes(clipped, signal_saturation_narrow=0.99e-3))
@@ -391,26 +397,30 @@ def test_a_window_that_is_not_steady_gas_is_said(sound, name):
     assert words in found[name]
 
 
-def gas(path=0.1, factor=1.0):
-    """A sight line of an ideal gas at 5000 Pa and 6000 K."""
+def gas(path=0.1, factor=1.0, pressure=5000.0):
+    """A sight line of an ideal gas at 6000 K."""
     distance = np.linspace(0, path, 20)
-    density = np.full((1, 20), factor * 5000.0 / (BOLTZMANN * 6000.0))
+    density = np.full((1, 20), factor * pressure / (BOLTZMANN * 6000.0))
     return xr.Dataset(
         {
             "temperature": ("path_distance", np.full(20, 6000.0)),
-            "pressure": ("path_distance", np.full(20, 5000.0)),
+            "pressure": ("path_distance", np.full(20, pressure)),
             "number_density": (("species", "path_distance"), density),
         },
         {"path_distance": distance, "species": ["N"]},
     )
 
 
-def test_a_sight_line_has_the_length_and_the_density_of_a_wind_tunnel():
+def test_a_sight_line_has_the_length_pressure_and_density_of_a_wind_tunnel():
     assert said(sightline=gas(), rules=OF_SIGHTLINE) == {}
     for path in (0.009, 10.1, 3e-4, 300.0):
         assert "m long; check `length_unit`" in said(sightline=gas(path), rules=OF_SIGHTLINE)["path_length"]
     for path in (0.011, 9.9):
         assert said(sightline=gas(path), rules=OF_SIGHTLINE) == {}
+    for pressure in (101.0, 1.99e5):
+        assert said(sightline=gas(pressure=pressure), rules=OF_SIGHTLINE) == {}
+    for pressure in (50.0, 5e5, 5e6):  # 50 mbar said to be Pa; Pa said to be mbar, kPa
+        assert set(said(sightline=gas(pressure=pressure), rules=OF_SIGHTLINE)) == {"gas_pressure"}
     for factor in (1e-6, 0.66, 1.51, 1e6, 0.0):
         assert set(said(sightline=gas(factor=factor), rules=OF_SIGHTLINE)) == {"ideal_gas"}
     for factor in (0.67, 1.49):

@@ -151,6 +151,22 @@ def test_an_emissivity_that_is_set_anew_during_the_test_does_not_move_the_temper
     assert ((error > 0.015) & (error < 0.025)).all()
 
 
+def test_a_display_may_lack_readings_and_is_asked_whether_it_ends(place, capsys):
+    """An empty cell, or a 0, is no reading; the least, ten times in a row, may be any colder surface."""
+    test, calibrated = place
+    lab, time = calibrated("one_colour"), np.arange(0.0, 30.0)
+    shown = np.maximum(1250.0, 1100.0 + 10.0 * time)
+    shown[[0, 20]] = np.nan, 0.0
+    table(test / "radiometer.csv", {"t": time, "T": shown})
+    reading = "    reading: {name: T, unit: K}\n  bands: [si]\n"
+    (test / "test.yaml").write_text(FACTS.format(condition="none") + COLUMNS + reading)
+    assert run("correct", test, "--instrument", lab, "--out", test.parent / "t.nc") == 0
+    assert "15 readings in a row show 1250 K, from 1 s on, and none shows less" in capsys.readouterr().err
+    found = io.read(test.parent / "t.nc", "emissivity_estimate")
+    assert np.isnan(found.spectral_temperature.values[[0, 20]]).all()
+    assert np.isfinite(found.spectral_temperature.values[[19, 21]]).all()
+
+
 def test_the_slope_of_a_ratio_pyrometer_is_undone(place):
     test, calibrated = place
     lab, time, kelvin = calibrated("ratio"), np.arange(0.0, 20.0), 1500.0

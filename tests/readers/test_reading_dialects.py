@@ -151,6 +151,14 @@ def test_a_pipe_is_not_waited_for(tmp_path):
     assert "not a plain file" in message
 
 
+def test_hidden_files_are_none_of_the_instrument(tmp_path):
+    place = samples.spectra(samples.folder(tmp_path / "t", samples.SPECTRA), "oceanview")
+    for name in ("._frame_0000.txt", ".frame_0001.txt.swp", ".hidden.csv"):
+        (place / "spectrometer" / name).write_bytes(b"\x00\x05\x16\x07")
+    assert check_test(place) == []
+    assert read_test(place).sizes["spectrum_time"] == 3
+
+
 def test_a_spliced_spectrum_may_hold_more_than_its_header_promises(tmp_path):
     path = tmp_path / "a.txt"
     path.write_bytes(samples.spectrum("oceanview").replace(b"Spectrum: 24", b"Spectrum: 20"))

@@ -612,6 +612,17 @@ def test_no_file_is_left_out_without_a_word(tmp_path):
     assert any("not used: other.txt: no columns of numbers with a time" in words for words in questions)
     _, questions = described(tmp_path / "u", log__csv=PLAIN, dark__csv=LYING_DARK)
     assert any("dark.csv looks like a dark, and no table like its spectra" in words for words in questions)
+    series = "".join(
+        f"{one:.3f}\t" + "\t".join(f"{c[i]:g}" for c in COUNTS) + "\n" for i, one in enumerate(AIR)
+    )
+    dark = "".join(f"{one:.3f}\t{c:g}\n" for one, c in zip(AIR, COUNTS[0], strict=True))
+    series += "\nExposure Time (secs):\t0.5\nKinetic Cycle Time (secs):\t1\n"
+    (tmp_path / "w").mkdir()
+    for name, words in (("log.csv", PLAIN), ("run.asc", series), ("dark.asc", dark)):
+        (tmp_path / "w" / name).write_text(words)
+    questions = describe(tmp_path / "w").questions
+    assert any("when, after the begin of the series, is 0?" in words for words in questions)
+    assert any("not used: dark.asc: looks like a spectrum" in words for words in questions)
     shown = "t [s],T ratio [degC],Laser power [kW]\n" + "".join(f"{i}.0,90{i}.0,1.0\n" for i in range(9))
     spectra = matrix(["t", *AIR], ([t, *c] for t, c in zip(MOMENTS, COUNTS, strict=True)))
     (tmp_path / "v").mkdir()

@@ -56,8 +56,8 @@ def correct_reading(
     quantum, noise : float [K]
         Step of the display; standard deviation of one reading, by default the scatter of the record.
     floor, at_least : float [K]
-        Least temperature the instrument displays; surface known to be no colder (a thermocouple below it):
-        if that is above the turn, no surface was heated through it.
+        Least temperature the instrument displays, also for colder surfaces; surface known to be no colder (a
+        thermocouple below it): if that is above the turn, no surface was heated through it.
     emittance : float [1], optional
         That of the condition by default.
     emittance_uncertainty, power_uncertainty, engine_uncertainty : float [1]
@@ -79,6 +79,8 @@ def correct_reading(
     reading, time = np.asarray(reading, dtype=float), np.asarray(time, dtype=float)
     surfaces = np.arange(SURFACES[0], SURFACES[1] + STEP / 2, STEP)
     black = blackbody_signals(surfaces, response)
+    # What an instrument shows at the end of its display may be anything colder.
+    at_floor = reading <= floor + quantum / 2
     noise = scatter(reading) if noise is None else non_negative("noise", noise, "K")
 
     def display(light, black=black):
@@ -105,7 +107,7 @@ def correct_reading(
     covariance = np.outer(along, along) + engine_uncertainty**2 * np.eye(2) + emittance_uncertainty**2
     moment = np.nan
     if at_least < turn(light)[0]:
-        seen, sigma = np.where(reading < floor, np.nan, reading), np.hypot(noise, quantum / np.sqrt(12.0))
+        seen, sigma = np.where(at_floor, np.nan, reading), np.hypot(noise, quantum / np.sqrt(12.0))
         passed = heated_through(time, seen, at, turn, light, covariance, sigma)
         light, covariance, moment = passed or (light, covariance, moment)
     before = time < moment  # the surface is still colder than that of the least reading
@@ -137,7 +139,7 @@ def correct_reading(
     status[np.isfinite(found) & ~sure] = 4
     status[~np.isfinite(found)] = 5
     status[reading < shown[turn]] = 2
-    status[reading < floor] = 3
+    status[at_floor] = 3
     status[np.isnan(reading)] = 6
     given = np.isin(status, (0, 1))
     return xr.Dataset(

@@ -60,6 +60,8 @@ def write(plan, folder):
 
 def report_of(path):
     """The report of a diagnosis from its file; ValueError for another file."""
+    if not Path(path).exists():
+        raise ValueError(f"{path}: no such file; a name in the list counts from the folder of the call")
     try:
         report = json.loads(io.read_text(path))
     except ValueError as fault:

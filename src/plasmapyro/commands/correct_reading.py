@@ -13,10 +13,12 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.instrument.stage import band_response, ratio_curve
+from plasmapyro.quality.series import longest_run
 from plasmapyro.readers import columns, guess_table, units
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.text import quote, read_lines, refuse
 
+STANDS = 10  # readings in a row at one end of the record
 CURVE = {  # of the modelled pyrometer, as in config/config.yaml
     "sensitivity_ratio": 0.315,
     "calibration_temperature": np.arange(300.0, 10001.0, 10.0),
@@ -41,6 +43,7 @@ def run(options):
             f"{beyond} of {reading.size} readings lie outside the {lowest:g} to {highest:g} K that the"
             " instrument can display: is their unit right?"
         )
+    _ask_for_ends(time, np.where(reading > options.floor_k + options.quantum_k / 2, reading, np.nan))
     made = settings(options, correct_reading) | {"time": time, "reading": reading}
     result = correct_reading(*gas, **made)
     skipped = {"run", "reading", "results", "out"}
@@ -53,6 +56,19 @@ def run(options):
         config={"correct-reading": given},
     )
     sys.stdout.write("\n".join(summary(result)) + "\n")
+
+
+def _ask_for_ends(time, reading):
+    """Warn of readings that stand at the least or greatest of a record, as at an end of a display."""
+    held = int(np.isfinite(reading).sum())
+    for end in sorted({np.nanmin(reading), np.nanmax(reading)}) if held else ():
+        first, count = longest_run(reading == end)
+        if STANDS <= count < held:
+            progress.warn(
+                f"{count} readings in a row show {end:g} K, from {time[first]:g} s on, and none shows"
+                f" {'less' if end == np.nanmin(reading) else 'more'}: if the display ends there, name its"
+                " least temperature with --floor-k, and leave out what stands at its greatest"
+            )
 
 
 def gas_of(results, condition):

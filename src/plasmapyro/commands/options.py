@@ -173,8 +173,18 @@ def picture(word):
     return word
 
 
+OTHERS = ".csv .txt .dat .tsv .xls .xlsx .ods .json .yaml .yml .html .png .svg .pdf".split()
+
+
+def netcdf(word):
+    """Name of a file for results, whose ending says of no other kind of file."""
+    if Path(word).suffix.lower() in OTHERS:
+        raise argparse.ArgumentTypeError(f"is a netCDF file: name it {Path(word).stem}.nc; got {word!r}")
+    return word
+
+
 KINDS = {
-    **{kind.__name__: kind for kind in (float, int, positive, not_negative, share, seed, picture)},
+    **{kind.__name__: kind for kind in (float, int, positive, not_negative, share, seed, picture, netcdf)},
     "count": _whole(3, 100_000),
     "points": _whole(20, 5000),
     "grid_points": _whole(1, 5_000_000),  # 2 GB of memory

@@ -12,7 +12,7 @@ from plasmapyro.radiation.planck import blackbody_radiance
 
 
 class FrameFit(NamedTuple):
-    """Results of one exposure; all NaN if one of the two fits failed."""
+    """Results of one exposure; all NaN if one of the two fits failed, or an uncertainty has no end."""
 
     temperature: float = np.nan  # [K] normalised fit
     temperature_uncertainty: float = np.nan
@@ -106,7 +106,8 @@ def fit_frame(
         scaled_ones[far], scales[far] = fit_scaled(
             wavelength, drawn[far], weights, every, temperature_range, begin
         )
-    return FrameFit(best, spread(temperatures), scaled, spread(scaled_ones), scale, spread(scales))
+    fit = FrameFit(best, spread(temperatures), scaled, spread(scaled_ones), scale, spread(scales))
+    return fit if np.isfinite(fit).all() else FrameFit()
 
 
 def _beyond(temperature, temperature_range):

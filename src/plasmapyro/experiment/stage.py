@@ -105,6 +105,9 @@ def correct_pyrometer(
     nothing = np.zeros_like(raw)
     taken = [np.where(shining, row[:, None], 0.0) for row in (reference, reference_uncertainty)]
     corrected_uncertainty = monte_carlo(*taken, corrected_temperature, 1)
+    # No temperature is given whose uncertainty has no end.
+    corrected_status[np.isfinite(corrected_temperature) & np.isnan(corrected_uncertainty)] = status.NO_SIGNAL
+    corrected_temperature = np.where(np.isnan(corrected_uncertainty), np.nan, corrected_temperature)
     if response is not None and len(instruments(test)) == 1:
         known = corrected_temperature, corrected_uncertainty
         unlike = unlike_level(corrected, *known, test.attrs, calibration, response)

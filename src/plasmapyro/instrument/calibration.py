@@ -6,6 +6,7 @@ from plasmapyro.checks import positive
 
 # Status of a reading; only VALID and EXTRAPOLATED have a value.
 BELOW, VALID, ABOVE, EXTRAPOLATED = -1, 0, 1, 2
+LEAST_POINTS = 4  # different temperatures; three meet any quadratic
 
 
 def fit_sensitivity(measured, modelled, covariance):
@@ -62,7 +63,7 @@ def fit_quadratic(temperature, ratio, covariance):
     """
     temperature = positive("temperature", temperature, "K")
     ratio = positive("ratio", ratio, "1")
-    if np.unique(temperature).size < 4:
+    if np.unique(temperature).size < LEAST_POINTS:
         raise ValueError(
             f"a quadratic fit needs four different temperatures; got {np.unique(temperature).size}"
         )

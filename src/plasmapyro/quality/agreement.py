@@ -78,6 +78,8 @@ def clocks_apart(case, limit):
     worst = int(np.argmax(np.abs(found.moved)))
     return {
         "late": found.late,
+        "size": abs(found.late),
+        "way": "late" if found.late > 0 else "early",
         "back": -found.late,
         "kelvin": abs(float(found.moved[worst])),
         "moment": float(found.moments[worst]),

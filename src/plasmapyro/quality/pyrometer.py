@@ -77,6 +77,20 @@ def stuck(case, limit):
     return None
 
 
+@rule(limit=flags.LONGEST)
+def end_of_display(case, limit):
+    if "radiometer_reading" not in case.test:
+        return None
+    shown = case.test.radiometer_reading.values[:, 0]
+    shown = np.where(shown > 0, shown, np.nan)
+    least = np.nanmin(shown) if np.isfinite(shown).any() else np.nan
+    begin, count = longest_run(shown == least)
+    if count < limit or count == np.isfinite(shown).sum():
+        return None
+    begin = float(case.test.radiometer_time.values[begin])
+    return {"count": count, "begin": begin, "least": float(least)}
+
+
 @rule()
 def flat_top(case, limit):
     for band, row in zip(BANDS, case.pair, strict=True):
@@ -127,9 +141,9 @@ def unexplained_step(case, limit):
     wide, narrow = np.log(pair)
     window = (time >= attrs["reference_window"][0]) & (time <= attrs["reference_window"][1])
     gas = pair[:, window].mean(axis=1, keepdims=True) if window.any() else np.zeros((2, 1))
-    # Where there was only the light of the gas, a surface may come into view.
+    # Where there was only the light of the gas, a surface may come into view; in the window it must not.
     rises = np.append((np.diff(pair, axis=1) > 0).all(axis=0), False)
-    near |= widened(rises & (pair < 1.2 * gas).all(axis=0), SIDE)
+    near |= widened(rises & (pair < 1.2 * gas).all(axis=0) & ~window, SIDE)
     near |= widened(np.append(np.diff(time) > 1.5 * step, False), SIDE)  # missing samples hide how it rose
     rows = {"the ratio wide/narrow": wide - narrow, "signal_wide": wide, "signal_narrow": narrow}
     for what, row in rows.items():

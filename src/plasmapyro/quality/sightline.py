@@ -1,4 +1,4 @@
-"""Rules for a sight line: lengths and densities that no wind tunnel has."""
+"""Rules for a sight line: lengths, pressures and densities that no wind tunnel has."""
 
 import numpy as np
 
@@ -10,6 +10,12 @@ from plasmapyro.quality.rule import rule
 def path_length(case, limit):
     length = float(np.ptp(case.sightline.path_distance.values))
     return None if limit <= length <= 1e3 * limit else {"length": length}
+
+
+@rule()
+def gas_pressure(case, limit):
+    pressure = float(np.median(case.sightline.pressure.values))
+    return None if limit <= pressure <= 2e3 * limit else {"pressure": pressure}
 
 
 @rule()

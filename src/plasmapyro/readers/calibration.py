@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.instrument.calibration import LEAST_POINTS
 from plasmapyro.instrument.raw_counts import certified_source
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers import andor, columns, description, ocean
@@ -75,6 +76,9 @@ def read_points(folder):
     ]
     if messages:
         raise Refusal(messages)
+    if (different := np.unique(found["source_temperature"]).size) < LEAST_POINTS:
+        what = f"holds {different} different source temperatures, and a curve needs {LEAST_POINTS}"
+        refuse(path, what, "measure more points, below and above those of the tests")
     for band in POINTS[1:]:  # as they would be through the window that stood before the test only
         found[band] = found[band] * window
     dataset = xr.Dataset({key: ("calibration_point", found[key]) for key in POINTS}, attrs={"origin": origin})

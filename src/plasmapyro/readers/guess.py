@@ -83,7 +83,6 @@ def describe(folder):
             else "; ".join(_without_signals(table))
         )
         remarks.append(f"not used: {path.name}: {why}")
-    remarks = _grouped(remarks)
     if pyrometer:
         blocks += ["pyrometer:", *pyrometer]
     if spectrometer:
@@ -98,18 +97,38 @@ def describe(folder):
                 f"{folder}: nothing looks like signals of a pyrometer or spectra ({seen}); a table needs"
                 " names above its columns and one row per sample, such as 'Time [s];wide [nA];narrow [nA]',"
                 f" see {GUIDE}",
-                *remarks,
+                *_grouped(remarks),
             ]
         )
+    remarks += _left_out(folder, kinds, blocks, [*questions, *remarks])
     attributes = _attributes(folder, read, bool(pyrometer), spectrometer, kinds, questions)
     head = [
         "# Guessed from the files; every '?' is a question that no file answers: correct what is wrong, then",
         "#   plasmapyro check FOLDER",
     ]
     # names may hold line ends
-    asked = [" ".join(printable(words).split()) for words in [*questions, *remarks]]
+    asked = [" ".join(printable(words).split()) for words in [*questions, *_grouped(remarks)]]
     head += [f"# ? {words}" for words in asked]
     return Guess("\n".join([*head, "attributes:", *attributes, *blocks]) + "\n", asked)
+
+
+SEEN_AS = {"andor": "a series of Andor Solis", "matrix": "a table of spectra", "burst": "a burst log"}
+
+
+def _left_out(folder, kinds, blocks, said):
+    """Remarks on files that were recognised, but stand in no line of test.yaml, nor are spoken of."""
+    lines, spoken = "\n".join(blocks), "\n".join(said)
+    series = {folder / name for name in re.findall(r'^  folder: "(.*)"$', lines, re.MULTILINE)}
+    return [
+        f"not used: {name}: looks like {SEEN_AS.get(kind, f'a {kind}')} beside what is read; take it out, or"
+        " name it in test.yaml"
+        for kind, listed in kinds.items()
+        for path, _ in listed
+        for name in [path.relative_to(folder).as_posix()]
+        if in_yaml(name) not in lines
+        and not (kind == "spectrum" and path.parent in series)
+        and path.name not in spoken
+    ]
 
 
 def _grouped(remarks):

@@ -14,13 +14,10 @@ from plasmapyro.readers.text import read_lines
 
 def spectrometer_section(folder, kinds, read, questions):
     """Lines of the section 'spectrometer'; empty if there are no spectra."""
-    if "spectrum" in kinds:
-        dark = [path for path, _ in kinds["spectrum"] if ocean.DARK.search(path.stem)]
-        light = [path for path, _ in kinds["spectrum"] if path not in dark]
-        if not light and "matrix" in kinds:  # a table of spectra with a dark of its own
-            return _matrix_lines(folder, kinds["matrix"], dark, questions)
-        if not light:
-            return []
+    single = [path for path, _ in kinds.get("spectrum", [])]
+    dark = [path for path in single if ocean.DARK.search(path.stem)]
+    light = [path for path in single if path not in dark]
+    if light:
         places = {path.parent for path in light}
         place = max(places, key=lambda one: sum(path.parent == one for path in light))
         light = [path for path in light if path.parent == place]
@@ -64,7 +61,8 @@ def spectrometer_section(folder, kinds, read, questions):
         found = [file_line(folder, light), "  format: andor", "  quantity: counts"]
         questions.append("spectrometer.zero: when, after the begin of the series, is 0? 0 s is taken")
         return found + [f"  background: {in_yaml(path.relative_to(folder).as_posix())}" for path in dark[:1]]
-    return _matrix_lines(folder, kinds["matrix"], [], questions) if "matrix" in kinds else []
+    # A table of spectra may have a dark in a file of its own.
+    return _matrix_lines(folder, kinds["matrix"], dark, questions) if "matrix" in kinds else []
 
 
 def _series(place, light, dark):
@@ -73,7 +71,7 @@ def _series(place, light, dark):
     for path in light:
         groups.setdefault(re.sub(r"\d+", "*", path.name), []).append(path)
     pattern, series = max(groups.items(), key=lambda item: len(item[1]))
-    held = [path for path in place.iterdir() if path.suffix.lower() in SPECTRUM_SUFFIXES]
+    held = [path for path in place.glob("[!.]*") if path.suffix.lower() in SPECTRUM_SUFFIXES]
     others = [path.name for path in held if path not in series and path not in dark[:1]]
     odd = series[0].suffix.lower() not in SPECTRUM_SUFFIXES
     if not (others or odd):

@@ -112,9 +112,12 @@ def _many_files(place, folder, settings):
         refuse(place, "no such folder", "check `spectrometer.folder` in test.yaml")
     background = settings["background"]
     dark_path = Path(folder) / background if background else None
-    listed = [path for path in place.iterdir() if path.suffix.lower() in SPECTRUM_SUFFIXES]
+    # Hidden files are not of the instrument: a Mac leaves a ._NAME beside each NAME on a foreign disk.
+    listed = [path for path in place.iterdir() if not path.name.startswith(".")]
     if settings["pattern"]:
-        listed = [path for path in place.iterdir() if fnmatch.fnmatchcase(path.name, settings["pattern"])]
+        listed = [path for path in listed if fnmatch.fnmatchcase(path.name, settings["pattern"])]
+    else:
+        listed = [path for path in listed if path.suffix.lower() in SPECTRUM_SUFFIXES]
     try:
         paths = sorted(
             (path for path in listed if not (dark_path and path.resolve() == dark_path.resolve())),

@@ -87,6 +87,9 @@ def _read(folder):
 
 def _read_folder(folder):
     try:
+        if folder.name == "test.yaml" or folder.is_file() and (folder.parent / "test.yaml").exists():
+            if not io.is_netcdf(folder):
+                refuse(folder, "is one file of a test", f"name its folder, {folder.parent}")
         if folder.is_file():
             return _sound(_stored(folder), folder)
         if not folder.is_dir():

@@ -133,7 +133,10 @@ def attribute_faults(test, present):
         elif not _is_number(value):
             yield f"attribute {name}: must be one number; got {value!r}"
         elif not low <= value <= high or (low == 0 and value == 0 and "uncertainty" not in name):
-            yield f"attribute {name}: {value:g} {unit} is not in ({low:g}, {high:g}]"
+            shown, remedy = (
+                (f"{value:g} {unit}", f"in {unit}") if unit != "1" else (f"{value:g}", "as a fraction")
+            )
+            yield f"attribute {name}: {shown} is not in ({low:g}, {high:g}]; state it {remedy}"
     if test.attrs.get("origin") not in ORIGINS:
         yield f"attribute origin: {test.attrs.get('origin')!r}, must be one of {', '.join(ORIGINS)}"
     window = np.asarray(test.attrs.get("reference_window", []))

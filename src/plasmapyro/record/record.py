@@ -13,6 +13,7 @@ from plasmapyro.record.emittance import UNTOLD_SLOPE
 from plasmapyro.record.phases import phases, unlit
 
 ACCOMPANYING = ("electric_power", "chamber_pressure", "mass_flow_rate")
+ANY = 1000.0  # [K] in the place of a reading that is missing
 
 
 @dataclass(frozen=True)
@@ -175,10 +176,10 @@ def _filters(test, calibration, _):
         value = test.radiometer_signal.values.astype(float)
     else:  # what a black body of the reading gives, times the setting
         shown, bands = test.radiometer_reading.values, calibration.sel(band=names)
-        held = np.isfinite(shown) & (shown > 0)  # a display shows dashes out of its range
-        black = [blackbody_signal(*one) for one in _each_band(np.where(held, shown, 1000.0), bands)]
+        given = np.isfinite(shown) & (shown > 0)  # a display shows dashes out of its range
+        black = [blackbody_signal(*one) for one in _each_band(np.where(given, shown, ANY), bands)]
         value = test.radiometer_setting.values * np.stack(black, axis=1) * bands.band_sensitivity.values
-        value[~held] = np.nan
+        value[~given] = np.nan
         if len(names) == 2:  # a ratio: its level means nothing, and must not jump where the slope is set anew
             value = value * np.nanmedian(value[:, 1]) / value[:, 1:]
     flag = np.where(np.isnan(value), flags.LOST, 0).astype("uint8")
