@@ -9,7 +9,7 @@ from blind.consistent import contradictions
 
 from plasmapyro.diagnosis.report.report import found_apart
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
-from plasmapyro.diagnosis.report.simulation import simulation
+from plasmapyro.diagnosis.report.simulation import foreign_sentences, simulation
 from plasmapyro.diagnosis.select.pixels import NAMES, PIXELS
 from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
 from plasmapyro.page.stage import STATUS, write_page
@@ -137,8 +137,25 @@ def test_a_gas_that_differs_as_a_whole_is_said_beside_its_lines(lines, bright, p
     fit = Fit(0.0, bright, (), 0.0, np.eye(2))
     found = [SimpleNamespace(wavelength=780.5e-9, strength=1.4, error=0.3)] * lines
     agreed = Comparison(fit, fit, (), tuple(found), {"contin": 0.0}, 10.0, p, np.ones(1))
-    said = " ".join(simulation(SimpleNamespace(comparison=agreed))["sentences"])
+    said = " ".join(simulation(SimpleNamespace(comparison=agreed, foreign=()))["sentences"])
     assert ("as a whole" in said) is (p == 0.0)
     assert ("5 times as bright" in said) is (bright > 1)
     assert ("780.5 nm" in said) is (lines == 1)
     assert ("agrees" in said) is (lines == 0 and p > 0)
+
+
+@pytest.mark.parametrize(
+    ("with_sample", "since"),
+    [(True, ", since the injection"), (False, ", before the injection too"), (None, "")],
+)
+def test_a_species_that_the_simulation_lacks_is_said_with_its_lines(with_sample, since):
+    one = {
+        "species": "Rb I",
+        "probability": 0.97,
+        "lines": [780.03e-9, 794.76e-9],
+        "with_sample": with_sample,
+    }
+    assert foreign_sentences([one]) == [
+        "Rb I, with probability 0.97, is in the gas, not in the simulation: lines at 780.0, 794.8 nm in air"
+        + f"{since}."
+    ]
