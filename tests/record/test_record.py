@@ -321,6 +321,12 @@ def test_a_slow_instrument_without_a_sample_in_the_window_knows_the_dark_by_its_
     assert not unlit(time, np.full((5, 2), np.nan), (0.2, 4.0)).any()
 
 
+def test_a_shutter_between_the_window_and_the_injection_leaves_the_reference():
+    time, light = np.arange(-20.0, 5.0), np.ones((25, 2))
+    light[(time < -18) | (time == -3)] = 0.01
+    assert list(time[unlit(time, light, (-15.0, -5.0))]) == [-20.0, -19.0]
+
+
 def test_gas_that_is_not_there_may_be_told_as_a_little_less_than_none():
     """The walk of the joint estimate before the plasma, or in a pause, scatters about zero."""
     assert VARIABLES["gas_amplitude"].low < 0

@@ -13,9 +13,7 @@ MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
 NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
 NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
-CLEAR = (
-    10.0  # of its noise: the fitted light of a pixel that tells the shape, as that of a spectrum that is read
-)
+CLEAR = 10.0  # of its noise: the fitted light of a pixel that tells the shape
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
 

@@ -14,7 +14,8 @@ def phases(time, injection_time, plasma_off_time):
 
 
 def unlit(time, value, window):
-    """Samples (t,) before the injection without plasma: up to the last with less than a third of its light.
+    """Samples (t,) without plasma: up to the last with less than a third of its light, before the injection
+    and before the reference window. A shutter or a probe that passes later takes no reference away.
 
     A record may begin before the plasma burns; the dark then is no gas that was weak.
 
@@ -36,7 +37,7 @@ def unlit(time, value, window):
     gas = np.nansum(value[inside], axis=0) / number
     with np.errstate(invalid="ignore"):  # samples without a channel
         share = np.nansum(value * gas, axis=1) / np.sum(np.isfinite(value) * gas**2, axis=1)
-    dark = np.flatnonzero((time < 0) & (share < LIT))
+    dark = np.flatnonzero((time < min(0.0, time[inside][0])) & (share < LIT))
     if not dark.size or not share[inside].std() < STEADY:
         return np.zeros(time.size, dtype=bool)
     return np.arange(time.size) <= dark[-1]
