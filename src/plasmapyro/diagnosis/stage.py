@@ -17,7 +17,7 @@ from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.report.clock import on_clock
 from plasmapyro.diagnosis.report.extended import terms_text
 from plasmapyro.diagnosis.report.findings import Findings, gas_is_likelier
-from plasmapyro.diagnosis.report.foreign import certain, line_pattern, lines_lacking
+from plasmapyro.diagnosis.report.foreign import atom, certain, line_pattern, lines_lacking
 from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
@@ -179,11 +179,13 @@ def diagnose(
         asked = {"beside": beside, "away": away, "leaks": leaks(), "seed": seed}
         comparison = compare(base.model, measured, questions[1], **asked)
         foreign = lines_lacking(base.model, comparison)
-        if any(certain(one) for one in foreign):  # their light is no cause of the simulated gas
-            for one in filter(certain, foreign):
-                measured = measured.without(line_pattern(base.model, one["species"]), False)
-            found = comparison.lines
-            comparison = replace(compare(base.model, measured, questions[1], **asked), lines=found)
+        sure = {atom(one) for one in foreign if certain(one)} & set(questions[1])
+        freed = [one for one in foreign if certain(one) and atom(one) not in sure]
+        for one in freed:  # their light is no cause of the simulated gas
+            measured = measured.without(line_pattern(base.model, one["species"]), False)
+        if freed or sure:
+            found = compare(base.model, measured, questions[1], sure=sure, **asked)
+            comparison = replace(found, lines=comparison.lines) if freed else found
         elsewhere = other_gas(test, radiation, comparison)
         if elsewhere:
             comparison = anywhere(base.model, measured, questions[1], comparison, elsewhere, seed=seed)
@@ -200,6 +202,8 @@ def diagnose(
         selection = selection.beside(STRANGE_LINE)
         if selection.hides(comparison.gained):
             comparison = comparison.without_names(elsewhere)
+    of_gas = {setting.id for setting in comparison.final.settings}
+    foreign = [one for one in foreign if atom(one) not in of_gas]
     final, named = selection.final, bool(selection.final.settings)
     crossed = sum(_crossed(base, final, fitted(*other)) for other in others) if named and others else None
     rest = gained, crossed, reading, provenance or {}, digest_of(test), tuple(foreign)

@@ -45,8 +45,7 @@ def lines_lacking(model, comparison):
     return [
         {**one, "with_sample": _with_sample(one, before, library, gas)}
         for one in found
-        if one["species"].split()[0] not in simulated
-        and _beside(one["lines"], air_wavelength(lacking), reach)
+        if atom(one) not in simulated and _beside(one["lines"], air_wavelength(lacking), reach)
     ]
 
 
@@ -123,6 +122,11 @@ def _amount(species, wavelength, left, sigma, library, gas):
     shape, left = ((one - gaussian_filter1d(one, around)) / sigma for one in (shape, left))
     size = max(float(shape @ shape), 1e-300)
     return max(float(shape @ left) / size, 0.0), size**-0.5
+
+
+def atom(one):
+    """What a species is of: 'Ar' of 'Ar I'."""
+    return one["species"].split()[0]
 
 
 def certain(one):

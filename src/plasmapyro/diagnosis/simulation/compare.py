@@ -116,7 +116,16 @@ class Comparison:
 
 
 def compare(
-    model, measured, effects, *, beside=MappingProxyType({}), away=(0.0, 0.0), leaks=(), draws=1000, seed=1
+    model,
+    measured,
+    effects,
+    *,
+    beside=MappingProxyType({}),
+    away=(0.0, 0.0),
+    leaks=(),
+    sure=(),
+    draws=1000,
+    seed=1,
 ):
     """Hold the measured gas against the simulated one.
 
@@ -136,6 +145,7 @@ def compare(
     away : mean and standard deviation
         Of ln P of the gas over the simulated one at the power that was simulated.
     leaks : effects, lines of a gas each, that are asked only whether they are there
+    sure : ids of effects, lines of an atom each, that the places of their lines have told already
     draws, seed : int
         Simulated spectra behind the threshold.
 
@@ -156,7 +166,7 @@ def compare(
         before, seen = before if before.settings else bare, fit.objective
         if fit.settings[-1].id != SLIT:  # what lines say of the slit is no reason for another cause
             seen = fitter.by_light(fit) + fitter.of_slit(())
-        return seen <= free() - CLEARER and _may_be(fitter, before, fit)
+        return seen <= free() - CLEARER and _may_be(fitter, before, fit, sure)
 
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
     final, rivals = _names(fitter, base, alone, effects, wanted, holds)
@@ -225,9 +235,10 @@ def _of_formulas(fitter, base, final, further):
     return (FORMULA if cosine > KIN else SPILL) * max(explained, 0.0)
 
 
-def _may_be(fitter, before, fit):
-    """Whether the simulated gas could have the newest amplitude of a fit, and an atom has all its lines."""
-    atom = fit.settings[-1].id in FOREIGN
+def _may_be(fitter, before, fit, sure=()):
+    """Whether the simulated gas could have the newest amplitude of a fit, and an atom has all its lines;
+    that those of `sure` are there is known, but not how strong each is."""
+    atom = fit.settings[-1].id in FOREIGN.difference(sure)
     return admissible(fit, fitter.simulated.model.library) and (not atom or all_lines(fitter, before, fit))
 
 
