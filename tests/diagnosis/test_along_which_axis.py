@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
+from plasmapyro.diagnosis.select import selection
 from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.screen import screen
 from plasmapyro.diagnosis.select.search import Step
@@ -85,6 +86,17 @@ def test_where_a_signal_explains_most_time_has_a_step_at_every_sample(model, fau
     step = SimpleNamespace(solution=fitted(model, fault))
     found = _along_time(SimpleNamespace(model=model), step, "one_signal_pyrometer")
     assert seen_by(found) == {"instrument": "pyrometer", "axis": along}
+
+
+@pytest.mark.parametrize(("in_time", "chosen"), [(44524.0, "signal_wide"), (47000.0, "walk_ratio")])
+def test_a_walk_that_follows_a_signal_as_well_is_not_its_cause(model, monkeypatch, in_time, chosen):
+    """Log Bayes factors of a converter with unequal steps (measured), and of what asks for time clearly."""
+    structures = [SimpleNamespace(id=one) for one in ("walk_ratio", "signal_wide", "smooth")]
+    seen = SimpleNamespace(structures=structures, score=None)
+    monkeypatch.setattr(selection, "screen", lambda *_, **__: seen)
+    monkeypatch.setattr(selection, "Unknowns", lambda _: lambda _: np.array([in_time, 41827.0, 0.0]))
+    found = _along_time(SimpleNamespace(model=model), SimpleNamespace(solution=None), "signal_wide")
+    assert found == chosen
 
 
 def fouling(model, which, time, temperature, value):

@@ -6,6 +6,7 @@ import numpy as np
 
 from plasmapyro import progress
 from plasmapyro.diagnosis.fit.inference import Solution
+from plasmapyro.diagnosis.fit.setting import FORMULA
 from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
 from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.prices import MARGIN
@@ -213,12 +214,15 @@ def _alone(first, final):
 
 
 def _along_time(search, step, identity):
-    """A structure along the signal, or the one along time that explains more where a walk may step at every
-    sample: while a signal hardly changes, its levels are as close in time."""
+    """A structure along the signal, or the one along time that explains clearly more where a walk may step at
+    every sample: while a signal hardly changes, its levels are as close in time, and such a walk follows
+    whatever changes along a signal too."""
     every = max(instrument.time.size for instrument in search.model.instruments)
     seen = screen(search.model, step.solution, {}, steps=min(every, MOST_STEPS))
-    best = seen.structures[int(np.argmax(Unknowns(seen)(seen.score)))].id
-    return best if seen_by(best)["axis"] == "time" else identity
+    value, along = Unknowns(seen)(seen.score), [seen_by(one.id)["axis"] for one in seen.structures]
+    in_time, in_signal = (np.where(np.array(along) == axis, value, 0.0) for axis in ("time", "signal"))
+    best = seen.structures[int(np.argmax(in_time))].id
+    return best if in_time.max() > (1 + FORMULA) * in_signal.max() else identity
 
 
 def _alike(step, identity):
