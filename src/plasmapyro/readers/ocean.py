@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.readers import columns, spectra_table
-from plasmapyro.readers.text import number, quote, read_lines, refuse
+from plasmapyro.readers.text import number, quote, read_lines, refuse, require_end
 
 LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
@@ -73,18 +73,18 @@ def read_spectrum(path):
     lines, ended = read_lines(path, LARGEST)
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
     if begin is None and (plain := plain_spectrum(lines)):
-        if not ended:
-            refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+        require_end(path, lines, ended)
         return plain
     if begin is None:
         refuse(
             path,
-            "no line '>>>>>Begin ... Data<<<<<': not a SpectraSuite, OceanView or Jaz file",
-            "export it from the program again, or move it out of the folder",
+            "no line '>>>>>Begin ... Data<<<<<', as SpectraSuite, OceanView and Jaz write it, nor columns of"
+            " wavelength and signal",
+            "export it in nm (or um; or Angstrom, if its name says so), or move it out of the folder",
         )
     end = next((i for i in range(begin + 1, len(lines)) if lines[i].startswith(FENCE)), len(lines))
-    if end == len(lines) and not ended:
-        refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+    if end == len(lines):
+        require_end(path, lines, ended)
     header = [_plain(line) for line in lines[:begin]]
     wavelength, columns = _body(path, lines, begin + 1, end)
     promised = _integer(header, "pixel")
