@@ -178,3 +178,11 @@ def test_a_plain_spectrum_without_a_last_line_end_is_refused_only_if_digits_may_
     path.write_text("\n".join(f"{10 * (750 + 0.5 * i):.3f}\t{2000 + i:.2f}" for i in range(50)) + "\n")
     with pytest.raises(Refusal, match="nor columns of wavelength and signal; export it in nm .*Angstrom"):
         read_spectrum(path)
+
+
+def test_a_table_in_another_unit_is_told_the_key_that_says_so(tmp_path):
+    """The key stood in no page, and 'check the unit' named none."""
+    described = "spectrometer:\n  file: s.csv\n  quantity: spectral_radiance\n  unit: W/m2/sr/nm\n"
+    table = "time,0.750,0.751,0.752\n0.5,1,2,3\n1.5,4,5,6\n"
+    (message,) = check_test(samples.folder(tmp_path / "t", described, s__csv=table))
+    assert "0.75 to 0.752 nm" in message and "`wavelength_unit: um`, `Angstrom`" in message
