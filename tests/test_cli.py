@@ -126,7 +126,7 @@ def test_text_comes_out_as_well(folder):
         (["per_m3.dat", "--out", "x.nc"], r"per_m3.dat: [^;]*pressure: [^;]*; NEQAIR's text has x in cm"),
         (["response.nc", "--out", "x.nc"], "response.nc: not a valid 'sightline' dataset"),
         (["path.nc", "--out", "path.nc"], "path.nc: is an input or another output"),
-        (["path.nc", "--out", "x.nc", "--spectrum-text", "x.nc"], "x.nc: is an input or another output"),
+        (["path.nc", "--out", "x.out", "--spectrum-text", "x.out"], "x.out: is an input or another output"),
         (["path.nc", "--out", "sub.folder"], "sub.folder: is a folder; name a file"),
         (["path.nc", "--out", "x.nc", "--response", "path.nc"], "path.nc: not a valid 'response' dataset"),
         (["path.nc", "--out", "x.nc", "--slit-fwhm-nm", "0"], "--slit-fwhm-nm must lie between 0 and"),

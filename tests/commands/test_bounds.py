@@ -229,10 +229,19 @@ def test_what_a_laboratory_types_wrong_is_told_with_its_place_and_what_to_do(tmp
     out = ["--out", tmp_path / "t.nc"]
     for name in ("t.csv", "t.xlsx", "t.html"):
         with pytest.raises(ArgumentTypeError, match=r"is a netCDF file: name it t\.nc"):
-            options.netcdf(name)
+            options.KINDS["netcdf"](name)
     for command in ("correct", "correct-reading", "sightline", "radiance"):
         with pytest.raises(ValueError, match="--out is a netCDF file"):
             options.check(command, {"out": "t.csv"})
+    for command, option, name in (
+        ("heat-flux", "csv", "t.xlsx"),
+        ("identify", "out", "t.nc"),
+        ("correct", "html", "t.pdf"),
+        ("trust", "out", "t.html"),
+        ("radiance", "spectrum_text", "t.csv"),
+    ):
+        with pytest.raises(ValueError, match=rf"--{option.replace('_', '-')} is a .*: name it t\."):
+            options.check(command, {option: name})
     for name in ("test.yaml", "pyrometer.csv"):
         command = ["correct", test / name, "--instrument", lamp, *out]
         require_refused(judge(command, tmp_path), f"is one file of a test; name its folder, {test}")

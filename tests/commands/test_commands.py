@@ -181,6 +181,30 @@ def test_a_window_with_the_surface_in_it_is_refused_unless_wanted(shelf, tmp_pat
     assert (good.corrected_status == status.VALID).sum() > (kept.corrected_status == status.VALID).sum()
 
 
+@pytest.mark.parametrize(("opens", "rule"), [(3.0, "dark_in_window"), (5.5, "dark_reference")])
+def test_a_window_that_a_shutter_darkens_is_refused_unless_wanted(tmp_path, shelf, capsys, opens, rule):
+    """Its gas would be left in: temperatures 500 K off at 18 stated, or stated to 900 K."""
+    test = io.read(shelf / "pyrometer.nc", "test")
+    closed = (test.time > (1.0 if opens < 5 else -2.0)) & (test.time < opens)
+    dark = 1e-13 * np.random.default_rng(1).standard_normal((2, test.time.size))
+    for band, row in zip(("signal_wide", "signal_narrow"), dark, strict=True):
+        test[band] = test[band].where(~closed, row)
+    io.write(test, tmp_path / "test.nc", "test")
+    words = ["correct", str(tmp_path / "test.nc"), "--instrument", str(shelf / "lab"), "--draws", "200"]
+    words += ["--out", str(tmp_path / "t.nc")]
+    assert cli.main(words) == 2
+    said = capsys.readouterr().err
+    assert f"[{rule}]" in said and "--keep-window" in said and not (tmp_path / "t.nc").exists()
+    assert cli.main([*words, "--keep-window"]) == 0
+    found = io.read(tmp_path / "t.nc", "correction")
+    for name in ("corrected", "measured"):
+        error = found[f"{name}_temperature_uncertainty"]
+        assert float(error.max()) < (2073.15 - 973.15) / np.sqrt(12)
+        assert (np.isfinite(error) == np.isfinite(found[f"{name}_temperature"])).all()
+    dark = "times as bright as in the reference window" in found.attrs["recommended_because"]
+    assert dark == (rule == "dark_reference")
+
+
 def test_spectra_alone_judge_the_window_as_well(tmp_path, shelf, capsys):
     test = laboratory.made(pyrometer=False)
     times = np.arange(0.25, 60.0, 0.5)

@@ -11,7 +11,7 @@ RESPONSE = np.interp(WAVELENGTH * 1e9, [700, 760, 1000, 1100], [0.0, 1.0, 0.8, 0
 
 
 def test_weights_are_the_integrals_of_a_response_over_the_nodes():
-    edges, _ = band_nodes(WAVELENGTH, [RESPONSE])
+    edges, _ = band_nodes(WAVELENGTH)
     made = band_weights(edges, WAVELENGTH, RESPONSE)
 
     def response(nm):
@@ -27,7 +27,7 @@ def test_weights_are_the_integrals_of_a_response_over_the_nodes():
 
 def test_a_response_that_moves_changes_its_weights_without_jumps():
     """A fit takes the slope over a thousandth of a nanometre: a jump of the sum would look like knowledge."""
-    edges, centres = band_nodes(WAVELENGTH, [RESPONSE])
+    edges, centres = band_nodes(WAVELENGTH)
     shift = np.arange(-1.0, 1.0, 1e-3)
     light = np.exp(centres / 200e-9)  # a black body of 1500 K, about
     signal = np.array([band_weights(edges, WAVELENGTH + 1e-9 * one, RESPONSE) @ light for one in shift])

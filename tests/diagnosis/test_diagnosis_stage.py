@@ -12,7 +12,8 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.gas.library import gas_library, remarks, rungs
 from plasmapyro.diagnosis.select.selection import select
-from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
+from plasmapyro.diagnosis.simulation.compare import Comparison
+from plasmapyro.diagnosis.simulation.fitter import Fit
 from plasmapyro.diagnosis.stage import OF_MANY_BANDS, diagnose, other_gas
 from plasmapyro.quality.catalogue import of_test
 from plasmapyro.readers.stage import Reading

@@ -26,18 +26,16 @@ from plasmapyro.diagnosis.report.foreign import line_pattern
 from plasmapyro.diagnosis.report.simulation import power_sentences, slit_sentences
 from plasmapyro.diagnosis.select.selection import select
 from plasmapyro.diagnosis.simulation import compare as compare_module
+from plasmapyro.diagnosis.simulation import errors as errors_module
 from plasmapyro.diagnosis.simulation.compare import (
     SYSTEM,
     Comparison,
-    Fit,
-    Fitter,
     admissible,
     anywhere,
     compare,
-    raise_errors,
-    settled,
-    spectroscopy,
 )
+from plasmapyro.diagnosis.simulation.errors import raise_errors, spectroscopy
+from plasmapyro.diagnosis.simulation.fitter import Fit, Fitter, settled
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import _beyond
@@ -212,7 +210,7 @@ def test_a_slit_that_lines_show_lets_no_strength_pass_for_another_cause(rippled,
 
 def test_a_fit_that_leaves_a_rest_errs_by_its_birge_ratio(rippled, monkeypatch):
     plain = compared(rippled)
-    monkeypatch.setattr(compare_module.Fitter, "spread", lambda fitter, fit: 1.2)
+    monkeypatch.setattr(Fitter, "spread", lambda fitter, fit: 1.2)
     np.testing.assert_allclose(compared(rippled).final.covariance, 1.2 * plain.final.covariance)
 
 
@@ -225,9 +223,9 @@ def test_each_round_of_a_fit_goes_on_from_the_last(monkeypatch):
         starts.append(start)
         return len(starts)
 
-    monkeypatch.setattr(compare_module.Fitter, "__init__", lambda *rest: None)
-    monkeypatch.setattr(compare_module.Fitter, "light", lambda self, fit: None)
-    monkeypatch.setattr(compare_module.Fitter, "fit", fit)
+    monkeypatch.setattr(Fitter, "__init__", lambda *rest: None)
+    monkeypatch.setattr(Fitter, "light", lambda self, fit: None)
+    monkeypatch.setattr(Fitter, "fit", fit)
     settled(SimpleNamespace(measured=SimpleNamespace(simulated=None)))
     assert starts == [None, 1, 2]
 
@@ -415,7 +413,7 @@ def test_two_groups_of_lines_together_may_stand_for_an_effect(monkeypatch):
             free = (*wrong, one)
             yield SimpleNamespace(wrong=free), SimpleNamespace(objective=-gains["".join(sorted(free))])
 
-    monkeypatch.setattr(compare_module, "_freed", freed)
+    monkeypatch.setattr(errors_module, "_freed", freed)
     assert spectroscopy(None) == -39.0
     assert spectroscopy(None, ("a",)) == -20.0
 

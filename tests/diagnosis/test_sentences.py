@@ -11,7 +11,8 @@ from plasmapyro.diagnosis.report.report import found_apart
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
 from plasmapyro.diagnosis.report.simulation import foreign_sentences, simulation
 from plasmapyro.diagnosis.select.pixels import NAMES, PIXELS
-from plasmapyro.diagnosis.simulation.compare import Comparison, Fit
+from plasmapyro.diagnosis.simulation.compare import Comparison
+from plasmapyro.diagnosis.simulation.fitter import Fit
 from plasmapyro.page.stage import STATUS, write_page
 
 

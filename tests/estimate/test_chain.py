@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from plasmapyro.estimate.banded import Factor, lower_band, solve_bordered
+from plasmapyro.estimate.banded import Factor, inner, lower_band, solve_bordered
 from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, TEMPERATURE, ChainPrior, Dynamics, transition
 
 EXACT = 1e-9  # round-off of matrices with condition numbers up to 1e6
@@ -59,6 +59,14 @@ def test_border_gives_the_marginal_covariance_of_the_whole(blocks):
     np.testing.assert_allclose(covariance, inverse[24:, 24:], rtol=EXACT)
     own = np.linalg.inv(dense(*blocks)) + effect @ covariance @ effect.T
     np.testing.assert_allclose(own, inverse[:24, :24], rtol=1e-8, atol=1e-12)
+
+
+def test_a_product_of_tall_matrices_in_pieces_is_the_product():
+    """Of fewer rows than a piece, of whole pieces, and of some more."""
+    generator = np.random.default_rng(1)
+    for rows in (5, 128, 1000):
+        left, right = generator.normal(size=(rows, 3)), generator.normal(size=(rows, 2))
+        np.testing.assert_allclose(inner(left, right), left.T @ right, rtol=1e-12, atol=1e-12)
 
 
 def walk(dynamics, time, count, seed):

@@ -387,6 +387,11 @@ WINDOWS = {
         lambda t, p: p * np.where((t > 0) & (t < 5), 1 - 0.2 * (np.clip(t, 0, 5) / 5) ** 3, 1),
         "the gas drifts in it beyond its noise",
     ),
+    "dark_in_window": (
+        lambda t: {},
+        lambda t, p: p * np.where((t > 0.5) & (t < 2), 0.0, 1),
+        "a shutter or a probe hides the plasma then, or it does not burn; try --reference-window 2 5 [",
+    ),
 }
 
 

@@ -91,6 +91,12 @@ STAMPS = {
         lambda i: f"23:59:{50 + i}" if i < 10 else f"00:00:{i - 10:02d}",
         0.0,
     ),
+    "zero behind midnight": (
+        "%H:%M:%S",
+        "00:00:05",
+        lambda i: f"23:59:{50 + i}" if i < 10 else f"00:00:{i - 10:02d}",
+        -15.0,
+    ),
 }
 
 
@@ -124,6 +130,11 @@ def test_date_and_time_of_day_may_stand_in_two_columns(tmp_path):
 def test_a_date_without_a_format_is_called_a_date(tmp_path):
     (message,) = faults(tmp_path, rows(stamp=stamp()))
     assert "line 2: '25.10.2026 02:00:00,25' is a date or a time of day; state its `format`" in message
+
+
+def test_a_moment_that_shall_be_zero_and_is_missing_is_one_fault(tmp_path):
+    (message,) = faults(tmp_path, rows(stamp=stamp()), STAMPED.replace("  zero: '25.10.2026 01:59:30'\n", ""))
+    assert "pyrometer.zero is missing" in message
 
 
 def test_a_date_of_another_format_is_refused_with_the_line(tmp_path):

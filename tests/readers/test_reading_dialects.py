@@ -9,6 +9,7 @@ import samples
 from plasmapyro import contracts
 from plasmapyro.readers.ocean import clipped, read_spectrum
 from plasmapyro.readers.stage import check_test, read_test
+from plasmapyro.readers.text import Refusal
 
 FLOAT_RTOL = 1e-12
 # Air and vacuum wavelengths of Ar I and O I as listed in the NIST Atomic Spectra Database.
@@ -98,7 +99,7 @@ REFUSED = {
     "a letter in a number": (lambda b: b.replace(b"2360.00", b"236O.00"), "'236O.00' is not a number"),
     "two decimal signs": (lambda b: b.replace(b"2360.00", b"2360,00"), "mixed"),
     "falling wavelengths": (lambda b: b.replace(b"756.96", b"746.96"), "do not rise"),
-    "not a spectrum": (lambda b: b"some words\n", "not a SpectraSuite"),
+    "not a spectrum": (lambda b: b"some words\n", "no line '>>>>>Begin"),
     "binary": (lambda b: b[:900] + b"\0\1\2" + b[900:], "binary"),
     "nothing": (lambda b: b"", "is empty"),
     "another exposure": (lambda b: b.replace(b"600000", b"500000"), "integration time 0.5, but 0.6"),
@@ -163,3 +164,25 @@ def test_a_spliced_spectrum_may_hold_more_than_its_header_promises(tmp_path):
     path = tmp_path / "a.txt"
     path.write_bytes(samples.spectrum("oceanview").replace(b"Spectrum: 24", b"Spectrum: 20"))
     assert read_spectrum(path).wavelength.size == 24
+
+
+def test_a_plain_spectrum_without_a_last_line_end_is_refused_only_if_digits_may_be_lost(tmp_path):
+    """Series that a script wrote without it were all 'cut off'."""
+    path = tmp_path / "spectrum.txt"
+    whole = "\n".join(f"{750 + 0.5 * i:.3f}\t{2000 + i:.2f}" for i in range(50))
+    path.write_text(whole)
+    assert read_spectrum(path).wavelength.size == 50
+    path.write_text(whole[:-1])
+    with pytest.raises(Refusal, match="line 50: the last line has no end and may be cut off; copy "):
+        read_spectrum(path)
+    path.write_text("\n".join(f"{10 * (750 + 0.5 * i):.3f}\t{2000 + i:.2f}" for i in range(50)) + "\n")
+    with pytest.raises(Refusal, match="nor columns of wavelength and signal; export it in nm .*Angstrom"):
+        read_spectrum(path)
+
+
+def test_a_table_in_another_unit_is_told_the_key_that_says_so(tmp_path):
+    """The key stood in no page, and 'check the unit' named none."""
+    described = "spectrometer:\n  file: s.csv\n  quantity: spectral_radiance\n  unit: W/m2/sr/nm\n"
+    table = "time,0.750,0.751,0.752\n0.5,1,2,3\n1.5,4,5,6\n"
+    (message,) = check_test(samples.folder(tmp_path / "t", described, s__csv=table))
+    assert "0.75 to 0.752 nm" in message and "`wavelength_unit: um`, `Angstrom`" in message

@@ -99,7 +99,7 @@ class Gas:
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
-        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
+        mean = self._mean_temperature()
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self._heating("N2 1P", one, change)) for one in energy]
 
@@ -118,7 +118,7 @@ class Gas:
 
     def vibrating(self, ratio):
         """Spectrum (B,) with the vibration of N2 B at `ratio` times the temperature, its number kept."""
-        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
+        mean = self._mean_temperature()
         changed = self.radiance.copy()
         changed[self.systems.index("N2 1P")] *= nitrogen.change(
             self.centres, mean, nitrogen.vibrational(mean, ratio)
@@ -157,7 +157,7 @@ class Gas:
 
         ASSUME: what absorbs a line emits it too, mixed evenly; what lies in one or two bins is one line.
         """
-        mean = self._mean_temperature("N2 1P", NITROGEN_UPPER)
+        mean = self._mean_temperature()
         energy = np.linspace(LEVELS[0], LEVELS[1], 12)
         gain = [np.log(self.view.mean(self._brighter("N2 1P", one))) for one in energy]
 
@@ -251,8 +251,9 @@ class Gas:
     def _species(self, system):
         return RADIATOR.get(system) or FOLLOWS[system][0]
 
-    def _mean_temperature(self, system, energy):
-        weight = self._along * self._emitted(system, energy)
+    def _mean_temperature(self):
+        """Where the first positive system of nitrogen shines."""
+        weight = self._along * self._emitted("N2 1P", NITROGEN_UPPER)
         return weight @ self.table_temperature / weight.sum()
 
     def _excitation(self, system, energy, ratio):

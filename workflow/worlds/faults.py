@@ -268,10 +268,10 @@ formulas(
 )
 
 
-def _shifted(row, nanometres, low, high):
-    """A response with its short-wavelength flank moved, below `high`."""
+def _shifted(row, nanometres):
+    """A response with its short-wavelength flank moved, up to 1020 nm."""
     flank = np.interp(SMOOTH - nanometres * 1e-9, SMOOTH, row)
-    return np.where((SMOOTH > low) & (SMOOTH < high), flank, row)
+    return np.where((SMOOTH > 650e-9) & (SMOOTH < 1.02e-6), flank, row)
 
 
 for _band, _name in enumerate(("edge1", "edge2")):
@@ -279,7 +279,7 @@ for _band, _name in enumerate(("edge1", "edge2")):
     @effect(_name)
     def _edges(s, a, p, c, band=_band):
         bands = s.bands.copy()
-        bands[band] = _shifted(bands[band], a, 650e-9, 1.02e-6)
+        bands[band] = _shifted(bands[band], a)
         return s.copy(bands=bands)
 
 
@@ -426,7 +426,7 @@ formulas(
 @effect("warm_filter")
 def _warm_filter(s, a, p, c):
     bands = s.bands.copy()
-    bands[1] = _shifted(bands[1], a, 650e-9, 1.02e-6)
+    bands[1] = _shifted(bands[1], a)
     moved = s.copy(bands=bands)
     share = _column(1 - np.exp(-np.clip(s.time, 0, None) / p["tau_s"]))
     ratio = (planck(SMOOTH, _column(s.kelvin)) @ moved.bands[1]) / (

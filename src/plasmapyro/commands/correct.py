@@ -15,7 +15,8 @@ from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.quality.catalogue import agreed, merged, of_test
-from plasmapyro.quality.window import surface_in_window
+from plasmapyro.quality.pyrometer import dark_reference
+from plasmapyro.quality.window import dark_in_window, surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import budget, status
 from plasmapyro.record.calibrated import of_pixels, on_same_wavelengths
@@ -28,6 +29,7 @@ NANOMETRE = 1e-9
 # files and contracts
 PYROMETER, SPECTROMETER, RADIOMETER = "calibration", "spectrometer_calibration", "radiometer_calibration"
 
+NO_REFERENCE = surface_in_window, dark_in_window, dark_reference  # rules: what is subtracted is not the gas
 OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperature")
 
 
@@ -85,7 +87,7 @@ def _corrected(options):
         test, calibrations = applied(test, calibrations, read_priors(options.priors, files))
     found = of_test(options.test, reading, **calibrations)
     words = [finding.words for finding in found]
-    if surface_in_window in [finding.rule for finding in found] and not options.keep_window:
+    if {one.name for one in NO_REFERENCE} & {one.rule.name for one in found} and not options.keep_window:
         raise ValueError(
             "\n".join([*words, "choose another --reference-window, or go on with --keep-window"])
         )

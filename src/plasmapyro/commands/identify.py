@@ -89,10 +89,11 @@ def words(answer, rows):
     middle = (answer.peaks.axis[0] + answer.peaks.axis[-1]) / 2
     lines = [
         f"{answer.peaks.wavelength.size} peaks from {answer.peaks.axis[0] / NANOMETRE:.0f} to"
-        f" {answer.peaks.axis[-1] / NANOMETRE:.0f} nm; the wavelength scale is"
-        f" {float(answer.scale(middle)) / NANOMETRE:+.2f} nm off in the middle"
+        f" {answer.peaks.axis[-1] / NANOMETRE:.0f} nm"
     ]
     if rows:
+        off = float(answer.scale(middle)) / NANOMETRE
+        lines[0] += f"; the wavelength scale is {off:+.2f} nm off in the middle"
         table = [COLUMNS, *([str(cell) for cell in one] for one in rows)]
         widths = [max(len(one[k]) for one in table) for k in range(len(COLUMNS))]
         lines += ["  ".join(c.ljust(w) for c, w in zip(one, widths, strict=True)).rstrip() for one in table]

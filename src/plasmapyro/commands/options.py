@@ -173,18 +173,27 @@ def picture(word):
     return word
 
 
-OTHERS = ".csv .txt .dat .tsv .xls .xlsx .ods .json .yaml .yml .html .png .svg .pdf".split()
+ENDINGS = set(".nc .csv .txt .dat .tsv .xls .xlsx .ods .json .yaml .yml .html .png .svg .pdf .md".split())
 
 
-def netcdf(word):
-    """Name of a file for results, whose ending says of no other kind of file."""
-    if Path(word).suffix.lower() in OTHERS:
-        raise argparse.ArgumentTypeError(f"is a netCDF file: name it {Path(word).stem}.nc; got {word!r}")
-    return word
+def _file(what, *own):
+    """Kind of the name of a file to write, whose ending says of no other kind of file."""
+
+    def kind(word):
+        if Path(word).suffix.lower() in ENDINGS - {*own}:
+            raise argparse.ArgumentTypeError(f"is {what}: name it {Path(word).stem}{own[0]}; got {word!r}")
+        return word
+
+    return kind
 
 
 KINDS = {
-    **{kind.__name__: kind for kind in (float, int, positive, not_negative, share, seed, picture, netcdf)},
+    **{kind.__name__: kind for kind in (float, int, positive, not_negative, share, seed, picture)},
+    "netcdf": _file("a netCDF file", ".nc"),
+    "table": _file("a table with commas", ".csv", ".txt", ".dat"),
+    "page": _file("a page of HTML", ".html"),
+    "markdown": _file("a page of Markdown", ".md", ".txt"),
+    "text": _file("a text file", ".txt", ".dat"),
     "count": _whole(3, 100_000),
     "points": _whole(20, 5000),
     "grid_points": _whole(1, 5_000_000),  # 2 GB of memory

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from plasmapyro.estimate.banded import inner
 from plasmapyro.estimate.dynamics import FLICKER, GAS, RATE, SIZE, TEMPERATURE
 from plasmapyro.estimate.instrument import GreyTable
 
@@ -195,8 +196,8 @@ class PyrometerData:
             result.state_matrix[:] += weighted[:, :, None] * by_state[:, None, :]
             result.state_gradient[:] -= weighted * r[:, None]
             result.border[:, :, where] += weighted[:, :, None] * by_constant[:, None, :]
-            result.corner[np.ix_(where, where)] += by_constant.T @ (w[:, None] * by_constant)
-            result.constant_gradient[where] -= by_constant.T @ (w * r)
+            result.corner[np.ix_(where, where)] += inner(by_constant, w[:, None] * by_constant)
+            result.constant_gradient[where] -= inner(by_constant, (w * r)[:, None])[:, 0]
         return dataclasses.replace(result, value=robust_sum(residual))
 
 
@@ -357,8 +358,8 @@ class SpectrometerData:
         cross = np.matmul(np.swapaxes(part, 1, 2), jacobian[:, :, SIZE:])
         np.add.at(result.border, self.place, cross)
         flat = weighted[:, :, SIZE:].reshape(frames * bins, size)
-        result.corner[:] = flat.T @ by_constant
-        result.constant_gradient[:] = -(flat.T @ residual.ravel())
+        result.corner[:] = inner(flat, by_constant)
+        result.constant_gradient[:] = -inner(flat, residual.reshape(-1, 1))[:, 0]
         return dataclasses.replace(
             result, value=robust_sum(np.where(np.isfinite(self.radiance), residual, np.nan))
         )

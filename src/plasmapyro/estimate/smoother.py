@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from plasmapyro import progress
-from plasmapyro.estimate.banded import Factor, solve_bordered
+from plasmapyro.estimate.banded import Factor, inner, solve_bordered
 from plasmapyro.estimate.dynamics import GAS, SIZE, TEMPERATURE, ChainPrior, transition
 from plasmapyro.estimate.observations import robust_sum
 
@@ -97,7 +97,7 @@ def cost(chain, observations, prior_constants, found):
     prior = chain.prior(found.dynamics)
     factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)
     border = gathered.border.reshape(-1, found.values.size)
-    corner = gathered.corner + np.diag(prior_constants.deviation**-2.0) - border.T @ factor.solve(border)
+    corner = gathered.corner + np.diag(prior_constants.deviation**-2.0) - inner(border, factor.solve(border))
     determinants = factor.log_determinant() + np.linalg.slogdet(corner)[1]
     return misfit(chain, observations, prior_constants, found) + 0.5 * determinants
 

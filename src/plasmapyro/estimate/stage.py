@@ -31,6 +31,7 @@ BENDS = 2  # times that exposures take the path between their samples anew
 # ASSUME: what no model of a constant grey surface knows: emittance and windows change by some per cent while
 # a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
 CHANGING = 0.02  # [1] standard, of the level of the light through the test
+MOST_GAS = 1e3  # [1] of its light in the reference window; a plasma changes by some tens of per cent
 TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
@@ -394,6 +395,13 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     state[~injected] = status.NOT_INJECTED
     factor = np.exp(budget.NORMAL_95 * deviation / temperature)
     amplitude = np.where(samples.shining, 1 + found.path[:, GAS], 0.0)[group]
+    if (most := np.abs(amplitude).max()) > MOST_GAS:
+        low, high = map(record.clock, record.window)
+        raise ValueError(
+            f"the gas would have to be {most:.0e} times as bright as in the reference window"
+            f" {low:g} to {high:g} s, which is dark; choose one in which the plasma shines"
+            " on the instrument (--reference-window)"
+        )
     of_constants = np.sqrt(np.diag(spread.constants))
     sound = np.nan if against.all() else 1.0  # of constants that contradict what is stated nothing is told
     emittance = sound * float(np.exp(found.values[of("log_emittance")[0]]))

@@ -26,6 +26,7 @@ from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
+UNIFORM = 12.0  # a range that is all that is known, squared, over its variance: JCGM 100:2008, 4.3.7
 PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3
 
 
@@ -95,19 +96,22 @@ def correct_pyrometer(
     )
     measured_temperature, measured_status = correction.read_measured(reading, raw, saturated)
 
-    def monte_carlo(gas, gas_uncertainty, temperature, stream):
+    def monte_carlo(gas, gas_uncertainty, temperature, state, stream):
+        """Temperature and its uncertainty (t,) [K]; none where that tells no more than the range does."""
         generator = np.random.default_rng([seed, stream])
-        spread_of_draws = correction.temperature_uncertainty(
-            reading, raw, gas, gas_uncertainty, draws, generator
-        )
-        return np.where(np.isfinite(temperature), spread_of_draws, np.nan)
+        error = correction.temperature_uncertainty(reading, raw, gas, gas_uncertainty, draws, generator)
+        known = np.isfinite(temperature) & (error <= np.ptp(reading.instrument_range) / np.sqrt(UNIFORM))
+        state[np.isfinite(temperature) & ~known] = status.NO_SIGNAL
+        return (np.where(known, one, np.nan) for one in (temperature, error))
 
     nothing = np.zeros_like(raw)
     taken = [np.where(shining, row[:, None], 0.0) for row in (reference, reference_uncertainty)]
-    corrected_uncertainty = monte_carlo(*taken, corrected_temperature, 1)
-    # No temperature is given whose uncertainty has no end.
-    corrected_status[np.isfinite(corrected_temperature) & np.isnan(corrected_uncertainty)] = status.NO_SIGNAL
-    corrected_temperature = np.where(np.isnan(corrected_uncertainty), np.nan, corrected_temperature)
+    corrected_temperature, corrected_uncertainty = monte_carlo(
+        *taken, corrected_temperature, corrected_status, 1
+    )
+    measured_temperature, measured_uncertainty = monte_carlo(
+        nothing, nothing, measured_temperature, measured_status, 0
+    )
     if response is not None and len(instruments(test)) == 1:
         known = corrected_temperature, corrected_uncertainty
         unlike = unlike_level(corrected, *known, test.attrs, calibration, response)
@@ -123,10 +127,7 @@ def correct_pyrometer(
             "corrected_signal_uncertainty": (("band", "time"), np.where(injected, uncertainty, np.nan)),
             "surface_share": (("band", "time"), corrected / np.where(raw == 0, np.nan, raw)),
             "measured_temperature": ("time", measured_temperature),
-            "measured_temperature_uncertainty": (
-                "time",
-                monte_carlo(nothing, nothing, measured_temperature, 0),
-            ),
+            "measured_temperature_uncertainty": ("time", measured_uncertainty),
             "measured_status": ("time", measured_status, status.flags()),
             "corrected_temperature": ("time", corrected_temperature),
             "corrected_temperature_uncertainty": ("time", corrected_uncertainty),

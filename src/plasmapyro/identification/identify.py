@@ -20,6 +20,8 @@ ALIKE = 3.0  # difference of log evidence below which two species are not told a
 CALIBRATED, UNCALIBRATED = 0.2, 1.2  # scatter of ln(response) between regions of a spectrum
 QUICK = ((4000.0, 5.0), (9000.0, 50.0))
 SHIFTS = np.arange(-3.0, 3.01, 0.5)  # of the wavelength scale, in widths of a line
+# ASSUME: however wide its slit, a spectrometer is off by less; of eight wide lines some fit at any shift.
+FARTHEST = 3e-9  # [m]
 PLACES = (0.5, 0.35, 0.25, 0.17)  # error of a position in widths of a line while the scale is being found
 EXPLAINED = 0.05  # least share of a peak that is there by chance, however well it is explained
 PLACE = 0.12  # and after
@@ -175,13 +177,14 @@ def _scale(peaks, response, species):
 def _offset(peaks, response, species):
     """The constant shift under which species together find most lines, as a Scale."""
     width = np.median(peaks.slit)
-    scales = [Scale(shift * width) for shift in SHIFTS]
+    shifts = SHIFTS[np.abs(SHIFTS) * width < FARTHEST]
+    scales = [Scale(shift * width) for shift in shifts]
     score = []
     for scale in scales:
         scene = Scene(peaks, response, scale, PLACES[0], QUICK)
         fits = [scene.fit(one) for one in species]
         score.append(sum(max(fit.log_bayes - 3.0, 0.0) for fit in fits if fit))
-    return scales[int(np.argmax(np.array(score) - SHIFTS**2 / 2))]
+    return scales[int(np.argmax(np.array(score) - shifts**2 / 2))]
 
 
 def _by_chance(scene, one, others):

@@ -1,7 +1,13 @@
 """Rules for the reference window: what is subtracted as gas must be gas, and steady."""
 
+import numpy as np
+
 from plasmapyro.quality.rule import rule
 from plasmapyro.record import onset
+from plasmapyro.record.flags import WIDEST
+
+MOST_HIDDEN = 0.9  # of a window: the brightest samples of the rest tell its light
+CLEAR = 10.0  # changes from one sample to the next: less light lies in the noise, and darkness tells nothing
 
 
 @rule(limit=onset.SIGNIFICANT)
@@ -31,3 +37,30 @@ def gas_drifts(case, limit):
         return None
     begin, end = (float(edge) for edge in case.test.attrs["reference_window"])
     return {"begin": begin, "end": end}
+
+
+@rule()
+def dark_in_window(case, limit):
+    time = case.test.time.values
+    begin, end = case.test.attrs["reference_window"]
+    inside = (time >= begin) & (time <= end)
+    time, light = time[inside], case.pair[:, inside]
+    if not np.isfinite(light).all(axis=0).sum() > WIDEST:
+        return None
+    usual = np.nanquantile(light, MOST_HIDDEN, axis=1, keepdims=True)
+    steps = np.nanmedian(np.abs(np.diff(light)), axis=1, keepdims=True)
+    dark = (light < limit * usual).all(axis=0)
+    if dark.sum() <= WIDEST or (usual < CLEAR * steps).any():
+        return None
+    first, last = time[dark][[0, -1]]
+    runs = np.flatnonzero(np.diff(np.concatenate([[True], dark, [True]]))).reshape(-1, 2)
+    longest = runs[np.argmax(np.diff(runs, axis=1))]
+    return {
+        "begin": float(begin),
+        "end": float(end),
+        "first": float(first),
+        "last": float(last),
+        "share": float(dark.mean()),
+        "low": float(time[longest[0]]) + 0.0,  # -0.0 is 0
+        "high": float(time[longest[1] - 1]),
+    }

@@ -114,14 +114,17 @@ def times(path, words, lines, form, zero, set_back):
         for i in bad
     ]
     start = seconds(zero, form)
-    if start is None:
+    if start is None and zero:  # that it is missing was said
         faults.append(fault(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it"))
-    if faults:
+    if faults or start is None:
         return values, faults
     known = np.flatnonzero(np.isfinite(values))
     if known.size and not has_day(form):
         nights = np.diff(values[known], prepend=values[known[0]]) < -DAY / 2
         values[known] += DAY * np.cumsum(nights)
+        first, last = values[known][[0, -1]]
+        # The moment may stand on the other side of midnight than the first line.
+        start = next((one for one in (start, start + DAY, start - DAY) if first <= one <= last), start)
     back = known[1:][np.abs(np.diff(values[known]) + HOUR) < CHANGE]
     if back.size and not set_back:
         refuse(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro.readers import clock, columns, parts
+from plasmapyro.readers.cells import COMMENT, split
 from plasmapyro.readers.text import Refusal, number, quote, refuse
 
 POLL = 0.005  # [s] between two looks at a file: a tenth of the delay that is promised
@@ -80,9 +81,9 @@ def samples_of_table(path, section, lines):
             except Refusal:
                 if len(above) >= columns.HEADER_LINES:
                     raise
-        elif line.strip() and not line.lstrip().startswith(columns.COMMENT):
+        elif line.strip() and not line.lstrip().startswith(COMMENT):
             _, mark, places, stated = header
-            cells = columns.split(line, mark)
+            cells = split(line, mark)
             if len(cells) <= max(places.values()):
                 yield f"{len(cells)} cells, column {max(places.values()) + 1} is needed"
                 continue

@@ -10,6 +10,7 @@ import yaml
 
 from plasmapyro.foreign import printable
 from plasmapyro.readers import burst, columns, ocean, parts, spectra_table, units
+from plasmapyro.readers.cells import COMMENT, DELIMITERS, split, without_empty_end
 from plasmapyro.readers.description import Section, in_yaml
 from plasmapyro.readers.dialects import ARRAYS, table_lines
 from plasmapyro.readers.guess_signals import pyrometer_section, table_section
@@ -156,7 +157,7 @@ def _kind(path):
     fenced = any(line.startswith(ocean.FENCE) for line in lines)
     if fenced and spectra_table.series_lines(lines) is lines or not fenced and ocean.plain_spectrum(every):
         return "spectrum", None
-    data = [line for line in lines if not line.lstrip().startswith(columns.COMMENT)]
+    data = [line for line in lines if not line.lstrip().startswith(COMMENT)]
     try:
         if data and {"Q", "R"} <= burst.first_line(data[0])[1].keys():
             return "burst", burst.first_line(data[0])
@@ -200,8 +201,8 @@ def _matrix(path, lines):
     Or, below a cell that names wavelengths, the first column does; if they are none, Refusal.
     """
     lines = spectra_table.series_lines(lines)
-    for name, mark in columns.DELIMITERS.items():
-        rows = [columns.without_empty_end(columns.split(line, mark)) for line in lines]
+    for name, mark in DELIMITERS.items():
+        rows = [without_empty_end(split(line, mark)) for line in lines]
         start = next((i for i, row in enumerate(rows[:-1]) if len(row) > 1 and len(row) == len(rows[-1])), 0)
         upright = spectra_table.upright_row(rows)
         if upright is not None and len(rows[upright]) > len(rows[-1]):

@@ -6,6 +6,7 @@ from datetime import timedelta
 import numpy as np
 
 from plasmapyro.readers import clock, columns, ocean, spectra_table, units
+from plasmapyro.readers.cells import DELIMITERS, split
 from plasmapyro.readers.description import in_yaml
 from plasmapyro.readers.guess_table import MOST_ROWS, Table, file_line, stamp_format
 from plasmapyro.readers.spectrometer import SPECTRUM_SUFFIXES
@@ -89,7 +90,7 @@ def _matrix_lines(folder, listed, dark, questions):
     unit, mark = dict(listed)[tables[0]]
     lines = spectra_table.series_lines(read_lines(tables[0], columns.LARGEST)[0])
     lines = [line for line in lines if line.strip()]
-    rows = [columns.split(line, columns.DELIMITERS[mark]) for line in lines]
+    rows = [split(line, DELIMITERS[mark]) for line in lines]
     upright = spectra_table.upright_row(rows)
     begins = [row[0] for row in rows[-MOST_ROWS:]] if upright is None else rows[upright][1:]
     stamps = [word for word in begins if clock.looks_like_stamp(word)]

@@ -6,6 +6,16 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.readers import clock, columns, parts, units
+from plasmapyro.readers.cells import (
+    DELIMITERS,
+    is_remark,
+    is_value,
+    label_of,
+    split,
+    units_below,
+    units_in,
+    without_empty_end,
+)
 from plasmapyro.readers.description import in_yaml
 from plasmapyro.readers.dialects import table_lines
 from plasmapyro.readers.text import missing, number
@@ -71,16 +81,16 @@ def look_at_table(path):
     seen, best = set(), None  # a header may stand above each block of a record
     lines = [line for line in lines if not (line in seen or seen.add(line)) or not WORDS.search(line)]
     tabbed = sum("\t" in line for line in lines) > USUAL * len(lines)
-    for name, mark in columns.DELIMITERS.items():
+    for name, mark in DELIMITERS.items():
         if tabbed and mark.isspace() and mark != "\t":
             continue  # an empty cell would be lost
-        rows = [columns.split(line.lstrip("#%! "), mark) for line in lines]
+        rows = [split(line.lstrip("#%! "), mark) for line in lines]
         good = [_is_row(row) for row in rows]
         begins = [i for i in range(len(rows)) if good[i] and not (i and good[i - 1])]
         if not begins:
             continue
         # Above the table there may be blocks of a few numbers: the longest run is it, with comments inside.
-        remarks = [columns.is_remark(line) for line in lines]
+        remarks = [is_remark(line) for line in lines]
         passed = [*map(any, zip(good, remarks, strict=True)), False]
         runs = {begin: passed.index(False, begin) - begin for begin in begins}
         first = max(begins, key=runs.get)
@@ -112,7 +122,7 @@ def look_at_table(path):
 
 def _is_row(cells):
     """Whether cells are values of a table: two or more, or one beside cells that say there is none."""
-    values = sum(map(columns.is_value, cells))
+    values = sum(map(is_value, cells))
     return values >= 2 or (values == 1 and sum(map(missing, filter(None, cells))) > 0)
 
 
@@ -121,16 +131,16 @@ def _names(above, width, count):
 
     The line whose names tell most has the word, other lines fill what it leaves empty.
     """
-    above = [row for row in above if len(row) > 1 and len(columns.without_empty_end(row)) >= min(2, width)]
+    above = [row for row in above if len(row) > 1 and len(without_empty_end(row)) >= min(2, width)]
     while {len(row) for row in above} != {len(row) for row in above[-1:]}:
         del above[0]
-    below = [columns.units_in(row) for row in above]
-    labels = [[columns.label_of(cell) for cell in row] for row in above]
+    below = [units_in(row) for row in above]
+    labels = [[label_of(cell) for cell in row] for row in above]
     telling = [
         -1
         if units_only
         else sum(bool(unit) or any(_matches(label, one) for one in NAMES) for label, unit in row)
-        for row, units_only in zip(labels, map(columns.units_below, above), strict=True)
+        for row, units_only in zip(labels, map(units_below, above), strict=True)
     ]
     if (
         not above
@@ -155,7 +165,7 @@ def _matches(label, variable):
 
 def _is_column(words):
     known = [word for word in words if not missing(word)]
-    return len(known) > 0 and np.mean([columns.is_value(word) for word in known]) >= USUAL
+    return len(known) > 0 and np.mean([is_value(word) for word in known]) >= USUAL
 
 
 def assign(table):

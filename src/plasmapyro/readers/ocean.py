@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from plasmapyro.readers import columns, spectra_table
-from plasmapyro.readers.text import number, quote, read_lines, refuse
+from plasmapyro.readers.cells import DELIMITERS, is_value, split, units_below, without_empty_end
+from plasmapyro.readers.text import number, quote, read_lines, refuse, require_end
 
 LARGEST = 8_000_000  # [byte] of one spectrum
 MOST_PIXELS = 65536
@@ -73,18 +74,18 @@ def read_spectrum(path):
     lines, ended = read_lines(path, LARGEST)
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
     if begin is None and (plain := plain_spectrum(lines)):
-        if not ended:
-            refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+        require_end(path, lines, ended)
         return plain
     if begin is None:
         refuse(
             path,
-            "no line '>>>>>Begin ... Data<<<<<': not a SpectraSuite, OceanView or Jaz file",
-            "export it from the program again, or move it out of the folder",
+            "no line '>>>>>Begin ... Data<<<<<', as SpectraSuite, OceanView and Jaz write it, nor columns of"
+            " wavelength and signal",
+            "export it in nm (or um; or Angstrom, if its name says so), or move it out of the folder",
         )
     end = next((i for i in range(begin + 1, len(lines)) if lines[i].startswith(FENCE)), len(lines))
-    if end == len(lines) and not ended:
-        refuse(path, "the last line is cut off", "copy the file again from the instrument", len(lines))
+    if end == len(lines):
+        require_end(path, lines, ended)
     header = [_plain(line) for line in lines[:begin]]
     wavelength, columns = _body(path, lines, begin + 1, end)
     promised = _integer(header, "pixel")
@@ -120,7 +121,7 @@ class Block(NamedTuple):
 def block_of(lines, least=LEAST_PIXELS):
     """The first `Block` of so many rows of two or more numbers, each of as many as the first; or None."""
     for first in range(min(len(lines), HEADER_LINES)):
-        for mark in columns.DELIMITERS.values():
+        for mark in DELIMITERS.values():
             for decimal in ".,":
                 row = None if decimal == mark else _numbers(lines[first], mark, decimal)
                 if row is None or len(row) < 2:
@@ -138,16 +139,16 @@ def block_of(lines, least=LEAST_PIXELS):
                 if len(rows) < least:
                     continue
                 after = [] if stop is None else enumerate(lines[stop:], stop)
-                cells = ((place, cell) for place, line in after for cell in columns.split(line, mark))
-                stop = next((place for place, cell in cells if columns.is_value(cell)), None)
+                cells = ((place, cell) for place, line in after for cell in split(line, mark))
+                stop = next((place for place, cell in cells if is_value(cell)), None)
                 return Block(np.array(rows), at, mark, stop)
     return None
 
 
 def _numbers(line, mark, decimal, width=0):
     """Numbers in a line, or None; of a `width` cells an empty one at the end is a missing number."""
-    cells = line.split() if mark == " " else columns.split(line, mark)
-    cells = cells if len(cells) == width else columns.without_empty_end(cells)
+    cells = line.split() if mark == " " else split(line, mark)
+    cells = cells if len(cells) == width else without_empty_end(cells)
     values = [number(cell, decimal) for cell in cells]
     return None if None in values else values
 
@@ -155,12 +156,12 @@ def _numbers(line, mark, decimal, width=0):
 def names_above(lines, block):
     """Cells of the lines above a `Block`, and the names of its columns ([] if none is one of wavelengths)."""
     above = [line for line in lines[: block.lines[0]] if line.strip()][-3:]
-    above = [columns.split(line.lstrip("#%! "), block.mark) for line in above]
+    above = [split(line.lstrip("#%! "), block.mark) for line in above]
     width = block.table.shape[1]
     named = [row for row in above if len(row) >= width and any(map(spectra_table.WAVES.search, row))]
     if not named:
         return above, []
-    return above, next((row for row in reversed(named) if not columns.units_below(row)), named[-1])[:width]
+    return above, next((row for row in reversed(named) if not units_below(row)), named[-1])[:width]
 
 
 def rising(table, name=""):
@@ -203,7 +204,7 @@ def plain_spectrum(lines):
         names = ["W", "S"]
     if len(set(names)) < len(names) or len(names) != table.shape[1] or len(names) < 2:
         return None
-    if table.shape[1] > 2 and all(columns.is_value(spectra_table.moment(name)) for name in names[1:]):
+    if table.shape[1] > 2 and all(is_value(spectra_table.moment(name)) for name in names[1:]):
         return None  # spectra below their times
     table, wavelength = rising(table, names[0])
     if wavelength is None:

@@ -5,17 +5,14 @@ import re
 import numpy as np
 
 from plasmapyro.readers import clock
-from plasmapyro.readers.columns import (
+from plasmapyro.readers.cells import (
     COMMENT,
     DELIMITERS,
-    HEADER_LINES,
-    LARGEST,
-    MOST_CELLS,
-    STACKED,
     decimal_sign,
     split,
     without_empty_end,
 )
+from plasmapyro.readers.columns import HEADER_LINES, LARGEST, MOST_CELLS, STACKED
 from plasmapyro.readers.text import (
     FILLS,
     Refusal,

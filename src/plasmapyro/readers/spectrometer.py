@@ -276,7 +276,7 @@ def vacuum(path, wavelength, medium):
             path,
             f"wavelengths {wavelength[0] * 1e9:g} to {wavelength[-1] * 1e9:g} nm: air is known from"
             f" {LOWEST * 1e9:g} to {HIGHEST * 1e9:g} nm",
-            "check the unit, or state `wavelengths: vacuum`",
+            "check the unit (of a table: `wavelength_unit: um`, `Angstrom`), or state `wavelengths: vacuum`",
         )
     return vacuum_wavelength(wavelength)
 

@@ -172,7 +172,7 @@ def require_end(path, lines, ended):
         refuse(
             path,
             "the last line has no end and may be cut off",
-            "add a line end if it is complete",
+            "copy the file again, or add a line end if it is complete",
             len(lines),
         )
 

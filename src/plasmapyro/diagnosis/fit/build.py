@@ -232,7 +232,7 @@ def _bands(bands, off, sensitivity, response, library, edges):
     raw = np.ascontiguousarray(bands.sound)
     index = observation.without_lost(_membership(bands, edges, off), raw)
     axis, curves = response
-    spans = [observation.band_nodes(*radiometer.seen_part(bands.name, axis, curve)) for curve in curves]
+    spans = [observation.band_nodes(radiometer.seen_part(bands.name, axis, curve)) for curve in curves]
     ends = np.cumsum([0, *(centres.size for _, centres in spans)])
     weight = np.zeros((len(curves), ends[-1]))
     maps = []

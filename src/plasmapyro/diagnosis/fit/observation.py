@@ -137,7 +137,7 @@ def highest_of(rates):
     return float(top.max(initial=0.0))
 
 
-def band_nodes(response_wavelength, responsivities):
+def band_nodes(response_wavelength):
     """Edges (M+1,) and centres (M,) [m] of the nodes of the bands."""
     first, last = response_wavelength[0] - NODE_MARGIN, response_wavelength[-1] + NODE_MARGIN
     edges = np.linspace(first, last, int(np.ceil((last - first) / NODE)) + 1)

@@ -56,12 +56,11 @@ def covered(frames, calibration, wavelength):
 
 
 def seen_part(name, axis, curve):
-    """Wavelengths and response of a band, where nodes are needed: all of a pyrometer's table."""
+    """Wavelengths of a band where nodes are needed: all of a pyrometer's table."""
     if name == "pyrometer":
-        return axis, curve
+        return axis
     seen = np.flatnonzero(curve > 0)
-    part = slice(max(seen[0] - 1, 0), seen[-1] + 2)
-    return axis[part], curve[part]
+    return axis[max(seen[0] - 1, 0) : seen[-1] + 2]
 
 
 def of_an_emissivity(instruments, record, calibration):

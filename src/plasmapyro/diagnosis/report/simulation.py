@@ -5,7 +5,8 @@ import numpy as np
 from plasmapyro.diagnosis.effects.effect import REGISTER
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, system_sentence
-from plasmapyro.diagnosis.simulation.compare import FAR, LEVEL
+from plasmapyro.diagnosis.simulation.compare import FAR
+from plasmapyro.diagnosis.simulation.fitter import LEVEL
 from plasmapyro.diagnosis.simulation.systems import LEAST
 
 NANOMETRE = 1e-9

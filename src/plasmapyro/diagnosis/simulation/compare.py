@@ -1,28 +1,26 @@
 """Which effects of the gas the measured light asks for, if the simulation errs no more than it states."""
 
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import least_squares
-from scipy.special import chdtrc
 
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
-from plasmapyro.diagnosis.fit.setting import (
-    FORMULA,
-    KIN,
-    LARGE,
-    SPILL,
-    Setting,
-    free_numbers,
-    log_prior,
-    numbers_of,
-    with_numbers,
-)
+from plasmapyro.diagnosis.fit.setting import FORMULA, KIN, SPILL, free_numbers
 from plasmapyro.diagnosis.fit.slit import SLIT, SeenSlit
+from plasmapyro.diagnosis.simulation.errors import (
+    ALIKE,
+    RARE,
+    ROUGHNESS,
+    least_likely,
+    likeliest,
+    raise_errors,
+    roughness_beside,
+    spectroscopy,
+    without_wrong,
+)
+from plasmapyro.diagnosis.simulation.fitter import Fit, log_bayes, settled
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import CLEARER, brightest_line, leaks_of, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
@@ -34,37 +32,9 @@ CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
 HELD = 1e-3  # [1] standard deviation of ln P where the simulated power is taken as right
-LEAST, MOST = (-1.5, -3.0), (1.5, 3.0)  # of the logarithms of power and brightness
 MOST_EFFECTS = 2
-LEVEL = 0.01  # false alarms, if the errors of the simulation are those that it states
-ALIKE = 9.2  # chi-squared by which the data tell two effects apart: 99 % of two degrees of freedom
-ANY = 20.0  # times the stated error of a strength: any strength
 AT_END = 1e-3  # [1], of the largest amplitude
-MOST_WRONG = 3  # systems
-MOST_GROUPS = 10  # the brightest, which may be of another strength,
-MOST_FREE = 2  # and how many of them or of the systems together may stand for an effect
-RARE = 7.4  # of the objective: an effect is one of forty, and before the data less probable than such errors
-WRONG = 10.8  # chi-squared that a free strength must gain: 99.9 % of one degree of freedom
 SYSTEM = "system"  # stands for one radiating system of another strength
-ROUGHNESS = (0.0, 0.02, 0.035, 0.06, 0.1, 0.2)  # [1] of the light of bands from channel to channel
-SCATTER = (1.0, 1.5, 2.0, 3.0)  # [1] of A values over what is stated
-ROUNDS = 2  # of the fit without effects and the errors about it
-ROUNDING = 1e-9  # [1], relative, added to a singular covariance
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A fit of the simulated to the measured light: logarithms of `power` and `brightness`, and `settings`.
-
-    `covariance` of power, brightness and the numbers of the settings; `objective`: chi-squared with priors,
-    and the logarithm of the determinant of the covariance of the data.
-    """
-
-    power: float
-    brightness: float
-    settings: tuple
-    objective: float
-    covariance: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -252,8 +222,8 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
     """
     simulated = Simulated(model, measured, effects)
     wrong = tuple(dict.fromkeys((*simulated.systems, *model.library.group_name)))
-    simulated.roughness, objective = _likeliest(simulated, "roughness", ROUGHNESS, wrong)
-    simulated.roughness = _beside(simulated, effects, wrong)[0]
+    simulated.roughness, objective = likeliest(simulated, "roughness", ROUGHNESS, wrong)
+    simulated.roughness = roughness_beside(simulated, effects, wrong)[0]
     fitter, bare = settled(simulated, (), wrong)
     base = replace(bare, objective=objective)
     threshold = fitter.threshold(base, draws, seed)
@@ -299,97 +269,6 @@ def _power(fit, library, away):
     return float(change - away[0]), float(np.hypot(error, away[1]))
 
 
-def log_bayes(fit, base):
-    """Log Bayes factor of a fit over the one without effects, by Laplace's approximation."""
-    volume = [np.linalg.slogdet(one.covariance)[1] for one in (fit, base)]
-    prior = log_prior(free_numbers(fit.settings), numbers_of(fit.settings), LARGE)
-    return float(0.5 * (base.objective - fit.objective + volume[0] - volume[1]) + prior)
-
-
-def settled(simulated, settings=(), wrong=()):
-    """Fitter whose errors of the simulation are relative to the light that it fits, and the fit.
-
-    Relative to the measured light, errors would be small where this one is, and fits would err downwards.
-    `settings`: effects that are switched on; `wrong`: radiating systems that may have any strength.
-
-    Source: S. Chiba & D. L. Smith, report ANL/NDM-121 (1991), on Peelle's pertinent puzzle.
-    """
-    fitter, fit = Fitter(simulated, simulated.measured.simulated, wrong), None
-    for _ in range(ROUNDS):
-        fit = fitter.fit(settings, fit)  # from the last one: far from it there are other minima
-        fitter = Fitter(simulated, fitter.light(fit), wrong)
-    return fitter, fitter.fit(settings, fit)
-
-
-def raise_errors(simulated, effects):
-    """Give the errors of the simulation that it states too small the size that makes the data most probable.
-
-    Lines of bands stand as close as pixels do: constants of a molecule that err in the fifth digit, or a
-    branch without strength, move light from channel to channel without any change of a band (`ROUGHNESS`).
-    Classes of A values promise what compilations of other authors do not always keep (`SCATTER`), unless one
-    of some `effects` explains as much. Lines of a foreign atom, left out, pass for rough bands: these are as
-    rough as they are beside the best of the effects.
-
-    Returns
-    -------
-    Simulated
-        As rough as it is without effects, which fits without any are held to; the same one if as rough.
-    """
-    simulated.roughness = _likeliest(simulated, "roughness", ROUGHNESS)[0]
-    base = settled(simulated)[1]
-    rough, best = _beside(simulated, effects)
-    scatter, objective = _likeliest(simulated, "scatter", SCATTER)
-    if base.objective - objective > ALIKE and best > objective - CLEARER - RARE:
-        simulated.scatter = scatter
-        rough, best = _beside(simulated, effects)
-    if rough == simulated.roughness:
-        return simulated
-    plain, simulated.roughness = copy(simulated), rough
-    return plain
-
-
-def _beside(simulated, effects, wrong=()):
-    """The roughness of bands beside the best of some effects, no more than without, and the objective; what
-    lines say of the slit counts as in the fit without effects: it is nothing that bands show."""
-    fitter, base = settled(simulated, (), wrong)
-    fits = [base, *(fitter.best(base, effect) for effect in effects.values())]
-    alone = min(fits, key=fitter.by_light)
-    unseen = fitter.of_slit(()) - fitter.of_slit(alone.settings)
-    if fitter.by_light(base) - fitter.by_light(alone) < ALIKE:
-        return simulated.roughness, alone.objective + unseen
-    sizes = [size for size in ROUGHNESS if size <= simulated.roughness]
-    rough, objective = _likeliest(simulated, "roughness", sizes, wrong, alone.settings)
-    return rough, objective + unseen
-
-
-def _likeliest(simulated, name, sizes, wrong=(), settings=()):
-    """The size of an error by which the measured light is most probable, and the objective there, systems
-    that are `wrong` of any strength; the error is left as it was."""
-    before, found = getattr(simulated, name), {}
-    for size in sizes:
-        setattr(simulated, name, size)
-        found[size] = settled(simulated, settings, wrong)[1].objective
-    setattr(simulated, name, before)
-    best = min(found, key=found.get)
-    return best, found[best]
-
-
-def least_likely(simulated, settings, wrong, kept=()):
-    """The best of the fits in which one more radiating system may have any strength, with its fitter."""
-    return min(_freed(simulated, settings, wrong, kept), key=lambda one: one[1].objective)
-
-
-def spectroscopy(simulated, kept=()):
-    """The objective of the best fit without effects in which up to `MOST_FREE` systems or groups of lines may
-    have any strength, each the best beside those before it; those `kept` have what is stated."""
-    wrong, best = (), np.inf
-    for _ in range(MOST_FREE):
-        fits = _freed(simulated, (), wrong, kept, groups=True)
-        fitter, fit = min(fits, key=lambda one: one[1].objective)
-        wrong, best = fitter.wrong, min(best, fit.objective)
-    return best
-
-
 def all_lines(fitter, before, fit):
     """Whether the newest effect of a fit, the lines of an atom, explains clearly more than one line does,
     wherever it shines: another atom may have one of them, and not the others."""
@@ -403,149 +282,3 @@ def admissible(fit, library):
     low, high = library.admitted(one.id)
     number = free_numbers((one,))[0]
     return bool(low <= one.amplitude <= high) and not number.exhausted(one.amplitude, AT_END)
-
-
-def _freed(simulated, settings, wrong, kept=(), groups=False):
-    """Fitters and fits in which one more radiating system, or with `groups` one of the brightest groups of
-    lines, may have any strength; those `kept` have what is stated."""
-    names = list(dict.fromkeys(simulated.systems))
-    if groups:
-        order = np.argsort(-simulated.group.sum(axis=1))[:MOST_GROUPS]
-        names += [simulated.model.library.group_name[place] for place in order]
-    names = [one for one in dict.fromkeys(names) if one not in (*wrong, *kept)]
-    return [settled(simulated, settings, (*wrong, one)) for one in names]
-
-
-def without_wrong(simulated, fitter, fit):
-    """The fitter and fit in which systems whose strength is beyond what is stated may have any."""
-    while len(fitter.wrong) < MOST_WRONG:
-        tried = least_likely(simulated, fit.settings, fitter.wrong)
-        if not fit.objective - tried[1].objective > WRONG:
-            break
-        fitter, fit = tried
-    return fitter, fit
-
-
-class Fitter:
-    """Fits of power, brightness and effects to the measured gas.
-
-    Errors of the simulation are relative to some light (C,); systems that are `wrong` may have any strength.
-    """
-
-    def __init__(self, simulated, light, wrong=()):
-        self.simulated, self.measured, self.wrong = simulated, simulated.measured, tuple(wrong)
-        self.scale, self.sigma = light, np.array([simulated.power[1], GAS_SIGMA])
-        self.centre = np.array([simulated.power[0], 0.0])
-        wide, groups = np.ones((len(simulated.systems), 1)), []
-        for name in wrong:
-            if name in simulated.systems:
-                wide[simulated.systems.index(name)] = ANY  # the first mode of a system is all of it
-            else:
-                groups.append(simulated.model.library.group_name.index(name))
-        self.root = self.root_of(
-            simulated.strength * wide, simulated.shape, simulated.group[groups], seen=light
-        )
-
-    def root_of(self, *modes, seen=None):
-        """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.
-
-        The data err relative to themselves, or to the light `seen` (C,).
-        """
-        total = self.measured.covariance if seen is None else self.measured.covariance_about(seen)
-        total = total + self.simulated.covariance(np.concatenate(modes), self.scale)
-        total[np.diag_indices_from(total)] *= 1 + ROUNDING
-        return cholesky(total, lower=True)
-
-    def p_value(self, fit):
-        """Probability [1] of a chi-squared as large, all errors of simulation and measurement considered."""
-        rest = self.white(self.measured.value - self.light(fit))[0]
-        return float(chdtrc(rest.size, rest @ rest))
-
-    def spread(self, fit):
-        """The Birge ratio [1] of a fit, squared: its chi-squared per number where that is above 1.
-
-        Source: R. T. Birge, Phys. Rev. 40, 207 (1932).
-        """
-        rest = self.white(self.measured.value - self.light(fit))[0]
-        return max(float(rest @ rest) / max(rest.size - len(fit.covariance), 1), 1.0)
-
-    def light(self, fit):
-        """Light (C,) of a fit, over the level."""
-        return self.simulated.light(fit.power, fit.brightness, fit.settings)
-
-    def white(self, rows, root=None):
-        """Rows (m, C) whitened."""
-        return solve_triangular(self.root if root is None else root, np.atleast_2d(rows).T, lower=True).T
-
-    def fit(self, settings, start=None):
-        """Fit with effects, from their numbers."""
-        free = free_numbers(settings)
-        first = (0.0, 0.0) if start is None else (start.power, start.brightness)
-        low = np.array([*LEAST, *(number.low for number in free)])
-        high = np.array([*MOST, *(number.high for number in free)])
-        scale = np.array([*self.sigma, *(number.sigma for number in free)])
-        centre = np.array([*self.centre, *(number.centre for number in free)])
-
-        def residual(x):
-            light = self.simulated.light(x[0], x[1], with_numbers(settings, x[2:]))
-            rest = [self.white(self.measured.value - light)[0], (x - centre) / scale]
-            return np.concatenate([*rest, self._off_slit(with_numbers(settings, x[2:]))])
-
-        begin = np.clip(np.append(first, numbers_of(settings)), low, high)
-        found = least_squares(residual, begin, bounds=(low, high), x_scale=0.1 * scale, diff_step=1e-4)
-        covariance = np.linalg.pinv(found.jac.T @ found.jac)
-        power, brightness = (float(x) for x in found.x[:2])
-        objective = float(2 * found.cost + 2 * np.sum(np.log(np.diag(self.root))))
-        return Fit(power, brightness, with_numbers(settings, found.x[2:]), objective, covariance)
-
-    def _off_slit(self, settings):
-        """Standard errors by which settings miss the width that lines show: one number or none."""
-        seen = self.measured.slit
-        return np.array([] if seen is None else [seen.misfit(settings)])
-
-    def of_slit(self, settings):
-        """Chi-squared that the width of the slit alone adds to a fit with settings."""
-        return float(np.sum(self._off_slit(settings) ** 2))
-
-    def by_light(self, fit):
-        """The objective of a fit without `of_slit`."""
-        return fit.objective - self.of_slit(fit.settings)
-
-    def best(self, beside, effect):
-        """The best fit with one more effect, of all its shapes and either sign: from the fit beside it, and
-        of twice the amplitude from the simulated power: that fit may have taken it for power."""
-        size = min(effect.sigma, max(effect.bounds) / 2)
-        signs = (1.0,) if effect.bounds[0] >= 0 else (1.0, -1.0)
-        fits = [
-            self.fit((*beside.settings, Setting(effect, sign * times * size, dict(shape))), start)
-            for shape in effect.shapes
-            for sign in signs
-            for times, start in ((1, beside), (2, None))
-        ]
-        return min(fits, key=lambda fit: fit.objective)
-
-    def threshold(self, fit, draws, seed):
-        """Chi-squared that the best effect gains in a share `LEVEL` of spectra in which nothing is wrong."""
-        light, step = self.light(fit), 1e-3
-        moved = (fit.power + step, fit.brightness), (fit.power, fit.brightness + step)
-        base = self.white([(self.simulated.light(*place, fit.settings) - light) / step for place in moved])
-        more = self.white(
-            [
-                self.simulated.light(
-                    fit.power, fit.brightness, (*fit.settings, Setting(effect, effect.step, dict(shape)))
-                )
-                - light
-                for effect in self.simulated.effects.values()
-                for shape in effect.shapes
-            ]
-        )
-        more /= np.maximum(np.linalg.norm(more, axis=1, keepdims=True), 1e-300)
-        inverse = np.linalg.inv(base @ base.T + np.diag(self.sigma**-2.0))
-        cross = more @ base.T
-        left = 1 - np.einsum("ij,jk,ik->i", cross, inverse, cross)
-        generator = np.random.default_rng(seed)
-        drawn = generator.standard_normal((draws, base.shape[1]))
-        drawn += (generator.standard_normal((draws, 2)) * self.sigma) @ base  # what the priors allow
-        score = drawn @ more.T - (drawn @ base.T) @ inverse @ cross.T
-        gains = np.where(left > 1e-6, score**2 / np.maximum(left, 1e-6), 0.0)
-        return float(np.quantile(gains.max(axis=1), 1 - LEVEL))
