@@ -309,9 +309,7 @@ def _window_attributes(name, record, time, pair):
         if moment in found:
             found[moment] = record.clock(np.array(found[moment])).tolist()
     if found[f"{name}_reference_verdict"] in (onset.SHOWS, onset.DRIFTS):
-        LOG.warning(
-            "%s: reference window %g to %g s: %s", name, *record.clock(np.array(record.window)), found
-        )
+        LOG.info("%s: reference window %g to %g s: %s", name, *record.clock(np.array(record.window)), found)
     return found
 
 
