@@ -187,7 +187,7 @@ def other_clock(solution, basis, times):
 
     .. math:: \Delta T = \Delta t\,\partial T/\partial t
 
-    Data tell how far the clocks are apart, not which is that of the test: the fit takes the spectrometer's.
+    Data tell how far the clocks are apart, not which is that of the test: the fit takes one.
 
     Source: first order of the displaced series; as large as that shift, like what is named and not confirmed.
 
@@ -197,7 +197,7 @@ def other_clock(solution, basis, times):
     basis : (t, K) array, from its knots to the temperatures [K] at `times`
     times : (t,) array [s]
     """
-    late = sum(one.late for one in solution.settings)
+    late = sum(one.late("pyrometer") - one.late("spectrometer") for one in solution.settings)
     return late * np.gradient(basis @ solution.state.knots, times) if late else np.zeros(len(times))
 
 
