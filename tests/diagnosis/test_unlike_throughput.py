@@ -30,6 +30,17 @@ def found(laboratory, record):
     return diagnose
 
 
+def test_a_fit_that_breaks_down_says_what_is_wrong_with_the_data(found, monkeypatch):
+    """Where the sample was gone at 55 s, it said that a leading minor is not positive definite."""
+
+    def breaks(*_, **__):
+        raise np.linalg.LinAlgError("225-th leading minor of the array is not positive definite")
+
+    monkeypatch.setattr(command.stage, "fit_test", breaks)
+    with pytest.raises(ValueError, match="cannot follow these data: `check` and `correct` show them"):
+        found()
+
+
 def test_an_emittance_that_follows_the_temperature_widens_the_interval_of_what_is_colder(found):
     kept = found().temperature
     place = list(kept.input_quantity.values).index("emittance that follows the temperature")

@@ -3,6 +3,7 @@
 import importlib
 import importlib.util
 import json
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -208,7 +209,7 @@ def diagnose_test(
         "origin": weakest([inputs.origin, str(test.attrs.get("origin", "measured"))]),
     }
     varied = inputs.variations.get(condition)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), _said(findings):
         result = stage.diagnose(
             test,
             inputs.radiation,
@@ -236,6 +237,16 @@ def diagnose_test(
     result.report["given"] = [_entry(term) for term in given]
     result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])
     return result
+
+
+@contextmanager
+def _said(findings):
+    """Says what a fit that breaks down means: data that no surface behind this gas gives, and why if known."""
+    try:
+        yield
+    except np.linalg.LinAlgError as fault:
+        why = "; ".join(entry["saw"] for entry in findings) or "`check` and `correct` show them"
+        raise ValueError(f"the model of the diagnosis cannot follow these data: {why}") from fault
 
 
 def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):
