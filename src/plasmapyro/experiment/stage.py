@@ -4,6 +4,7 @@ import logging
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import uniform_filter1d
 
 from plasmapyro.experiment import correction, signals, spectra
 from plasmapyro.experiment.frame import (
@@ -26,6 +27,7 @@ from plasmapyro.record.noise import floor_of
 from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
+SMOOTH = 4  # blocks of noise over which light is averaged to choose a pivot
 PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3
 
 
@@ -214,7 +216,9 @@ def correct_spectra(
     gas = np.where(shining[:, None], reference, 0.0)
     usable = np.isfinite(corrected) & (np.hypot(noise, gas_variation * gas) > 0)
     if normalisation_wavelength is None:
-        standing_out = corrected / np.where(usable, np.hypot(noise, gas_variation * gas), np.nan)
+        standing_out = _mean_about(corrected, SMOOTH * noise_block) / np.where(
+            usable, np.hypot(noise, gas_variation * gas), np.nan
+        )
         normalisation_wavelength = _pivot(
             wavelength, pixels == USABLE, normalisation_half_width, standing_out[injected]
         )
@@ -280,6 +284,14 @@ def correct_spectra(
             "normalisation_wavelength": float(normalisation_wavelength),
         },
     )
+
+
+def _mean_about(values, block):
+    """Running means (S, W) over `block` pixels of what is finite: a pivot chosen by single pixels is where
+    the noise of the reference, which all exposures have, made them bright, and so too bright."""
+    known = np.isfinite(values)
+    total = uniform_filter1d(np.where(known, values, 0.0), block, axis=-1)
+    return total / np.maximum(uniform_filter1d(known.astype(float), block, axis=-1), 1 / block)
 
 
 def _pivot(wavelength, usable, half_width, standing_out):
