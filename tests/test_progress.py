@@ -97,6 +97,16 @@ def test_what_a_command_says_stays_and_a_warning_is_said_anywhere():
     assert pipe.getvalue() == "plasmapyro: warning: a surface in the window\n"
 
 
+def test_a_warning_of_a_stage_reaches_terminal_and_pipe_once():
+    """Spectra that are not corrected, or bands that are left out, had been said to nobody."""
+    words = "no exposure lies within the reference window"
+    said = f"plasmapyro: warning: {words}\n"
+    for stream in (Terminal(), streams.StringIO()):
+        progress.show(stream)
+        logging.getLogger("plasmapyro.commands.correct").warning(words)
+        assert stream.getvalue().endswith(said) and stream.getvalue().count(said) == 1
+
+
 def test_the_log_of_a_job_stays_quiet(tmp_path):
     code = f"""
 import logging

@@ -42,9 +42,11 @@ def show(stream):
     LOG.setLevel(logging.DEBUG if stream.isatty() else logging.WARNING)
     line = _Line(stream)
     LOG.addHandler(line)
+    ALL.addHandler(line)  # what a stage warns of the user must know as well
     if stream.isatty():
-        ALL.addHandler(line)  # the solver of the flow logs every step
-        ALL.setLevel(logging.INFO)
+        ALL.setLevel(logging.INFO)  # the solver of the flow logs every step
+    else:
+        line.setLevel(logging.WARNING)
 
 
 class _Line(logging.Handler):
@@ -55,8 +57,8 @@ class _Line(logging.Handler):
     def emit(self, record):
         now = time.monotonic()
         clear = "\r\033[K" if self.stream.isatty() else ""
-        if record.name == LOG.name and record.levelno >= logging.INFO:
-            warning = record.levelno >= logging.WARNING
+        warning = record.levelno >= logging.WARNING
+        if warning or record.name == LOG.name and record.levelno >= logging.INFO:
             head = "plasmapyro: warning:" if warning else f"[{now - self.start:5.1f} s]"
             self.stream.write(f"{clear}{head} {record.getMessage()}\n")
         elif now - self.drawn >= PERIOD:

@@ -170,6 +170,16 @@ def test_the_gas_ends_on_the_clock_of_the_pyrometer(model, state):
     np.testing.assert_allclose(dark[inside], np.repeat(kept[:, None], 2, axis=1), atol=1e-9)
 
 
+def test_spectra_that_are_late_leave_the_pyrometer_and_its_end_where_they_are(model, state):
+    one = model.instruments[1]
+    assert np.array_equal(seen(model, state, 0, "clock", 1.0, spectra=1.0), model.evaluate(0, *state))
+    late = one.moment.mean(axis=1) > model.off + 5
+    changed = seen(model, state, 1, "clock", 0.02, spectra=1.0)
+    change = np.log(changed / model.evaluate(1, *state))[late, 0]
+    slope = np.gradient(np.log(model.evaluate(1, *state)[late, 0]), one.moment.mean(axis=1)[late])
+    assert np.allclose(change[1:-1], -0.02 * slope[1:-1], rtol=0.1)
+
+
 def test_a_gradient_over_the_spot_is_the_mean_over_a_normal_law_of_temperatures(model, state):
     """Against the black body averaged over a normal distribution, by quadrature."""
     knots, values = np.full(model.size, 1600.0), state[1]

@@ -238,6 +238,17 @@ def test_a_clock_that_is_given_moves_times_and_bends_no_signal(record, laborator
     assert free.spectrum_time.equals(clean.spectrum_time)
 
 
+def test_spectra_that_are_given_as_late_go_back_and_the_pyrometer_stays(record, laboratory):
+    clean, late = record(noise=0.0), 0.5
+    moved = clean.assign_coords(spectrum_time=clean.spectrum_time + late)
+    inputs = laboratory.radiation, laboratory.variations, laboratory.response, laboratory.calibration
+    terms = terms_of([{"id": "clock", "amplitude": late, "shape": {"spectra": 1.0}}], OF_TEST)
+    with np.errstate(all="ignore"):
+        made, _ = without_given(moved, *inputs, saturation_counts=65000.0, given=terms)
+    assert made().spectrum_time.values == pytest.approx(clean.spectrum_time.values, abs=1e-9)
+    assert made().time.equals(clean.time)
+
+
 def test_an_uncertain_effect_makes_temperatures_uncertain_and_their_interval_as_much_wider():
     grid = {"time": ("time", [0.0, 1.0])}
     result = xr.Dataset(

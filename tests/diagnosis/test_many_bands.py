@@ -1,12 +1,16 @@
 """A radiometer of 25 narrow bands behind the gas that comes with the package."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from plasmapyro import shipped
+from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.inference import Fitter
+from plasmapyro.diagnosis.fit.radiometer import covered
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.whole import fit_test
 from plasmapyro.diagnosis.select.screen import screen
@@ -60,6 +64,34 @@ def base():
     )
     given = {"saturation_counts": 65000.0, "radiometer_calibration": calibration}
     return fit_test(test, gases, one, None, **given)
+
+
+@pytest.mark.parametrize(
+    "beside, nanometres, left_out",
+    [(True, (1300, 1550), True), (True, (1150, 1550), False), (False, (1300, 1550), False)],
+    ids=["outside", "one band within", "alone"],
+)
+def test_a_radiometer_outside_the_simulation_is_left_out_beside_spectra(beside, nanometres, left_out, caplog):
+    """The whole diagnosis had been refused; alone it still is, by what takes the bands."""
+    axis = np.arange(1100e-9, 1600e-9, 1e-9)
+    near = [np.abs(axis - 1e-9 * centre) < 10e-9 for centre in nanometres]
+    bands = xr.Dataset(
+        {"responsivity": (("band", "wavelength"), np.array(near, dtype=float))},
+        {"wavelength": axis, "band": ["a", "b"]},
+        FACTS,
+    )
+    gases = shipped.by_condition()
+    inputs = command.Inputs(gases, gases, None, None, None, "synthetic", {}, bands)
+    signal = ("radiometer_time", "band"), np.ones((3, 2))
+    test = xr.Dataset({"radiometer_signal": signal}, {"band": ["a", "b"]}, {"condition": "80kW"})
+    if beside:
+        test["counts"] = ("spectrum_time", "wavelength"), np.ones((2, 2))
+    kept = command.without_unseen(test, inputs)
+    assert ("radiometer_signal" not in kept) == left_out
+    assert ("the radiometer is left out: a diagnosis needs a band within" in caplog.text) == left_out
+    if not beside:
+        with pytest.raises(ValueError, match="the radiometer has none"):
+            covered(SimpleNamespace(band=("a", "b")), bands, gases["80kW"]["wavelength_slit"].values)
 
 
 def test_a_surface_that_heats_late_and_fast_is_followed(base):

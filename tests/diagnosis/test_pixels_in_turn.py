@@ -47,6 +47,15 @@ def test_lines_of_the_gas_are_no_pattern_of_pixels():
     assert chance_of_kinds(Instrument(comb.name, comb.time, 0.3, lit, comb.flag), OFF) > BY_CHANCE
 
 
+def test_pixels_that_are_left_out_in_turn_are_no_pattern():
+    """Put side by side, those on both sides of a gap left a step in a light that rises over the pixels."""
+    frames = spectra(4)
+    hot = np.arange(801) % 35 > 28
+    rising = frames.value * np.exp(np.arange(801) / 300)
+    gaps = replace(frames, value=rising, flag=np.where(hot, 1, frames.flag))
+    assert chance_of_kinds(gaps, OFF) > 1e-3
+
+
 @pytest.mark.parametrize("apart, found", [(0.0, None), (0.01, PIXELS)])
 def test_it_is_unknown_in_the_spectrometer_along_its_wavelengths(apart, found):
     frames = spectra(3, 2, apart)

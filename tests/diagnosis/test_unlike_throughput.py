@@ -30,6 +30,28 @@ def found(laboratory, record):
     return diagnose
 
 
+def test_a_fit_that_breaks_down_says_what_is_wrong_with_the_data(found, monkeypatch):
+    """Where the sample was gone at 55 s, it said that a leading minor is not positive definite."""
+
+    def breaks(*_, **__):
+        raise np.linalg.LinAlgError("225-th leading minor of the array is not positive definite")
+
+    monkeypatch.setattr(command.stage, "fit_test", breaks)
+    with pytest.raises(ValueError, match="cannot follow these data: `check` and `correct` show them"):
+        found()
+
+
+def test_an_emittance_that_follows_the_temperature_widens_the_interval_of_what_is_colder(found):
+    kept = found().temperature
+    place = list(kept.input_quantity.values).index("emittance that follows the temperature")
+    added = kept.temperature_contribution.values[place]
+    kelvin = kept.recommended_temperature.values
+    cold, hot = kelvin < 0.9 * np.nanmax(kelvin), kelvin > 0.999 * np.nanmax(kelvin)
+    assert (added[cold] > 0.5).all() and (added[hot] < 0.1).all()
+    low, high = kept.recommended_temperature_interval.values
+    assert (high - low)[cold].min() > 2 * 1.9 * added[cold].min()
+
+
 @pytest.mark.parametrize(
     ("settings", "doubted"),
     [

@@ -472,13 +472,20 @@ def test_a_spectrum_taken_earlier_than_its_place_says_is_found_too(sound):
     )
 
 
-@pytest.mark.parametrize(("slope", "exchanged"), [(0.08, False), (-0.015, False), (-0.025, True)])
-def test_bands_are_exchanged_from_a_slope_of_their_ratio_on(sound, slope, exchanged):
-    """Signals that are powers of one level: the logarithm of their ratio has the slope over it."""
+@pytest.mark.parametrize(
+    ("slope", "noise", "exchanged"),
+    [(0.08, 0, False), (-0.015, 0, False), (-0.025, 0, True), (0.08, 0.6, False), (-0.08, 0.05, True)],
+)
+def test_bands_are_exchanged_from_a_slope_of_their_ratio_on(sound, slope, noise, exchanged):
+    """Signals that are powers of one level: the logarithm of their ratio has the slope over it.
+
+    Noise of the narrow band makes the ratio fall where that is bright: a surface that is too cold to read had
+    been called exchanged bands."""
     time = sound.time.values
     level = np.where(time < 6, 1e-6, np.exp(np.clip(0.2 * (time - 6), 0.0, 4.0)))
     powers = level ** np.array([[1 + slope / 2], [1 - slope / 2]])
     pair = 1e-6 * np.where(time < 6, 1e-6, powers)
+    pair[1] *= np.exp(noise * np.random.default_rng(1).standard_normal(time.size))
     test = with_signals(sound, lambda t, p: pair)
     found = ALL["swapped_bands"](Case(PLACE, test))
     assert (found is not None) == exchanged

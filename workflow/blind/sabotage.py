@@ -15,7 +15,7 @@ def sabotaged(effect):
     entry = CATALOGUE[effect]
     changes = {"light": _mirrored_light(entry.light), "output": _mirrored_output(entry.output)}
     if entry.clock is not None:
-        changes["clock"] = lambda amplitude: 0.0
+        changes["clock"] = lambda amplitude, kind, **shape: 0.0
     return {**CATALOGUE, effect: replace(entry, **changes)}
 
 

@@ -3,6 +3,7 @@
 import importlib
 import importlib.util
 import json
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -16,12 +17,13 @@ from plasmapyro import conditions, contracts, io, progress, shipped
 from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import no_plasma, restore
+from plasmapyro.diagnosis.fit.radiometer import refused
 from plasmapyro.diagnosis.fit.slit import with_lines
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas import other_pressure
 from plasmapyro.diagnosis.gas.library import remarks
 from plasmapyro.quantities import behind
-from plasmapyro.record.inputs import faults, has_plasma
+from plasmapyro.record.inputs import faults, has_plasma, instruments
 from plasmapyro.record.recommended import CONTRADICTIONS
 from plasmapyro.tables import weakest
 
@@ -196,6 +198,7 @@ def diagnose_test(
     if not isinstance(test, xr.Dataset):
         digest, test = io.digest(test), io.read(test, "test")
     condition = _usable(test, inputs)
+    test = without_unseen(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
     inputs = of_its_pressure(test, inputs, others)
     if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
@@ -208,7 +211,7 @@ def diagnose_test(
         "origin": weakest([inputs.origin, str(test.attrs.get("origin", "measured"))]),
     }
     varied = inputs.variations.get(condition)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), _said(findings):
         result = stage.diagnose(
             test,
             inputs.radiation,
@@ -236,6 +239,30 @@ def diagnose_test(
     result.report["given"] = [_entry(term) for term in given]
     result.report["assumptions"].extend([*remarks_on(test, inputs), *map(_sentence, given)])
     return result
+
+
+@contextmanager
+def _said(findings):
+    """Says what a fit that breaks down means: data that no surface behind this gas gives."""
+    try:
+        yield
+    except np.linalg.LinAlgError as fault:
+        why = "; ".join(entry["saw"] for entry in findings) or "`check` and `correct` show them"
+        raise ValueError(f"the model of the diagnosis cannot follow these data: {why}") from fault
+
+
+def without_unseen(test, inputs):
+    """The test without a radiometer that no diagnosis behind its plasma can take, where another instrument is
+    left, and a warning that says why."""
+    calibration = inputs.radiometer_calibration
+    if calibration is None or not has_plasma(test) or instruments(test) != ["spectrometer", "radiometer"]:
+        return test
+    wavelength = inputs.radiation[str(test.attrs["condition"])]["wavelength_slit"].values
+    why = refused(calibration, test["band"].values, wavelength)
+    if not why:
+        return test
+    progress.warn(f"the radiometer is left out: {why}")
+    return test.drop_dims(["radiometer_time", "band"])
 
 
 def without_given(test, inputs, given, *, saturation_counts=SATURATION_COUNTS):

@@ -17,7 +17,7 @@ from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
-from plasmapyro.record.emittance import UNTOLD, tilt
+from plasmapyro.record.emittance import UNTOLD, tilt, with_temperature
 from plasmapyro.record.record import Record, record_of
 
 FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
@@ -337,10 +337,16 @@ def _inputs(record, pyrometer, fixed, kelvin, rows, noise):
     what `noise` adds."""
     rows += _of_slope(record, fixed, rows) if pyrometer.name == "pyrometer" else []
     signal, slope, _ = pyrometer.table(kelvin)
-    level = CHANGING * np.mean(signal / slope, axis=1)
+    of_level = np.mean(signal / slope, axis=1)
+    following = of_level * with_temperature(from_straight(kelvin)[0], record.emittance)
     of_bands = budget.Input("noise of the samples; flicker and drift of the gas", "noise", noise)
     words = "emittance or windows that change through the test"
-    return [*rows, of_bands, budget.Input(words, "unnamed misfit", level, CHANGING, "1")]
+    return [
+        *rows,
+        of_bands,
+        budget.Input("emittance that follows the temperature", "emittance", following),
+        budget.Input(words, "unnamed misfit", CHANGING * of_level, CHANGING, "1"),
+    ]
 
 
 def _of_slope(record, fixed, rows):

@@ -4,6 +4,7 @@ import logging
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import uniform_filter1d
 
 from plasmapyro.experiment import correction, signals, spectra
 from plasmapyro.experiment.frame import (
@@ -27,6 +28,7 @@ from plasmapyro.record.record import record_of
 
 LOG = logging.getLogger(__name__)
 UNIFORM = 12.0  # a range that is all that is known, squared, over its variance: JCGM 100:2008, 4.3.7
+SMOOTH = 4  # blocks of noise over which light is averaged to choose a pivot
 PIVOT = 1030e-9  # [m] of the normalised fit by default: no line and little gas, Fagnani et al., sec. 5.3
 
 
@@ -215,7 +217,9 @@ def correct_spectra(
     gas = np.where(shining[:, None], reference, 0.0)
     usable = np.isfinite(corrected) & (np.hypot(noise, gas_variation * gas) > 0)
     if normalisation_wavelength is None:
-        standing_out = corrected / np.where(usable, np.hypot(noise, gas_variation * gas), np.nan)
+        standing_out = _mean_about(corrected, SMOOTH * noise_block) / np.where(
+            usable, np.hypot(noise, gas_variation * gas), np.nan
+        )
         normalisation_wavelength = _pivot(
             wavelength, pixels == USABLE, normalisation_half_width, standing_out[injected]
         )
@@ -283,6 +287,14 @@ def correct_spectra(
     )
 
 
+def _mean_about(values, block):
+    """Running means (S, W) over `block` pixels of what is finite: a pivot chosen by single pixels is where
+    the noise of the reference, which all exposures have, made them bright, and so too bright."""
+    known = np.isfinite(values)
+    total = uniform_filter1d(np.where(known, values, 0.0), block, axis=-1)
+    return total / np.maximum(uniform_filter1d(known.astype(float), block, axis=-1), 1 / block)
+
+
 def _pivot(wavelength, usable, half_width, standing_out):
     """`PIVOT` if a pixel (W,) is usable there or none anywhere, else the wavelength [m] of that out of which
     the surface stands most, by standard deviations (S, W) of which the median over the exposures counts."""
@@ -310,9 +322,7 @@ def _window_attributes(name, record, time, pair):
         if moment in found:
             found[moment] = record.clock(np.array(found[moment])).tolist()
     if found[f"{name}_reference_verdict"] in (onset.SHOWS, onset.DRIFTS):
-        LOG.warning(
-            "%s: reference window %g to %g s: %s", name, *record.clock(np.array(record.window)), found
-        )
+        LOG.info("%s: reference window %g to %g s: %s", name, *record.clock(np.array(record.window)), found)
     return found
 
 

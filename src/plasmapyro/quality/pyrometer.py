@@ -12,6 +12,7 @@ from plasmapyro.record.record import gas_of
 LARGE = 1.1  # a signal changes at all if it does by this factor
 CLEAR = 10.0  # deviations of a step that stands out
 SWITCH = 2.0  # [s] around injection and the end of the plasma, where signals jump as they should
+SURE = 3.0  # standard errors of a slope
 BRIGHT = 0.2  # of the largest signal: where the surface rules
 
 
@@ -46,8 +47,12 @@ def swapped_bands(case, limit):
     centred = level - level.mean()
     if centred.std() < 0.2:
         return None
-    slope = np.sum(centred * (wide - narrow)) / np.sum(centred**2)
-    return {"slope": slope} if slope < limit else None
+    ratio = wide - narrow - np.mean(wide - narrow)
+    slope = np.sum(centred * ratio) / np.sum(centred**2)
+    # Noise of one band is in level and ratio, which tilts one over the other by half its variance at most.
+    scatter = np.std(ratio - slope * centred) / centred.std()
+    error = scatter**2 / 2 + SURE * scatter / np.sqrt(level.size)
+    return {"slope": slope} if slope + error < limit else None
 
 
 @rule()

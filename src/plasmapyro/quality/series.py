@@ -87,7 +87,9 @@ def fall(time, values, length):
     `time`, `values` (n,): means over intervals of `length` [s]. The end of the plasma lies between both ends
     [s].
     """
-    if time.size < 6 or not (values > 0).all():
+    lit = values.size if (values > 0).all() else int(np.argmin(values > 0))  # until it is dark
+    time, values = time[:lit], values[:lit]
+    if time.size < 6:
         return None
     drop = -np.diff(np.log(values))
     change = np.abs(np.diff(drop))
@@ -95,7 +97,7 @@ def fall(time, values, length):
     clear = max(LEAST_DROP, MANY * NORMAL_MAD * np.median(change), drop.max() / 3)
     # Faint light is noisier than bright: it must stand out where it is, too.
     around = median_filter(np.append(change, change[-1]), 2 * SIDE + 1, mode="nearest")
-    fell = (drop >= clear) & (drop >= MANY * NORMAL_MAD * around)
+    fell = (drop >= clear) & (drop >= MANY * NORMAL_MAD * around) & (values[:-1] > FAINT * values.max())
     if not fell.any():
         return None
     place = int(np.argmax(fell))
@@ -103,4 +105,5 @@ def fall(time, values, length):
     return time[first] - length / 2, time[place + 1] + length / 2, -np.expm1(-drop[place])
 
 
+FAINT = 0.01  # [1] of the brightest: what falls there is noise of a surface that is still cold
 LEAST_DROP, MANY = 0.03, 4.0  # of the logarithm in one step; over the usual change between such steps

@@ -18,6 +18,8 @@ GOING_ON = 0.5  # [1] ASSUME: share of the variance of a course whose slope and 
 # ASSUME: metals, whose emittance falls by some per cent from band to band; a gain; an amplifier near its end.
 RATIO_CHANCE = 0.2  # [1] that the ratio of the bands of a pyrometer alone is not the one that is stated
 RATIO_WIDTH = 0.05  # [1] standard deviation of its logarithm then
+# ASSUME: metals (Hagen & Rubens: root of T to T); what reflects less may change by less.
+EXPONENT = 0.5  # [1] standard, of the emittance of what reflects all, over the temperature
 HOT = 1600.0  # [K] of the surface whose light weights the bands
 
 
@@ -54,6 +56,18 @@ def mean_emittance(attributes, wavelength):
         return np.full(np.shape(wavelength), float(attributes["emittance"]))
     points, values = (np.asarray(attributes[f"emittance_{one}"]) for one in ("wavelength", "table"))
     return np.exp(np.interp(wavelength, points, np.log(values)))
+
+
+def with_temperature(kelvin, emittance):
+    r"""Standard uncertainty (t,) [1] of the logarithm of an emittance that is told where the surface is
+    hottest, at temperatures (t,) [K]: it may follow them, the more the more it reflects.
+
+    .. math:: u = \frac{1}{2} (1 - \varepsilon) \ln\frac{T_{max}}{T}
+
+    >>> with_temperature(np.array([1000.0, 1500.0]), 0.3).round(3).tolist()
+    [0.142, 0.0]
+    """
+    return EXPONENT * (1 - emittance) * np.log(np.nanmax(kelvin) / kelvin)
 
 
 def smooth(wavelength, length):

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import median_filter
 
-from plasmapyro.instrument.spectrometer import NORMAL_MAD
+from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 from plasmapyro.record.rounding import rounding
 
 SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED, UNLIT = (1 << bit for bit in range(7))
@@ -23,6 +23,9 @@ LEAST_SLOPE, SOUND_SLOPE = 0.85, 0.93  # of the usual slope of one logarithm ove
 RULES = 0.3  # share of the surface in a signal from which on its slope is looked at
 SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
 STEPS = 2.5  # of a converter or of digits: noise below a step moves single samples by one or two
+BENT, MOST_BENT = 3.0, 50.0  # times what a Gaussian slit lets a logarithm bend; where it overflows
+DEAD = 3.0  # times the light of a dead pixel that both neighbours have
+MOST_SHARP, OFTEN = 0.02, 0.2  # [1] of all samples that may be so; of those of a pixel that then never counts
 WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is the scatter
 MAD = NORMAL_MAD / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
 # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
@@ -131,6 +134,45 @@ def spiked(values):
                 found[at : at + count] |= far
         result[known, channel] = found
     return result
+
+
+def sharper(values, wavelength, slit):
+    r"""Samples (t, P) of pixels that show what no light behind the slit does: rays, hot and dead pixels.
+
+    .. math:: \ln y_i - \ln\max(y_{i-m}, y_{i+n}) \le \frac{m n h^2}{2 s^2}
+
+    for pixels h apart behind a Gaussian slit of standard deviation s: of a mixture of Gaussians no logarithm
+    bends down more than that of one. With m and n 1, or one of them 2, for hits of two pixels. Three times as
+    much is let pass, for slits that are triangles, or are stated too wide. A dead pixel has less than a third
+    of both its neighbours.
+
+    Parameters
+    ----------
+    values : (t, P) array, calibrated, NaN where there is none
+    wavelength : (P,) array [m]
+    slit : float [m], full width at half maximum
+
+    Returns
+    -------
+    (t, P) bool; none where more than `MOST_SHARP` of all would be: the slit is another one. All of a pixel
+    that is so `OFTEN`: what it adds to a brighter light is there as well.
+    """
+    found = np.zeros(values.shape, dtype=bool)
+    if values.shape[1] < AROUND:
+        return found
+    sure = SPIKE * local_noise(values, AROUND - 1)
+    bend = BENT * (np.gradient(wavelength) / slit) ** 2 * 4 * np.log(2)
+    for left, right in ((1, 1), (1, 2), (2, 1)):
+        inside = slice(left, values.shape[1] - right)
+        beside = np.stack([values[:, : -left - right], values[:, left + right :]])
+        allowed = np.exp(np.minimum(bend[inside] * left * right, MOST_BENT)) * np.maximum(
+            beside.max(axis=0), 0
+        )
+        found[:, inside] |= values[:, inside] - allowed > sure[:, inside]
+        if left == right:
+            found[:, inside] |= beside.min(axis=0) / DEAD - values[:, inside] > sure[:, inside]
+    found &= found.mean() < MOST_SHARP
+    return found | (found.mean(axis=0) > OFTEN)
 
 
 def rounded(values, gas):

@@ -200,6 +200,8 @@ def _pixels(test, calibration, saturation_counts):
     flag = np.where(np.isnan(radiance) & ~saturated & ~unusable, flags.LOST, 0).astype("uint8")
     flag[saturated] |= flags.SATURATED
     flag[unusable] |= flags.MASKED
+    slit = float(test.attrs["spectrometer_fwhm"])
+    flag[flags.sharper(np.where(flag, np.nan, radiance), test.wavelength.values, slit)] |= flags.SPIKED
     own = {"wavelength": test.wavelength.values, "channel_status": status}
     if "spectral_radiance" not in test.variables:
         exposure = float(test.attrs["spectrometer_integration_time"])

@@ -26,9 +26,10 @@ class Effect:
     """One thing that may be wrong, as a change of the base model; amplitude 0 changes nothing, to the bit.
 
     `light(scene, amplitude, **shape)` returns a changed copy of the light, `output(output, amplitude)` other
-    values of an instrument, `clock(amplitude)` a shift of its time [s]; only `instruments` are asked. `sigma`
-    is the standard deviation of the prior of the amplitude, in `unit`; `shapes` the further numbers at which
-    the effect is looked for; `shape_bounds` where they may move in the fit; `measurement` what would decide
+    values of an instrument, `clock(amplitude, kind, **shape)` a shift of the time [s] of a kind of
+    instrument, asked of all; else only `instruments` are asked. `sigma` is the standard deviation of the
+    prior of the amplitude, in `unit`; `shapes` the further numbers at which the effect is looked for;
+    `shape_bounds` where they may move in the fit; `measurement` what would decide
     whether it is there. `quadratic`: the data change with the square of the amplitude, as with a width.
     `steady_gas`: it changes the light of the gas alone, and alike at all times, so that nothing but a
     simulation tells it from the gas as it is.

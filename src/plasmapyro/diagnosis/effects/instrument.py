@@ -1,5 +1,7 @@
 """Effects of the instruments: optics, detectors, clocks."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from plasmapyro.diagnosis.effects.effect import effect
@@ -133,6 +135,10 @@ def compressed_counts(output, amplitude):
 
 
 @effect("clock")
-def pyrometer_late(amplitude):
-    """Shift of time [s]: the clock of the pyrometer is off."""
-    return amplitude
+def clocks_apart(amplitude, kind, *, spectra=0.0):
+    """Shift of time [s] of a kind of instrument: the clock of the pyrometer is early against the spectra, or,
+    by the share `spectra`, these are late, and pyrometer and end of the plasma stay where they are."""
+    return amplitude * (1 - spectra if kind == "pyrometer" else -spectra)
+
+
+clocks_apart = replace(clocks_apart, shapes=({}, {"spectra": 1.0}), shape_bounds={"spectra": (0.0, 1.0)})

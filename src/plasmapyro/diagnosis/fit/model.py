@@ -228,7 +228,7 @@ class Model:
         """Scene of an instrument and, on the same shape, the slope of its black body."""
         instrument = self.instruments[which]
         time, basis = instrument.moment, self.bases[which]
-        late = sum(setting.late for setting in settings)
+        late = sum(setting.late(instrument.kind) for setting in settings)
         if late:
             time = time + late
             basis = self.history.basis(time)
@@ -292,7 +292,7 @@ class Model:
         """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
         instrument = self.instruments[which]
         settings = (*self.settings_of_given(values), *settings)
-        mine = [setting for setting in settings if instrument.kind in setting.effect.instruments]
+        mine = [setting for setting in settings if setting.acts_on(instrument.kind)]
         ordered = sorted(mine, key=lambda setting: setting.effect.order)
         scene, slope, basis = self.scene(which, temperatures, values, ordered)
         for setting in ordered:

@@ -30,29 +30,43 @@ def covered(frames, calibration, wavelength):
     ValueError
         If there is none; a displayed ratio.
     """
-    if calibration.attrs["calibration"] == "readings" and len(frames.band) == 2:
-        raise ValueError(
-            "a displayed ratio has no level to diagnose by: `correct --estimator emissivity` takes it without"
-            " a plasma, `correct-reading` behind one"
-        )
-    axis, kept = calibration.wavelength.values, []
-    inside = (axis >= wavelength[0]) & (axis <= wavelength[-1])
-    for place, band in enumerate(frames.band):
-        curve = calibration.responsivity.sel(band=band).values
-        if np.trapezoid(curve * ~inside, axis) <= UNSEEN * np.trapezoid(curve, axis):
-            kept.append(place)
-    span = f"the simulated spectra, {wavelength[0] * 1e9:.0f} to {wavelength[-1] * 1e9:.0f} nm"
+    if why := refused(calibration, frames.band, wavelength):
+        raise ValueError(why)
+    kept = _within(calibration, frames.band, wavelength)
     lost = [band for place, band in enumerate(frames.band) if place not in kept]
-    if not kept:
-        raise ValueError(
-            f"a diagnosis needs a band within {span}; the radiometer has none: compute the radiance over its"
-            " range, or leave it out"
-        )
     if lost:
-        LOG.warning("bands beyond %s are left out: %s", span, ", ".join(lost))
+        LOG.warning("bands beyond %s are left out: %s", _span(wavelength), ", ".join(lost))
     bands = tuple(frames.band[place] for place in kept)
     part = replace(frames, value=frames.value[:, kept], flag=frames.flag[:, kept], band=bands)
     return part, calibration.sel(band=list(bands))
+
+
+def refused(calibration, bands, wavelength):
+    """Why a diagnosis cannot take the bands of a calibration with spectra at wavelengths (K,) [m], or ""."""
+    if calibration.attrs["calibration"] == "readings" and len(bands) == 2:
+        return (
+            "a displayed ratio has no level to diagnose by: `correct --estimator emissivity` takes it without"
+            " a plasma, `correct-reading` behind one"
+        )
+    if not _within(calibration, bands, wavelength):
+        return (
+            f"a diagnosis needs a band within {_span(wavelength)}; the radiometer has none: compute the"
+            " radiance over its range, or leave it out"
+        )
+    return ""
+
+
+def _within(calibration, bands, wavelength):
+    """Places of the bands that simulated spectra hold."""
+    axis = calibration.wavelength.values
+    outside = (axis < wavelength[0]) | (axis > wavelength[-1])
+    curves = [calibration.responsivity.sel(band=band).values for band in bands]
+    seen = [np.trapezoid(one * outside, axis) <= UNSEEN * np.trapezoid(one, axis) for one in curves]
+    return [int(place) for place in np.flatnonzero(seen)]
+
+
+def _span(wavelength):
+    return f"the simulated spectra, {wavelength[0] * 1e9:.0f} to {wavelength[-1] * 1e9:.0f} nm"
 
 
 def seen_part(name, axis, curve):

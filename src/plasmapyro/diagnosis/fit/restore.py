@@ -89,11 +89,12 @@ def restored(test, record, base, moved=None):
     """
     model, result = base.model, test.copy()
     fitted = base.solution.state.values
-    values, late = fitted.copy(), sum(one.late for one in model.settings_of_given(fitted))
+    values, settings = fitted.copy(), model.settings_of_given(fitted)
     for name, value in (moved or {}).items():
         values[model.index[name]] = value
     for which, one in enumerate(model.instruments):
         data = record.instrument(one.source)
+        late = sum(setting.late(one.kind) for setting in settings)
         half = data.integration_time / 2
         moment = data.time[:, None] + half / UNIFORM * observation.nodes_of(data.integration_time)
         change = _change(base, which, moment, values)
@@ -116,6 +117,7 @@ def restored(test, record, base, moved=None):
         )
         across = ("spectrum_time", "wavelength")
         result = result.drop_vars(["counts", "background_counts", "saturated"], errors="ignore")
+        result = result.assign_coords(spectrum_time=result["spectrum_time"] + late)
         result["spectral_radiance"] = across, data.value / pixels, {"units": "W m-2 sr-1 m-1"}
         result["saturated"] = across, data.flagged(flags.SATURATED).astype("int8"), {"units": "1"}
     return result

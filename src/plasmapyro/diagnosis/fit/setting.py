@@ -30,10 +30,13 @@ class Setting:
         """That of the effect."""
         return self.effect.id
 
-    @property
-    def late(self):
-        """By how much [s] what it acts on happened later than its clock says."""
-        return 0.0 if self.effect.clock is None else self.effect.clock(self.amplitude, **self.shape)
+    def late(self, kind):
+        """By how much [s] what a kind of instrument saw happened later than its clock says."""
+        return 0.0 if self.effect.clock is None else self.effect.clock(self.amplitude, kind, **self.shape)
+
+    def acts_on(self, kind):
+        """Whether a kind of instrument is asked: of a clock every one."""
+        return kind in self.effect.instruments or self.effect.clock is not None
 
 
 @dataclass(frozen=True)

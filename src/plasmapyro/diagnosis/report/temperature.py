@@ -4,14 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded
 from plasmapyro.diagnosis.report.kelvin import COLDEST, SURFACE, paper_temperature, reference_of
 from plasmapyro.diagnosis.select.search import PULL
 from plasmapyro.experiment.correction import budget_of
 from plasmapyro.record import budget, recommended, status
-from plasmapyro.record.emittance import THROUGHPUT_CHANCE, THROUGHPUT_WIDTH
+from plasmapyro.record.emittance import THROUGHPUT_CHANCE, THROUGHPUT_WIDTH, with_temperature
+from plasmapyro.record.level import EFFECTIVE
 
 OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light that is measured
+FOLLOWS = "eps_T"  # effect of an emittance that follows the temperature
 LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
 
 
@@ -112,6 +115,7 @@ def _interval(findings, solution, unsure=0.0):
     mean, covariance = basis @ solution.state.knots, solution.covariance
     unsure = np.hypot(np.hypot(unsure, strained(model, solution, basis)), basis @ findings.unknown_shift)
     unsure = np.hypot(unsure, unlike_throughput(model, solution, basis)[0])
+    unsure = np.hypot(unsure, following(model, solution, basis))
     variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
     # What the model leaves of the data beyond their noise is in the interval as well.
     misfit = max(solution.objective / max(solution.count - findings.fitted, 1), 1.0)
@@ -140,6 +144,19 @@ def strained(model, solution, basis):
             slope = basis @ solution.covariance[: model.size, at] / solution.covariance[at, at]
             total += (slope * change) ** 2
     return np.sqrt(total)
+
+
+def following(model, solution, basis):
+    r"""What it costs (t,) [K] that the emittance may follow the temperature, by too little to be named.
+
+    .. math:: u = \frac{\lambda T^2}{c_2} u_{\ln\varepsilon}
+
+    Wien's law at `level.EFFECTIVE`; 0 where that is named or given, and by how much it does known.
+    """
+    if FOLLOWS in {one.id for one in solution.settings} | {term.setting.id for term in model.given}:
+        return np.zeros(len(basis))
+    kelvin = np.maximum(basis @ solution.state.knots, COLDEST)
+    return EFFECTIVE / SECOND_RADIATION * kelvin**2 * with_temperature(kelvin, model.emittance)
 
 
 def unlike_throughput(model, solution, basis):
@@ -187,7 +204,7 @@ def other_clock(solution, basis, times):
 
     .. math:: \Delta T = \Delta t\,\partial T/\partial t
 
-    Data tell how far the clocks are apart, not which is that of the test: the fit takes the spectrometer's.
+    Data tell how far the clocks are apart, not which is that of the test: the fit takes one.
 
     Source: first order of the displaced series; as large as that shift, like what is named and not confirmed.
 
@@ -197,7 +214,7 @@ def other_clock(solution, basis, times):
     basis : (t, K) array, from its knots to the temperatures [K] at `times`
     times : (t,) array [s]
     """
-    late = sum(one.late for one in solution.settings)
+    late = sum(one.late("pyrometer") - one.late("spectrometer") for one in solution.settings)
     return late * np.gradient(basis @ solution.state.knots, times) if late else np.zeros(len(times))
 
 
@@ -249,6 +266,9 @@ def _inputs(findings, solution, shift):
         rows.append(budget.Input(words, "calibration", throughput, THROUGHPUT_WIDTH, "1"))
     return [
         *rows,
+        budget.Input(
+            "emittance that follows the temperature", "emittance", following(model, solution, basis)
+        ),
         budget.Input("misfit beyond the noise", misfit, excess, freedom=float(freedom)),
         budget.Input("numbers moved out of what is known", misfit, strained(model, solution, basis)),
         budget.Input("what no known cause explains", misfit, basis @ findings.unknown_shift),

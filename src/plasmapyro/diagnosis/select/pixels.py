@@ -41,12 +41,13 @@ def chance_of_kinds(frames, off):
     told = whole & (frames.time > half) & (np.abs(frames.time - off) > half + LEAVE_OUT_OFF)
     if told.sum() <= 2 or light.shape[1] <= 2 * LONGEST:
         return 1.0
-    light = np.nan_to_num(light[told])  # in the order of the pixels
+    light = np.nan_to_num(light[told])
     level = np.median(light, axis=0)
     total = np.median(light[:, level > 0] / level[level > 0], axis=1)
     root = np.maximum(total, LEAST_LIGHT * total.max())[:, None] ** -0.5
     courses = np.stack([total, frames.time[told] < off], axis=1)
     surface = np.linalg.lstsq(root * courses, root * light, rcond=None)[0][0]
+    surface = np.interp(np.arange(usable.size), np.flatnonzero(usable), surface)  # gaps stay where they are
     local = uniform_filter1d(surface, LONGEST + 1, mode="nearest")
-    apart = np.where(local > 0, surface / np.where(local > 0, local, 1.0) - 1, 0.0)
+    apart = np.where((local > 0) & usable, surface / np.where(local > 0, local, 1.0) - 1, 0.0)
     return chance_of_peak(apart, 1.0, LONGEST)[0]

@@ -103,7 +103,7 @@ def columns_of_candidates(model, solution, effects):
         Candidate(effect, dict(shape), step)
         for effect in effects.values()
         if set(effect.instruments) & {instrument.kind for instrument in model.instruments}
-        for shape in effect.shapes
+        for shape in (effect.shapes[:1] if alone and effect.clock else effect.shapes)
         for step in (None, *(MOVED if alone and effect.clock else ()))
     )
     state, base = solution.state, solution.settings
@@ -114,11 +114,11 @@ def columns_of_candidates(model, solution, effects):
         rows = np.zeros((*plain.shape, len(candidates)))
         for j, candidate in enumerate(candidates):
             effect = candidate.effect
-            if instrument.kind not in effect.instruments:
-                continue
             step = candidate.step or effect.step
-            settings = (*base, Setting(effect, step, candidate.shape))
-            changed = model.evaluate(which, state.knots, state.values, settings, gas_error=error)
+            setting = Setting(effect, step, candidate.shape)
+            if not setting.acts_on(instrument.kind):
+                continue
+            changed = model.evaluate(which, state.knots, state.values, (*base, setting), gas_error=error)
             rows[..., j] = (changed - plain) / step
         columns.append(rows)
     return candidates, columns

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plasmapyro.diagnosis.effects.instrument import pyrometer_late
+from plasmapyro.diagnosis.effects.instrument import clocks_apart
 from plasmapyro.diagnosis.fit.base import phase_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.diagnosis.fit.setting import Setting
@@ -280,7 +280,7 @@ def _late(model, solution, place, value, before):
             place,
             state.knots,
             state.values,
-            (*solution.settings, Setting(pyrometer_late, late, {})),
+            (*solution.settings, Setting(clocks_apart, late, {})),
             gas_error=state.error_of_gas(place),
         )
         * (1 + state.pattern[place])
