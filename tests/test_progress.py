@@ -107,6 +107,14 @@ def test_a_warning_of_a_stage_reaches_terminal_and_pipe_once():
         assert stream.getvalue().endswith(said) and stream.getvalue().count(said) == 1
 
 
+def test_what_is_said_after_the_stream_is_closed_is_no_error():
+    """A caller in Python that ran a command with a stream of its own, and goes on with stages."""
+    stream = streams.StringIO()
+    progress.show(stream)
+    stream.close()
+    logging.getLogger("plasmapyro.diagnosis").warning("left out")
+
+
 def test_the_log_of_a_job_stays_quiet(tmp_path):
     code = f"""
 import logging

@@ -55,6 +55,8 @@ class _Line(logging.Handler):
         self.stream, self.start, self.drawn = stream, time.monotonic(), -PERIOD
 
     def emit(self, record):
+        if self.stream.closed:  # of a caller that goes on without it
+            return
         now = time.monotonic()
         clear = "\r\033[K" if self.stream.isatty() else ""
         warning = record.levelno >= logging.WARNING
