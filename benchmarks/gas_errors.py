@@ -22,6 +22,7 @@ from blind.draw import number
 from worlds import case as worlds
 from worlds.engine import CENTRES, COMPONENTS
 
+from plasmapyro import io
 from plasmapyro.diagnosis import command
 from plasmapyro.diagnosis.simulation.systems import BEYOND
 
@@ -111,6 +112,7 @@ def main():
             second.write(stage.test(()), path)
             inputs = command.load_inputs(options.results / "radiation", place)
             report = command.diagnose_test(path, inputs).report
+            inputs = command.of_its_pressure(io.read(path, "test"), inputs)  # as the diagnosis simulates it
             simulated = inputs.radiation[stage.base.condition]
             told = [
                 score.add(row, truth)
