@@ -243,28 +243,34 @@ def model(record, laboratory):
 
 
 @pytest.fixture(scope="session")
-def diagnosed(record, laboratory):
-    """Diagnoses a test of `record` with some settings, keeping results."""
+def diagnosis_of(laboratory):
+    """Diagnoses a test of the laboratory."""
     from plasmapyro.diagnosis import command
     from plasmapyro.diagnosis.stage import diagnose
 
+    def run(test, **options):
+        with np.errstate(all="ignore"):
+            return diagnose(
+                test,
+                laboratory.radiation,
+                laboratory.variations,
+                laboratory.response,
+                laboratory.calibration,
+                **{"draws": 400, "saturation_counts": 65000.0, "limits": command.LIMITS} | options,
+            )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def diagnosed(record, diagnosis_of):
+    """Diagnoses a test of `record` with some settings, keeping results."""
     kept = {}
 
     def run(without=(), **settings):
         key = (without, *sorted(settings.items()))
         if key not in kept:
-            with np.errstate(all="ignore"):
-                kept[key] = diagnose(
-                    record(**settings),
-                    laboratory.radiation,
-                    laboratory.variations,
-                    laboratory.response,
-                    laboratory.calibration,
-                    exclude=without,
-                    draws=400,
-                    saturation_counts=65000.0,
-                    limits=command.LIMITS,
-                )
+            kept[key] = diagnosis_of(record(**settings), exclude=without)
         return kept[key]
 
     return run

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis import command, stage
+from plasmapyro.diagnosis import stage
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.effects.gas import lines_of
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE, terms_of
@@ -93,7 +93,7 @@ def test_a_species_without_lines_in_the_table_is_no_effect():
 ARGON = [(763.51, 1.0), (794.82, 0.3), (811.53, 1.0), (842.46, 0.6), (912.3, 0.8), (922.45, 0.2)]  # air [nm]
 
 
-def test_an_atom_of_the_catalogue_keeps_its_name(record, laboratory, monkeypatch):
+def test_an_atom_of_the_catalogue_keeps_its_name(record, diagnosis_of, monkeypatch):
     """Lines of argon are found by their places as well; that must not free their light from its effect."""
     effect = {"id": "lines Ar I", "amplitude": 1.0, "uncertainty": 0.1}
     by_place = {"species": "Ar I", "probability": 1.0, "rivals": [], "with_sample": False, "effect": effect}
@@ -102,15 +102,6 @@ def test_an_atom_of_the_catalogue_keeps_its_name(record, laboratory, monkeypatch
     lines = gaussians(test.wavelength.values * 1e9, ARGON, 0.4 * float(test.spectral_radiance[:10].mean()))
     burning = (test.spectrum_time.values < float(test.attrs["plasma_off_time"]))[:, None]
     test["spectral_radiance"] = test.spectral_radiance + burning * lines
-    found = stage.diagnose(
-        test,
-        laboratory.radiation,
-        laboratory.variations,
-        laboratory.response,
-        laboratory.calibration,
-        draws=400,
-        saturation_counts=65000.0,
-        limits=command.LIMITS,
-    )
+    found = diagnosis_of(test)
     assert found.report["verdict"]["named"] == ["Ar"]
     assert not any("Ar I" in one for one in found.report["simulation"]["sentences"])

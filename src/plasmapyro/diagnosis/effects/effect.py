@@ -29,8 +29,9 @@ class Effect:
     values of an instrument, `clock(amplitude, kind, **shape)` a shift of the time [s] of a kind of
     instrument, asked of all; else only `instruments` are asked. `sigma` is the standard deviation of the
     prior of the amplitude, in `unit`; `shapes` the further numbers at which the effect is looked for;
-    `shape_bounds` where they may move in the fit; `measurement` what would decide
-    whether it is there. `quadratic`: the data change with the square of the amplitude, as with a width.
+    `shape_bounds` where they may move in the fit; `starts` others from which a fit begins as well, too much
+    like those to be looked for apart; `measurement` what would decide whether it is there.
+    `quadratic`: the data change with the square of the amplitude, as with a width.
     `steady_gas`: it changes the light of the gas alone, and alike at all times, so that nothing but a
     simulation tells it from the gas as it is.
     """
@@ -48,6 +49,7 @@ class Effect:
     instruments: tuple = BOTH
     shapes: tuple = (MappingProxyType({}),)
     shape_bounds: dict = field(default_factory=dict)
+    starts: tuple = ()
     quadratic: bool = False
     steady_gas: bool = False
     light: Callable | None = None

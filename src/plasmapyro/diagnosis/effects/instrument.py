@@ -141,4 +141,4 @@ def clocks_apart(amplitude, kind, *, spectra=0.0):
     return amplitude * (1 - spectra if kind == "pyrometer" else -spectra)
 
 
-clocks_apart = replace(clocks_apart, shapes=({}, {"spectra": 1.0}), shape_bounds={"spectra": (0.0, 1.0)})
+clocks_apart = replace(clocks_apart, shape_bounds={"spectra": (0.0, 1.0)}, starts=({"spectra": 1.0},))

@@ -9,8 +9,6 @@ from plasmapyro.diagnosis.select.search import setting_of
 PAIRS = 3  # of effects, fitted from the start, of those
 NEARLY = 0.95  # that promise as much of what the best pair does
 CLEARER = 3.0  # log odds of a window that takes a deposit against one that grows clearer
-# [1] of what a further effect must bring beside a deposit: a window that grows clearer explained more.
-EASIER = 0.8
 OTHER = {"winD": "winE", "winE": "winD", "winD_sl": "winE_sl", "winE_sl": "winD_sl"}
 COUNTED = 0.9  # of the log Bayes factor of what a round leaves unknown, where rounds are compared
 
@@ -88,7 +86,7 @@ def by_other_window(search, steps, unknown):
         settings = list(last.settings)
         settings[place] = Setting(other, -one.amplitude, one.shape)
         turned = search.look(search.fit(last.solution, tuple(settings)))
-        rounds, rest = walk(search, [*steps[:-1], turned], {}, EASIER)
+        rounds, rest = walk(search, [*steps[:-1], turned], {})
         if _worth(search, rounds[-1], rest) > _worth(search, last, unknown) - CLEARER:
             return rounds, rest
     return steps, unknown

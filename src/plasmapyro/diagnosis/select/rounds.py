@@ -14,7 +14,7 @@ PAIR_PRICE = 1.5  # times the threshold that the second effect of a pair must br
 PAIR_FREE = 10.0  # log evidence that the numbers of two effects cost, about
 
 
-def walk(search, steps, trials, share=1.0):
+def walk(search, steps, trials):
     """Rounds from the last of some until no effect is asked for.
 
     Parameters
@@ -23,8 +23,6 @@ def walk(search, steps, trials, share=1.0):
     steps : list of Step
     trials : dict
         Log evidence of the fits with a first effect goes into it, by id.
-    share : float [1]
-        Of what a further effect must bring.
 
     Returns
     -------
@@ -37,7 +35,7 @@ def walk(search, steps, trials, share=1.0):
             steps.append(min(steps, key=lambda step: step.solution.objective))
             return steps, left(search, steps[-1])
         seen.add(names)
-        price = share * prices.needed(search, steps)
+        price = prices.needed(search, steps)
         if steps[-1].settings and not np.any(steps[-1].gains > price):
             steps[-1] = _tried(search, steps[-1], price)
         further, unknown = _next(search, steps[-1], price, trials)

@@ -103,7 +103,7 @@ def columns_of_candidates(model, solution, effects):
         Candidate(effect, dict(shape), step)
         for effect in effects.values()
         if set(effect.instruments) & {instrument.kind for instrument in model.instruments}
-        for shape in (effect.shapes[:1] if alone and effect.clock else effect.shapes)
+        for shape in effect.shapes
         for step in (None, *(MOVED if alone and effect.clock else ()))
     )
     state, base = solution.state, solution.settings

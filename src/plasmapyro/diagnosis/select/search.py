@@ -98,9 +98,13 @@ class Search:
         return self.fitter.fit(start, settings)
 
     def extended(self, step, index):
-        """Fit with one more candidate, from its linear estimate; from its other shapes too if it comes to no
-        rest, or is a finite step: between two samples nothing pulls."""
+        """Fit with one more candidate, from its linear estimate, and from where its effect `starts`; from its
+        other shapes too if it comes to no rest, or is a finite step: between two samples nothing pulls."""
         found, candidate = self._from(step, index), step.screen.candidates[index]
+        if len(self.model.instruments) > 1:  # one alone has no share in what two differ by
+            newest = found.settings[-1]
+            begun = [(*step.settings, replace(newest, shape=dict(one))) for one in newest.effect.starts]
+            found = _best([found, *(self.fit(step.solution, settings) for settings in begun)])
         settled = found.converged and candidate.step is None
         return found if settled else self.from_all_shapes(step, found)
 
@@ -113,8 +117,7 @@ class Search:
         name, gains = fit.settings[-1].id, step.gains
         same = [place for place, one in enumerate(step.screen.candidates) if one.id == name]
         others = sorted(same, key=lambda place: -gains[place])[1:]
-        fits = [fit, *(self._from(step, place) for place in others)]
-        return min(fits, key=lambda one: (not one.converged, one.objective))
+        return _best([fit, *(self._from(step, place) for place in others)])
 
     def _from(self, step, index):
         candidate = step.screen.candidates[index]
@@ -165,3 +168,8 @@ class Search:
             if candidate.id in step.refits:
                 evidence[place] = max(evidence[place], self.evidence(step.refits[candidate.id]) - plain)
         return evidence
+
+
+def _best(fits):
+    """The lowest of the fits that come to rest, or of all."""
+    return min(fits, key=lambda one: (not one.converged, one.objective))
