@@ -263,7 +263,7 @@ def test_help_names_units_and_an_example(capsys):
 
 def test_steps_and_layers_are_told_on_a_terminal_only(folder):
     class Terminal:
-        text = ""
+        text, closed = "", False
 
         def __init__(self, is_terminal):
             self.is_terminal = is_terminal

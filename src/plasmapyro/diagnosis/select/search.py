@@ -101,8 +101,8 @@ class Search:
         """Fit with one more candidate, from its linear estimate, and from where its effect `starts`; from its
         other shapes too if it comes to no rest, or is a finite step: between two samples nothing pulls."""
         found, candidate = self._from(step, index), step.screen.candidates[index]
-        if len(self.model.instruments) > 1:  # one alone has no share in what two differ by
-            newest = found.settings[-1]
+        newest = found.settings[-1]
+        if newest.effect.starts and len(self.model.instruments) > 1:  # one alone differs from no other clock
             begun = [(*step.settings, replace(newest, shape=dict(one))) for one in newest.effect.starts]
             found = _best([found, *(self.fit(step.solution, settings) for settings in begun)])
         settled = found.converged and candidate.step is None
