@@ -1,5 +1,8 @@
 """Samples, instruments, faults and sizes of the second laboratory, with an invented gas."""
 
+import copy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from two_bands import RESPONSE
@@ -140,6 +143,37 @@ def test_what_an_analysis_must_leave_free_is_no_signal(stage, measure):
     share = np.linalg.solve(root.T, np.linalg.solve(root, rows @ vector))
     left = np.concatenate([vector - share @ rows, share])
     assert np.linalg.norm(left) < 0.1 * np.linalg.norm(vector)
+
+
+def test_noise_that_the_laboratory_draws_is_no_signal(stage, monkeypatch):
+    # Numbers of unit variance, one per pixel or knot: what is left of so many is no longer than their root.
+    # One scan of the lamp and the dark, and gains that wander by 3 %, make them larger than all other noise.
+    monkeypatch.setattr(laboratory, "LAMPS", 1)
+    monkeypatch.setattr(laboratory, "DARKS", 1)
+    restless = copy.copy(stage)
+    restless.__dict__.pop("record", None)
+    restless.__dict__["lab"] = lab = replace(stage.lab, wander=(0.03, 0.03, 0.03), pointing=1e-4)
+    measure, random = Measure(restless), np.random.default_rng(4)
+    (signals, rates), (first, _) = measure.reference, measure.times
+    rows, root = measure.nuisance(False)
+    lamp, dark = (measure._of_mean(one(lab)) for one in (laboratory.lamp_noise, laboratory.dark_noise))
+    wide, knots = rates.shape[1], 8 * np.ptp(first) / np.array([laboratory.TOGETHER, laboratory.APART])
+    together, apart = (
+        signals * laboratory._wander(random, first, memory, 0.03)
+        for memory in (laboratory.TOGETHER, laboratory.APART)
+    )
+    errors = {
+        "lamp": (0 * signals, lamp * rates * random.normal(size=wide), wide),
+        "dark": (0 * signals, dark * random.normal(size=wide) / lab.exposure + 0 * rates, wide),
+        "together": (together, 0 * rates, knots[0]),
+        "apart": (apart * [[0.5], [-0.5]], 0 * rates, knots[1]),
+    }
+    for name, (one, two, count) in errors.items():
+        vector = measure.flat([10 * one, 10 * two], False)
+        share = np.linalg.solve(root.T, np.linalg.solve(root, rows @ vector))
+        assert np.linalg.norm(np.concatenate([vector - share @ rows, share])) < 10 * np.sqrt(1.3 * count), (
+            name
+        )
 
 
 @pytest.mark.parametrize(("name", "amplitude"), [("wshift", 0.02), ("lsf", 0.102), ("contin", 0.2)])

@@ -10,6 +10,8 @@ from worlds.gas import BOLTZMANN, LIGHT, PLANCK
 
 SMOOTH = np.arange(650.0, 1231.0, 1.0) * 1e-9  # wavelengths of smooth light [m]
 FULL = 65535.0
+LAMPS, DARKS = 20, 50  # scans of a calibration, and of the dark of a test
+TOGETHER, APART, DRIFT, POINTING = 60.0, 90.0, 80.0, 0.7  # [s]: memory of gains, ratio, spectrometer, aim
 POINTS_K = np.arange(973.0, 1774.0, 50.0)  # set points of the black body
 
 
@@ -139,9 +141,35 @@ def expose(lab, rate, exposure, random, scans=1):
     """Counts of exposures (..., W) of a count rate, with noise of photons and reading, in whole counts."""
     dark, bias = detector_pattern(lab)
     level = (rate + dark) * exposure
-    noise = np.sqrt((np.maximum(level, 0) / lab.electrons + lab.read_noise**2 + 1 / 12) / scans)
+    noise = _noise(lab, level, scans)
     counts = bias + level + noise * random.normal(size=np.shape(level))
     return np.clip(np.rint(counts) if scans == 1 else counts, 0, FULL)
+
+
+def _noise(lab, level, scans):
+    """Standard deviation of photons and reading, of levels in counts, in the mean of so many scans."""
+    return np.sqrt((np.maximum(level, 0) / lab.electrons + lab.read_noise**2 + 1 / 12) / scans)
+
+
+def dark_noise(lab):
+    """Standard deviation [counts] of the dark of each pixel in a test."""
+    return _noise(lab, detector_pattern(lab)[0] * lab.exposure, DARKS)
+
+
+def lamp_noise(lab):
+    """Relative standard deviation of the calibration of each pixel, by counts of the lamp and its dark."""
+    rate, exposure = _lamp(lab)
+    dark = detector_pattern(lab)[0]
+    noise = np.hypot(_noise(lab, (rate + dark) * exposure, LAMPS), _noise(lab, dark * exposure, LAMPS))
+    return noise / (rate * exposure)
+
+
+def _lamp(lab):
+    """Count rate of the spectrometer's source over the pixels, as it is, and the exposure [s]."""
+    shine = planck(lab.wavelength, lab.lamp + lab.source_bias * (lab.lamp / 1773.0) ** 2)
+    rate = sensitivity(lab) * shine * (1 + spectral_error(lab)) * scale(lab)
+    dark = detector_pattern(lab)[0]
+    return rate, float(f"{min(0.75 * FULL / rate.max(), 0.3 * FULL / dark.mean()):.3g}")
 
 
 def calibrate(lab, response):
@@ -156,22 +184,17 @@ def calibrate(lab, response):
     for column, name in enumerate(("signal_wide", "signal_narrow")):
         points[name] = "calibration_point", signals[:, column]
     points.attrs = {"origin": "synthetic", "title": "Calibration of a two-colour pyrometer"}
-    shine = planck(lab.wavelength, lab.lamp + lab.source_bias * (lab.lamp / 1773.0) ** 2) * (
-        1 + spectral_error(lab)
-    )
-    rate = sensitivity(lab) * shine
-    bias = detector_pattern(lab)
-    exposure = float(f"{min(0.75 * FULL / (rate.max() * scale(lab)), 0.3 * FULL / bias[0].mean()):.3g}")
+    rate, exposure = _lamp(lab)
     counts = xr.Dataset(
         {
-            "calibration_counts": ("wavelength", expose(lab, rate * scale(lab), exposure, random, 20)),
-            "calibration_background": ("wavelength", expose(lab, 0 * rate, exposure, random, 20)),
+            "calibration_counts": ("wavelength", expose(lab, rate, exposure, random, LAMPS)),
+            "calibration_background": ("wavelength", expose(lab, 0 * rate, exposure, random, LAMPS)),
         },
         {"wavelength": lab.wavelength},
         {
             "source_temperature": lab.lamp,
             "integration_time": exposure,
-            "scans_averaged": 20,
+            "scans_averaged": LAMPS,
             "origin": "synthetic",
         },
     )
@@ -352,10 +375,10 @@ class Record:
         if lab.has_pyrometer:
             instants = self.instants + random.normal(0, lab.jitter, self.instants.size)
             gas = self.signals(scene, instants) - (bare := self.signals(dark_scene, instants))
-            together = _wander(random, self.instants, 60.0, lab.wander[1]) + _wander(
-                random, self.instants, 0.7, lab.pointing
+            together = _wander(random, self.instants, TOGETHER, lab.wander[1]) + _wander(
+                random, self.instants, POINTING, lab.pointing
             )
-            apart = np.array([[0.5], [-0.5]]) * _wander(random, self.instants, 90.0, lab.wander[2])
+            apart = np.array([[0.5], [-0.5]]) * _wander(random, self.instants, APART, lab.wander[2])
             signals = (bare + gas * np.interp(instants, common, flicker)) * (1 + together + apart)
             signals += signals * random.normal(0, lab.noise, signals.shape)
             least = 2.0 * signals.max(axis=1, keepdims=True) / 2**lab.bits  # one step of the converter
@@ -368,8 +391,8 @@ class Record:
             steady = self.mean(common, flicker[:, None])
             drift = (
                 1
-                + _wander(random, middles, 80.0, lab.wander[0])
-                + _wander(random, middles, 0.7, lab.pointing)
+                + _wander(random, middles, DRIFT, lab.wander[0])
+                + _wander(random, middles, POINTING, lab.pointing)
             )
             rates = (bare + gas * steady) * drift[:, None]
             test = test.assign_coords(
@@ -378,7 +401,7 @@ class Record:
             test["counts"] = ("spectrum_time", "wavelength"), expose(lab, rates, lab.exposure, random)
             test["background_counts"] = (
                 "wavelength",
-                expose(lab, np.zeros(lab.pixels), lab.exposure, random, 50),
+                expose(lab, np.zeros(lab.pixels), lab.exposure, random, DARKS),
             )
         return test
 
@@ -393,7 +416,19 @@ def _pink(random, size):
 
 def _wander(random, time, memory, size):
     """Ornstein-Uhlenbeck noise at times [s]."""
-    knots = np.arange(time[0] - 1, time[-1] + 1 + memory / 8, memory / 8)
+    knots = _knots(time, memory)
     keep, value = np.exp(-1 / 8), random.normal()
     steps = [value := keep * value + np.sqrt(1 - keep**2) * random.normal() for _ in knots]
     return size * np.interp(time, knots, steps)
+
+
+def wander_of(time, memory):
+    """Courses (t, k) of which numbers of unit variance make such noise of unit size."""
+    knots = _knots(time, memory)
+    power = np.arange(knots.size)
+    root = np.linalg.cholesky(np.exp(-np.abs(power[:, None] - power) / 8))
+    return np.array([np.interp(time, knots, column) for column in root.T]).T
+
+
+def _knots(time, memory):
+    return np.arange(time[0] - 1, time[-1] + 1 + memory / 8, memory / 8)

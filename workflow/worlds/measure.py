@@ -4,7 +4,21 @@ import numpy as np
 
 from worlds.engine import CENTRES
 from worlds.faults import EFFECTS
-from worlds.laboratory import SMOOTH, gains, onto_smooth, planck, scale, sensitivity, through_slit
+from worlds.laboratory import (
+    APART,
+    DRIFT,
+    SMOOTH,
+    TOGETHER,
+    dark_noise,
+    gains,
+    lamp_noise,
+    onto_smooth,
+    planck,
+    scale,
+    sensitivity,
+    through_slit,
+    wander_of,
+)
 
 FREE = 0.3  # relative prior of the light of the gas in every pixel and band, before and after injection apart
 STRENGTHS = (0.09, 0.05, 0.1, 0.3, 0.3, 0.2)  # of the components, where an effect acts on the gas alone
@@ -20,11 +34,12 @@ SCALE, DIGIT = 0.02e-9, 0.29
 class Measure:
     r"""Whitened tests of one case with what any analysis must leave free projected out.
 
-    Free are the temperature (hats over `knots`), emittance, gains and their wandering, the lamp, the shape
-    of the spectral calibration, edges of the bands, brightness in each frame, and the gas: for effects of
-    surface, path and instruments its light in each pixel and band, for those of the gas itself the
-    strengths of its components, multiplets, progressions and continua, windows of wavelength, the power, the
-    scale of the spectrometer and its slit. SNR is the length of what is left,
+    Free are the temperature (hats over `knots`), emittance, gains and their wandering by its own law, the
+    lamp, the shape of the spectral calibration, its noise and that of the dark in each pixel, edges of the
+    bands, brightness in each frame, and the gas: for effects of surface, path and instruments its light in
+    each pixel and band, for those of the gas itself the strengths of its components, multiplets, progressions
+    and continua, windows of wavelength, the power, the scale of the spectrometer and its slit. SNR is the
+    length of what is left,
     :math:`\sqrt{e^T (I - N(N^TN+1)^{-1}N^T) e}`.
     """
 
@@ -43,7 +58,7 @@ class Measure:
             middles if self.lab.has_spectrometer else middles[:0],
         )
         self.sigma = self._sigma()
-        self.kept = {}
+        self.kept, self.kept_pixels = {}, {}
 
     def output(self, scene):
         """Signals (2, t) and count rates (frames, pixels), merged."""
@@ -77,10 +92,33 @@ class Measure:
         number = self.merge[0] * self.merge[1]
         counts = (
             np.maximum(rates * lab.exposure, 0) / lab.electrons
-            + 2 * lab.read_noise**2
+            + lab.read_noise**2
             + 30 * lab.exposure / lab.electrons
         )
         return np.maximum(first, 1e-30), np.sqrt(counts / number) / lab.exposure
+
+    def _pixels(self, gas):
+        """What is free in each pixel of the usable frames, whitened (frames, pixels, k): rows `r` lose
+        `p @ (p.T @ r)`."""
+        if gas not in self.kept_pixels:
+            usable, (_, rates) = self._usable(self.times[1]), self.reference
+            lamp, dark = self._of_mean(lamp_noise(self.lab)), self._of_mean(dark_noise(self.lab))
+            free = [lamp * rates, dark / self.lab.exposure + 0 * rates]
+            if not gas:
+                early = (self.times[1] < 0)[:, None]
+                free += [FREE * self.gas[1] * early, FREE * self.gas[1] * ~early]
+            patterns = np.stack([(one / self.sigma[1])[usable] for one in free], axis=2)
+            size, axes = np.linalg.eigh(np.einsum("fpk,fpl->pkl", patterns, patterns))
+            size = np.maximum(size, 1e-12)
+            share = np.sqrt((1 - 1 / np.sqrt(1 + size)) / size)
+            self.kept_pixels[gas] = np.einsum("fpk,pkl,pl->fpl", patterns, axes, share)
+        return self.kept_pixels[gas]
+
+    def _of_mean(self, noise):
+        """Standard deviations of the means over merged pixels."""
+        wide = self.merge[1]
+        columns = noise[: noise.size // wide * wide].reshape(-1, wide)
+        return np.sqrt((columns**2).mean(axis=1) / wide)
 
     def _usable(self, time):
         edge = self.lab.exposure
@@ -102,7 +140,9 @@ class Measure:
                 whole = self.reference[1][usable] / noise
                 rows = _without(rows, whole, self.lab.pointing, 1)
                 rows = _without(rows, light, self.stage.base.flicker, 1)
-            if not gas:
+                free = self._pixels(gas)
+                rows = rows - np.einsum("fpk,pk->fp", free, np.einsum("fpk,fp->pk", free, rows))
+            elif not gas:
                 early = (self.times[index][usable] < 0)[:, None]
                 rows = _without(_without(rows, light * early, FREE, 0), light * ~early, FREE, 0)
             vectors.append(rows.ravel())
@@ -140,15 +180,13 @@ class Measure:
                 0 * signals,
                 1.5 * self.lab.spectral_error / order * rates * np.cos(np.pi * order * pixels),
             ]
-        for size, instrument in ((self.lab.wander[1], 0), (self.lab.wander[2], 2), (self.lab.wander[0], 1)):
-            ends = np.linspace(self.record.start, self.record.end, 8)
-            for hat in np.eye(8):
-                first, second = (np.interp(time, ends, hat) for time in self.times)
-                sign = np.array([[0.5], [-0.5]]) if instrument == 2 else 1.0
-                yield [
-                    size * signals * first * sign * (instrument != 1),
-                    size * rates * second[:, None] * (instrument == 1),
-                ]
+        wander, (first, second) = self.lab.wander, self.times
+        for course in wander_of(first, TOGETHER).T if first.size else ():
+            yield [wander[1] * signals * course, 0 * rates]
+        for course in wander_of(first, APART).T if first.size else ():
+            yield [wander[2] * signals * course * [[0.5], [-0.5]], 0 * rates]
+        for course in wander_of(second, DRIFT).T if second.size else ():
+            yield [0 * signals, wander[0] * rates * course[:, None]]
         for name, size in (("edge1", 0.7), ("edge2", 0.7), ("resp_long", 0.015)):
             yield self._difference(EFFECTS[name].apply(stage.scene, size, {}, stage.context))
         if not gas:
