@@ -21,11 +21,12 @@ from plasmapyro.diagnosis.report.foreign import atom, certain, line_pattern, lin
 from plasmapyro.diagnosis.report.report import report_of
 from plasmapyro.diagnosis.report.residual_map import residual_map
 from plasmapyro.diagnosis.report.temperature import temperatures
+from plasmapyro.diagnosis.select.excursion import EXCURSION, excursion
 from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.left_in_bands import left_in_bands
 from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.pixels import in_turn
-from plasmapyro.diagnosis.select.selection import select
+from plasmapyro.diagnosis.select.selection import select, shows
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import expected_power
@@ -134,10 +135,11 @@ def diagnose(
     if variations is None and plasma:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
 
-    def fitted(test, variations, bands=True, **more):
+    def fitted(test, variations, bands=True, frames=True, **more):
         of_bands = (calibration, radiometer_calibration) if bands else (None, None)
+        of_frames = spectrometer_calibration if frames else None
         more |= {"saturation_counts": saturation_counts, "radiometer_calibration": of_bands[1]}
-        return fit_test(test, radiation, variations, response, of_bands[0], spectrometer_calibration, **more)
+        return fit_test(test, radiation, variations, response, of_bands[0], of_frames, **more)
 
     slope = float(test.attrs.get("emittance_slope", 1.0))
     reading = (
@@ -166,6 +168,11 @@ def diagnose(
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     left = in_turn(base.model.record) or left or left_in_bands(base.model, selection.final)
     selection = selection.with_rest(left)
+    if excursion(base.model, selection.final) is not None:
+        selection = selection.beside(EXCURSION)
+    sources = instruments(test)
+    if selection.status == "named+unknown" and plasma and sorted(sources) == ["pyrometer", "spectrometer"]:
+        selection = replace(selection, faulty=_shown_alone(fitted, test, variations, of_test, questions[0]))
     comparison, elsewhere, foreign = nothing_to_compare(base.model), "", []
     if plasma:
         own = radiation[str(test.attrs["condition"])]
@@ -222,6 +229,20 @@ def _left_alone(base, named):
         return left_over(base.model, base.solution)
     start = replace(base.solution.state, amplitudes=numbers_of(own))
     return left_over(base.model, base.fitter.fit(start, own))
+
+
+def _shown_alone(fitted, test, variations, of_test, effects):
+    """Instruments whose data alone, at a temperature of their own, show that something is wrong."""
+    frames = [name for name in test.variables if {"spectrum_time", "wavelength"} & {*test[name].dims}]
+    alone = {
+        "pyrometer": fitted(test.drop_vars(frames), variations, frames=False, **of_test),
+        "spectrometer": fitted(test, variations, bands=False, **of_test),
+    }
+    return frozenset(
+        name
+        for name, base in alone.items()
+        if shows(base, {i: one for i, one in effects.items() if name in one.instruments})
+    )
 
 
 def _gained(base, selection):

@@ -12,7 +12,7 @@ from plasmapyro.diagnosis.fit.weights import Weigher
 
 FAR_OFF = 0.5  # [1]; steps of the logarithm of the brightness of the gas beyond this are cut
 LARGEST = 0.08  # [1], relative step of a temperature
-MOST_STEPS = 50  # in the valley between an emittance that ages and a deposit 25 are too few
+MOST_STEPS = 100  # in the valley of an emittance that ages and a deposit 25 are too few, of a cold surface 60
 AT_BOUND = 1e-9  # of the range of a number, from its end
 STIFF = 1e8  # times the information of a number that a bound holds
 STEEPEST = 1e3  # [1], of the objective: what a step that climbs may lead to

@@ -10,6 +10,7 @@ from scipy.special import chdtrc
 from plasmapyro.diagnosis.fit.base import Base
 from plasmapyro.diagnosis.report import show
 from plasmapyro.diagnosis.report.kelvin import PaperShift, judged_span
+from plasmapyro.diagnosis.select.excursion import EXCURSION, excursion
 from plasmapyro.diagnosis.select.held_out import Gain
 from plasmapyro.diagnosis.select.leftover import STEP, whitened
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, PRIOR_UNKNOWN, honest, prior_share
@@ -108,6 +109,8 @@ class Findings:
     def unknown_shift(self):
         """Change (K,) [K] of the knots if what no effect explains were in the model."""
         last, left = self.selection.steps[-1], self.selection.unknown_class
+        if left == EXCURSION:
+            return excursion(self.model, self.final)
         names = [structure.id for structure in last.screen.structures]
         left = ONE_STEP if left == STEP else left
         if left not in names:

@@ -18,7 +18,7 @@ from plasmapyro.diagnosis.report.posterior import posterior
 from plasmapyro.diagnosis.report.sentences import verdict_sentences
 from plasmapyro.diagnosis.report.simulation import entries_of, power_sentences, simulation
 from plasmapyro.diagnosis.report.temperature import largest_shift
-from plasmapyro.diagnosis.select import left_in_bands, leftover, pixels
+from plasmapyro.diagnosis.select import excursion, left_in_bands, leftover, pixels
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import SENTENCES as RESERVES
 from plasmapyro.diagnosis.select.screen import columns_of_candidates
@@ -252,6 +252,8 @@ def _name_of_unknown(findings):
     names = {structure.id: structure.name for structure in findings.first.screen.structures}
     names |= leftover.names(findings.model.instruments) | left_in_bands.names(findings.model.instruments)
     names |= pixels.NAMES
+    if findings.selection.unknown_class == excursion.EXCURSION:
+        return excursion.name(findings.model, findings.unknown_shift)
     return names.get(findings.selection.unknown_class)
 
 

@@ -44,6 +44,7 @@ class Selection:
     effects: dict  # that were looked for
     reserve: str = ""  # why the names are not certain, see `reserve`
     evidence: float = 0.0  # log Bayes factor of the final over the base fit
+    faulty: frozenset | None = None  # instruments that show something alone; None if that was not asked
 
     def unnamed(self):
         """The same without names: something is wrong, and the effects found are not what it is; or nothing
@@ -72,10 +73,15 @@ class Selection:
     @property
     def suspect(self):
         """Id of the structure that says where something unknown is: of what is left, or of what names with
-        reserve explain; None where nothing is unknown."""
-        if self.status == "named+unknown" and not self.unknown_class:
-            return self._behind()
-        return self.unknown_class
+        reserve explain; None where nothing is unknown. What a wrong name leaves says little of it, unless it
+        is in the instrument that alone shows something."""
+        if self.status != "named+unknown":
+            return self.unknown_class
+        structures = [structure.id for structure in self.steps[0].screen.structures]
+        elsewhere = self.unknown_class in structures and self.faulty is not None and len(self.faulty) < 2
+        if elsewhere and seen_by(self.unknown_class)["instrument"] in self.faulty:
+            elsewhere = False
+        return self._behind() if elsewhere or not self.unknown_class else self.unknown_class
 
     def hides(self, gained):
         """Whether what is unknown may be what changed the spectrum of the gas, where a cause of that explains
@@ -107,12 +113,15 @@ class Selection:
     def _behind(self):
         """Id of the structure that a cause behind the effects that were found is.
 
-        The most likely one in the data, in the instrument where all names act if it is one; where none is
-        beyond chance, the one that the effects would be taken for if they were `CLEAR` standard deviations
-        large: of less the likeliest is what says the least.
+        The most likely one in the data, in the instrument that alone shows something, or where all names
+        act, if it is one; where none is beyond chance, the one that the effects would be taken for if they
+        were `CLEAR` standard deviations large: of less the likeliest is what says the least. What neither
+        instrument shows alone lies in how they go together, wherever names act.
         """
         first, named = self.steps[0], {one.id: one for one in self.final.settings}
         acting = {kind for one in named.values() for kind in one.effect.instruments}
+        if self.faulty is not None and len(self.faulty) < 2:
+            acting = self.faulty
         places = [seen_by(structure.id)["instrument"] for structure in first.screen.structures]
         elsewhere = [len(acting) == 1 and place not in acting for place in places]
         unknown = np.where(elsewhere, -np.inf, first.unknown)
@@ -196,6 +205,14 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         doubt,
         search.evidence(final) - search.evidence(first.solution),
     )
+
+
+def shows(base, effects, *, draws=2000, seed=1):
+    """Whether a base fit asks for any of some effects, or for a structure."""
+    search = Search(base.model, base.fitter, effects)
+    step = search.look(base.solution)
+    limits = calibrated(step.screen, draws, seed)
+    return bool(step.gains.max(initial=0.0) > limits.effect or step.unknown.max() > limits.unknown)
 
 
 def _likelier(search, first, last):

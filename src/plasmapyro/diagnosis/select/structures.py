@@ -8,6 +8,7 @@ from plasmapyro.diagnosis.effects.instrument import clocks_apart
 from plasmapyro.diagnosis.fit.base import phase_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.diagnosis.fit.setting import Setting
+from plasmapyro.diagnosis.select.excursion import EXCURSION
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record.phases import during
 
@@ -92,7 +93,7 @@ def seen_by(identity):
         return {"instrument": "pyrometer", "axis": "time and temperature"}
     if "signal" in words:
         return {"instrument": "pyrometer", "axis": "signal"}
-    if "gas" in words and "walk" in words:
+    if words & {"both"} or "gas" in words and "walk" in words:
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
@@ -109,6 +110,8 @@ def may_be_gas(identity):
     """Whether what lies behind a class of structures changes the spectrum of the gas that was measured: no
     pyrometer does, nor a gain of the spectrometer that changes in time or with the heat of the surface."""
     seen = seen_by(identity)
+    if identity == EXCURSION:
+        return False
     gain = seen["instrument"] == "spectrometer" and seen["axis"] in ("time", "temperature")
     return seen["instrument"] != "pyrometer" and (not gain or bool(GAS_OF_TIME & {*identity.split("_")}))
 
