@@ -160,11 +160,12 @@ def diagnose(
         selection = selection.doubted("unconfirmed")
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
-    left = left_over(base.model, selection.final)
-    if left and selection.in_bands and any(one.kind == "spectrometer" for one in base.model.instruments):
+    left, in_samples = (asked(base.model, selection.final) for asked in (left_over, left_in_bands))
+    several = any(one.kind == "spectrometer" for one in base.model.instruments)
+    if left and several and (selection.in_bands or in_samples):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
-    left = in_turn(base.model.record) or left or left_in_bands(base.model, selection.final)
+    left = in_turn(base.model.record) or left or in_samples
     selection = selection.with_rest(left)
     comparison, elsewhere, foreign = nothing_to_compare(base.model), "", []
     if plasma:
