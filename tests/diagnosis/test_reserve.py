@@ -268,6 +268,17 @@ def test_where_bands_leave_something_spectra_are_asked_alone(monkeypatch, in_sam
     assert selection_of(monkeypatch, select=selected, **said).unknown_class == expected
 
 
+@pytest.mark.parametrize(
+    ("total", "cut", "expected"),
+    [(2.0, False, "named+unknown"), (2.0, True, "unknown"), (9.0, True, "named")],
+)
+def test_no_name_stands_with_reserve_where_the_record_is_to_be_cut(monkeypatch, total, cut, expected):
+    """A sample that leaves the view is what comes to pass at that moment, and no cause throughout."""
+    scores = Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None)
+    found = selection_of(monkeypatch, cut, select=a_deposit(16.0), gain=scores, left_in_bands=None)
+    assert found.status == expected
+
+
 def a_deposit(evidence):
     """What is selected where a deposit has some log evidence over nothing; no structure is beyond chance."""
     seen = SimpleNamespace(structures=(Structure("walk_spectrometer", "", slice(0, 1)),))
@@ -277,7 +288,7 @@ def a_deposit(evidence):
     return Selection((step,), fit, (("winE",),), {}, "named", None, limits, {}, "", evidence)
 
 
-def selection_of(monkeypatch, **said):
+def selection_of(monkeypatch, cut=False, **said):
     """What a diagnosis ends with, all that is computed replaced by what it may say; a test without a plasma
     has no gas to compare."""
     fit = said["select"].final
@@ -304,7 +315,7 @@ def selection_of(monkeypatch, **said):
     monkeypatch.setattr(stage, "Findings", finished)
     test = xr.Dataset(attrs={"condition": "none"})
     with pytest.raises(StopIteration):
-        stage.diagnose(test, {}, None, None, saturation_counts=1.0, limits={})
+        stage.diagnose(test, {}, None, None, saturation_counts=1.0, limits={}, cut=cut)
     return found[0]
 
 

@@ -73,6 +73,7 @@ def diagnose(
     radiometer_calibration=None,
     room=None,
     contradicted=((), ""),
+    cut=False,
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -112,6 +113,8 @@ def diagnose(
         The base model holds it.
     contradicted : times [s] on the clock of the test, and a sentence
         Of spectra that are no light of a hot surface: no temperature unless a confirmed cause says why.
+    cut : bool
+        Whether the record is to be cut, where something else begins: no name stands with reserve then.
 
     Returns
     -------
@@ -167,6 +170,8 @@ def diagnose(
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     left = in_turn(base.model.record) or left or in_samples
     selection = selection.with_rest(left)
+    if cut and selection.status == "named+unknown":
+        selection, gained = selection.unnamed(), None
     comparison, elsewhere, foreign = nothing_to_compare(base.model), "", []
     if plasma:
         own = radiation[str(test.attrs["condition"])]
