@@ -12,6 +12,7 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
+from plasmapyro.diagnosis.select import selection
 from plasmapyro.diagnosis.select.held_out import Gain
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.screen import Candidate, Screen, screen
@@ -277,6 +278,33 @@ def test_no_name_stands_with_reserve_where_the_record_is_to_be_cut(monkeypatch, 
     scores = Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None)
     found = selection_of(monkeypatch, cut, select=a_deposit(16.0), gain=scores, left_in_bands=None)
     assert found.status == expected
+
+
+@pytest.mark.parametrize(
+    ("structure", "status", "suspect"), [(66.7, "named+unknown", "walk_clock"), (58.0, "named", None)]
+)
+def test_a_name_that_something_unknown_beats_is_doubted_and_seen_there(
+    monkeypatch, structure, status, suspect
+):
+    """Samples that were lost, as an edge of the other spot with three free shapes: numbers of a test."""
+    structures = [SimpleNamespace(id=one) for one in ("walk_clock", "walk_spectrometer")]
+    edge = SimpleNamespace(settings=(Setting(CATALOGUE["edge_s"], 0.004, {}),))
+    screen = SimpleNamespace(structures=structures)
+    first, last = (
+        Step(one, screen, np.array([108.2]), np.array([structure, 45.0]), None)
+        for one in (SimpleNamespace(settings=()), edge)
+    )
+    limits = SimpleNamespace(unknown=4.0, third=THIRD)
+    search = SimpleNamespace(
+        look=lambda _: first, evidence=lambda one: 57.6 * bool(one.settings), thresholds=limits, effects={}
+    )
+    said = {"Search": search, "walk": ([first, last], None), "by_pair": ([first, last], None)}
+    said |= {"by_other_window": ([first, last], None), "_likelier": True, "_alike": ("edge_s",)}
+    for name, value in (said | {"_alone": {}, "reserve": "", "bent": False}).items():
+        monkeypatch.setattr(selection, name, lambda *_, value=value: value)
+    base = SimpleNamespace(model=None, fitter=None, solution=None)
+    found = selection.select(base, {}, thresholds=limits)
+    assert (found.status, found.suspect) == (status, suspect)
 
 
 def a_deposit(evidence):

@@ -11,7 +11,7 @@ from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
 from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.prices import MARGIN
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
-from plasmapyro.diagnosis.select.reserve import reserve
+from plasmapyro.diagnosis.select.reserve import BEATEN, reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id, screen
 from plasmapyro.diagnosis.select.search import Search
@@ -74,7 +74,7 @@ class Selection:
         """Id of the structure that says where something unknown is: of what is left, or of what names with
         reserve explain; None where nothing is unknown."""
         if self.status == "named+unknown" and not self.unknown_class:
-            return self._behind()
+            return self.steps[0].structure if self.reserve == BEATEN else self._behind()
         return self.unknown_class
 
     def hides(self, gained):
@@ -180,7 +180,10 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         unknown = _along_time(search, steps[-1], unknown)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
+    evidence = search.evidence(final) - search.evidence(first.solution)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
+    if sets and not unknown and not doubt and float(first.unknown.max()) > evidence + MARGIN:
+        doubt = BEATEN
     if not unknown and not doubt and bent(base.model, final, _alone(first, final)):
         doubt = "bent"
     status = _status(final, unknown or doubt, sets)
@@ -194,7 +197,7 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         search.thresholds,
         effects,
         doubt,
-        search.evidence(final) - search.evidence(first.solution),
+        evidence,
     )
 
 
