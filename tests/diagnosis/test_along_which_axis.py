@@ -18,6 +18,7 @@ from plasmapyro.diagnosis.select.structures import seen_by
 from plasmapyro.diagnosis.select.unknowns import Unknowns
 
 NOISE = 0.003  # [1]
+PATH = [0, 20, 120, 150], [350, 1200, 1500, 1150]  # [s], [K]
 
 
 def blister(model, which, time, temperature, value):
@@ -45,7 +46,7 @@ def ranges(model, which, time, temperature, value):
 
 def fitted(model, fault, settings=(), **ends):
     """A fit to data with a fault."""
-    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    knots = np.interp(model.history.knots, *PATH)
     values = np.array([parameter.centre for parameter in model.parameters])
     measured = []
     for which, instrument in enumerate(model.instruments):
@@ -134,3 +135,19 @@ def test_a_name_of_an_instrument_is_held_against_what_changes_in_time(model, cou
     """What bends gain of a dark that is told by a few dim spectra a formula may err by."""
     named = fitted(model, dark(course, size), (Setting(CATALOGUE["off_s"], size, {}),), steps=2)
     assert bent(model, named, {"off_s": 1e5}) is expected
+
+
+@pytest.mark.parametrize(("share", "expected"), [(-1.0, False), (0.08, True), (0.3, True)])
+def test_a_clock_that_lost_samples_while_the_sample_heats_is_not_that_of_another_start(
+    model, share, expected
+):
+    """The pyrometer is early from a share of the exposure on: where a surface heats, shares a tenth apart
+    are as unlike as a clock that was early all along."""
+    early = (Setting(CATALOGUE["clock"], 0.4, {"spectra": 0.0}),)
+
+    def lost(model, which, time, temperature, value):
+        knots = np.interp(model.history.knots, *PATH)
+        moved = model.evaluate(which, knots, np.array([one.centre for one in model.parameters]), early)
+        return np.where((time > share * model.off)[:, None], moved / value, 1.0)
+
+    assert bent(model, fitted(model, lost, early), {"clock": 1e5}) is expected

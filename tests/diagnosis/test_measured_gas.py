@@ -144,6 +144,13 @@ def test_a_ripple_is_found_in_its_size_and_what_explains_as_much_beside_it(rippl
     assert abs(ripple.amplitude - 0.2) < np.sqrt(found.final.covariance[2, 2]) < 0.03
 
 
+def test_a_gas_of_which_no_cause_is_asked_is_compared_all_the_same(rippled):
+    with np.errstate(all="ignore"):
+        found = compare(rippled.model, measured_gas(rippled.model, rippled.solution), {}, draws=300)
+    assert found.final.settings == () and found.systems
+    assert found.threshold == pytest.approx(6.63, abs=0.01)  # one number in a hundred
+
+
 def test_a_channel_that_may_be_anything_hides_no_cause_of_the_gas(rippled):
     """Air that absorbs in a channel, by an inexact formula, hid a ripple that all others show."""
     gas = measured_gas(rippled.model, rippled.solution)

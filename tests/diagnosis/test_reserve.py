@@ -1,5 +1,6 @@
 """When names are given with reserve, and what a bound means for tests beside a fit."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
 from plasmapyro.diagnosis.fit.inference import Fitter
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.fit.weights import Noise
+from plasmapyro.diagnosis.select import selection
 from plasmapyro.diagnosis.select.held_out import Gain
 from plasmapyro.diagnosis.select.reserve import reserve
 from plasmapyro.diagnosis.select.screen import Candidate, Screen, screen
@@ -244,13 +246,83 @@ def test_a_name_that_explains_more_than_any_structure_stands_without_blocks_left
 def test_a_diagnosis_asks_the_blocks_left_out_the_structures_and_the_samples(
     monkeypatch, evidence, total, in_samples, expected
 ):
-    """All that is computed replaced by what it may say; a test without a plasma has no gas to compare."""
+    selected = a_deposit(evidence)
+    scores = Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None)
+    found = selection_of(monkeypatch, select=selected, gain=scores, left_in_bands=in_samples)
+    assert found.status == expected
+    assert bool(found.final.settings) is (expected != "unknown")
+
+
+@pytest.mark.parametrize(
+    ("in_samples", "alone", "expected"),
+    [
+        ("left_wave_pyrometer", None, "left_wave_pyrometer"),
+        ("left_wave_pyrometer", "left_moment", "left_moment"),
+        (None, None, "left_moment"),
+    ],
+)
+def test_where_bands_leave_something_spectra_are_asked_alone(monkeypatch, in_samples, alone, expected):
+    """A hum of the bands bends the temperature that they share with sound spectra."""
+    nothing = SimpleNamespace(settings=(), converged=True)
+    selected = replace(a_deposit(16.0), status="null", final=nothing, sets=())
+    said = {"left_over": "left_moment", "_left_alone": alone, "left_in_bands": in_samples}
+    assert selection_of(monkeypatch, select=selected, **said).unknown_class == expected
+
+
+@pytest.mark.parametrize(
+    ("total", "cut", "expected"),
+    [(2.0, False, "named+unknown"), (2.0, True, "unknown"), (9.0, True, "named")],
+)
+def test_no_name_stands_with_reserve_where_the_record_is_to_be_cut(monkeypatch, total, cut, expected):
+    """A sample that leaves the view is what comes to pass at that moment, and no cause throughout."""
+    scores = Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None)
+    found = selection_of(monkeypatch, cut, select=a_deposit(16.0), gain=scores, left_in_bands=None)
+    assert found.status == expected
+
+
+@pytest.mark.parametrize(
+    ("structure", "status", "suspect"), [(66.7, "named+unknown", "walk_clock"), (58.0, "named", None)]
+)
+def test_a_name_that_something_unknown_beats_is_doubted_and_seen_there(
+    monkeypatch, structure, status, suspect
+):
+    """Samples that were lost, as an edge of the other spot with three free shapes: numbers of a test."""
+    structures = [SimpleNamespace(id=one) for one in ("walk_clock", "walk_spectrometer")]
+    edge = SimpleNamespace(settings=(Setting(CATALOGUE["edge_s"], 0.004, {}),))
+    screen = SimpleNamespace(structures=structures)
+    first, last = (
+        Step(one, screen, np.array([108.2]), np.array([structure, 45.0]), None)
+        for one in (SimpleNamespace(settings=()), edge)
+    )
+    limits = SimpleNamespace(unknown=4.0, third=THIRD)
+    search = SimpleNamespace(
+        look=lambda _: first, evidence=lambda one: 57.6 * bool(one.settings), thresholds=limits, effects={}
+    )
+    said = {"Search": search, "walk": ([first, last], None), "by_pair": ([first, last], None)}
+    said |= {"by_other_window": ([first, last], None), "_likelier": True, "_alike": ("edge_s",)}
+    for name, value in (said | {"_alone": {}, "reserve": "", "bent": False}).items():
+        monkeypatch.setattr(selection, name, lambda *_, value=value: value)
+    base = SimpleNamespace(model=None, fitter=None, solution=None)
+    found = selection.select(base, {}, thresholds=limits)
+    assert (found.status, found.suspect) == (status, suspect)
+
+
+def a_deposit(evidence):
+    """What is selected where a deposit has some log evidence over nothing; no structure is beyond chance."""
     seen = SimpleNamespace(structures=(Structure("walk_spectrometer", "", slice(0, 1)),))
     fit = SimpleNamespace(settings=(Setting(CATALOGUE["winE"], 0.05, {}),), converged=True)
     step = Step(SimpleNamespace(settings=()), seen, np.zeros(1), np.array([14.8]), np.zeros(1))
     limits = SimpleNamespace(unknown=5.0, third=THIRD)
-    selected = Selection((step,), fit, (("winE",),), {}, "named", None, limits, {}, "", evidence)
-    base = SimpleNamespace(model=SimpleNamespace(record=None), solution=fit)
+    return Selection((step,), fit, (("winE",),), {}, "named", None, limits, {}, "", evidence)
+
+
+def selection_of(monkeypatch, cut=False, **said):
+    """What a diagnosis ends with, all that is computed replaced by what it may say; a test without a plasma
+    has no gas to compare."""
+    fit = said["select"].final
+    spectrometer = SimpleNamespace(kind="spectrometer")
+    model = SimpleNamespace(record=None, instruments=(spectrometer,))
+    base = SimpleNamespace(model=model, solution=fit)
     alike = SimpleNamespace(lines=(), final=SimpleNamespace(settings=()), gained=0.0)
     found = []
 
@@ -258,24 +330,21 @@ def test_a_diagnosis_asks_the_blocks_left_out_the_structures_and_the_samples(
         found.append(selection)
         raise StopIteration
 
-    for name, value in {
+    usual = {
         "fit_test": base,
-        "select": selected,
-        "gain": Gain(((0.0, 1.0, 0.5 * total), (1.0, 2.0, 0.5 * total)), 0.0, total, 1.0, None),
         "left_over": None,
         "in_turn": None,
-        "left_in_bands": in_samples,
         "nothing_to_compare": alike,
         "gas_is_likelier": True,
         "digest_of": "",
-    }.items():
+    }
+    for name, value in (usual | said).items():
         monkeypatch.setattr(stage, name, lambda *_, value=value, **__: value)
     monkeypatch.setattr(stage, "Findings", finished)
     test = xr.Dataset(attrs={"condition": "none"})
     with pytest.raises(StopIteration):
-        stage.diagnose(test, {}, None, None, saturation_counts=1.0, limits={})
-    assert found[0].status == expected
-    assert bool(found[0].final.settings) is (expected != "unknown")
+        stage.diagnose(test, {}, None, None, saturation_counts=1.0, limits={}, cut=cut)
+    return found[0]
 
 
 def test_a_pattern_that_comes_and_goes_lies_along_time_too():

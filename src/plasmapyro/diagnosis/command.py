@@ -39,6 +39,7 @@ LIMITS = {  # as `experiment.pyrometer` of the configuration
     "detection_level": 2.0,
     "least_surface_share": 0.5,
 }
+CUT = {"unexplained_step", "plasma_off_time"}  # rules that ask to cut the record where they see something
 NAMES = ("diagnosis.json", "residual_map.nc", "temperature.nc", "index.html", "terms.yaml")
 FINDINGS = {"named": 3, "one-of": 3, "named+unknown": 3, "unknown": 4}  # exit status with --fail-on-finding
 
@@ -233,6 +234,7 @@ def diagnose_test(
             radiometer_calibration=inputs.radiometer_calibration,
             room=room,
             contradicted=contradicted,
+            cut=any(entry["rule"] in CUT for entry in findings),
         )
     result.report["posterior"]["with_priors"] = known is not None
     result.report["findings"] = list(findings)

@@ -74,6 +74,7 @@ def diagnose(
     radiometer_calibration=None,
     room=None,
     contradicted=((), ""),
+    cut=False,
 ):
     """Diagnose one test against the simulation of its condition.
 
@@ -113,6 +114,8 @@ def diagnose(
         The base model holds it.
     contradicted : times [s] on the clock of the test, and a sentence
         Of spectra that are no light of a hot surface: no temperature unless a confirmed cause says why.
+    cut : bool
+        Whether the record is to be cut, where something else begins: no name stands with reserve then.
 
     Returns
     -------
@@ -162,14 +165,17 @@ def diagnose(
         selection = selection.doubted("unconfirmed")
     elif gained is not None and gained.of_a_moment:
         selection = selection.doubted("moment")
-    left = left_over(base.model, selection.final)
-    if left and selection.in_bands and any(one.kind == "spectrometer" for one in base.model.instruments):
+    left, in_samples = (asked(base.model, selection.final) for asked in (left_over, left_in_bands))
+    several = any(one.kind == "spectrometer" for one in base.model.instruments)
+    if left and several and (selection.in_bands or in_samples):
         # A joint temperature that follows wrong bands leaves a pattern in a sound spectrometer.
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
-    left = in_turn(base.model.record) or left or left_in_bands(base.model, selection.final)
+    left = in_turn(base.model.record) or left or in_samples
     selection = selection.with_rest(left)
     if excursion(base.model, selection.final) is not None:
         selection = selection.beside(EXCURSION)
+    if cut and selection.status == "named+unknown":
+        selection, gained = selection.unnamed(), None
     sources = instruments(test)
     if selection.status == "named+unknown" and plasma and sorted(sources) == ["pyrometer", "spectrometer"]:
         selection = replace(selection, faulty=_shown_alone(fitted, test, variations, of_test, questions[0]))

@@ -15,7 +15,7 @@ NOTHING = 1e-9  # and of a course: the path takes up nearly all of a clock, and 
 BENDS, MOST = 5, 500.0  # of a column; logarithm of a ratio beyond which it is not told
 INSTRUMENT = ("optics", "detector", "clock")  # what the catalogue takes as constant, but may change
 LIKELIER = 5.0  # times such a name: what changes in the course of a test, in its place
-BEGUN = np.arange(0.1, 0.95, 0.1)  # [1] of the exposure: when that may be there at once
+BEGUN = np.geomspace(0.01, 0.9, 40)  # [1] of the exposure: when that may be there at once
 
 
 def bent(model, solution, alone):

@@ -1,7 +1,7 @@
 """A temperature that leaves its course for a moment and comes back to it.
 
-A path may heat as fast as its light shows, so it follows a flake that crosses the view, by 115 K in a test. From
-a flux that jumps for seconds its shape alone does not tell it; either is said, and widens the interval there.
+A path may heat as fast as its light shows, so it follows a flake that crosses the view, by 115 K in a test.
+From a flux that jumps for seconds its shape does not tell it; either is said, and widens the interval there.
 """
 
 import numpy as np

@@ -13,6 +13,7 @@ AT_END = 0.01  # [1], of the range of a shape: nearer to its end the data want a
 LOSSES = ("winD", "winE", "winD_sl", "winE_sl")  # a deposit makes no window clearer
 SURE = 3.0  # standard deviations
 
+BEATEN = "beaten"
 SENTENCES = {
     "unconfirmed": "Data that are left out of the fit do not confirm these names by three standard errors.",
     "moment": "Nearly all that speaks for these names are a few seconds: something may have happened then.",
@@ -22,6 +23,8 @@ SENTENCES = {
     "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
     "sign": "A window that grows clearer is unlikely: it may be another cause.",
     "alike": "Two names look alike in the data: together they may be one cause that the catalogue lacks.",
+    BEATEN: "What no cause describes is likelier than these names with all their free numbers: it may be"
+    " another cause.",
     "bent": "A name would fit clearly better if it changed otherwise over wavelength, time, temperature or"
     " signal: it may be another cause.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",

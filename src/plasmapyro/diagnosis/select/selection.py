@@ -11,7 +11,7 @@ from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
 from plasmapyro.diagnosis.select.bent import bent
 from plasmapyro.diagnosis.select.prices import MARGIN
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
-from plasmapyro.diagnosis.select.reserve import reserve
+from plasmapyro.diagnosis.select.reserve import BEATEN, reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, angles, best_by_id, screen
 from plasmapyro.diagnosis.select.search import Search
@@ -77,11 +77,13 @@ class Selection:
         is in the instrument that alone shows something."""
         if self.status != "named+unknown":
             return self.unknown_class
+        alone = self.faulty if self.faulty is not None and len(self.faulty) < 2 else None
+        if not self.unknown_class:
+            return self.steps[0].structure if self.reserve == BEATEN and not alone else self._behind()
         structures = [structure.id for structure in self.steps[0].screen.structures]
-        elsewhere = self.unknown_class in structures and self.faulty is not None and len(self.faulty) < 2
-        if elsewhere and seen_by(self.unknown_class)["instrument"] in self.faulty:
-            elsewhere = False
-        return self._behind() if elsewhere or not self.unknown_class else self.unknown_class
+        if alone is None or self.unknown_class not in structures:
+            return self.unknown_class
+        return self.unknown_class if seen_by(self.unknown_class)["instrument"] in alone else self._behind()
 
     def hides(self, gained):
         """Whether what is unknown may be what changed the spectrum of the gas, where a cause of that explains
@@ -189,7 +191,10 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         unknown = _along_time(search, steps[-1], unknown)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
+    evidence = search.evidence(final) - search.evidence(first.solution)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
+    if sets and not unknown and not doubt and float(first.unknown.max()) > evidence + MARGIN:
+        doubt = BEATEN
     if not unknown and not doubt and bent(base.model, final, _alone(first, final)):
         doubt = "bent"
     status = _status(final, unknown or doubt, sets)
@@ -203,7 +208,7 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         search.thresholds,
         effects,
         doubt,
-        search.evidence(final) - search.evidence(first.solution),
+        evidence,
     )
 
 

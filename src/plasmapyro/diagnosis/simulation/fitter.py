@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
-from scipy.special import chdtrc
+from scipy.special import chdtrc, chdtri
 
 from plasmapyro.diagnosis.fit.build import GAS_SIGMA
 from plasmapyro.diagnosis.fit.setting import LARGE, Setting, free_numbers, log_prior, numbers_of, with_numbers
@@ -153,7 +153,10 @@ class Fitter:
         return min(fits, key=lambda fit: fit.objective)
 
     def threshold(self, fit, draws, seed):
-        """Chi-squared that the best effect gains in a share `LEVEL` of spectra in which nothing is wrong."""
+        """Chi-squared that the best effect gains in a share `LEVEL` of spectra in which nothing is wrong;
+        that of one number where no effect is asked for."""
+        if not self.simulated.effects:
+            return float(chdtri(1, LEVEL))
         light, step = self.light(fit), 1e-3
         moved = (fit.power + step, fit.brightness), (fit.power, fit.brightness + step)
         base = self.white([(self.simulated.light(*place, fit.settings) - light) / step for place in moved])
