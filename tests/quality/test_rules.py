@@ -12,7 +12,7 @@ import xarray as xr
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality import agreement, series
-from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, merged, of_test, table
+from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, agreed, merged, of_test, table
 from plasmapyro.quality.rule import Case, look
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers.stage import Reading
@@ -345,6 +345,32 @@ def test_instruments_are_compared_in_their_combined_uncertainty():
         np.testing.assert_allclose(difference, off)
         np.testing.assert_allclose(error, 29.0)
     assert agreement.disagreeing(result_of(1900, 1600, state=4), 3.0)[0].size == 0
+
+
+def test_planck_fits_to_a_surface_that_is_not_grey_have_no_value(sound):
+    fits = result_of(1600.0, np.where(np.arange(10) < 6, 1600.0, 1680.0), (20.0, 24.0))
+    for end in ("", "_uncertainty"):
+        fits[f"spectrometer_temperature{end}"] = fits[f"scaled_temperature{end}"]
+    fits = fits.drop_vars([name for name in fits.variables if name.startswith("corrected")])
+    whole = np.full(10, 1600.0)
+    estimate = xr.Dataset(
+        {
+            "spectral_temperature": ("spectrum_time", whole),
+            "spectral_temperature_uncertainty": ("spectrum_time", 0 * whole + 32.0),
+            "spectral_status": ("spectrum_time", np.where(np.arange(10) == 9, 4, 0).astype("int8")),
+        },
+        {"spectrum_time": fits.spectrum_time},
+    )
+    # hypot(24, 32) = 40: two of them are 80 K, which is not beyond.
+    assert "spectra_not_grey" not in said(sound, result=fits, estimate=estimate)
+    fits["scaled_temperature"] = fits.scaled_temperature + 0.1
+    words = said(sound, result=fits, estimate=estimate)["spectra_not_grey"]
+    assert "in 3 spectra the fits" in words and "at 7 s by +80 K +- 40 K" in words
+    first, second = agreed([fits, estimate], sound)
+    assert first.spectrum_status.values.tolist() == [0] * 6 + [9] * 3 + [0]
+    for name in ("scaled_temperature", "spectrometer_temperature"):
+        np.testing.assert_array_equal(np.isnan(first[name]), first.spectrum_status == 9)
+    assert second.identical(estimate)
 
 
 def test_the_contradiction_of_the_instruments_is_said_first(sound):

@@ -143,8 +143,8 @@ def spread_of(chain, observations, prior_constants, found):
 
 
 def _told(gathered, gas_variance):
-    """Information (n,) of each sample on its temperature, (n,) its pull on the path, and (n, p) how much of it
-    the constants move, the gas marginalised with its variance."""
+    """Information (n,) of each sample on its temperature, (n,) its pull on the path, and (n, p) how much of
+    it the constants move, the gas marginalised with its variance."""
     matrix = gathered.state_matrix
     by_gas = matrix[:, TEMPERATURE, GAS] / (matrix[:, GAS, GAS] + 1 / gas_variance)
 
