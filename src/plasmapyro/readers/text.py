@@ -124,6 +124,9 @@ def read_lines(path, limit):
             )
             refuse(path, f"{what} (tried {encoding})", "export the data as text, UTF-8")
         words = _of_a_country(content)
+    if words.endswith("\0") and not CONTROL.search(words.rstrip("\0")):
+        what = f"ends in {len(words) - len(words.rstrip(chr(0)))} zero bytes, as after a loss of power"
+        refuse(path, what, "the samples there are lost; remove the bytes if the test is before them")
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
     if "\r" in words:
@@ -200,7 +203,8 @@ def number(word, decimal="."):
     Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
-    word, decimal = word.strip(), decimal or ("," if "," in word else ".")
+    word = word.strip().replace("\u2212", "-")  # the minus of Scandinavian systems
+    decimal = decimal or ("," if "," in word else ".")
     if decimal == "." and NUMBER.fullmatch(word):
         value = float(word.replace("d", "e").replace("D", "e"))
         return value if math.isfinite(value) else None
