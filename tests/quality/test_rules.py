@@ -229,6 +229,15 @@ def test_a_rule_of_the_files_says_what_it_saw(sound, name):
     assert words in found[name]
 
 
+def test_without_a_plasma_the_dark_holds_no_light_of_it(sound):
+    for wrong in (1.0, 1e-9):  # of the light of the gas in the pyrometer
+        case = with_signals(sound, lambda t, p: np.where(t <= 5.0, p * wrong, p))  # noqa: B023
+        case["background_counts"] = case.counts[0]
+        words = said(case)
+        assert ("dark_like_light" in words) is (wrong == 1.0)
+        assert ("dark_reference" in words) is (wrong != 1.0)
+
+
 def test_dates_may_differ_by_their_rounding(sound):
     rounded = [START + timedelta(seconds=2 * i + i % 3) for i in range(30)]
     assert said(sound, files(dates=rounded)) == {}
@@ -589,4 +598,7 @@ def test_the_shape_of_spectra_is_judged_where_the_surface_shines(bend, said):
             "normalised_fit": (across, fitted / fitted.max()),
         }
     )
+    assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said
+    for name in ("corrected_radiance", "normalised_radiance"):  # most of a few spectra is saturated
+        result[name][:3, 550:] = np.nan
     assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said

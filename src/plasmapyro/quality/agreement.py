@@ -233,6 +233,13 @@ def emittance_jumps(case, limit):
     }
 
 
+def _medians(rows):
+    """Median (n,) of what is finite in each of some rows (n, m), NaN without any."""
+    found, good = np.full(len(rows), np.nan), np.isfinite(rows).any(axis=1)
+    found[good] = np.nanmedian(rows[good], axis=1)
+    return found
+
+
 @rule()
 def shape_of_spectra(case, limit):
     good = np.flatnonzero(case.result.spectrum_status.values == status.VALID)
@@ -249,6 +256,7 @@ def shape_of_spectra(case, limit):
     if not used.any():
         return None
     parts = np.array_split(np.flatnonzero(used), max(used.sum() // PIXELS, 1))
-    means = np.array([np.nanmedian(rest[:, part], axis=1) for part in parts if part.size])
-    worst = float(np.median(np.sqrt(np.nanmean(means**2, axis=0))))
+    means = np.array([_medians(rest[:, part]) for part in parts if part.size])
+    seen = np.isfinite(means).any(axis=0)  # not of a spectrum that is saturated there
+    worst = float(np.median(np.sqrt(np.nanmean(means[:, seen] ** 2, axis=0))))
     return {"worst": worst} if worst > limit else None
