@@ -275,6 +275,12 @@ def test_a_name_tells_the_bands_where_the_narrow_one_is_brighter(tmp_path, narro
     assert f'signal_wide: {{name: "{wide}"}}' in text and f'signal_narrow: {{name: "{narrow}"}}' in text
 
 
+def test_spectra_in_a_file_of_arrays_are_told_what_to_do(tmp_path):
+    savemat(tmp_path / "a.mat", {"wavelength": np.linspace(700, 900, 60), "counts": np.ones((9, 60))})
+    with pytest.raises(Refusal, match="from such a file, spectra are not: save them as text"):
+        describe(tmp_path)
+
+
 def test_a_band_may_stand_in_a_file_of_its_own(tmp_path):
     def one(place):
         return table("Interval,1,,\nTime,Ampl [nA]", lambda *row: (row[0], row[place]))

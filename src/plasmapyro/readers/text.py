@@ -111,6 +111,8 @@ def read_lines(path, limit):
         refuse(path, f"cannot be read ({reason})", "check the access rights")
     for begin, (kind, remedy) in BINARY.items():
         if content.startswith(begin):
+            if remedy.startswith("it must end in") and path.suffix.lower() in remedy.split(" in ")[1]:
+                remedy = "signals against time are read from such a file, spectra are not: save them as text"
             refuse(path, f"is {kind}, not text", remedy)
     encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
     if encoding is None and content[:1] and content[1:2000:2].count(0) > 0.8 * len(content[1:2000:2]):
