@@ -229,6 +229,19 @@ def test_a_rule_of_the_files_says_what_it_saw(sound, name):
     assert words in found[name]
 
 
+def test_the_few_spectra_of_a_window_are_alike(sound):
+    alone = sound.drop_vars(["time", "signal_wide", "signal_narrow"])
+    dark = alone.background_counts.values
+    for growth, words in ((1.08, None), (1.15, "0 to 5 s: the light of its 3 spectra differs by 1")):
+        heating = np.where(np.arange(30) == 2, growth, 1.0)[:, None]
+        seen = said(with_spectra(alone, lambda c: dark + (c - dark) * heating))  # noqa: B023
+        assert (words is None and "frames_in_window" not in seen) or words in seen["frames_in_window"]
+    faint = with_spectra(alone, lambda c: np.where(np.arange(30)[:, None] < 3, dark + (c - c.mean()), c))
+    assert "frames_in_window" not in said(faint)
+    both = with_spectra(sound, lambda c: dark + (c - dark) * heating)
+    assert "frames_in_window" not in said(both)  # the pyrometer tells more
+
+
 def test_without_a_plasma_the_dark_holds_no_light_of_it(sound):
     for wrong in (1.0, 1e-9):  # of the light of the gas in the pyrometer
         case = with_signals(sound, lambda t, p: np.where(t <= 5.0, p * wrong, p))  # noqa: B023
