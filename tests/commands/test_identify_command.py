@@ -23,6 +23,17 @@ def test_table_and_figure(tmp_path, capsys):
     assert plot.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_width_that_no_peak_has_is_said(tmp_path, capsys):
+    axis, counts = made.spectrum(made.SODIUM + made.POTASSIUM + made.LITHIUM)
+    np.savetxt(tmp_path / "s.csv", np.stack([axis * 1e9, counts], axis=1), fmt="%.2f", delimiter=",")
+    widths = {}
+    for factor in (0.2, 1.0, 5.0):
+        stated = f"{factor * 0.3:.3f}"
+        assert cli.main(["identify", str(tmp_path / "s.csv"), "--fwhm-nm", stated]) == 0
+        widths[factor] = "names rest on the width" in capsys.readouterr().err
+    assert widths == {0.2: True, 1.0: False, 5.0: True}
+
+
 def test_dark_of_another_instrument_is_refused(tmp_path, capsys):
     axis, counts = made.spectrum(made.LITHIUM)
     for name, scale in (("s.csv", 1.0), ("d.csv", 1.01)):

@@ -65,8 +65,8 @@ def made(temperature, gas):
 
 @pytest.mark.parametrize(
     ("rise", "cooling", "gas"),
-    [(3.0, 25.0, 1e-3), (9.0, 260.0, 1.0), (3.0, 260.0, 1e-2)],
-    ids=["steep", "quenched", "both"],
+    [(3.0, 25.0, 1e-3), (9.0, 260.0, 1.0), (3.0, 260.0, 1e-2), (9.0, 25.0, 30.0)],
+    ids=["steep", "quenched", "both", "bright gas"],
 )
 def test_no_temperature_is_valid_and_wrong(instrument, rise, cooling, gas):
     test, truth = made(history(rise, cooling), gas)

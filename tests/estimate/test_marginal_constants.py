@@ -1,7 +1,6 @@
 """Constants of the joint estimate against the exact evidence of linear Gaussian models."""
 
 import dataclasses
-import types
 
 import numpy as np
 import pytest
@@ -23,13 +22,22 @@ PRIOR = 0.05  # standard deviation of the logarithm of the gain
 DYNAMICS = Dynamics(QUIET, 1e-12, 1.0, 0.0, 1e-4, 1e-3, 0.01, 0.3)
 
 
+class Alike:
+    """Light that hardly changes with the temperature."""
+
+    temperatures = (-1e6, 1e6)
+
+    def __call__(self, kelvin):
+        return np.full((len(kelvin), 1), 1e9), np.ones((len(kelvin), 1)), None
+
+
 @dataclasses.dataclass(frozen=True)
 class Scaled:
     """Signal = e^theta T + noise: the smaller T, the cheaper its path, and theta makes good for it."""
 
     signal: np.ndarray
     noise: float = NOISE
-    table = types.SimpleNamespace(temperatures=(-1e6, 1e6))
+    table = Alike()
 
     def slope(self, path, values):
         """Whitened, by the temperature."""
@@ -149,6 +157,24 @@ def test_the_estimate_follows_what_is_stated_and_its_noise_as_the_budget_says():
     assert np.median(known / rest) == pytest.approx(1.0, abs=0.1 + 3 / np.sqrt(2 * draws))
 
 
+def test_without_its_continuity_a_path_is_known_from_the_samples_about_each_by_themselves():
+    signal = np.where(TIME > 10, 60.0, 30.0)  # a step, which no path of this kind follows
+    chain = Chain(TIME, (), -1.0, np.zeros(4), np.diag([START**2, RATE_START**2, 1e-6, 1e-4]))
+    start, held = np.zeros((TIME.size, SIZE)), constants("gain", 0.0, 1e-9)
+    found = fit(chain, [Scaled(signal)], held, DYNAMICS, start, np.zeros(1), 0)
+    loose = constants("gain", 0.0, PRIOR)
+    one = spread_of(chain, [Scaled(signal)], held, found)
+    both = spread_of(chain, [Scaled(signal)], loose, found)
+    path = found.path[:, TEMPERATURE]
+    for at in (0, 29, 40):  # three samples lie within a second, two at the begin
+        near = np.abs(TIME - TIME[at]) <= 0.5
+        off = np.mean(signal[near] - path[near])
+        assert one.alone[at] == pytest.approx(np.hypot(NOISE / np.sqrt(near.sum()), off), rel=1e-4)
+        moved = np.mean(path[near]) * np.sqrt(both.constants[0, 0])
+        assert both.alone[at] == pytest.approx(np.hypot(one.alone[at], moved), rel=1e-4)
+    assert one.alone[29] > 2 * np.sqrt(one.path[29, TEMPERATURE, TEMPERATURE])
+
+
 @pytest.mark.parametrize("louder", [1.0, 1.7, 0.6])
 def test_a_throughput_in_doubt_has_the_exact_moments_of_its_mixture(louder):
     random = np.random.default_rng(8)
@@ -189,7 +215,7 @@ class Pair:
     """Signals (2, t) = e^(z + g_i) T + noise: what gains share is the level, what they do not the ratio."""
 
     signal: np.ndarray
-    table = types.SimpleNamespace(temperatures=(-1e6, 1e6))
+    table = Alike()
 
     def gains(self, values, of):
         return np.exp(values[of(NAME)] + values[of(GAINS)])[:, None]

@@ -168,6 +168,18 @@ def test_uncertain_gas_matters_early_and_not_late(pyrometer):
     assert np.nanmedian(ratio[early]) > 1.02 and np.nanmedian(ratio[late]) == pytest.approx(1, abs=0.02)
 
 
+def test_a_window_that_is_dark_in_part_makes_the_gas_uncertain(pyrometer):
+    test, dark = made(), (TIME >= 0) & (TIME < 1.5)  # of 5 s
+    for name in ("signal_wide", "signal_narrow"):
+        test[name] = ("time", np.where(dark, 0.0, test[name].values), test[name].attrs)
+    found = correct_pyrometer(test, calibration(), **PYROMETER)
+    early = (TIME > 6) & (TIME < 20) & (found.corrected_status == 0).values
+    off = np.abs(found.corrected_temperature - truth(TIME)) / found.corrected_temperature_uncertainty
+    assert float(off[early].max()) < 2.5
+    wider = (found.corrected_signal_uncertainty / pyrometer.corrected_signal_uncertainty).values[0]
+    assert np.nanmin(wider[(TIME > 6) & (TIME < 8)]) > 5
+
+
 def test_error_is_relative_to_the_corrected_temperature(pyrometer):
     one = pyrometer.sel(time=22.0)
     expected = float(one.measured_temperature) / float(one.corrected_temperature) - 1

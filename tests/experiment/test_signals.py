@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from plasmapyro.experiment.signals import corrected_signal, corrected_signal_uncertainty, reference_signal
+from plasmapyro.experiment.signals import (
+    corrected_signal,
+    corrected_signal_uncertainty,
+    reference_signal,
+    shared_scatter,
+)
 from plasmapyro.record.phases import phases
 
 FLOAT_RTOL = 1e-12
@@ -19,6 +24,15 @@ def test_reference_is_the_mean_of_the_window_only():
 def test_missing_samples_are_left_out():
     signal = np.where(np.arange(TIME.size) % 2, np.nan, 2.0)
     assert reference_signal(TIME, signal, (0.0, 6.0))[0] == 2.0
+
+
+def test_the_gas_scatters_as_both_signals_do_in_the_window():
+    one, other = np.random.default_rng(1).standard_normal((2, 60))
+    time, level = np.arange(60.0), np.where(np.arange(60) < 30, 1.2, 0.8)
+    shared = np.sqrt(0.04 * 60 / 59)
+    assert shared_scatter(time, np.array([3 * level, level]), (0.0, 59.0)) == pytest.approx(shared)
+    assert shared_scatter(time, np.array([10 + one, 10 + other]), (0.0, 59.0)) == 0.0
+    assert shared_scatter(time, np.array([level - 1, level]), (0.0, 59.0)) == 0.0  # no light at all
 
 
 def test_uncertainty_of_independent_samples_is_the_standard_error():

@@ -12,7 +12,7 @@ import xarray as xr
 from plasmapyro.constants import BOLTZMANN
 from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.quality import agreement, series
-from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, merged, of_test, table
+from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, agreed, merged, of_test, table
 from plasmapyro.quality.rule import Case, look
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers.stage import Reading
@@ -229,6 +229,28 @@ def test_a_rule_of_the_files_says_what_it_saw(sound, name):
     assert words in found[name]
 
 
+def test_the_few_spectra_of_a_window_are_alike(sound):
+    alone = sound.drop_vars(["time", "signal_wide", "signal_narrow"])
+    dark = alone.background_counts.values
+    for growth, words in ((1.08, None), (1.15, "0 to 5 s: the light of its 3 spectra differs by 1")):
+        heating = np.where(np.arange(30) == 2, growth, 1.0)[:, None]
+        seen = said(with_spectra(alone, lambda c: dark + (c - dark) * heating))  # noqa: B023
+        assert (words is None and "frames_in_window" not in seen) or words in seen["frames_in_window"]
+    faint = with_spectra(alone, lambda c: np.where(np.arange(30)[:, None] < 3, dark + (c - c.mean()), c))
+    assert "frames_in_window" not in said(faint)
+    both = with_spectra(sound, lambda c: dark + (c - dark) * heating)
+    assert "frames_in_window" not in said(both)  # the pyrometer tells more
+
+
+def test_without_a_plasma_the_dark_holds_no_light_of_it(sound):
+    for wrong in (1.0, 1e-9):  # of the light of the gas in the pyrometer
+        case = with_signals(sound, lambda t, p: np.where(t <= 5.0, p * wrong, p))  # noqa: B023
+        case["background_counts"] = case.counts[0]
+        words = said(case)
+        assert ("dark_like_light" in words) is (wrong == 1.0)
+        assert ("dark_reference" in words) is (wrong != 1.0)
+
+
 def test_dates_may_differ_by_their_rounding(sound):
     rounded = [START + timedelta(seconds=2 * i + i % 3) for i in range(30)]
     assert said(sound, files(dates=rounded)) == {}
@@ -345,6 +367,32 @@ def test_instruments_are_compared_in_their_combined_uncertainty():
         np.testing.assert_allclose(difference, off)
         np.testing.assert_allclose(error, 29.0)
     assert agreement.disagreeing(result_of(1900, 1600, state=4), 3.0)[0].size == 0
+
+
+def test_planck_fits_to_a_surface_that_is_not_grey_have_no_value(sound):
+    fits = result_of(1600.0, np.where(np.arange(10) < 6, 1600.0, 1680.0), (20.0, 24.0))
+    for end in ("", "_uncertainty"):
+        fits[f"spectrometer_temperature{end}"] = fits[f"scaled_temperature{end}"]
+    fits = fits.drop_vars([name for name in fits.variables if name.startswith("corrected")])
+    whole = np.full(10, 1600.0)
+    estimate = xr.Dataset(
+        {
+            "spectral_temperature": ("spectrum_time", whole),
+            "spectral_temperature_uncertainty": ("spectrum_time", 0 * whole + 32.0),
+            "spectral_status": ("spectrum_time", np.where(np.arange(10) == 9, 4, 0).astype("int8")),
+        },
+        {"spectrum_time": fits.spectrum_time},
+    )
+    # hypot(24, 32) = 40: two of them are 80 K, which is not beyond.
+    assert "spectra_not_grey" not in said(sound, result=fits, estimate=estimate)
+    fits["scaled_temperature"] = fits.scaled_temperature + 0.1
+    words = said(sound, result=fits, estimate=estimate)["spectra_not_grey"]
+    assert "in 3 spectra the fits" in words and "at 7 s by +80 K +- 40 K" in words
+    first, second = agreed([fits, estimate], sound)
+    assert first.spectrum_status.values.tolist() == [0] * 6 + [9] * 3 + [0]
+    for name in ("scaled_temperature", "spectrometer_temperature"):
+        np.testing.assert_array_equal(np.isnan(first[name]), first.spectrum_status == 9)
+    assert second.identical(estimate)
 
 
 def test_the_contradiction_of_the_instruments_is_said_first(sound):
@@ -563,4 +611,7 @@ def test_the_shape_of_spectra_is_judged_where_the_surface_shines(bend, said):
             "normalised_fit": (across, fitted / fitted.max()),
         }
     )
+    assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said
+    for name in ("corrected_radiance", "normalised_radiance"):  # most of a few spectra is saturated
+        result[name][:3, 550:] = np.nan
     assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said

@@ -53,6 +53,9 @@ TABLES = {
     "a row of units in brackets": table("Time,S1,S2\n[s],[nA],[nA]", lambda *row: row),
     "units behind a slash": table("t / s;S1 / nA;S2 / nA", lambda *row: row, ";", ","),
     "blocks of numbers above": LABVIEW + table("Time [s]\tS1 (nA)\tS2 (nA)", lambda *row: row, "\t"),
+    "a Swedish minus": table(
+        "Tid [s];S1 [A];S2 [A]", lambda t, w, n: (t, f"{w}e\u22129", f"{n}e\u22129"), ";", ","
+    ),
     "UTF-16 without its mark": PLAIN.encode("utf-16-le"),
     "a Japanese Windows": PLAIN.replace("Time", "時間")
     .replace("S1", "広帯域")
@@ -224,6 +227,10 @@ def arrays(place, kind):
                 file["run/" + name.partition("_")[0]] = values[:, None]
                 file["run/" + name.partition("_")[0]].attrs["units"] = name.partition("_")[2]
             file["spectra"] = np.ones((7, 60))
+    elif kind == "rows.h5":
+        rows = np.array(SAMPLES).ravel().view([(name, float) for name in names])
+        with h5py.File(place / "shot.h5", "w") as file:
+            file["log"] = rows
     elif kind == "npz":
         np.savez(place / "shot.npz", **names)
     else:
@@ -245,7 +252,7 @@ def arrays(place, kind):
         (place / f"shot.{kind}").write_text(texts[kind])
 
 
-@pytest.mark.parametrize("kind", ["mat", "h5", "npz", "json", "channels.json", "jsonl", "ndjson"])
+@pytest.mark.parametrize("kind", ["mat", "h5", "rows.h5", "npz", "json", "channels.json", "jsonl", "ndjson"])
 def test_arrays_of_a_file_are_columns(tmp_path, kind):
     (tmp_path / "t").mkdir()
     arrays(tmp_path / "t", kind)
@@ -266,6 +273,12 @@ def test_a_name_tells_the_bands_where_the_narrow_one_is_brighter(tmp_path, narro
     words = describe(tmp_path)
     text = words if isinstance(words, str) else words[0]
     assert f'signal_wide: {{name: "{wide}"}}' in text and f'signal_narrow: {{name: "{narrow}"}}' in text
+
+
+def test_spectra_in_a_file_of_arrays_are_told_what_to_do(tmp_path):
+    savemat(tmp_path / "a.mat", {"wavelength": np.linspace(700, 900, 60), "counts": np.ones((9, 60))})
+    with pytest.raises(Refusal, match="from such a file, spectra are not: save them as text"):
+        describe(tmp_path)
 
 
 def test_a_band_may_stand_in_a_file_of_its_own(tmp_path):
@@ -312,6 +325,16 @@ REFUSED = {
         "holds pixels without wavelengths",
     ),
     "one band": ("a.csv", table("t_s,value_nA", lambda *row: row[:2]), "one signal ('value') against time"),
+    "one band of a radiometer": (
+        "a.csv",
+        table("t_s,value_nA", lambda *row: row[:2]),
+        "an instrument of one band is described as a `radiometer`",
+    ),
+    "a tail of zeros": (
+        "a.csv",
+        PLAIN + "\0" * 512,
+        "a.csv: ends in 512 zero bytes, as after a loss of power; the samples there are lost",
+    ),
     "a workbook": (
         "a.xlsx",
         b"PK\x03\x04rest",

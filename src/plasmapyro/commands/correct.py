@@ -16,7 +16,7 @@ from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.quality.catalogue import agreed, merged, of_test
 from plasmapyro.quality.pyrometer import dark_reference
-from plasmapyro.quality.window import dark_in_window, surface_in_window
+from plasmapyro.quality.window import dark_in_window, frames_in_window, surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import budget, status
 from plasmapyro.record.calibrated import of_pixels, on_same_wavelengths
@@ -29,7 +29,8 @@ NANOMETRE = 1e-9
 # files and contracts
 PYROMETER, SPECTROMETER, RADIOMETER = "calibration", "spectrometer_calibration", "radiometer_calibration"
 
-NO_REFERENCE = surface_in_window, dark_in_window, dark_reference  # rules: what is subtracted is not the gas
+# rules: what is subtracted is not the gas
+NO_REFERENCE = surface_in_window, frames_in_window, dark_in_window, dark_reference
 OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperature")
 
 

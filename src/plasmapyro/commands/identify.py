@@ -6,14 +6,16 @@ import sys
 
 import numpy as np
 
-from plasmapyro import io
+from plasmapyro import io, progress
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.identification.identify import identify
+from plasmapyro.identification.peaks import find
 from plasmapyro.readers.spectrum import read_frames
 from plasmapyro.refraction import HIGHEST, air_wavelength
 
 NANOMETRE = 1e-9
 LEAST_FRAMES = 5  # that tell their own noise
+LEAST_PEAKS, FAR = 5, 2.0  # that tell the width of a sharp line, and how far a stated one may be from it
 SHOWN = 12  # peaks without a name, strongest first
 COLUMNS = ("species", "probability", "log_bayes", "peaks", "temperature_k", "lines_nm", "or_else")
 
@@ -40,9 +42,10 @@ def run(options):
         axis = air_wavelength(axis)
     signal = _without_gaps(frames.mean(axis=0))
     noise = None if noise is None else _without_gaps(noise)
-    answer = identify(
-        axis, signal, noise, options.fwhm_nm and options.fwhm_nm * NANOMETRE, options.calibrated
-    )
+    stated = options.fwhm_nm and options.fwhm_nm * NANOMETRE
+    answer = identify(axis, signal, noise, stated, options.calibrated)
+    if stated:
+        _hold_against_peaks(stated, find(axis, signal, noise))
     rows = [row(one, answer) for one in answer.named if one.probability >= options.least_probability]
     if options.out:
         table = text.StringIO()
@@ -53,6 +56,16 @@ def run(options):
 
         draw(answer, options.least_probability, [options.plot])
     sys.stdout.write(words(answer, rows))
+
+
+def _hold_against_peaks(stated, peaks):
+    """Says a stated width [m] of a sharp line that the peaks do not have: names rest on it."""
+    seen = float(np.median(peaks.slit))
+    if peaks.wavelength.size >= LEAST_PEAKS and not 1 / FAR < stated / seen < FAR:
+        progress.warn(
+            f"--fwhm-nm is {stated / NANOMETRE:g}, but the sharpest of {peaks.wavelength.size} peaks are"
+            f" {seen / NANOMETRE:.2g} nm wide: names rest on the width; leave the option out, or state theirs"
+        )
 
 
 def _noise(frames):

@@ -9,7 +9,8 @@ import numpy as np
 from plasmapyro.estimate import prepare, throughput
 from plasmapyro.estimate.dynamics import FLICKER, GAS, SIZE, TEMPERATURE, Dynamics, transition
 from plasmapyro.estimate.observations import constants, robust_sum, robust_weight
-from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, START_DYNAMICS, TELLING
+from plasmapyro.estimate.smoother import TELLING
+from plasmapyro.estimate.stage import FIRST_RATE, GAS_START, KICK, START_DYNAMICS
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.instrument.wander import WANDER
 from plasmapyro.record import noise, status

@@ -6,11 +6,13 @@ import numpy as np
 
 from plasmapyro import progress
 from plasmapyro.estimate.banded import Factor, inner, solve_bordered
-from plasmapyro.estimate.dynamics import GAS, SIZE, TEMPERATURE, ChainPrior, transition
+from plasmapyro.estimate.dynamics import GAS, RATE, SIZE, TEMPERATURE, ChainPrior, transition
 from plasmapyro.estimate.observations import robust_sum
 
 STEPS = 150  # Gauss-Newton steps allowed
 HALVINGS = 12
+TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
+NO_RATE = 1e-3  # [K/s] below which a surface shines alike all the time
 CONVERGED = 1e-3  # fall of half the sum of squares in a whole step that ends the iteration
 SEARCH = {"maxfev": 70, "xatol": 0.05, "fatol": 0.2}
 FITTED = ("quiet", "bending", "memory", "kick")
@@ -51,7 +53,7 @@ class Spread:
     path: np.ndarray  # (n, 4, 4) covariance of each state, the constants marginalised
     constants: np.ndarray  # (p, p) covariance
     across: np.ndarray  # (n, p) covariance of each temperature with the constants
-    told: np.ndarray  # (n,) [K-2] what each sample by itself says of its temperature, gas marginalised
+    alone: np.ndarray  # (n,) [K] standard, of a temperature from the samples about it by themselves
     last: np.ndarray  # (4 + p, 4 + p) covariance of the last state and the constants
 
 
@@ -126,16 +128,56 @@ def spread_of(chain, observations, prior_constants, found):
     effect = effect.reshape(count, SIZE, size)
     own = prior.spread(gathered.state_matrix)
     own = own + effect @ covariance @ np.swapaxes(effect, 1, 2)
-    told = _told(gathered.state_matrix, own[:, GAS, GAS] + found.dynamics.flicker**2)
+    told = _told(gathered, own[:, GAS, GAS] + found.dynamics.flicker**2)
+    signal, slope, _ = observations[0].table(found.path[:, TEMPERATURE])
+    fold = np.mean(signal / slope, axis=1)
+    half = np.minimum(fold / np.maximum(np.abs(found.path[:, RATE]), NO_RATE), TELLING / 2)
+    # How the ratio wanders from second to second is told by the continuity of the path itself.
+    free, wander = covariance.copy(), prior_constants.where("ratio_wander")
+    free[wander], free[:, wander] = 0.0, 0.0
+    free[wander, wander] = prior_constants.deviation[wander] ** 2
+    alone = _alone(chain.time, *told, free, fold, half)
     across = -effect[-1] @ covariance
     last = np.block([[own[-1], across], [across.T, covariance]])
-    return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, told, last)
+    return Spread(own, covariance, -effect[:, TEMPERATURE] @ covariance, alone, last)
 
 
-def _told(matrix, gas_variance):
-    """Information (n,) of each sample on its temperature, the gas marginalised with its variance."""
-    cross, own = matrix[:, TEMPERATURE, GAS], matrix[:, GAS, GAS]
-    return matrix[:, TEMPERATURE, TEMPERATURE] - cross**2 / (own + 1 / gas_variance)
+def _told(gathered, gas_variance):
+    """Information (n,) of each sample on its temperature, (n,) its pull on the path, and (n, p) how much of
+    it the constants move, the gas marginalised with its variance."""
+    matrix = gathered.state_matrix
+    by_gas = matrix[:, TEMPERATURE, GAS] / (matrix[:, GAS, GAS] + 1 / gas_variance)
+
+    def without_gas(rows):
+        return rows[:, TEMPERATURE] - (by_gas * rows[:, GAS].T).T
+
+    own = matrix[:, TEMPERATURE, TEMPERATURE] - by_gas * matrix[:, TEMPERATURE, GAS]
+    return own, without_gas(gathered.state_gradient), without_gas(gathered.border)
+
+
+def _alone(time, information, pull, leaning, covariance, fold, half):
+    r"""Standard uncertainty (n,) [K] of temperatures without the continuity of the path.
+
+    .. math:: u^2 = \frac{1}{d^2}\left(\frac{1}{I} + \frac{b^T C\,b}{I^2}\right) + (T_e \ln d)^2, \qquad
+              d = 1 - \frac{g}{I T_e}
+
+    Sums I of the information, g of the pull on the path and b of what the constants move run over the
+    samples within `half` (n,) [s], in which the surface shines nearly alike; C is the covariance of the
+    constants. By themselves these samples see d times the light of the path, which T_e, `fold` (n,) [K],
+    multiplies by e; where that is less, a kelvin makes less of it. Infinite where they see none.
+    """
+    first = np.searchsorted(time, time - half)
+    last = np.searchsorted(time, time + half, side="right")
+    rows = np.column_stack([information, pull, leaning])
+    total = np.concatenate([np.zeros((1, rows.shape[1])), np.cumsum(rows, axis=0)])
+    around = total[last] - total[first]
+    told, pulled, moved = around[:, 0], around[:, 1], around[:, 2:]
+    told = np.where(told > 0, told, np.nan)
+    dim = 1 - pulled / told / fold
+    dim = np.where(dim > 0, dim, np.nan)
+    variance = 1 / told + np.sum(moved @ covariance * moved, axis=1) / told**2
+    variance = variance / np.minimum(dim, 1.0) ** 2 + (fold * np.log(dim)) ** 2
+    return np.sqrt(np.nan_to_num(variance, nan=np.inf))
 
 
 def _gather(observations, prior_constants, path, values):

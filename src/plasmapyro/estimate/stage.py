@@ -32,7 +32,6 @@ BENDS = 2  # times that exposures take the path between their samples anew
 # a surface oxidises and a jet blows at them; like the throughput of an instrument in the diagnosis.
 CHANGING = 0.02  # [1] standard, of the level of the light through the test
 MOST_GAS = 1e3  # [1] of its light in the reference window; a plasma changes by some tens of per cent
-TELLING = 1.0  # [s] span whose samples must tell the temperature by themselves
 
 
 def posterior(
@@ -313,13 +312,6 @@ def _inverse(data):
     return found
 
 
-def _told(time, told, temperature, largest):
-    """Where the samples within `TELLING` fix the temperature by themselves: continuity is no measurement."""
-    total = np.concatenate([[0.0], np.cumsum(told)])
-    first, last = (np.searchsorted(time, time + shift) for shift in (-TELLING / 2, TELLING / 2))
-    return (total[last] - total[first]) * (largest * temperature) ** 2 > 1
-
-
 def _families(fixed, spread, stretch=1.0):
     """Of each family of constants what it adds to the temperatures (n,) of the chain, see `budget.of_family`;
     `stretch` (p,): times what is stated of each."""
@@ -369,7 +361,8 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     fixed, found, spread = posterior.fixed, posterior.found, posterior.spread
     of, group = fixed.where, samples.group
     middle, scale = from_straight(found.path[:, TEMPERATURE])
-    told = _told(samples.time, spread.told / scale**2, middle, largest)[group]
+    alone = scale * spread.alone
+    told = (alone < largest * middle)[group]
     bands, names = prepare.leading(record), [one.name for one in observations]
     current = "gas_current" if names[0] == "pyrometer" else "radiometer_gas"
     temperature = np.interp(bands.time, samples.time, middle)
@@ -379,8 +372,10 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     wide = _families(fixed, spread, stretched(fixed, found)) if sure else list(own)
     variance = spread.path[:, TEMPERATURE, TEMPERATURE]
     more = budget.combined(wide) ** 2 - budget.combined(own) ** 2
-    deviation = (scale * np.sqrt(variance + more))[group]
-    noise = budget.remainder(variance, own)
+    # Continuity is no measurement: the path may not know more than the samples about it by themselves.
+    unsure = np.where(alone < largest * middle, np.maximum(spread.alone**2 - variance - more, 0.0), 0.0)
+    deviation = (scale * np.sqrt(variance + more + unsure))[group]
+    noise = np.sqrt(budget.remainder(variance, own) ** 2 + unsure)
     inputs = _inputs(record, observations[0], fixed, found.path[:, TEMPERATURE], wide, noise)
     surface, gas, _ = observations[0].predict(found.path, found.values, of)
     # Where there is no light of a gas, noise may make what is fitted of it negative.

@@ -110,7 +110,7 @@ def in_doubt(chain, observations, fixed, found, prior=CHANCE):
             ),
             mean([one.constants + np.outer(by, by) for one, (_, by) in zip(spreads, off, strict=True)]),
             across,
-            mean([one.told for one in spreads]),
+            mean([one.alone for one in spreads]),
             mean(
                 [
                     one.last + np.outer(by, by)

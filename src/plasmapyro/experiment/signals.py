@@ -5,6 +5,7 @@ import numpy as np
 from plasmapyro.checks import increasing
 
 LEAST_SAMPLES = 3  # of a reference window
+CHANCE = 3.0  # standard errors of a covariance
 
 
 def reference_signal(time, signal, window):
@@ -35,6 +36,16 @@ def reference_signal(time, signal, window):
     memory = np.clip(np.sum(rest[1:] * rest[:-1]) / power, 0.0, 1.0) if power > 0 else 0.0
     effective = max(1.0, samples.size * (1 - memory) / (1 + memory))
     return float(samples.mean()), float(np.sqrt(power / (samples.size - 1) / effective))
+
+
+def shared_scatter(time, pair, window):
+    """Relative scatter that both signals (2, t) show in the reference window; 0 if it is chance."""
+    inside = (time >= window[0]) & (time <= window[1]) & np.isfinite(pair).all(axis=0)
+    seen = pair[:, inside]
+    if inside.sum() < LEAST_SAMPLES or not (seen.mean(axis=1) > 0).all():
+        return 0.0
+    (wide, common), (_, narrow) = np.cov(seen / seen.mean(axis=1, keepdims=True))
+    return float(np.sqrt(common)) if common > CHANCE * np.sqrt(wide * narrow / inside.sum()) else 0.0
 
 
 def corrected_signal(signal, reference, injected, shining):

@@ -60,7 +60,8 @@ def correct_pyrometer(
     signal_uncertainty : float [1]
         Relative standard uncertainty of one signal, beside the noise that the record shows without light.
     gas_variation : float [1]
-        Relative standard deviation of the gas radiance about that of the reference window.
+        Relative standard deviation of the gas radiance about that of the reference window; at least what
+        both bands show in it.
     detection_level : float [1]
         Corrected signals of fewer standard uncertainties than this give no temperature.
     least_surface_share : float [1]
@@ -83,6 +84,8 @@ def correct_pyrometer(
         for row in sound
     ]
     reference, reference_uncertainty = np.array(means).T
+    if record.window:
+        gas_variation = max(gas_variation, signals.shared_scatter(bands.time, sound, record.window))
     reading = correction.Reading.of(
         calibration,
         record.emittance_slope,

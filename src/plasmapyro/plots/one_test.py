@@ -159,7 +159,8 @@ def spectra(axes, test, result):
         top.append(np.nanmax(values))
         label = f"{float(one.spectrum_time):.4g} s, {float(one.spectrometer_temperature):.0f} K"
         axes.plot(wavelength, np.where(values > 0, values, np.nan), ".", ms=1.5, color=colour)
-        scale = np.nanmedian(values / one.normalised_radiance.values)
+        with np.errstate(invalid="ignore", divide="ignore"):  # a pixel without light has no scale
+            scale = np.nanmedian(values / one.normalised_radiance.values)
         axes.plot(wavelength, scale * one.normalised_fit.values, color=colour, lw=1.2, label=label)
     if top and max(top) > 0:
         axes.set_yscale("log")

@@ -6,13 +6,14 @@ from plasmapyro.quality import late
 from plasmapyro.quality.rule import rule
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import status
+from plasmapyro.record.budget import NORMAL_95
 from plasmapyro.record.level import emittance_of_level, leeway
 
 GOOD = (status.VALID, status.EXTRAPOLATED)
 MOST_COMPARED = 5000  # samples: the signals of as many black bodies take 0.1 GB
+FITS = "scaled_temperature", "spectrometer_temperature"  # of Planck's law to a spectrum
 NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
-NORMAL_95 = 1.96  # standard deviations of half a 95 % interval
 CLEAR = 10.0  # of its noise: the fitted light of a pixel that tells the shape
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 
@@ -65,6 +66,35 @@ def instruments_disagree(case, limit):
         "moment": float(moment[worst]),
         "difference": float(difference[worst]),
         "uncertainty": float(uncertainty[worst]),
+    }
+
+
+def unlike_grey(result, estimate, limit):
+    """Spectra (S,) whose Planck fits, which hold the surface to be grey and alone, differ by more than
+    `limit` combined uncertainties from temperature and emissivity of the same light; differences (S,) [K] of
+    the fit that is farther off, and their uncertainties (S,) [K]."""
+    other, own = (estimate[f"spectral_temperature{end}"].values for end in ("", "_uncertainty"))
+    difference = np.array([result[name].values - other for name in FITS])
+    error = np.array([np.hypot(result[f"{name}_uncertainty"].values, own) for name in FITS])
+    pull = np.nan_to_num(np.abs(difference) / error)
+    farther = pull.argmax(axis=0), np.arange(other.size)
+    known = np.isin(estimate.spectral_status.values, GOOD) & (result.spectrum_status.values == status.VALID)
+    return known & (pull[farther] > limit), difference[farther], error[farther]
+
+
+@rule()
+def spectra_not_grey(case, limit):
+    if "spectral_temperature" not in case.estimate:
+        return None
+    far, difference, error = unlike_grey(case.result, case.estimate, limit)
+    if not far.any():
+        return None
+    worst = np.argmax(np.where(far, np.abs(difference) / error, 0.0))
+    return {
+        "count": int(far.sum()),
+        "moment": float(case.result.spectrum_time.values[worst]),
+        "difference": float(difference[worst]),
+        "uncertainty": float(error[worst]),
     }
 
 
@@ -203,6 +233,13 @@ def emittance_jumps(case, limit):
     }
 
 
+def _medians(rows):
+    """Median (n,) of what is finite in each of some rows (n, m), NaN without any."""
+    found, good = np.full(len(rows), np.nan), np.isfinite(rows).any(axis=1)
+    found[good] = np.nanmedian(rows[good], axis=1)
+    return found
+
+
 @rule()
 def shape_of_spectra(case, limit):
     good = np.flatnonzero(case.result.spectrum_status.values == status.VALID)
@@ -219,6 +256,7 @@ def shape_of_spectra(case, limit):
     if not used.any():
         return None
     parts = np.array_split(np.flatnonzero(used), max(used.sum() // PIXELS, 1))
-    means = np.array([np.nanmedian(rest[:, part], axis=1) for part in parts if part.size])
-    worst = float(np.median(np.sqrt(np.nanmean(means**2, axis=0))))
+    means = np.array([_medians(rest[:, part]) for part in parts if part.size])
+    seen = np.isfinite(means).any(axis=0)  # not of a spectrum that is saturated there
+    worst = float(np.median(np.sqrt(np.nanmean(means[:, seen] ** 2, axis=0))))
     return {"worst": worst} if worst > limit else None

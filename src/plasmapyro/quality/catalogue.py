@@ -20,17 +20,28 @@ def agreed(parts, test, response=None):
     """Results of the estimators, without a value and `contradicted` where their instruments contradict.
 
     Around spectra where the two differ by more than `instruments_disagree` allows, and where an offset of
-    their clocks moves a temperature by more than `clocks_apart` does: which clock is right nobody knows.
+    their clocks moves a temperature by more than `clocks_apart` does: which clock is right nobody knows. Of
+    spectra alone the Planck fits, where `spectra_not_grey` finds the surface not to be grey.
     `parts`: as `results` of `of_test`.
     """
     both = next((one for one in parts if set(late.ALONE) <= set(one)), None)
     if both is None:
-        return parts
+        return _grey(parts)
     case = Case(Path(), test, response=response, result=both)
     moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
     limit = agreement.clocks_apart.limit
     offset = late.clocks(case, limit)
     return [_without(part, moments, offset, limit) for part in parts]
+
+
+def _grey(parts):
+    """Results of spectra alone, without the Planck fits that temperature and emissivity contradict."""
+    fits = next((one for one in parts if set(agreement.FITS) <= set(one)), None)
+    estimate = next((one for one in parts if "spectral_temperature" in one), None)
+    if fits is None or estimate is None:
+        return parts
+    far, _, _ = agreement.unlike_grey(fits, estimate, agreement.spectra_not_grey.limit)
+    return [_without(one, fits.spectrum_time.values[far], None, None) for one in parts]
 
 
 def _without(part, moments, offset, limit):

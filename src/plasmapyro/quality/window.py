@@ -40,6 +40,24 @@ def gas_drifts(case, limit):
 
 
 @rule()
+def frames_in_window(case, limit):
+    begin, end = (float(edge) for edge in case.test.attrs["reference_window"])
+    inside = (case.test.spectrum_time.values >= begin) & (case.test.spectrum_time.values <= end)
+    if "pyrometer" in case.holds or not 2 <= inside.sum() < onset.LEAST_SAMPLES:
+        return None  # `surface_in_window` judges more of them
+    rows = case.net[inside]
+    if not np.isfinite(rows).any(axis=1).all():
+        return None
+    light = np.nanmedian(rows, axis=1)  # between the lines, where a surface stands out
+    if not (light > 0).all() or (change := light.max() / light.min() - 1) <= limit:
+        return None
+    noise = np.nanstd(np.diff(rows), axis=1).max() / np.sqrt(rows.shape[1])
+    if light.min() < CLEAR * noise:
+        return None
+    return {"begin": begin, "end": end, "count": int(inside.sum()), "change": float(change)}
+
+
+@rule()
 def dark_in_window(case, limit):
     time = case.test.time.values
     begin, end = case.test.attrs["reference_window"]

@@ -133,7 +133,7 @@ def _flat(found, above=""):
     columns = {}
     for name, value in found.items():
         value, name = np.asarray(value), above + name
-        if value.dtype.names and value.ndim == 0:
+        if value.dtype.names and value.ndim < 2:  # a structure, or a table whose rows are such
             columns |= _flat({key: value[key][()] for key in value.dtype.names}, f"{name}.")
         elif value.dtype.kind == "O" and value.ndim == 0:
             inner = value[()]
@@ -155,7 +155,7 @@ def _of_hdf5(path):
     with h5py.File(path, "r", locking=False) as file:
 
         def look(name, node):
-            if isinstance(node, h5py.Dataset) and node.dtype.kind in "fiu":
+            if isinstance(node, h5py.Dataset) and (node.dtype.kind in "fiu" or node.dtype.names):
                 unit = _word(node.attrs.get("units", node.attrs.get("unit")))
                 for label, (values, _) in _flat({name: node[()]}).items():
                     columns[label] = values, unit

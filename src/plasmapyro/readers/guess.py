@@ -74,7 +74,8 @@ def describe(folder):
     ):
         remarks.append(
             f"not used: {path.name}: one signal ({table.labels[places['band']]!r}) against time is seen; the"
-            " other band must stand in a column beside it, or alone in a second file of the same form"
+            " other band must stand in a column beside it, or alone in a second file of the same form; an"
+            " instrument of one band is described as a `radiometer`"
         )
     tunnel = kinds.get("tunnel", [])
     for path, (table, _) in tunnel[1:] if pyrometer else tunnel:

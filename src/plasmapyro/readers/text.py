@@ -111,6 +111,8 @@ def read_lines(path, limit):
         refuse(path, f"cannot be read ({reason})", "check the access rights")
     for begin, (kind, remedy) in BINARY.items():
         if content.startswith(begin):
+            if remedy.startswith("it must end in") and path.suffix.lower() in remedy.split(" in ")[1]:
+                remedy = "signals against time are read from such a file, spectra are not: save them as text"
             refuse(path, f"is {kind}, not text", remedy)
     encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
     if encoding is None and content[:1] and content[1:2000:2].count(0) > 0.8 * len(content[1:2000:2]):
@@ -124,6 +126,9 @@ def read_lines(path, limit):
             )
             refuse(path, f"{what} (tried {encoding})", "export the data as text, UTF-8")
         words = _of_a_country(content)
+    if words.endswith("\0") and not CONTROL.search(words.rstrip("\0")):
+        what = f"ends in {len(words) - len(words.rstrip(chr(0)))} zero bytes, as after a loss of power"
+        refuse(path, what, "the samples there are lost; remove the bytes if the test is before them")
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
     if "\r" in words:
@@ -200,7 +205,8 @@ def number(word, decimal="."):
     Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
     """
-    word, decimal = word.strip(), decimal or ("," if "," in word else ".")
+    word = word.strip().replace("\u2212", "-")  # the minus of Scandinavian systems
+    decimal = decimal or ("," if "," in word else ".")
     if decimal == "." and NUMBER.fullmatch(word):
         value = float(word.replace("d", "e").replace("D", "e"))
         return value if math.isfinite(value) else None
