@@ -231,3 +231,42 @@ def test_bright_light_makes_no_noise_of_the_flicker_before_one_band(random):
     flicker, constant = np.median(true, axis=0)
     # 0.3 % and, from sample to sample, 0.34 % of the flicker.
     assert 0.6 < flicker / size < 1.6 and constant < 0.005
+
+
+def pink(random, count):
+    """Noise of variance 1 that is as strong in each octave of frequency."""
+    frequency = np.fft.rfftfreq(count)
+    size = np.append(0.0, frequency[1:] ** -0.5)
+    made = np.fft.irfft(size * (random.standard_normal((2, size.size)).T @ [1, 1j]), count)
+    return made / made.std()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_a_zero_that_flickers_makes_means_before_the_injection_less_certain(random, share):
+    """Half a minute of gas that flickers by 2 %; of each amplifier 30 % of its variance are 1/f noise."""
+    count, period, number, size = 1500, 0.02, 150, 0.01
+    used, phase = np.ones(count, dtype=bool), np.zeros(count, dtype=int)
+    gas, lasting, scatter = np.ones((count, 2)), [], []
+    for _ in range(10):
+        own = random.standard_normal((16 * count, 2))
+        own += np.sqrt(share) * np.stack([pink(random, 16 * count) for _ in range(2)], axis=1)
+        scatter.append(own.reshape(-1, number, 2).mean(axis=1).var())
+        residual = size * own[:count] + 0.02 * random.standard_normal((count, 1))
+        zero = noise._zero(residual, gas, gas, used, phase, period, 0.5 * period)
+        lasting.append(float(zero.of_mean(number, period)))
+    found, true = np.median(lasting) + 1 / number, np.mean(scatter)
+    assert true / 1.5 < found < 3 * true + 5e-3
+    instrument = SimpleNamespace(
+        factor=None,
+        channels=2,
+        pixels=np.ones(2),
+        raw_bin=np.zeros(number, dtype=int),
+        raw_moment=period * np.arange(number)[:, None] * np.ones(2),
+        number=np.full((1, 2), number),
+        value=np.ones((1, 2)),
+        rounded=lambda *_: 0.0,
+    )
+    law = noise.NoiseModel(np.full(2, size**2), 0.0, 0.0, 0.0, noise.Coloured(), 1.0, zero=zero)
+    assert noise.on_bins(law, instrument, np.ones((1, 2))).variance == pytest.approx(
+        size**2 * (1 / number + lasting[-1]), rel=1e-6
+    )

@@ -17,6 +17,10 @@ SHORTEST = 1e-6  # memories of an exposure; the formula for less is 0/0
 KNOWN = 0.3  # [1], of the variance that is taken out: how well it is known
 INEXACT = 0.003  # [1], of the largest value: what exponential memories describe; real noise begins smoothly
 FINEST = 3e-5  # [1] to which a fit follows light without noise: what it misses has no memory of its own
+SLOWEST = 100.0  # [s], of 1/f noise
+OVERLAP = 2.3  # third differences for one independent one
+PARTED = np.array([-1.5, 0.6, -0.1])  # share in a third difference of what is one, two and three away
+LOOSE = 5.0  # [1] ASSUME: the factor to which it is known how usual instruments flicker
 SURE = 9.0  # chi-squared that a memory must explain: three standard deviations
 
 
@@ -151,6 +155,58 @@ def coloured(one, other, error, chosen, phase, period, longest):
         return Coloured(white=float(plain[0]))
     kept = np.flatnonzero(found[1:] > 0)
     return Coloured(float(found[0]), found[1:][kept], times[kept])
+
+
+def flickering(values, phase, period, usual):
+    r"""What lasts of noise as 1/f noise does, over the rest of it: one variance v in each octave of time
+    from a sample to `SLOWEST`.
+
+    Third differences of means over 1, 2, 4, ... samples tell it, white noise of a mean falling as its number;
+    v is the posterior mean, its logarithm before the data normal about the `usual` one, `LOOSE` wide.
+
+    Parameters
+    ----------
+    values : (t,), one sample each `period` [s] but between phases
+    phase : (t,) int
+    usual : float [1], of the variance without memory
+
+    Returns
+    -------
+    Coloured, without its white part.
+
+    Notes
+    -----
+    Source: A. van der Ziel, Physica 16 (1950) 359, on 1/f noise as a sum of memories; D. W. Allan,
+    Proc. IEEE 54 (1966) 221, on differences of means.
+    """
+    times = period * 2.0 ** np.arange(1 + max(int(np.log2(SLOWEST / period)), 1))
+    rows, number = [], 1
+    while True:
+        squares = []
+        for one in np.unique(phase):
+            own = values[phase == one]
+            mean = own[: own.size // number * number].reshape(-1, number).mean(axis=1)
+            squares.append(np.convolve(mean, THIRD, "valid") ** 2 if mean.size >= THIRD.size else mean[:0])
+        square = np.concatenate([[], *squares]) / np.sum(THIRD**2)
+        if square.size < LEAST_PAIRS:
+            break
+        square = number * square[square <= CLIP * np.median(square)]
+        rows.append((number, square.mean(), np.sqrt(2 * OVERLAP / square.size)))
+        number *= 2
+    if not rows or not rows[0][1] > 0:
+        return Coloured()
+    number, value, spread = np.array(rows).T
+    x = np.divide.outer(number * period, times)
+    beside = np.exp(-x * np.arange(3)[:, None, None]) * (np.expm1(-x) / x) ** 2
+    lasting = number * (_mean(x) + np.tensordot(PARTED, beside, axes=1)).sum(axis=1)
+    tried = usual * LOOSE ** np.linspace(-2, 2, 41)  # the law of its logarithm, to two standard deviations
+    expected = 1 + tried[:, None] * lasting
+    weight = (spread * expected) ** -2.0  # errors are relative to what is expected
+    white = np.sum(weight * expected * value, axis=1) / np.sum(weight * expected**2, axis=1)
+    misfit = np.sum(weight * (value / white[:, None] - expected) ** 2, axis=1)
+    misfit += 2 * np.log(expected).sum(axis=1) + (np.log(tried / usual) / np.log(LOOSE)) ** 2
+    likely = np.exp(-0.5 * (misfit - misfit.min()))
+    return Coloured(0.0, np.full(times.size, likely @ tried / likely.sum()), times)
 
 
 def few(one, other, error, chosen, phase):

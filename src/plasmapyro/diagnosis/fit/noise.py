@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import nnls
 
-from plasmapyro.diagnosis.fit.coloured import Coloured, coloured
+from plasmapyro.diagnosis.fit.coloured import Coloured, coloured, flickering
 from plasmapyro.diagnosis.fit.weights import Noise
 from plasmapyro.record import binning
 
@@ -31,6 +31,7 @@ SEEN_GAS = 0.03  # [1] error of the brightness of the gas of a frame that still 
 SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
 BRIGHT, LITTLE = 0.6, 0.3  # [1], of the gas in the light: samples that tell how it flickers, how gains do
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
+CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
 START_CONSTANT = 0.05  # [1] and of the gas
 START_FLICKER = 0.01
@@ -42,7 +43,8 @@ class NoiseModel:
     r"""Variance of one sample :math:`a f^2/N + b f S/N + c S^2` of N pixels with the factor f, its memory
     from sample to sample (lag-1), `flicker` of the brightness of the gas, `gain` of all light; `tail`: the
     samples beyond 4 standard deviations over what a normal law has. `laws` (S, 3): a, b, c of each series of
-    a furnace, whose exposures differ; a, b and c are then those of the last."""
+    a furnace, whose exposures differ; a, b and c are then those of the last. `zero`: what is more than a of
+    the constant part, over a, and lasts, as 1/f noise of an amplifier does."""
 
     constant: float | np.ndarray  # of each band its own: amplifiers have ranges of their own
     linear: float
@@ -52,6 +54,7 @@ class NoiseModel:
     tail: float
     gain: Coloured = Coloured()
     laws: np.ndarray | None = None
+    zero: Coloured = Coloured()
 
     def variance(self, series, level, factor, pixels):
         """Variance (t, C) of single samples of some level, of series (t,)."""
@@ -106,7 +109,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
     -------
     NoiseModel, and residuals with the flicker of the gas taken out (t, C).
     """
-    laws = None
+    laws, zero = None, Coloured()
     used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
     same = np.zeros(used.size, dtype=bool)
     same[1:] = phase[1:] == phase[:-1]
@@ -118,6 +121,9 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
             residual / factor, prediction / factor, gas / factor, used, phase, period_of(instrument), rounded
         )
         left = left * factor
+        own = (row / factor for row in (residual, prediction, gas))
+        exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
+        zero = _zero(*own, used, phase, period_of(instrument), exposure)
     elif series is not None and series.max() > 0:
         apart = [series == one for one in range(series.max() + 1)]
         given = residual, prediction, gas, used, phase
@@ -132,7 +138,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
         )
     one, _, place = differences(left, used)
     level = prediction[place]
-    found = NoiseModel(*law, memory, flicker, 1.0, gain, laws)
+    found = NoiseModel(*law, memory, flicker, 1.0, gain, laws, zero)
     series = np.zeros(used.size, dtype=int) if series is None else series
     sigma = np.sqrt(np.maximum(found.variance(series[place], level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
@@ -245,6 +251,18 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
         light = coloured(*each.T, error, bright, phase, period, LONGEST_FLICKER)
     swell = 1 / (1 - memory)
     return (constant * swell, 0.0, quadratic * swell), memory, light, gain, residual
+
+
+def _zero(residual, prediction, gas, used, phase, period, exposure):
+    """What lasts of the constant noise of the two bands whose gas outshines the surface longest, over its
+    variance between neighbours: the flicker of the gas is in both alike, and nothing else is bright."""
+    share = gas / np.maximum(prediction, 1e-30)
+    pair = _lit(share, used)[:2]
+    if pair.size < 2:
+        return Coloured()
+    apart = np.subtract(*(residual[:, pair] / np.maximum(gas[:, pair], 1e-30)).T)
+    chosen = used & (share[:, pair].min(axis=1) > BRIGHT) & np.isfinite(apart)
+    return flickering(apart[chosen], phase[chosen], period, 2 * np.log(2) * CORNER * exposure)
 
 
 def _least_memory(count):
@@ -382,6 +400,9 @@ def on_bins(model_noise, instrument, prediction):
     one = model_noise.variance(series, prediction, factor, pixels)
     samples = np.maximum(instrument.number, 1)
     variance = one / samples * (1 + model_noise.memory) / (1 - model_noise.memory)
+    if model_noise.zero.remembers:
+        lasting = model_noise.zero.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
+        variance += sample_variance(model_noise.constant, 0.0, 0.0, prediction, factor, pixels) * lasting
     variance += instrument.rounded(prediction, samples)
     mean_samples = np.maximum(instrument.number.max(axis=1), 1)
     shared = (
