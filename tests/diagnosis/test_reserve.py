@@ -307,6 +307,28 @@ def test_a_name_that_something_unknown_beats_is_doubted_and_seen_there(
     assert (found.status, found.suspect) == (status, suspect)
 
 
+@pytest.mark.parametrize(
+    ("faulty", "left", "expected"),
+    [
+        (None, None, "walk_clock"),  # where an edge of the pyrometer's spot acts
+        ({"spectrometer"}, None, "walk_spectrometer"),
+        (set(), None, "walk_spectrometer"),  # the likeliest of all: the fault is in how they go together
+        ({"spectrometer"}, "walk_clock", "walk_spectrometer"),  # left beside a wrong name
+        ({"pyrometer"}, "walk_clock", "walk_clock"),
+        ({"pyrometer", "spectrometer"}, "walk_spectrometer", "walk_spectrometer"),
+        ({"pyrometer"}, "left_frames", "left_frames"),  # a test of its own
+    ],
+)
+def test_names_with_reserve_are_placed_by_what_each_instrument_shows_alone(faulty, left, expected):
+    structures = tuple(Structure(one, "", slice(0, 1)) for one in ("walk_clock", "walk_spectrometer"))
+    screen = SimpleNamespace(structures=structures)
+    step = Step(SimpleNamespace(settings=()), screen, np.zeros(1), np.array([40.0, 60.0]), np.zeros(1))
+    fit = SimpleNamespace(settings=(Setting(CATALOGUE["edge_p"], 0.05, {}),))
+    limits = SimpleNamespace(unknown=5.0, third=THIRD)
+    found = Selection((step,), fit, (("edge_p",),), {}, "named+unknown", left, limits, {}, "unconfirmed")
+    assert replace(found, faulty=None if faulty is None else frozenset(faulty)).suspect == expected
+
+
 def a_deposit(evidence):
     """What is selected where a deposit has some log evidence over nothing; no structure is beyond chance."""
     seen = SimpleNamespace(structures=(Structure("walk_spectrometer", "", slice(0, 1)),))
@@ -334,6 +356,7 @@ def selection_of(monkeypatch, cut=False, **said):
         "fit_test": base,
         "left_over": None,
         "in_turn": None,
+        "excursion": None,
         "nothing_to_compare": alike,
         "gas_is_likelier": True,
         "digest_of": "",
