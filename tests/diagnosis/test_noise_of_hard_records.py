@@ -46,6 +46,19 @@ def test_amplifiers_of_unlike_noise_are_told_apart(random):
     assert np.sqrt(light.total) == pytest.approx(0.004, rel=0.2)
 
 
+def test_a_light_that_falls_by_decades_shows_a_constant_noise(random):
+    """A converter's noise before a surface that cools out of sight within a tenth of a long record."""
+    constant, sigma, count = np.array([2e-4, 1e-4]), 1e-3, 6000
+    fall = np.concatenate([np.zeros(count - 600), np.linspace(0, 7, 600)])
+    level = np.exp(-fall)[:, None] * [1.0, 0.5]
+    own = random.standard_normal((count, 2)) * np.hypot(constant, sigma * level)
+    used, phase = np.ones(count, dtype=bool), np.zeros(count, dtype=int)
+    law, *_ = noise._of_bands(own, level, 0 * level, used, phase, 0.1)
+    noise_of_faint = np.hypot(*(np.sqrt(law[0]) / [1.0, 0.5]))  # of the ratio, which is all that it costs
+    assert noise_of_faint == pytest.approx(np.hypot(*(constant / [1.0, 0.5])), rel=0.15)
+    assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.1)
+
+
 def test_a_noisy_band_hides_no_memory_of_the_gas(random):
     """A gas that flickers with 0.3 s, sampled each 0.1 s; the narrow band has twice its noise."""
     count, size, period, time = 220, 2.5e-3, 0.1, 0.3

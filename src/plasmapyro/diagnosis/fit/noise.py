@@ -198,7 +198,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
         if not light.remembers:  # a noisy half hides a memory that the quiet one alone may show
             quiet = halves[:, np.argmin(clipped_variance(differences(halves, longer)[0], axis=0))]
             light = light.with_memory_of(coloured(quiet, quiet, *plain))
-    rows, variances, memories = [], [], []
+    rows, variances, counts, memories = [], [], [], []
     logarithm = np.log(np.maximum(prediction, 1e-30)) + relative
     little = used & (share.max(axis=1) < LITTLE)
     both = _halves(share).prod(axis=1)
@@ -220,6 +220,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
             own_part = clipped_variance(one[group, band]) / 2 / (1.0 if alone else 1 - 1 / bands)
             least = max(OWN * gain.between(period), np.mean(rounded[place[group], band]))
             variances.append(max(own_part, least))
+            counts.append(group.size)
     if own.sum() > 20 and not gain.remembers:
         memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
     one, _, place = differences(of_gas, bright)
@@ -231,14 +232,16 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
             rows.append((*np.eye(bands)[band] * np.mean(prediction[place[own]] ** -2.0, axis=0), 1.0))
             least = np.mean((rounded / np.maximum(share, 1e-9) ** 2)[place[own], band])
             variances.append(max((both + left - right) / 4, least, OWN * both / 4))
+            counts.append(max(own.sum() // LEVELS, LEAST_IN_GROUP))
     if not rows:  # too few samples of either kind, or none
         return (0.0, 0.0, START_RELATIVE**2), 0.0, light, gain, residual
     rows, variances = np.array(rows), np.maximum(variances, LEAST_NOISE**2)
     scale = np.maximum(rows.max(axis=0), 1e-300)
-    weight = 1 / np.maximum(variances, 1e-300)
+    told = np.sqrt(counts)  # a variance of n samples is known to the root of 2/n
+    weight = told / np.maximum(variances, 1e-300)
     for _ in range(ROUNDS):
         solution, _ = nnls(rows / scale * weight[:, None], variances * weight)
-        weight = 1 / np.maximum(rows / scale @ solution, 1e-3 * variances)
+        weight = told / np.maximum(rows / scale @ solution, 1e-3 * variances)
     constant, quadratic = np.split(solution / scale, [bands])
     quadratic = float(quadratic[0])
     memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
@@ -279,8 +282,11 @@ def _level_groups(level, chosen):
     edges = np.quantile(level[place], np.linspace(0, 1, levels + 1))
     for low, high in zip(edges[:-1], edges[1:], strict=True):
         group = place[(level[place] >= low) & (level[place] <= high)]
-        if group.size >= LEAST_IN_GROUP:
-            yield group
+        # Where light falls by decades in one, its variance is of the bright, its mean of 1/S^2 of the faint.
+        octave = np.floor(np.log2(np.maximum(level[group], 1e-30) / max(low, 1e-30)))
+        for one in np.unique(octave):
+            if (octave == one).sum() >= LEAST_IN_GROUP:
+                yield group[octave == one]
 
 
 def _many(instrument, residual, prediction, gas, used, phase, factor, pixels, other_flicker):
