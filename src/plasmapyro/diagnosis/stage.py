@@ -172,10 +172,10 @@ def diagnose(
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     left = in_turn(base.model.record) or left or in_samples
     selection = selection.with_rest(left)
-    if excursion(base.model, selection.final) is not None:
-        selection = selection.beside(EXCURSION)
     if cut and selection.status == "named+unknown":
         selection, gained = selection.unnamed(), None
+    if excursion(base.model, selection.final) is not None:
+        selection = selection.beside(EXCURSION)
     sources = instruments(test)
     if selection.status == "named+unknown" and plasma and sorted(sources) == ["pyrometer", "spectrometer"]:
         selection = replace(selection, faulty=_shown_alone(fitted, test, variations, of_test, questions[0]))
