@@ -119,5 +119,6 @@ def judge_temperature(made, temperature):
         low, high = (temperature[f"{which}_temperature_{end}"].values for end in ("low", "high"))
         inside = ((low <= truth) & (truth <= high))[judged & np.isfinite(low)]
         record[which]["coverage"] = float(inside.mean()) if inside.size else None
-        record[which]["sigma"] = float(np.nanmedian((high - low)[judged]) / (2 * 1.96))
+        width = (high - low)[judged & np.isfinite(low)]
+        record[which]["sigma"] = float(np.median(width) / (2 * 1.96)) if width.size else None
     return record
