@@ -47,8 +47,9 @@ def test_what_crosses_the_view_is_found_with_its_size_and_time(size):
         0.0,
         0.5 * slab(KNOTS, 80.0) * (KNOTS < OFF),  # half as much flux again
         -30.0 * np.clip((KNOTS - 80) / 20, 0, 1) * (KNOTS < OFF),  # heat that melting takes
+        20.0 * np.exp(-(((KNOTS - 90) / 6) ** 2)),  # it heats on all the while
     ],
-    ids=["nothing", "step of flux", "melting"],
+    ids=["nothing", "step of flux", "melting", "heating on"],
 )
 def test_what_does_not_come_back_is_none(more):
     assert found(usual() + more)[1] is None

@@ -24,7 +24,8 @@ def excursion(model, solution):
               \chi^2_I = g_I^T d_I
 
     are the distance of some knots I from what all others foretell, and its size: the best-parted of the
-    moments while the plasma burns, with as much time on both sides, if it holds most of what is unusual.
+    moments while the plasma burns, with as much time on both sides, if it holds most of what is unusual and
+    turns back: what only heats fast, as bins cannot follow, is no excursion.
     """
     history, size = model.history, model.size
     if not (model.plasma and history.cold):
@@ -32,17 +33,25 @@ def excursion(model, solution):
     rows = History(history.knots, history.off).roughness()
     prior = np.linalg.inv(rows.T @ rows + np.eye(size) / FREE**2)
     inverse = np.linalg.inv(prior + solution.covariance[:size, :size])
-    away = solution.state.knots - INITIAL_TEMPERATURE
+    kelvin = solution.state.knots
+    away = kelvin - INITIAL_TEMPERATURE
     score = inverse @ away
     most, found = 0.0, None
     for inside in _moments(history):
         own = np.linalg.solve(inverse[np.ix_(inside, inside)], score[inside])
         square, count = score[inside] @ own, inside.size
         apart = (square - count) / np.sqrt(2 * count)
-        if apart > max(most, STANDS) and 2 * square > away @ score and np.abs(own).max() > LEAST:
+        stands = apart > max(most, STANDS) and 2 * square > away @ score
+        if stands and _turns_back(kelvin, inside) > LEAST:
             most, found = apart, np.zeros(size)
             found[inside] = own
     return found
+
+
+def _turns_back(kelvin, inside):
+    """By how much [K] some knots are above both that enclose them, or below."""
+    ends = kelvin[[inside[0] - 1, inside[-1] + 1]]
+    return max(kelvin[inside].max() - ends.max(), ends.min() - kelvin[inside].min())
 
 
 def name(model, change):
