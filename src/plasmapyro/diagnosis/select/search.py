@@ -7,6 +7,7 @@ import numpy as np
 from plasmapyro.diagnosis.effects.catalogue import without
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution, log_evidence
 from plasmapyro.diagnosis.fit.model import Model
+from plasmapyro.diagnosis.fit.noise import period_of
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
 from plasmapyro.diagnosis.select.screen import Screen, best_by_id, linear_evidence, screen
 from plasmapyro.diagnosis.select.structures import SMOOTH_MAP
@@ -105,8 +106,18 @@ class Search:
         if newest.effect.starts and len(self.model.instruments) > 1:  # one alone differs from no other clock
             begun = [(*step.settings, replace(newest, shape=dict(one))) for one in newest.effect.starts]
             found = _best([found, *(self.fit(step.solution, settings) for settings in begun)])
-        settled = found.converged and candidate.step is None
-        return found if settled else self.from_all_shapes(step, found)
+        if candidate.step is not None:
+            found = self.from_all_shapes(step, found)
+            return _best([found, *self._beside(found)])
+        return found if found.converged else self.from_all_shapes(step, found)
+
+    def _beside(self, found):
+        """Fits begun half a sample to either side of the newest effect, a clock: behind the next sample lies
+        another valley, which may be the deeper one."""
+        *others, newest = found.settings
+        for away in (-0.5, 0.5):
+            moved = newest.amplitude + away * period_of(self.model.instruments[0])
+            yield self.fit(found, (*others, replace(newest, amplitude=moved)))
 
     def from_all_shapes(self, step, fit):
         """The best of a fit and those from the other shapes of its newest effect, which promise less.

@@ -93,7 +93,7 @@ def seen_by(identity):
         return {"instrument": "pyrometer", "axis": "time and temperature"}
     if "signal" in words:
         return {"instrument": "pyrometer", "axis": "signal"}
-    if words & {"both"} or "gas" in words and "walk" in words:
+    if "both" in words or {"gas", "walk"} <= words:
         return {"instrument": "both", "axis": "time"}
     if words & {"pyrometer", "ratio", "wide", "narrow", "clock"}:
         return {"instrument": "pyrometer", "axis": "time"}
