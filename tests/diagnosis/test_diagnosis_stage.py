@@ -37,6 +37,18 @@ def test_nothing_wrong_is_called_nothing_wrong(diagnosed):
     assert worst(result.temperature, "base_temperature").max() < 8.0  # emittance 6 %, gain 2 %: some 3 K
 
 
+def test_there_is_no_temperature_where_only_its_prior_tells_one(diagnosed):
+    """Before the sample shines; what is given is known to 3 %, by the ends of its interval."""
+    found = diagnosed().temperature
+    for model in ("base", "extended"):
+        value, low, high = (found[f"{model}_temperature{end}"].values for end in ("", "_low", "_high"))
+        given = np.isfinite(value)
+        burning = (found.time_bin.values > 0) & (found.time_bin.values < OFF)
+        assert (np.isfinite(low) == given).all() and (np.isfinite(high) == given).all()
+        assert not given[burning].all() and given[burning].mean() > 0.5
+        assert ((high - low)[given] < 2 * 1.96 * 0.03 * value[given]).all()
+
+
 def test_the_interval_is_as_wide_as_the_error(diagnosed):
     temperature = diagnosed().temperature
     time = temperature["time_bin"].values

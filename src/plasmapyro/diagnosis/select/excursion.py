@@ -26,6 +26,11 @@ def excursion(model, solution):
     are the distance of some knots I from what all others foretell, and its size: the best-parted of the
     moments while the plasma burns, with as much time on both sides, if it holds most of what is unusual and
     turns back: what only heats fast, as bins cannot follow, is no excursion.
+
+    Notes
+    -----
+    Source: what all others foretell of some numbers of a normal law, S. Sundararajan and S. S. Keerthi, Neural
+    Comput. 13 (2001) 1103, for blocks of them.
     """
     history, size = model.history, model.size
     if not (model.plasma and history.cold):
