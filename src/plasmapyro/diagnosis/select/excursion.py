@@ -29,8 +29,8 @@ def excursion(model, solution):
 
     Notes
     -----
-    Source: what all others foretell of some numbers of a normal law, S. Sundararajan and S. S. Keerthi, Neural
-    Comput. 13 (2001) 1103, for blocks of them.
+    Source: what all others foretell of some numbers of a normal law, S. Sundararajan and S. S. Keerthi,
+    Neural Comput. 13 (2001) 1103, for blocks of them.
     """
     history, size = model.history, model.size
     if not (model.plasma and history.cold):
