@@ -283,3 +283,39 @@ def test_a_zero_that_flickers_makes_means_before_the_injection_less_certain(rand
     assert noise.on_bins(law, instrument, np.ones((1, 2))).variance == pytest.approx(
         size**2 * (1 / number + lasting[-1]), rel=1e-6
     )
+
+
+def samples_with_memory(random, memory, count):
+    """Samples (t, 2) of variance 1 whose neighbours correlate."""
+    sample = random.standard_normal((count, 2))
+    for before, after in zip(sample[:-1], sample[1:], strict=True):
+        after *= np.sqrt(1 - memory**2)
+        after += memory * before
+    return sample
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.3, 0.6])
+def test_a_trend_is_no_memory_of_noise(random, memory):
+    """An offset of one band beside a surface that cools makes their ratio drift by a third of the noise from
+    sample to sample."""
+    count = 3000
+    drift = np.linspace(0, 0.33 * count, count)[:, None] * [1.0, -1.0]
+    sample = samples_with_memory(random, memory, count) + drift
+    found = noise.memory_beside_trend(sample, np.ones(count, dtype=bool))
+    assert found == pytest.approx(memory, abs=0.08)  # two and a half standard errors of 3000 pairs
+
+
+def test_four_samples_tell_no_memory(random):
+    assert np.isnan(noise.memory_beside_trend(random.standard_normal((4, 2)), np.ones(4, dtype=bool)))
+
+
+def test_an_offset_beside_a_surface_that_cools_has_no_memory(random):
+    """A slow pyrometer, some thirty samples after the end of the plasma: noise of 1.5 per mil."""
+    count, sigma = 34, 1.5e-3
+    level = np.exp(-np.linspace(0, 2.8, count))[:, None] * [1.0, 0.4]
+    relative = sigma * random.standard_normal((count, 2)) - 3e-3 / level * [1.0, 0.0]
+    law, memory, *_ = noise._of_bands(
+        relative * level, level, 0 * level, np.ones(count, dtype=bool), np.zeros(count, dtype=int), 0.87
+    )
+    assert memory == 0.0
+    assert np.sqrt(law[2]) < 2 * sigma

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.linalg import cho_factor
 
 from plasmapyro.diagnosis.fit import restless
 from plasmapyro.diagnosis.fit.parameter import Parameter
@@ -13,6 +14,7 @@ from plasmapyro.diagnosis.fit.restless import (
     LEAST_WANDER,
     MOST,
     OF_SERIES,
+    darker,
     rougher,
     steadier,
     wandering,
@@ -136,3 +138,39 @@ def test_one_series_tells_no_fault_from_roughness():
     own = [Parameter(name, name, 1.0) for name in OF_SERIES[:2]]
     solution = SimpleNamespace(state=SimpleNamespace(values=np.full(2, 9.0)), covariance=0.01 * np.eye(2))
     assert rougher(SimpleNamespace(parameters=own, size=0), solution) == {}
+
+
+def dark_factor(true, error, common=0.0, channels=200, seed=1):
+    """Factor of the uncertainty of darks that err by `true` of it in each channel, and by `common` of it in
+    all, each seen with an error in that unit; beside a number of the model and a pattern of scale."""
+    random = np.random.default_rng(seed)
+    sigma = random.uniform(0.5, 2.0, channels)  # unlike pixels
+    dark = sigma * (true * random.standard_normal(channels) + common)
+    seen = dark + error * sigma * random.standard_normal(channels)
+    value = seen / (1 + error**2)
+    one = SimpleNamespace(
+        channels=channels, pattern=np.ones(channels), dark=sigma, gas_error=0 * sigma, before_error=0 * sigma
+    )
+    bands = SimpleNamespace(
+        channels=2, pattern=np.zeros(2), dark=np.zeros(2), gas_error=np.ones(2), before_error=np.zeros(2)
+    )
+    information = np.concatenate([np.ones(1 + 2 + channels), (1 + error**-2.0) / sigma**2])
+    solution = SimpleNamespace(
+        state=SimpleNamespace(dark=(np.zeros(2), value)),
+        score=np.zeros(information.size),
+        factor=cho_factor(np.diag(information)),
+    )
+    first, second = darker(SimpleNamespace(instruments=[bands, one]), solution)
+    assert first == 1.0
+    return second
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_darks_are_known_as_well_as_they_scatter(seed):
+    assert dark_factor(0.3, 0.1, seed=seed) == pytest.approx(0.3, rel=SPREAD)
+    assert dark_factor(0.3, 0.1, common=5.0, seed=seed) == pytest.approx(0.3, rel=SPREAD)
+
+
+def test_darks_that_nothing_tells_stay_as_they_are():
+    assert dark_factor(0.1, 30.0) == pytest.approx(1.0, abs=0.1)
+    assert dark_factor(3.0, 0.1) == 1.0  # nor are they raised

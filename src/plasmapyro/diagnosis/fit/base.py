@@ -9,10 +9,11 @@ from plasmapyro.diagnosis.fit import first_gas
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
-from plasmapyro.diagnosis.fit.restless import rougher, steadier, wandering
+from plasmapyro.diagnosis.fit.restless import darker, rougher, steadier, wandering
 from plasmapyro.record import binning
 
 RESTLESS = 3  # fits at most with a gas that wanders, or series that are rough, more and more
+DARKER = 0.9  # [1] of the uncertainty of darks, below which they are fitted as so well known
 SLOW = 4.0  # [s]: flicker that lasts longer tells of the minutes
 START_TIME = 14.0  # [s] of the first guess of the temperature
 LEAST_GUESS, MOST_GUESS = 400.0, 3500.0  # [K]
@@ -233,6 +234,11 @@ def fit_base(model, rounds=2):
     if factors:
         model = _scaled(model, factors)
         fitter, solution = _refitted(model, fitter, solution)
+    factors = darker(model, solution)
+    if min(factors) < DARKER:
+        darks = [replace(i, dark=f * i.dark) for i, f in zip(model.instruments, factors, strict=True)]
+        fitter, solution = _refitted(model_with(model, darks), fitter, solution)
+        model = fitter.model
     for _ in range(RESTLESS):
         factors = rougher(model, solution)
         if not factors:

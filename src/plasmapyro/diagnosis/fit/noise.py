@@ -85,6 +85,21 @@ def differences(values, chosen):
     return values[one + 1] - values[one], values[two + 2] - values[two], one
 
 
+def memory_beside_trend(values, chosen):
+    r"""Autocorrelation of neighbours among consecutive chosen samples (t, C), NaN of fewer than five.
+
+    By second differences over one and two steps, which see no trend; where samples k steps apart correlate
+    by :math:`\rho^k`, the ratio of their variances is :math:`(3-\rho^2)(1+\rho)/(3-\rho)`.
+    """
+    five = np.flatnonzero(np.convolve(chosen, np.ones(5), "valid") > 4.5) if chosen.size > 4 else chosen[:0]
+    if not five.size:
+        return np.nan
+    near, far = (values[five + 2 - k] - 2 * values[five + 2] + values[five + 2 + k] for k in (1, 2))
+    memory = np.linspace(-0.5, LARGEST_MEMORY, 141)
+    ratio = (3 - memory**2) * (1 + memory) / (3 - memory)
+    return float(np.interp(clipped_variance(far) / clipped_variance(near), ratio, memory))
+
+
 def clipped_variance(values, axis=None):
     """Variance about zero of what lies within `CLIP` robust standard deviations; NaN-aware."""
     centre = np.nanmedian(np.abs(values), axis=axis, keepdims=True) * 1.4826
@@ -212,7 +227,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
     rounded = np.broadcast_to(rounded, relative.shape) / np.maximum(prediction, 1e-30) ** 2
     mixed = np.eye(bands) if alone else (np.eye(bands) * (1 - 2 / bands) + bands**-2.0) / (1 - 1 / bands)
-    one, two, place = differences(apart, clear)
+    one, _, place = differences(apart, clear)
     own = same[place + 1]
     for group in _level_groups(prediction[place, 0], own):
         for band in range(bands):
@@ -222,7 +237,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
             variances.append(max(own_part, least))
             counts.append(group.size)
     if own.sum() > 20 and not gain.remembers:
-        memories.append((clipped_variance(two) / clipped_variance(one[own]) - 1, own.sum()))
+        memories.append((memory_beside_trend(apart, clear), own.sum()))
     one, _, place = differences(of_gas, bright)
     own = same[place + 1]
     if own.sum() >= 8 and not alone:
@@ -244,7 +259,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
         weight = told / np.maximum(rows / scale @ solution, 1e-3 * variances)
     constant, quadratic = np.split(solution / scale, [bands])
     quadratic = float(quadratic[0])
-    memory = float(np.clip(memories[0][0], -0.5, LARGEST_MEMORY)) if memories else 0.0
+    memory = np.nan_to_num(memories[0][0]) if memories else 0.0
     memory = memory if memory > _least_memory(memories[0][1] if memories else 0) else 0.0
     if enough and alone:  # bright light, which tells little of a constant, must not make one of flicker
         most = clipped_variance(differences(relative, longer)[0]) / 2 - quadratic

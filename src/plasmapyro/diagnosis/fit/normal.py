@@ -135,6 +135,20 @@ def pattern_sigmas(one):
     return one.pattern, one.dark, one.gas_error, one.before_error
 
 
+def places_of_patterns(instruments, size):
+    """Where patterns stand among `size` numbers of which they are the last: {kind: slice} per instrument."""
+    kinds, found = ("scale", "dark", "gas", "before"), []
+    for one in instruments:
+        free = [kind for kind, sigma in zip(kinds, pattern_sigmas(one), strict=True) if sigma.any()]
+        found.append(dict.fromkeys(free, one.channels))
+    place = size - sum(sum(own.values()) for own in found)
+    for own in found:
+        for kind, channels in own.items():
+            own[kind] = slice(place, place + channels)
+            place += channels
+    return found
+
+
 def prior_of_patterns(instruments):
     """Inverse variances of the patterns in the order of `own_patterns`."""
     parts = [sigma**-2.0 for instrument in instruments for sigma in pattern_sigmas(instrument) if sigma.any()]

@@ -1,7 +1,11 @@
-"""What is larger than was assumed, by the data: how a gas wanders, how rough the series of a furnace are."""
+"""What is larger or smaller than was assumed, by the data: how a gas and gains wander, how rough the series
+of a furnace are, how well darks are known."""
 
 import numpy as np
+from scipy.linalg import cho_solve
 from scipy.special import chdtr, gammaincinv
+
+from plasmapyro.diagnosis.fit.normal import places_of_patterns
 
 KEPT = 0.7  # [1], of the second differences, the least ones: an event is no wandering
 LEAST_RATIO = 1.3  # [1] of a variance beyond which it is raised
@@ -11,6 +15,7 @@ LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor o
 OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer")
 LEAST_WANDER = 0.7  # [1] of what is assumed: seconds tell little of what drifts over minutes
 ASSUMED = 4.0  # second differences that what is assumed counts as
+SECOND = np.sqrt(6.0)  # [1] standard deviation of a second difference of independent numbers, over theirs
 NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
 
 
@@ -102,4 +107,29 @@ def steadier(model, solution):
             factor = max(float(np.sqrt((ASSUMED + spread.size * square) / told)), LEAST_WANDER)
             if factor < 1 / np.sqrt(LEAST_RATIO):
                 factors[identity] = factor
+    return factors
+
+
+def darker(model, solution):
+    r"""Factors (instruments,) of the uncertainty of the dark of channels that are known better than is assumed.
+
+    As `steadier`, with second differences d of the errors of neighbouring channels, each over its standard
+    deviation: the noise of a dark is of each channel its own, what all have in common is something else.
+    """
+    factors = []
+    for which, instrument in enumerate(model.instruments):
+        if not instrument.dark.any():
+            factors.append(1.0)
+            continue
+        own = places_of_patterns(model.instruments, len(solution.score))[which]["dark"]
+        rows = np.diff(np.eye(instrument.channels) / instrument.dark, n=2, axis=0) / SECOND
+        unit = np.zeros((len(solution.score), instrument.channels))
+        unit[own] = np.eye(instrument.channels)
+        covariance = cho_solve(solution.factor, unit)[own]
+        square = np.sort((rows @ solution.state.dark[which]) ** 2)
+        square = square[: int(np.ceil(KEPT * square.size))].mean() / NORMAL
+        spread = np.einsum("ij,jk,ik->i", rows, covariance, rows)
+        told = ASSUMED + np.sum(1 - spread)
+        factor = float(np.sqrt((ASSUMED + spread.size * square) / told))
+        factors.append(min(factor, 1.0))
     return factors
