@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from blind import board, draw, page, run, second
+from blind import board, draw, page, run, score, second
 from small_job import sight_line
 from two_bands import RESPONSE
 
@@ -25,7 +25,7 @@ REPORT = {
     "discrepancy": {"class": "walk_pyrometer"},
     "base": {"adequate": True, "chi2": 1.0, "dof": 1},
     "candidates": [],
-    "simulation": {"gains": []},
+    "simulation": {"gains": [], "power": 1.0, "power_error": 0.03},
     "extended": None,
     "gain": None,
     "show": {"line_hump": None},
@@ -143,3 +143,18 @@ def test_the_board_tells_what_a_gas_was_compared_with_apart(finished):
         shown["cases"].values()
     )
     assert "## By simulation" in page.text(shown, "Three.")
+
+
+@pytest.mark.parametrize(
+    ("watt", "effects", "held"),
+    [
+        (79e3, [], True),
+        (70e3, [], False),
+        (70e3, [{"effect": "P_eff", "amplitude": 0.15}], True),
+        (79e3, [{"effect": "ripple", "amplitude": 0.1}], None),
+    ],
+)
+def test_the_power_of_the_gas_is_judged_by_the_one_that_it_has(watt, effects, held):
+    base = SimpleNamespace(condition="80kW", power=watt)
+    made = second.Made(None, base, tuple(effects), None)
+    assert score._power_held(made, REPORT["simulation"]) is held

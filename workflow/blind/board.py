@@ -310,6 +310,7 @@ def _bars(board, kinds, done):
     nulls, placed = kinds["null"], [one for one in kinds["outside"] if one["effects"][0].get("truth")]
     at12, strong = _naming(_from(12, kinds["single"])), _from(15, kinds["double"])
     held = statistic((one["temperature"]["extended"]["coverage"] for one in done), np.mean)
+    power = [one["power_held"] for one in done if one.get("power_held") is not None]
     alone = {"low": None, "high": None, "trials": len(done)}
     median, worst, slowest = (
         alone | {"value": cost.get(name)} for name in ("processor_median", "processor_worst", "wall_worst")
@@ -327,6 +328,7 @@ def _bars(board, kinds, done):
          rate(map(_placed, _from(15, placed))), ">=", 0.85, None),
         ("95 % interval of the temperature, all cases", held, ">=", 0.92, None),
         ("95 % interval, all cases, from above", held, "<=", 0.98, None),
+        ("95 % interval of the power of the gas", rate(power), ">=", 0.92, None),
         ("diagnoses that contradict themselves",
          rate(one.get("contradictions") for one in done), "<=", 0.0, None),
         ("processor time, median [s]", median, "<=", 60.0, None),

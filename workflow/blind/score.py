@@ -10,6 +10,7 @@ CONFIDENT = 0.8
 RUN = 9  # successive temperatures whose mean error is a bias, not noise
 NAMED = ("named", "one-of", "named+unknown")
 UNKNOWN = ("unknown", "named+unknown")
+NORMAL_95 = 1.96  # standard deviations
 PROBABILITY_FLOOR = 1e-4
 
 
@@ -57,6 +58,7 @@ def score(made, report, temperature, angle):
         "adequate": bool(report["base"]["adequate"]),
         "chi2_per_dof": report["base"]["chi2"] / max(report["base"]["dof"], 1),
         "temperature": judge_temperature(made, temperature),
+        "power_held": _power_held(made, report["simulation"]),
         "discrepancy": report.get("discrepancy", {}).get("class"),
         "seen": verdict["unknown"],
         "basis": _basis(status, named, report),
@@ -82,6 +84,14 @@ def _found(effect, named, sets, angle):
         "class": any(_alike(name, effect, angle) for name in named) or in_set,
         "in_set": in_set,
     }
+
+
+def _power_held(made, simulation):
+    """Whether the power of the gas lies in its 95 % interval; None where nobody knows it."""
+    true = getattr(made, "power", None)
+    if true is None or not simulation.get("power_error"):
+        return None
+    return bool(abs(np.log(simulation["power"] / true)) < NORMAL_95 * simulation["power_error"])
 
 
 def _basis(status, named, report):
@@ -120,5 +130,5 @@ def judge_temperature(made, temperature):
         inside = ((low <= truth) & (truth <= high))[judged & np.isfinite(low)]
         record[which]["coverage"] = float(inside.mean()) if inside.size else None
         width = (high - low)[judged & np.isfinite(low)]
-        record[which]["sigma"] = float(np.median(width) / (2 * 1.96)) if width.size else None
+        record[which]["sigma"] = float(np.median(width) / (2 * NORMAL_95)) if width.size else None
     return record

@@ -14,6 +14,7 @@ from worlds.measure import Measure
 from blind.draw import LABORATORIES, number
 from blind.make import BeyondRange
 
+LIKE_A_POWER = {"ripple", "T_exc", "T_vib", "selfabs"}  # effects that may be taken for another power
 SAME_PRESSURE = 0.1  # [1] to which the main job's simulation is one of the pressure of a gas
 ATTEMPTS = 4  # tests drawn until one can show an effect
 UNITS = {
@@ -73,9 +74,22 @@ class Made:
         """True surface temperature (t,) [K]."""
         return self.stage.temperature(time)
 
+    @property
+    def power(self):
+        """True power of the gas over that of its condition [1]; None where an effect is like another power."""
+        hidden = {one["effect"]: one["amplitude"] for one in self.effects}
+        if LIKE_A_POWER & set(hidden):
+            return None
+        return self.base.power / nominal(self.base.condition) * (1 + hidden.get("P_eff", 0.0))
+
     def angle(self, one, other):
         """Degrees between the signatures of two effects."""
         return self.measure.angle(one, other, {e["effect"]: e for e in self.effects})
+
+
+def nominal(condition):
+    """Power [W] that a condition of the main job is named after."""
+    return 1e3 * float(condition.removesuffix("kW"))
 
 
 def bench(results, seed):
