@@ -14,7 +14,7 @@ from worlds.measure import Measure
 from blind.draw import LABORATORIES, number
 from blind.make import BeyondRange
 
-LIKE_A_POWER = {"ripple", "T_exc", "T_vib", "selfabs"}  # effects that may be taken for another power
+LIKE_A_POWER = {"ripple", "T_exc", "T_vib", "selfabs"}  # effects
 SAME_PRESSURE = 0.1  # [1] to which the main job's simulation is one of the pressure of a gas
 ATTEMPTS = 4  # tests drawn until one can show an effect
 UNITS = {
@@ -76,7 +76,7 @@ class Made:
 
     @property
     def power(self):
-        """True power of the gas over that of its condition [1]; None where an effect is like another power."""
+        """True power of the gas over that of its condition [1]; None where an effect may be taken for one."""
         hidden = {one["effect"]: one["amplitude"] for one in self.effects}
         if LIKE_A_POWER & set(hidden):
             return None

@@ -111,7 +111,7 @@ def steadier(model, solution):
 
 
 def darker(model, solution):
-    r"""Factors (instruments,) of the uncertainty of the dark of channels that are known better than is assumed.
+    r"""Factors (instruments,) of the uncertainty of darks of channels, known better than is assumed.
 
     As `steadier`, with second differences d of the errors of neighbouring channels, each over its standard
     deviation: the noise of a dark is of each channel its own, what all have in common is something else.
