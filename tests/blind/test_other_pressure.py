@@ -111,6 +111,21 @@ def test_a_gas_that_no_table_holds_is_taken_as_it_is_and_said(run, tmp_path, mon
     ]
 
 
+def test_a_gas_that_nobody_varied_is_varied_for_its_test(run, tmp_path):
+    inputs = command.gas_of(run / "radiation")
+    found = command.with_variations(at(FLOW), inputs)
+    assert set(found.variations) == {"80kW"} and "surface_view/80kW.nc" in found.digests
+    assert found.radiation is inputs.radiation and command.with_variations(at(FLOW), found) is found
+    warmer = found.variations["80kW"].core_radiance.mean("wavelength_slit")  # hotter gas is brighter
+    assert (np.diff(warmer) > 0).all()
+    plain = found.variations["80kW"].core_radiance.sel(core_change=0, method="nearest")
+    np.testing.assert_allclose(plain, inputs.radiation["80kW"].gas_radiance_slit, rtol=1e-6)
+    shutil.copytree(run, tmp_path / "run")
+    (tmp_path / "run/surface_view/80kW.nc").unlink()  # of the flow of another program
+    alone = command.gas_of(tmp_path / "run/radiation")
+    assert command.with_variations(at(FLOW), alone) is alone
+
+
 @pytest.mark.parametrize("pressure", [50.0, 5e5])
 def test_a_pressure_in_other_units_is_said(run, monkeypatch, pressure):
     inputs, said = command.gas_of(run / "radiation"), []

@@ -7,11 +7,18 @@ RESULTS += expand(
     name=["diagnosis.json", "residual_map.nc", "temperature.nc", "index.html"],
 )
 # Varied spectra need the light on the surface, which another program's flow gives only if it is axisymmetric.
+# `plasmapyro diagnose` varies the gas of the other conditions when a test asks for it.
+VIEWED = [
+    condition
+    for condition, case in CONDITIONS.items()
+    if case.get("cfd", {}).get("geometry", "axisymmetric") == "axisymmetric"
+]
 VARIED = [
     condition
     for condition in dict.fromkeys([*map(COMPARED.get, DIAGNOSED), config["diagnosis"]["condition"]])
-    if CONDITIONS[condition].get("cfd", {}).get("geometry", "axisymmetric") == "axisymmetric"
+    if condition in VIEWED
 ]
+RESULTS += expand("results/surface_view/{condition}.nc", condition=VIEWED)
 RESULTS += expand("results/radiation_variations/{condition}.nc", condition=VARIED)
 
 

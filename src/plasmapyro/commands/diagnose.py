@@ -73,7 +73,9 @@ def _diagnosed(options, folder):
     for finding in findings:
         progress.warn(finding.words)
     inputs = diagnosis.load_inputs(options.radiance, folder, options.variations)
-    inputs = diagnosis.of_its_pressure(data, inputs, [one.test for _, one in others])
+    inputs = diagnosis.with_variations(
+        data, diagnosis.of_its_pressure(data, inputs, [one.test for _, one in others])
+    )
     known = read_priors(options.priors, inputs.digests)
     if "pyrometer" in instruments(data) and inputs.calibration is None:
         progress.warn("the pyrometer is left aside: its calibration.nc is not there")

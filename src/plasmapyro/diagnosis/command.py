@@ -22,6 +22,7 @@ from plasmapyro.diagnosis.fit.slit import with_lines
 from plasmapyro.diagnosis.fit.terms import AMPLITUDE
 from plasmapyro.diagnosis.gas import other_pressure
 from plasmapyro.diagnosis.gas.library import remarks
+from plasmapyro.diagnosis.gas.stage import gas_variations
 from plasmapyro.quantities import behind
 from plasmapyro.record.inputs import faults, has_plasma, instruments
 from plasmapyro.record.recommended import CONTRADICTIONS
@@ -102,7 +103,7 @@ def of_its_pressure(test, inputs, others=()):
         return inputs
     if not (inputs.folder.parent / SIGHTLINES / f"{condition}.nc").exists():
         return inputs
-    if "changes" in json.loads(own.attrs.get("configuration", "{}")):
+    if _changed(own):
         return inputs  # by `effects` of its condition: how they go with the pressure nobody says
     pressure = float(f"{conditions.pressure_of(test):.3g}")  # one for all tests of a campaign
     around = (condition, *sorted({str(one.attrs.get("condition", "")) for one in others} - {condition}))
@@ -118,6 +119,45 @@ def of_its_pressure(test, inputs, others=()):
         variations=apart | varied,
         digests=inputs.digests | digests,
     )
+
+
+def with_variations(test, inputs):
+    """The inputs with varied spectra of the gas of a test, where a folder holds none of its condition but the
+    sight line and the light on the surface; else as they are."""
+    condition = str(test.attrs.get("condition", ""))
+    own = inputs.radiation.get(condition)
+    if own is None or inputs.folder is None or condition in inputs.variations:
+        return inputs
+    beside = [inputs.folder.parent / kind / f"{condition}.nc" for kind in (SIGHTLINES, VIEWS)]
+    pressure = conditions.number(own, "chamber_pressure")
+    if not all(path.exists() for path in beside) or _changed(own) or np.isnan(pressure):
+        return inputs
+    try:
+        spectra, digests = _varied(condition, pressure, inputs.folder)
+    except ValueError as fault:  # another gas than N2 and O2
+        progress.warn(f"the gas is not varied: {fault}")
+        return replace(inputs, folder=None)  # said once
+    return replace(
+        inputs, variations=inputs.variations | {condition: spectra}, digests=inputs.digests | digests
+    )
+
+
+def _changed(radiation):
+    """Whether `effects` of its condition changed a spectrum."""
+    return "changes" in json.loads(radiation.attrs.get("configuration", "{}"))
+
+
+@lru_cache(maxsize=4)
+def _varied(condition, pressure, folder):
+    """`gas_variations` of a condition from the stage files beside its spectrum, and the digests of these."""
+    progress.say(f"varying the gas of {condition}: some 20 s")
+    paths = {kind: folder.parent / kind / f"{condition}.nc" for kind in (SIGHTLINES, VIEWS)}
+    line, view = (io.read(path, kind) for kind, path in paths.items())
+    radiation = io.read(folder / f"{condition}.nc", "radiation")
+    depth = {"boundary_layer_depth": other_pressure.BOUNDARY_LAYER}
+    with np.errstate(all="ignore"):
+        found = gas_variations(line, view, radiation, pressure=pressure, **depth)
+    return found, {f"{kind}/{condition}.nc": io.digest(path) for kind, path in paths.items()}
 
 
 @lru_cache(maxsize=4)
@@ -201,7 +241,7 @@ def diagnose_test(
     condition = _usable(test, inputs)
     test = without_unseen(test, inputs)
     others = [one if isinstance(one, xr.Dataset) else io.read(one, "test") for one in others]
-    inputs = of_its_pressure(test, inputs, others)
+    inputs = with_variations(test, of_its_pressure(test, inputs, others))
     if any(one.drop_attrs(deep=False).equals(test.drop_attrs(deep=False)) for one in others):
         raise ValueError("a test foretells nothing of itself: the others (--also) hold it once more")
     pairs = [(one, inputs.variations.get(_usable(one, inputs))) for one in others]
