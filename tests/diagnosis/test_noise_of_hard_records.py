@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.fit import noise
+from plasmapyro.diagnosis.fit import noise, outliers
 from plasmapyro.diagnosis.fit.coloured import coloured
 
 
@@ -201,7 +201,7 @@ def test_a_slope_within_a_bin_makes_no_hits(random):
     time, index = np.arange(count) / 10, np.zeros(count, dtype=int)
     left = random.standard_normal((count, 3)) + 9.0 * (time[:, None] - time.mean())
     left[4, 1] = np.nan  # a hit that was found before
-    line = noise.line_in_bins(left, time, index, 1)
+    line = outliers.line_in_bins(left, time, index, 1)
     assert np.nanmax(np.abs(left - line)) < noise.CLIP < np.nanmax(np.abs(left - np.nanmean(left, axis=0)))
     assert line_of_three(time, left) == pytest.approx(line[:3, 0])
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.fit import noise, observation
+from plasmapyro.diagnosis.fit import noise, observation, outliers
 from plasmapyro.record import binning
 
 SAMPLES, CHANNELS = 200, 60
@@ -30,7 +30,7 @@ def test_a_hit_stands_out_though_it_is_alone_in_its_bin(random):
     scaled = random.standard_normal((SAMPLES, CHANNELS)) + 30 * np.linspace(0, 1, SAMPLES)[:, None] ** 2
     scaled[70, 5] += 12
     phase = np.zeros(SAMPLES, dtype=int)
-    found = noise.outliers(scaled, np.ones(SAMPLES, dtype=bool), phase)
+    found = outliers.outliers(scaled, np.ones(SAMPLES, dtype=bool), phase)
     assert found[70, 5]
     # 12 000 normal numbers: beyond 4.5 standard deviations 0.08 are expected.
     assert found.sum() <= 3
@@ -39,7 +39,7 @@ def test_a_hit_stands_out_though_it_is_alone_in_its_bin(random):
 def test_light_in_many_channels_at_once_is_no_hit(random):
     scaled = random.standard_normal((SAMPLES, CHANNELS))
     scaled[100, :20] += 15
-    found = noise.outliers(scaled, np.ones(SAMPLES, dtype=bool), np.zeros(SAMPLES, dtype=int))
+    found = outliers.outliers(scaled, np.ones(SAMPLES, dtype=bool), np.zeros(SAMPLES, dtype=int))
     assert not found[100].any()
 
 
@@ -48,15 +48,15 @@ def test_a_bin_in_which_many_samples_stand_out_holds_a_misfit():
     index = np.repeat([0, 1, 2, -1], [10, 10, 4, 2])
     hit = np.zeros((index.size, 2), dtype=bool)
     hit[:4, 0], hit[10:13, 0], hit[20:, 1] = True, True, True
-    found = noise.crowded(hit, index, 3)
+    found = outliers.crowded(hit, index, 3)
     assert found[:10, 0].all() and found.sum() == 10
 
 
 def test_neighbours_are_of_the_same_phase():
     scaled = np.where(np.arange(40) < 20, 0.0, 50.0)[:, None]
     phase = (np.arange(40) >= 20).astype(int)
-    assert not noise.outliers(scaled, np.ones(40, dtype=bool), phase).any()
-    assert noise.slow_part(scaled, np.ones(40, dtype=bool), phase) == pytest.approx(scaled)
+    assert not outliers.outliers(scaled, np.ones(40, dtype=bool), phase).any()
+    assert outliers.slow_part(scaled, np.ones(40, dtype=bool), phase) == pytest.approx(scaled)
 
 
 def test_replaced_samples_leave_time_and_mean_of_their_bin(random):
@@ -66,7 +66,7 @@ def test_replaced_samples_leave_time_and_mean_of_their_bin(random):
     one = Binned(raw, np.arange(20) // 10, np.zeros((2, 3)))
     hit = np.zeros(raw.shape, dtype=bool)
     hit[3, 0] = True
-    clean = noise.without_outliers(one, ramp, hit)
+    clean = outliers.without_outliers(one, ramp, hit)
     assert clean.value == pytest.approx(binning.mean_in_bins(ramp, one.raw_bin, 2)[0])
     assert clean.number[0].tolist() == [9, 9, 10]
 

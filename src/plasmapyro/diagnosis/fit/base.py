@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plasmapyro import progress
-from plasmapyro.diagnosis.fit import first_gas
+from plasmapyro.diagnosis.fit import first_gas, outliers
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
@@ -146,14 +146,14 @@ def renoised(model, solution):
             + instrument.rounded(value, 1)
         )
         # A slow misfit is no outlier: samples are held against their neighbours and the others of their bin.
-        hit = noises.outliers(left / sigma, instrument.raw_bin >= 0, phase)
-        own = noises.line_in_bins(
+        hit = outliers.outliers(left / sigma, instrument.raw_bin >= 0, phase)
+        own = outliers.line_in_bins(
             np.where(hit, np.nan, left), time, instrument.raw_bin, instrument.value.shape[0]
         )
         expected = value + np.nan_to_num(residual - left) + own
-        hit |= np.abs(np.nan_to_num(left - own)) > noises.CLIP * sigma
-        hit &= ~noises.crowded(hit, instrument.raw_bin, instrument.value.shape[0])
-        cleaned = noises.without_outliers(instrument, expected, hit)
+        hit |= np.abs(np.nan_to_num(left - own)) > outliers.CLIP * sigma
+        hit &= ~outliers.crowded(hit, instrument.raw_bin, instrument.value.shape[0])
+        cleaned = outliers.without_outliers(instrument, expected, hit)
         found.append(law)
         instruments.append(cleaned)
     slowest = max((law.flicker for law in found), key=lambda one: one.slower(0.0))

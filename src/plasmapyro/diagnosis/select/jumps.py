@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from plasmapyro.diagnosis.fit.noise import slow_part
+from plasmapyro.diagnosis.fit.outliers import slow_part
 
 SIDES, LONGEST_SIDE = (12, 24), 12.0  # samples before and after a jump, and how long they may last [s]
 REACH, LEAST_REACH = 20, 40  # sides of samples before and after that tell what is usual; samples, at least

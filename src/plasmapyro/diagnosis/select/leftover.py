@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from plasmapyro.diagnosis.fit.base import phase_of, raw_residuals
-from plasmapyro.diagnosis.fit.noise import slow_part
+from plasmapyro.diagnosis.fit.outliers import slow_part
 from plasmapyro.diagnosis.select.two_levels import two_kinds
 
 DRAWS, SEED = 5, 7  # of noise, whose largest singular value is the one to be expected
