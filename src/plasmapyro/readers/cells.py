@@ -4,11 +4,12 @@ import csv
 import re
 
 from plasmapyro.readers import clock, units
-from plasmapyro.readers.text import GROUPED, fault, missing, number
+from plasmapyro.readers.text import GROUPED, ONE_GROUP, fault, missing, number
 
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " ", "blanks": "  "}
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
+PARTED = re.compile(r"[+-]?\d{1,3}(?: \d{3})+(?:[.,]\d{1,40})?", re.ASCII)  # thousands between plain blanks
 COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
 SUMMARY = re.compile(
     r"\W*(min(imum)?|max(imum)?|mean|average|mittel(wert)?|moyenne|std|einheit)\b", re.IGNORECASE
@@ -32,7 +33,10 @@ def split(line, mark):
         cells = next(csv.reader([line], delimiter=mark, skipinitialspace=mark == " "))
     except csv.Error:
         cells = line.split(mark)
-    return [cell.strip() for cell in cells]
+    cells = [cell.strip() for cell in cells]
+    if mark in "\t;|":  # where no blank parts cells
+        cells = [cell.replace(" ", "\u00a0") if PARTED.fullmatch(cell) else cell for cell in cells]
+    return cells
 
 
 def without_empty_end(cells):
@@ -94,15 +98,25 @@ def units_below(cells):
 
 
 def decimal_sign(path, mark, cells, numbers):
-    """The decimal sign of the cells (name -> words), and what leaves it open."""
+    """The decimal sign of the cells (name -> words), and what leaves it open.
+
+    Where a cell shows that one sign parts thousands ('1,234.5', '1,234,567') it does so in all.
+    """
+    known = [
+        word
+        for words in cells.values()
+        for word in words
+        if not missing(word) and not clock.looks_like_stamp(word)
+    ]
+    shown = [[sign for sign in ".," if GROUPED[sign].fullmatch(word)] for word in known]
+    parted = {signs[0] for signs in shown if len(signs) == 1}
     commas = points = doubtful = 0
-    for words in cells.values():
-        for word in words:
-            if not missing(word) and not clock.looks_like_stamp(word):
-                sign = next((one for one in ".," if one in word and GROUPED[one].fullmatch(word)), None)
-                commas += "," in word if sign is None else sign == ","
-                points += "." in word if sign is None else sign == "."
-                doubtful += THOUSANDS.fullmatch(word) is not None
+    for word, signs in zip(known, shown, strict=True):
+        one = next((sign for sign in parted if ONE_GROUP[sign].fullmatch(word)), None)
+        sign = signs[0] if len(signs) == 1 else one if len(parted) == 1 else None
+        commas += "," in word if sign is None else sign == ","
+        points += "." in word if sign is None else sign == "."
+        doubtful += sign is None and THOUSANDS.fullmatch(word) is not None
     if commas and points and mark != ",":
         return None, [
             fault(
@@ -112,7 +126,7 @@ def decimal_sign(path, mark, cells, numbers):
                 numbers[0],
             )
         ]
-    if commas and doubtful == commas:
+    if doubtful and doubtful == commas:
         return None, [
             fault(
                 path,

@@ -37,6 +37,7 @@ NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 GAIN_OF = "gain of "  # a signal: key of the column that it is divided by
 CLOCK, MILLISECONDS = "time of day", "milliseconds"  # keys of columns that stand beside the one of the date
 LONG = 20_000  # rows, beyond which a table is first tried all at once
+SIGNS = set("0123456789+-.,")
 PLAIN = set("0123456789+-.,eE\n\r\t ")
 FRACTION = re.compile(r",\d{1,2}(\D|$)|,\d{4}", re.ASCII)  # behind a comma that parts no thousands
 
@@ -235,7 +236,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
         faults += more
     result = {}
     for name, words in plain.items():
-        values = [number(word, decimal) for word in words]
+        values = [number(word, decimal, thousands=True) for word in words]
         faults += [
             fault(
                 path,
@@ -245,6 +246,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             )
             for i, value in enumerate(values)
             if value is None and not (name == "time" and clock.looks_like_stamp(words[i]))
+            if decimal or not set(words[i]) <= SIGNS  # those the sign that was left open decides
         ]
         try:
             known = np.array([np.nan if value is None else value for value in values], dtype=float)

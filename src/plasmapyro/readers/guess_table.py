@@ -8,6 +8,7 @@ import numpy as np
 from plasmapyro.readers import clock, columns, parts, units
 from plasmapyro.readers.cells import (
     DELIMITERS,
+    decimal_sign,
     is_remark,
     is_value,
     label_of,
@@ -63,7 +64,7 @@ class Table(NamedTuple):
     """What a text table looks like: its marks, and of each column label, unit and words."""
 
     delimiter: str
-    decimal: str
+    decimal: str | None  # None: left open, for `check` to ask
     labels: list
     units: list
     cells: list
@@ -105,18 +106,14 @@ def look_at_table(path):
             for place, words in enumerate(cells)
             if 2 * len(words) > len(body) and _is_column(words) and header[place][0]
         ]
-        rank = (len(held), -abs(len(header) - width))
+        named = [place for place in held if not columns.NUMBERED.fullmatch(header[place][0])]
+        rank = (len(named) > 1, len(held), -abs(len(header) - width))
         if len(held) >= 2 and (best is None or rank > best[0]):
             best = (rank, name, [header[place] for place in held], [cells[place] for place in held])
     if best is None:
         return None
     _, name, labels, cells = best
-    commas = any(
-        "," in word and number(word) is None and not clock.looks_like_stamp(word)
-        for words in cells
-        for word in words
-    )
-    decimal = "," if commas and name != "," else "."
+    decimal, _ = decimal_sign(path, DELIMITERS[name], dict(enumerate(cells)), [1])
     return Table(name, decimal, [label for label, _ in labels], [unit for _, unit in labels], cells)
 
 
@@ -263,7 +260,7 @@ def _is_one_of(unit, si):
 
 def values_of(table, place):
     """Numbers (rows,) of a column, NaN where a cell holds none."""
-    values = [number(word, table.decimal) for word in table.cells[place]]
+    values = [number(word, table.decimal, thousands=True) for word in table.cells[place]]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
 
 

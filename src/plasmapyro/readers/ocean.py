@@ -81,7 +81,8 @@ def read_spectrum(path):
             path,
             "no line '>>>>>Begin ... Data<<<<<', as SpectraSuite, OceanView and Jaz write it, nor columns of"
             " wavelength and signal",
-            "export it in nm (or um; or Angstrom, if its name says so), or move it out of the folder",
+            "export it in nm (or um; or Angstrom, if its name says so), without marks between thousands, or"
+            " move it out of the folder",
         )
     end = next((i for i in range(begin + 1, len(lines)) if lines[i].startswith(FENCE)), len(lines))
     if end == len(lines):

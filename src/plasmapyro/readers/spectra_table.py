@@ -120,7 +120,7 @@ def read_matrix(path, delimiter=None, decimal=None, stamps=None):
             raise Refusal(faults)
     numbers = {}
     for line, row in listing.items():
-        values = [number(word, decimal) for word in row]
+        values = [number(word, decimal, thousands=True) for word in row]
         if None in values:
             refuse(path, f"{quote(row[values.index(None)])} is not a number", "correct it", line)
         numbers[line] = np.array(values)
@@ -156,7 +156,7 @@ def long_places(header):
 
 def _long(path, header, cells, places, decimal):
     """(time, wavelength, values) of a table of a row per pixel; times may be numbers of frames."""
-    needed = max(place for place in places if place is not None)
+    needed, stated = max(place for place in places if place is not None), decimal is not None
     decimal = decimal or (
         "," if any("," in row[places[0]] for _, row in cells[:9] if len(row) > needed) else "."
     )
@@ -167,7 +167,7 @@ def _long(path, header, cells, places, decimal):
             if place is not None
             else []
         )
-        values = [number(word, decimal) for _, word in words]
+        values = [number(word, decimal, thousands=stated) for _, word in words]
         if None in values:
             line, word = words[values.index(None)]
             refuse(

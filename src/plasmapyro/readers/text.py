@@ -24,16 +24,20 @@ BINARY = {  # how other files begin, what they are, what to do with them
     b"Andor Te": ("a SIF file of Andor Solis", "export it as ASCII (.asc)"),
 }
 NUMBER = re.compile(r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eEdD][+-]?\d{1,3})?", re.ASCII)
-# Thousands that nothing else can be: groups of three before another decimal sign, or between blanks or
-# apostrophes that no line of numbers has within a cell.
+# Thousands that nothing else can be: groups of three before another decimal sign, two groups or more, or
+# between blanks or apostrophes that no line of numbers has within a cell.
 GROUPED = {
     decimal: re.compile(
         rf"[+-]?\d{{1,3}}(?:(?:\{other}\d{{3}})+\{decimal}\d{{1,40}}"
         rf"|(?:[\u00a0\u2009\u202f'\u2019]\d{{3}})+(?:\{decimal}\d{{1,40}})?)"
+        rf"|[+-]?[1-9]\d{{0,2}}(?:\{other}\d{{3}}){{2,5}}"
         rf"|[+-]?\d{{1,2}}(?:\{other}\d\d)+\{other}\d{{3}}(?:\{decimal}\d{{1,40}})?",  # of India: 1,06,038.4
         re.ASCII,
     )
     for decimal, other in (".,", ",.")
+}
+ONE_GROUP = {  # 1,234: thousands only where the decimal sign is known to be the other one
+    decimal: re.compile(rf"[+-]?[1-9]\d{{0,2}}\{other}\d{{3}}", re.ASCII) for decimal, other in (".,", ",.")
 }
 WHOLE = re.compile(r"\d{1,15}", re.ASCII)  # a count; `str.isdigit` also takes '²'
 ALIKE = 50  # lines that say how long the last number of a line is
@@ -197,10 +201,11 @@ def missing(word):
     return MISSING.fullmatch(word.strip().lower()) is not None
 
 
-def number(word, decimal="."):
+def number(word, decimal=".", thousands=False):
     """The number in a cell: float, NaN for a cell that says 'missing', None for anything else.
 
-    `decimal` None: a comma is the decimal sign where the cell holds one.
+    `decimal` None: a comma is the decimal sign where the cell holds one. `thousands`: the decimal sign is
+    known, so that the other one before three digits parts thousands ('1,234').
 
     Strict on purpose: no underscores, no foreign digits, no thousands but those that nothing else can be
     (`GROUPED`: 1,234.5). What meters show instead of a number (`MISSING`: OVER, 1.#INF) is no sample.
@@ -214,7 +219,7 @@ def number(word, decimal="."):
         return math.nan
     if word[0] in "+-":  # '+   10.6'
         word = word[0] + word[1:].lstrip()
-    if GROUPED[decimal].fullmatch(word):
+    if GROUPED[decimal].fullmatch(word) or (thousands and ONE_GROUP[decimal].fullmatch(word)):
         word = "".join(sign for sign in word if sign.isdigit() or sign in ("+-" + decimal))
     if decimal != ".":
         if "." in word:
