@@ -167,10 +167,10 @@ def test_commas_and_celsius_are_taken(tmp_path):
             "time [s] Ts [K]\n" + "".join(f"{n} 1500\n" for n in range(15)) + "16 x\n",
             "line 17: 'x' in column 'Ts'",
         ),
-        ("time [s] Ts [K]\n2 1500\n1 1500\n", "the time does not rise"),
+        ("time [s] Ts [K]\n2 1500\n1 1500\n", "the time runs backwards: sample 2 is at 1 s after 2 s"),
         ("time [s] Ts [K]\n", "holds no columns of numbers"),
         ("", "is empty"),
-        ("time [s] Ts [K]\n1 1500\n1 1500\n", "the time does not rise"),
+        ("time [s] Ts [K]\n1 1500\n1 1500\n", "remove their copies"),
         (
             "time [s] Ts [K]\n1 1500\n2 0\n",
             "column 'Ts' holds 0 K at 2 s, which no surface has (100 to 10000",

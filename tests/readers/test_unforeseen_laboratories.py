@@ -371,7 +371,12 @@ def test_what_cannot_be_read_is_told_with_what_to_do(tmp_path, case):
     ("times", "words"),
     [
         (lambda i: i % 10, "goes back to the begin (was the logger restarted?)"),
+        (
+            lambda i: i - 5 if i < 10 else i - 10,
+            "goes back by 4 s (was the logger restarted?)",
+        ),
         (lambda i: i // 4, "is given in steps of 1 s only"),
+        (lambda i: i // 2, "if lines stand there twice, remove their copies"),
         (lambda i: ROWS - i, "the time runs backwards"),
         (lambda i: i ^ 4 if i > 7 else i, "sort the lines by their time"),
         (lambda i: f"{i},0,1", "commas in the numbers as well?"),

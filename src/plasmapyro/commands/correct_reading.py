@@ -14,7 +14,7 @@ from plasmapyro.commands.outputs import require_writable
 from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.instrument.stage import band_response, ratio_curve
 from plasmapyro.quality.series import longest_run
-from plasmapyro.readers import columns, guess_table, units
+from plasmapyro.readers import columns, guess_table, parts, units
 from plasmapyro.readers.description import Section
 from plasmapyro.readers.text import quote, read_lines, refuse
 
@@ -133,8 +133,7 @@ def read_readings(path, slope=1.0):
     if "stamps" in places:
         known["time"].zero = zero
     values = columns.read_table(path, known, table.delimiter)
-    if np.isnan(values["time"]).any() or (np.diff(values["time"]) <= 0).any():
-        refuse(path, "the time does not rise from row to row", "sort it and remove doubles")
+    parts.rising(path, values["time"])
     told = np.unique(values.get("sensitivity_ratio", slope))
     if np.any(~np.isclose(told, slope)):
         words = " and ".join(f"{one:g}" for one in told[~np.isnan(told)])

@@ -11,6 +11,7 @@ from plasmapyro.record.inputs import NUMBERS
 
 SIGNALS = ("signal_wide", "signal_narrow")
 TUNNEL = ("electric_power", "chamber_pressure", "mass_flow_rate")
+SHUFFLED = 3  # usual steps by which lines that are not sorted go back
 WORDS = ("title", "condition", "origin")
 
 
@@ -198,12 +199,16 @@ def rising(path, time):
         elif steps[first] < 0 and time[first + 1] <= time[0] + np.median(steps):
             what += " to the begin (was the logger restarted?)"
             remedy = "keep the part that holds the test, or log with one clock"
+        elif _begun_anew(time, -steps[first]):
+            what += f" by {-steps[first]:g} s (was the logger restarted?)"
+            remedy = "keep the part that holds the test, or log with one clock"
         elif steps[first] < 0:
             remedy = "sort the lines by their time, and remove those that stand twice"
         elif (steps == 0).mean() > 0.3:
             what = f"is given in steps of {steps[steps > 0].min() if (steps > 0).any() else 0:g} s only"
             remedy = (
-                "log it with decimals, or name the column that has them as `milliseconds` beside `format`"
+                "log it with decimals, or name the column that has them as `milliseconds` beside `format`;"
+                " if lines stand there twice, remove their copies"
             )
         refuse(
             path,
@@ -211,6 +216,12 @@ def rising(path, time):
             remedy,
         )
     return time
+
+
+def _begun_anew(time, back):
+    """Whether a step back [s] is that of a logger that began anew: sorted, two records would be mixed."""
+    usual = np.median(np.diff(time))
+    return back > SHUFFLED * usual and np.diff(np.sort(time)).min() < usual / 2
 
 
 def _marathon(folder, section):
