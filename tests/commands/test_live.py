@@ -335,6 +335,42 @@ def test_a_signal_is_divided_by_the_gain_of_its_row_and_one_without_gain_is_miss
     np.testing.assert_allclose(narrow, [1e-6, 1e-6, np.nan, np.nan], rtol=1e-12)
 
 
+def stream(lines, more=""):
+    words = (
+        f"{more}columns:\n  time: {{name: t}}\n  signal_wide: {{name: S1}}\n  signal_narrow: {{name: S2}}\n"
+    )
+    section = description.Section(yaml.safe_load(words), Path("test.yaml"), "", [])
+    return list(follow.samples_of_table("log.csv", section, lines))
+
+
+def test_thousands_in_a_stream_are_no_decimals():
+    head, line = "t [s];S1 [nA];S2 [nA]", "1;10,511;2,192"
+    assert stream([head, "0.5;10,511.3;2,192.0"])[0]["signal_wide"] == pytest.approx(10511.3e-9)
+    assert stream([head, line], "decimal: '.'\n")[0]["signal_wide"] == pytest.approx(10511e-9)
+    assert stream([head, line], "decimal: ','\n")[0]["signal_wide"] == pytest.approx(10.511e-9)
+    with pytest.raises(ValueError, match="decimals or thousands"):
+        stream([head, line])
+    sample, doubt = stream([head, "0;950;800", line])  # a test that runs is not ended by it
+    assert sample["signal_wide"] == pytest.approx(950e-9) and "decimals or thousands" in doubt
+
+
+def test_a_cell_of_a_stream_that_is_no_number_is_said():
+    found = stream(["t [s];S1 [nA];S2 [nA]", "1;52,8O;30,1", "2;OVER;30,1", "x;52,8;30,1"])
+    assert "'52,8O' in column 'S1' is not a number" in found[0]
+    assert np.isnan(found[1]["signal_wide"]) and "'x' in column 't' is not a number" in found[2]
+
+
+def test_units_below_the_names_of_a_stream_are_taken():
+    found = stream(["t;S1;S2", "ms;nA;nA", "500;52;30", "600;53;31"])
+    assert [one["time"] for one in found] == [0.5, 0.6] and found[0]["signal_wide"] == 52e-9
+
+
+def test_a_log_in_utf_16_is_refused_by_name(tmp_path):
+    (tmp_path / "log.csv").write_text("Time;S1\n1;2\n", encoding="utf-16")
+    with pytest.raises(ValueError, match="is text in UTF-16; log it in UTF-8"):
+        next(follow.growing(tmp_path / "log.csv", poll=0.0))
+
+
 def test_lines_are_taken_when_they_are_complete(tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes(b"\xef\xbb\xbfTime;S1\r\n1;2")

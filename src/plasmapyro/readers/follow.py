@@ -1,5 +1,6 @@
 """Samples of a pyrometer as they come: from a text table that grows, or as JSON lines."""
 
+import codecs
 import json
 import time
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro.readers import clock, columns, parts
-from plasmapyro.readers.cells import COMMENT, split
+from plasmapyro.readers.cells import COMMENT, decimal_sign, split, units_in
 from plasmapyro.readers.text import Refusal, number, quote, refuse
 
 POLL = 0.005  # [s] between two looks at a file: a tenth of the delay that is promised
@@ -26,6 +27,10 @@ def growing(path, patience=np.inf, poll=POLL):
         while time.monotonic() - last <= patience:
             more = file.read(1 << 20)
             if more:
+                if not file.tell() - len(more) and more.startswith(
+                    (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+                ):
+                    refuse(path, "is text in UTF-16", "log it in UTF-8 or ASCII")
                 *lines, rest = (rest + more).split(b"\n")
                 yield from (_decoded(line) for line in lines)
                 last = time.monotonic()
@@ -38,9 +43,19 @@ def growing(path, patience=np.inf, poll=POLL):
                 time.sleep(poll)
 
 
-def _number(cell, decimal):
-    value = number(cell, decimal)
-    return np.nan if value is None else value
+def _numbers(path, header, sought, cells, decimal):
+    """Numbers of the columns `sought` (key -> column) in a line of cells; or a str: what is wrong with it."""
+    _, mark, places, _ = header
+    words = {name: cells[places[name]] for name in sought}
+    if decimal is None:
+        decimal, faults = decimal_sign(path, mark, {name: [word] for name, word in words.items()}, [None])
+        if faults:
+            return faults[0]
+    found = {name: number(word, decimal, thousands=True) for name, word in words.items()}
+    odd = [name for name, value in found.items() if value is None]
+    return (
+        f"{quote(words[odd[0]])} in column {quote(sought[odd[0]].header)} is not a number" if odd else found
+    )
 
 
 def _decoded(line):
@@ -66,11 +81,12 @@ def samples_of_table(path, section, lines):
         raise Refusal(section.faults or [f"{path}: test.yaml names no column {', '.join(sorted(absent))}"])
     wanted = {name: wanted[name] for name in ("time", *parts.SIGNALS)}
     gains = columns.divisors(wanted)
-    sought = {**wanted, **wanted["time"].beside(), **{columns.GAIN_OF + name: gains[name] for name in gains}}
+    of_gains = {columns.GAIN_OF + name: column for name, column in gains.items()}
+    sought = {**wanted, **wanted["time"].beside(), **of_gains}
     start = clock.seconds(zero, form) if form else zero
     if start is None:
         refuse(path, f"`zero` {quote(zero)} is not of the format {quote(form)}", "correct it")
-    above, header, before, nights = [], None, -np.inf, 0.0
+    above, header, sampled, before, nights = [], None, False, -np.inf, 0.0
     for line in lines:
         if line is None:
             yield None
@@ -87,22 +103,30 @@ def samples_of_table(path, section, lines):
             if len(cells) <= max(places.values()):
                 yield f"{len(cells)} cells, column {max(places.values()) + 1} is needed"
                 continue
+            if not sampled and (below := units_in(cells)):
+                stated |= {name: stated[name] or below[at] for name, at in places.items()}
+                continue
+            sampled, word = True, cells[places["time"]]
+            plain = {
+                name: column for name, column in {**wanted, **of_gains}.items() if not form or name != "time"
+            }
+            values = _numbers(path, header, plain, cells, decimal)
+            if isinstance(values, str):
+                if before == -np.inf and "`decimal`" in values:  # no later line tells more
+                    raise Refusal([values])
+                yield values
+                continue
             found = {}
             for name in parts.SIGNALS:
-                value = _number(cells[places[name]], decimal)
-                found[name] = float(columns.to_si(path, wanted[name], value, stated[name]))
+                found[name] = float(columns.to_si(path, wanted[name], values[name], stated[name]))
                 if name in gains:
-                    gain = _number(cells[places[columns.GAIN_OF + name]], decimal)
+                    gain = values[columns.GAIN_OF + name]
                     found[name] /= gain if gain > 0 else np.nan
-            word = cells[places["time"]]
             if form:
                 word = wanted["time"].stamp({key: cells[place] for key, place in places.items()})
                 moment = clock.seconds(word, form)
             else:
-                moment = number(word, decimal)
-                moment = (
-                    moment if moment is None else columns.to_si(path, wanted["time"], moment, stated["time"])
-                )
+                moment = columns.to_si(path, wanted["time"], values["time"], stated["time"])
             if moment is None or moment != moment:
                 yield f"{quote(word)} is no time"
                 continue
