@@ -10,6 +10,7 @@ from plasmapyro.instrument.calibration import quadratic_ratio
 from plasmapyro.instrument.stage import spectrometer_calibration
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import status
+from plasmapyro.refraction import vacuum_wavelength
 
 TIME = np.round(np.arange(-4.0, 60.0, 0.25), 9)
 FRAMES = np.arange(-2.0, 60.0, 2.0)
@@ -432,6 +433,21 @@ def test_calibration_on_other_pixels_is_refused():
     test, calibrated = counted()
     with pytest.raises(ValueError, match="not on the same wavelengths"):
         correct_spectra(test, calibrated.isel(wavelength=slice(1, None)), **SPECTROMETER)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda axis: vacuum_wavelength(axis), "apart, as air from vacuum: state `wavelengths`"),
+        (lambda axis: axis + 3e-11, "up to 0.03 nm apart: were they printed with fewer digits"),
+        (lambda axis: axis + 5e-8, "up to 50 nm apart$"),
+    ],
+)
+def test_by_how_much_wavelengths_differ_and_why_is_said(change, words):
+    test, calibrated = counted()
+    with pytest.raises(ValueError, match=words):
+        moved = calibrated.assign_coords(wavelength=change(calibrated.wavelength.values))
+        correct_spectra(test, moved, **SPECTROMETER)
 
 
 @pytest.mark.parametrize(("shift", "accepted"), [(5e-12, True), (2e-11, False)])

@@ -4,6 +4,7 @@ import numpy as np
 
 from plasmapyro.instrument.raw_counts import above_baseline
 from plasmapyro.instrument.spectrometer import USABLE, measured_radiance
+from plasmapyro.refraction import vacuum_wavelength
 
 SAME_PIXEL = 1e-11  # [m] programs print 2 to 4 digits of a nanometre; pixels are ten times as far apart
 
@@ -25,6 +26,19 @@ def of_pixels(calibration, test):
 def _span(dataset):
     values = dataset.wavelength.values * 1e9
     return f"{values.size} pixels from {values[0]:.3f} to {values[-1]:.3f} nm"
+
+
+def _apart(calibration, test):
+    """What as many pixels of two datasets differ by, and what that looks like."""
+    first, second = (one.wavelength.values for one in (calibration, test))
+    if first.size != second.size:
+        return ""
+    off = np.abs(second - first)
+    words = f", up to {off.max() * 1e9:.2g} nm apart"
+    if np.allclose(off, vacuum_wavelength(first) - first, rtol=0.2, atol=0):
+        return words + ", as air from vacuum: state `wavelengths` of both as they are"
+    close = off.max() < np.abs(np.diff(first)).min() / 2
+    return words + (": were they printed with fewer digits, or calibrated anew in between?" if close else "")
 
 
 def halves(radiance):
@@ -50,7 +64,7 @@ def calibrated_radiance(test, calibration, saturation_counts):
         if not on_same_wavelengths(calibration, test):
             raise ValueError(
                 "the spectrometer calibration and the test are not on the same wavelengths:"
-                f" {_span(calibration)} against {_span(test)}"
+                f" {_span(calibration)} against {_span(test)}{_apart(calibration, test)}"
             )
         pixels = calibration.pixel_status.values.astype("int8")
     shape = test.sizes["spectrum_time"], test.sizes["wavelength"]
