@@ -37,6 +37,7 @@ def files(**changes):
         "names": NAMES,
         "dates": dates,
         "ordered": True,
+        "counted": True,
         "background": None,
     }
     return known | changes
@@ -615,3 +616,11 @@ def test_the_shape_of_spectra_is_judged_where_the_surface_shines(bend, said):
     for name in ("corrected_radiance", "normalised_radiance"):  # most of a few spectra is saturated
         result[name][:3, 550:] = np.nan
     assert bool(ALL["shape_of_spectra"](Case(PLACE, result=result))) is said
+
+
+def test_a_copied_file_is_no_missing_frame_and_times_in_names_are_no_counters(sound):
+    copied = [*NAMES[:10], "spectrum_009b.txt", *NAMES[10:29]]
+    assert "missing_frame" not in said(sound, files(names=copied))
+    timed = [f"t={0.75 * place:g}s.txt" for place in range(30)]
+    found = said(sound, files(names=timed, counted=False))
+    assert not {"missing_frame", "mixed_series"} & found.keys()

@@ -5,7 +5,7 @@ import pytest
 import samples
 
 from plasmapyro.readers import clock
-from plasmapyro.readers.spectrometer import natural
+from plasmapyro.readers.spectrometer import natural, number_form
 from plasmapyro.readers.stage import check_test, read_test
 
 RTOL = 1e-12
@@ -274,6 +274,21 @@ def test_numbers_in_file_names_count_as_numbers(tmp_path):
     for path in (place / "spectrometer").iterdir():
         path.rename(path.with_name(f"s{int(path.stem.split('_')[1])}.txt"))
     np.testing.assert_allclose(read_test(place).counts[:, 0], samples.COUNTS[0] + 10 * np.arange(11))
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"t={time:g}s.txt" for time in (0.5, 1.25, 2, 2.75, 3.5, 10.25)],
+        [f"spec_{time:.1f}.txt" for time in (-3.5, -1.5, 0.5, 2.5)],
+        ["s_1.9.txt", "s_1.10.txt", "s_1.11.txt", "s_2.1.txt"],  # counters
+        ["run-1_2.txt", "run-1_10.txt", "run-2_1.txt"],  # no signs
+        ["20261128_095959.txt", "20261128_100001.txt"],
+    ],
+)
+def test_times_in_file_names_are_ordered_as_times_and_counters_as_counters(names):
+    form = number_form(names)
+    assert sorted(reversed(names), key=lambda name: natural(name, form)) == names
 
 
 def test_every_fault_of_one_table_comes_in_one_round(tmp_path):

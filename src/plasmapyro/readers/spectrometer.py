@@ -3,6 +3,7 @@
 import fnmatch
 import re
 from datetime import datetime
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ MOST_SPECTRA = 20_000
 MOST_SAMPLES = 50_000_000  # of all spectra together: 400 MB
 SHIFT = 1e-12  # [m] spectra of one instrument agree in wavelength to their printed digits
 SPECTRUM_SUFFIXES = {".txt", ".jaz", ".tsv", ".dat", ".csv", ".asc", ".prn"}
+WHOLE = r"\d+"  # a number of a file name
 MARGIN = 0.25  # [s] by which a cycle may be off, either way, before the light is asked, too
 SETTINGS = ("integration_time", "averages", "dark_corrected", "linearised")
 
@@ -119,10 +121,9 @@ def _many_files(place, folder, settings):
     else:
         listed = [path for path in listed if path.suffix.lower() in SPECTRUM_SUFFIXES]
     try:
-        paths = sorted(
-            (path for path in listed if not (dark_path and path.resolve() == dark_path.resolve())),
-            key=lambda path: natural(path.name),
-        )
+        paths = [path for path in listed if not (dark_path and path.resolve() == dark_path.resolve())]
+        form = number_form([path.name for path in paths])
+        paths.sort(key=lambda path: natural(path.name, form))
     except (OSError, RuntimeError) as reason:
         refuse(place, f"holds a link that leads nowhere ({reason})", "replace it by the file")
     if not paths or len(paths) > MOST_SPECTRA:
@@ -142,10 +143,25 @@ def _many_files(place, folder, settings):
     return _of_folder(paths, spectra, dark_path, dark, settings)
 
 
-def natural(name):
+def number_form(names):
+    """Pattern of the numbers in some file names: whole ones, or decimals with a sign where they are times.
+
+    Decimals if they have as many digits as needed (0.5, 1.25, 2), which counters never do (1.9, 1.10); a
+    minus behind a blank, '_' or '=' is a sign if some of the names that are alike else have none.
+    """
+    ends = [re.findall(r"\d\.(\d+)", name) for name in names]
+    lengths = {tuple(map(len, row)) for row in ends}
+    trimmed = not any(end.endswith("0") for row in ends for end in row)
+    form = r"\d+(?:\.\d+)?" if len(lengths) > 1 and trimmed else WHOLE
+    stems = {re.sub(r"\d+(?:\.\d+)?", "#", name) for name in names}
+    unsigned = {re.sub(r"(?<=[ _=])-(?=#)", "", stem) for stem in stems}
+    return rf"(?:(?<=[ _=])-)?{form}" if len(unsigned) < len(stems) else form
+
+
+def natural(name, form=WHOLE):
     """Sorting key of a file name whose numbers count as numbers: spectrum_2 before spectrum_10."""
-    pieces = re.split(r"(\d+)", name)
-    return [int(piece) if place % 2 else piece for place, piece in enumerate(pieces)], name
+    pieces = re.split(f"({form})", name)
+    return [Decimal(piece) if place % 2 else piece for place, piece in enumerate(pieces)], name
 
 
 def _read_all(paths, settings):
@@ -214,6 +230,7 @@ def _of_folder(paths, spectra, dark_path, dark, settings):
         "names": [path.name for path in paths],
         "dates": [spectrum.date for spectrum, _ in spectra],
         "ordered": settings["time"]["from"] == "order",
+        "counted": number_form([path.name for path in paths]) == WHOLE,
         "left_open": left,
         "background": dark_path,
     }
