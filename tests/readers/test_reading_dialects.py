@@ -31,6 +31,17 @@ def test_each_dialect_gives_the_same_spectrum(tmp_path, form):
     assert found.linearised is False
 
 
+def test_pixels_may_stand_in_falling_order_between_the_fences(tmp_path):
+    lines = samples.spectrum("spectrasuite").decode("latin-1").splitlines()
+    first, last = (place for place, line in enumerate(lines) if line.startswith(">>>>>"))
+    lines[first + 1 : last] = reversed(lines[first + 1 : last])
+    path = tmp_path / "a.txt"
+    path.write_text("\n".join(lines) + "\n")
+    found = read_spectrum(path)
+    np.testing.assert_allclose(found.wavelength, samples.WAVELENGTH * 1e-9, rtol=FLOAT_RTOL)
+    np.testing.assert_allclose(found.columns["column 2"], samples.COUNTS, rtol=FLOAT_RTOL)
+
+
 @pytest.mark.parametrize("form", samples.FORMS)
 def test_a_folder_of_spectra_is_one_dataset(tmp_path, form):
     place = samples.spectra(samples.folder(tmp_path / "t", samples.SPECTRA), form)

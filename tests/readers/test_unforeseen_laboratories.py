@@ -57,6 +57,7 @@ TABLES = {
         "Tid [s];S1 [A];S2 [A]", lambda t, w, n: (t, f"{w}e\u22129", f"{n}e\u22129"), ";", ","
     ),
     "UTF-16 without its mark": PLAIN.encode("utf-16-le"),
+    "UTF-16 of another machine without its mark": PLAIN.encode("utf-16-be"),
     "a Japanese Windows": PLAIN.replace("Time", "時間")
     .replace("S1", "広帯域")
     .replace("S2", "狭帯域")
@@ -658,3 +659,10 @@ def test_no_file_is_left_out_without_a_word(tmp_path):
         (tmp_path / "v" / name).write_text(words)
     questions = describe(tmp_path / "v").questions
     assert any("not used: shown.csv" in words and "temperatures alone" in words for words in questions)
+
+
+def test_a_gain_that_is_a_number_is_told_its_key(tmp_path):
+    signals = "".join(f"    signal_{band}: {{name: S, unit: A, gain: 1e5}}\n" for band in ("wide", "narrow"))
+    (tmp_path / "test.yaml").write_text("pyrometer:\n  columns:\n    time: {name: t, unit: s}\n" + signals)
+    words = "\n".join(check_test(tmp_path))
+    assert "signal_wide.gain names a column, and 1e5 is a number; a gain that stays is `scale`" in words

@@ -61,6 +61,10 @@ class Column:
         if self.scale == 0:
             section.blame("scale", "must not be 0", "remove it or correct it")
         self.gain = section.text("gain") if units.is_current(name) else None
+        if self.gain and number(self.gain):
+            remedy = "a gain that stays is `scale` (1/gain) with `unit: A`"
+            section.blame("gain", f"names a column, and {self.gain} is a number", remedy)
+            self.gain = None
         if self.unit is not None and units.factor(self.unit, name) is None:
             section.blame(
                 "unit", f"{quote(self.unit)} is not a unit of {name}", f"write one of {units.known(name)}"

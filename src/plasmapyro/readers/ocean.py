@@ -68,8 +68,8 @@ def read_spectrum(path):
     The header is free text in the language of the program; only words common to the known languages are
     looked for. The data stand between two lines that begin with '>>>>>' (OceanView: from the first to the end
     of the file), in columns that a line of letters may name (Jaz: W D R S P). Refusal: not such a file, or
-    incomplete: fewer rows than the header promises, no end, a cell that is no number, wavelengths that do not
-    rise.
+    incomplete: fewer rows than the header promises, no end, a cell that is no number, wavelengths that
+    neither rise nor fall throughout.
     """
     lines, ended = read_lines(path, LARGEST)
     begin = next((i for i, line in enumerate(lines[:HEADER_LINES]) if line.startswith(FENCE)), None)
@@ -293,10 +293,13 @@ def _body(path, lines, begin, end):
     table = _fast(rows, decimal) if signs <= BODY else None
     if table is None:
         table = np.array([_slow(path, line, row, decimal) for line, row in rows])
+    falls = table[0, 0] > table[-1, 0]
+    table = table[::-1] if falls else table  # as some programs sort them
     rising = np.diff(table[:, 0]) > 0
     if not rising.all():
         where = int(np.argmin(rising)) + 1
-        refuse(path, "the wavelengths do not rise", "copy the file again", rows[where][0])
+        line = rows[len(rows) - 1 - where if falls else where][0]
+        refuse(path, "the wavelengths do not rise, or fall, throughout", "copy the file again", line)
     names = names or ["W", *(f"column {i}" for i in range(2, width + 1))]
     return table[:, 0] * 1e-9, dict(zip(names[1:], table[:, 1:].T, strict=True))
 

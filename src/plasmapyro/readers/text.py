@@ -119,8 +119,13 @@ def read_lines(path, limit):
                 remedy = "signals against time are read from such a file, spectra are not: save them as text"
             refuse(path, f"is {kind}, not text", remedy)
     encoding = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
-    if encoding is None and content[:1] and content[1:2000:2].count(0) > 0.8 * len(content[1:2000:2]):
-        encoding = "utf-16-le"  # without its mark
+    for first, unmarked in enumerate(("utf-16-be", "utf-16-le")):  # without its mark
+        if (
+            encoding is None
+            and content[1:]
+            and content[first:2000:2].count(0) > 0.8 * len(content[first:2000:2])
+        ):
+            encoding = unmarked
     try:
         words = content.decode(encoding or "utf-8")
     except UnicodeDecodeError:
