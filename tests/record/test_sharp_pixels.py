@@ -44,6 +44,14 @@ def test_a_hot_and_a_dead_pixel_never_count():
     assert found[:, 200].all() and found[:, 600].all() and found.sum() == 2 * len(values)
 
 
+def test_two_dead_pixels_side_by_side_never_count():
+    """Their dark was alive, so that less than no light is left of them."""
+    values = light()
+    values[:, 600:602] = -2000.0
+    found = sharper(values, AXIS, SLIT)
+    assert found[:, 600:602].all() and found.sum() == 2 * len(values)
+
+
 def test_lines_far_sharper_than_the_stated_slit_are_no_fault_of_pixels():
     """A slit of 3 nm for one of 0.4 nm: then it is the statement that is wrong."""
     assert not sharper(light(0.4e-9), AXIS, 3e-9).any()

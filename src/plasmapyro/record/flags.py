@@ -144,7 +144,7 @@ def sharper(values, wavelength, slit):
     for pixels h apart behind a Gaussian slit of standard deviation s: of a mixture of Gaussians no logarithm
     bends down more than that of one. With m and n 1, or one of them 2, for hits of two pixels. Three times as
     much is let pass, for slits that are triangles, or are stated too wide. A dead pixel has less than a third
-    of both its neighbours.
+    of both its neighbours, each of two that lie side by side less than a ninth.
 
     Parameters
     ----------
@@ -169,8 +169,8 @@ def sharper(values, wavelength, slit):
             beside.max(axis=0), 0
         )
         found[:, inside] |= values[:, inside] - allowed > sure[:, inside]
-        if left == right:
-            found[:, inside] |= beside.min(axis=0) / DEAD - values[:, inside] > sure[:, inside]
+        dead = beside.min(axis=0) / DEAD ** (left * right)
+        found[:, inside] |= dead - values[:, inside] > sure[:, inside]
     found &= found.mean() < MOST_SHARP
     return found | (found.mean(axis=0) > OFTEN)
 
