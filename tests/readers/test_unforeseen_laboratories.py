@@ -666,3 +666,19 @@ def test_a_gain_that_is_a_number_is_told_its_key(tmp_path):
     (tmp_path / "test.yaml").write_text("pyrometer:\n  columns:\n    time: {name: t, unit: s}\n" + signals)
     words = "\n".join(check_test(tmp_path))
     assert "signal_wide.gain names a column, and 1e5 is a number; a gain that stays is `scale`" in words
+
+
+def test_arrays_beside_slower_ones_are_found_and_unequal_ones_named(tmp_path):
+    samples = np.array(SAMPLES)
+    slow = {name: np.arange(ROWS / 4) for name in ("t_tunnel", "p", "flow", "power")}
+    arrays = dict(zip(("t", "S1", "S2"), samples.T, strict=True))
+    savemat(tmp_path / "log.mat", arrays | slow)
+    (tmp_path / "test.yaml").write_text(
+        "pyrometer:\n  file: log.mat\n  columns:\n    time: {name: t, unit: s}\n"
+        "    signal_wide: {name: S1, unit: nA}\n    signal_narrow: {name: S2, unit: nA}\n"
+    )
+    assert not [one for one in check_test(tmp_path) if "log.mat" in one]
+    assert '"S1"' in describe(tmp_path).text
+    savemat(tmp_path / "log.mat", arrays | {"t": samples[:-3, 0]})
+    (words,) = [one for one in check_test(tmp_path) if "log.mat" in one]
+    assert "holds arrays of different lengths" in words and f"t {ROWS - 3}" in words and f"S1 {ROWS}" in words

@@ -192,9 +192,9 @@ def _read_table(path, columns, delimiter=None, decimal=None):
     delimiter (of `DELIMITERS`) is found from the header, the decimal sign from the cells if None. Refusal
     with one sentence per fault, with the line.
     """
-    lines, ended = table_lines(path, LARGEST)
     stamped = columns["time"] if "time" in columns and columns["time"].format else None
     sought = {**columns, **stamped.beside()} if stamped else columns
+    lines, ended = table_lines(path, LARGEST, [column.header for column in sought.values()])
     start, mark, places, stated = header_of(path, lines, sought, delimiter)
     for index in range(start + 1, min(start + 1 + STACKED, len(lines))):
         cells = split(lines[index], mark)

@@ -16,6 +16,7 @@ from plasmapyro.readers.text import BINARY, NUMBER, Refusal, number, quote, read
 ARRAYS = {".mat", ".h5", ".hdf5", ".nc", ".cdf", ".npz", ".json", ".jsonl", ".ndjson"}
 LARGEST = 1_000_000_000  # [byte] of a file of arrays
 MOST_COLUMNS = 50  # of one array
+ENOUGH = 3  # arrays: a time and two signals
 LOOKED_AT = 50  # first lines, of which some show the habit
 ATTACHED = re.compile(rf"\s*({NUMBER.pattern})\s*([A-Za-z\u00b5\u03bc]{{1,4}})\s*", re.ASCII)
 MARKS = "\t;,"
@@ -32,17 +33,18 @@ UNNAMED = "first column"
 TIME, DAYS = re.compile("time|zeit|date|datum", re.IGNORECASE), "Time_ms"
 
 
-def table_lines(path, limit):
+def table_lines(path, limit, wanted=()):
     """Lines of a table, as `read_lines` gives them; a file of another form is written as one.
 
-    Of Matlab, HDF5, netCDF, numpy and JSON files the arrays of the most frequent length, by their names, are
-    columns. Igor text: its waves are. LabVIEW measurements without a column of times get one from their
-    interval, as do records of Yokogawa; readings with their unit behind each number ('+1.06E-05A') have it in
-    the header, lines of names and numbers ('t=0.5 wide=1e-5') and archives of one value a line become rows.
-    Refusal as `read_lines`; or a file of arrays that is damaged, holds no columns, or needs a package.
+    Of Matlab, HDF5, netCDF, numpy and JSON files the arrays as long as those called as `wanted`, else of the
+    most frequent length (the longest of those that three or more have), are columns by their names. Igor
+    text: its waves are. LabVIEW measurements without a column of times get one from their interval, as do
+    records of Yokogawa; readings with their unit behind each number ('+1.06E-05A') have it in the header,
+    lines of names and numbers ('t=0.5 wide=1e-5') and archives of one value a line become rows. Refusal as
+    `read_lines`; or a file of arrays that is damaged, holds no columns, or needs a package.
     """
     if Path(path).suffix.lower() in ARRAYS:
-        return _columns(path, _arrays(regular_file(path, LARGEST))), True
+        return _columns(path, _arrays(regular_file(path, LARGEST)), wanted), True
     lines, ended = read_lines(path, limit)
     if not lines:  # nothing but a byte order mark
         return lines, ended
@@ -56,8 +58,14 @@ def table_lines(path, limit):
     return _detached(_of_pairs(_archive(path, _aligned(lines)))), ended
 
 
-def _columns(path, arrays):
-    """Tab-separated lines of those arrays that are as long as most are; names with their units."""
+def _columns(path, arrays, wanted):
+    """Tab-separated lines of those arrays that are as long as the wanted ones, or most; names with units."""
+    asked = {name: len(values) for name, (values, _) in arrays.items() if name in wanted}
+    if len(set(asked.values())) > 1:
+        listed = ", ".join(f"{name} {count}" for name, count in asked.items())
+        refuse(
+            path, f"holds arrays of different lengths: {listed}", "save time and signals of the same samples"
+        )
     plain = {name: pair for name, pair in arrays.items() if not PART.search(name)}
     arrays = plain if len(plain) > 1 else arrays
     sizes = [len(values) for values, _ in arrays.values() if len(values) > 1]
@@ -66,7 +74,8 @@ def _columns(path, arrays):
         refuse(
             path, f"holds no two columns of numbers of one length ({listed})", "save time and signals in it"
         )
-    size = max(set(sizes), key=lambda one: (sizes.count(one), one))
+    size = max(set(sizes), key=lambda one: (min(sizes.count(one), ENOUGH), one))
+    size = next(iter(asked.values()), size)
     kept = {
         f"{name} [{unit}]" if unit else name: np.asarray(values, dtype=float).tolist()
         for name, (values, unit) in arrays.items()
