@@ -22,3 +22,11 @@ def test_noise_of_a_surface_that_is_still_cold_is_no_end():
     light[:5] = 1.0, 1.1, 1.35, 0.65, 1.0
     first, last, _ = fall(TIME, light, 1.0)
     assert first <= 80 <= last
+
+
+def test_a_sample_that_leaves_the_view_in_the_plasma_falls_to_the_dark_at_once():
+    light = 1000.0 * -np.expm1(-TIME / 15)
+    light[TIME > 55] = 0.2 * np.random.default_rng(3).standard_normal((TIME > 55).sum())
+    light[TIME == 55.5] = -0.1
+    first, last, drop = fall(TIME, light, 1.0)
+    assert first <= 55 <= last and drop > 0.99

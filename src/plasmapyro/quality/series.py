@@ -87,8 +87,10 @@ def fall(time, values, length):
     `time`, `values` (n,): means over intervals of `length` [s]. The end of the plasma lies between both ends
     [s].
     """
-    lit = values.size if (values > 0).all() else int(np.argmin(values > 0))  # until it is dark
-    time, values = time[:lit], values[:lit]
+    lit = values.size if (values > 0).all() else int(np.argmin(values > 0))
+    # until it is dark, and what follows counts as less than any light
+    time, values = time[: lit + 2 * SIDE], values[: lit + 2 * SIDE]
+    values = np.maximum(values, FAINT / 10 * values.max(initial=0.0))
     if time.size < 6:
         return None
     drop = -np.diff(np.log(values))
