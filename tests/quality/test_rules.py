@@ -300,6 +300,10 @@ AXES = {
         lambda t: attributes(t, plasma_off_time=53.0),
         "the light of the pyrometer falls by 5% between 47.8",
     ),
+    "light_after_end": (
+        lambda t: t.assign(signal_wide=t.signal_wide + 2e-3 * (t.time > 55)),
+        "the light of the pyrometer grows again from 55.25 s on, after the end of the plasma at 50 s",
+    ),
     "two_clocks": (
         lambda t: moved(t, "spectrum_time", lambda s: s + 2.0),
         "the spectra fit the pyrometer best when moved by -2.4 s",  # a square is not quite their bend

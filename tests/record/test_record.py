@@ -330,3 +330,50 @@ def test_a_shutter_between_the_window_and_the_injection_leaves_the_reference():
 def test_gas_that_is_not_there_may_be_told_as_a_little_less_than_none():
     """The walk of the joint estimate before the plasma, or in a pause, scatters about zero."""
     assert VARIABLES["gas_amplitude"].low < 0
+
+
+def cooling(lamp=0.0, noise=1e-4):
+    """Times (t,) [s] from the end of the plasma and light (t, 2) that fades; that of a lamp from 5 s on."""
+    time = np.arange(0.1, 10.0, 0.1)
+    scatter = noise * np.random.default_rng(2).standard_normal((time.size, 2))
+    light = np.exp(-time)[:, None] * [2.0, 1.0] * (1 + scatter) + scatter
+    return time, light + lamp * (time > 4.95)[:, None] * [1.0, 0.1]
+
+
+def test_light_that_grows_after_the_end_is_of_no_surface_and_all_later_samples_go():
+    time, light = cooling(lamp=0.02)
+    assert time[flags.relit(time, light, 0.0)][0] == pytest.approx(5.0)
+    assert flags.relit(time, light, 0.0).sum() == (time > 4.95).sum()
+    light[20], light[25:28] = np.nan, 0.0
+    assert flags.relit(time, light, 0.0).sum() == (time > 4.95).sum()
+    dark = cooling()[1]
+    dark[25:28] = 0.0  # a dropout
+    assert not flags.relit(time, dark, 0.0).any()
+
+
+@pytest.mark.parametrize(
+    "light",
+    [
+        cooling()[1],
+        cooling(noise=0.02)[1],
+        cooling(lamp=1e-3)[1],  # a thousandth of what shone at the end
+        np.random.default_rng(1).standard_normal((99, 2)),  # the sample left the view before the end
+        np.full((99, 2), np.nan),
+        np.zeros((99, 2)),
+        np.exp(cooling()[0] / 5)[:, None] * [2.0, 1.0],  # the plasma burns on, the stated end is wrong
+    ],
+    ids=["clean", "noisy", "faint", "dark", "lost", "zero", "burning"],
+)
+def test_a_surface_that_cools_and_darkness_keep_their_samples(light):
+    assert not flags.relit(cooling()[0], light, 0.0).any()
+
+
+def test_a_lamp_after_the_end_of_the_plasma_leaves_no_temperature_there():
+    fading = np.exp(-np.maximum(TIME - 50.0, 0.0) / 10)
+    test = made(lambda x: np.where(TIME > 55.0, 3.0, 1.0) * fading * x)
+    assert record_of(test, {"pyrometer": None}).instrument("pyrometer").flagged(flags.RELIT).any()
+    limited = test.assign_attrs(signal_saturation_narrow=5e-7)  # which the light at the end exceeds
+    assert record_of(limited, {"pyrometer": None}).instrument("pyrometer").flagged(flags.RELIT).any()
+    found = corrected(test)
+    assert (found.corrected_status.values[TIME > 55.05] == status.MISSING).all()
+    assert (found.corrected_status.values[TIME < 55.0] != status.MISSING).all()

@@ -53,7 +53,8 @@ def test_codes_of_a_status_are_those_of_the_files():
 
 def test_flags_of_samples_are_single_bits():
     bits = [flags.SATURATED, flags.MASKED, flags.LOST, flags.STUCK, flags.CLIPPED, flags.SPIKED, flags.UNLIT]
-    assert bits == [1, 2, 4, 8, 16, 32, 64] and set(flags.MEANINGS) == set(bits)
+    bits.append(flags.RELIT)
+    assert bits == [1, 2, 4, 8, 16, 32, 64, 128] and set(flags.MEANINGS) == set(bits)
 
 
 def faults_of(name, value):

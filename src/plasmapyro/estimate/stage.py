@@ -386,7 +386,7 @@ def _dataset(posterior, fit_range, least_share, largest, span):
     state = np.where((temperature < low) | (temperature > high), EXTRAPOLATED, VALID).astype("int8")
     state[(share < least_share).all(axis=0)] = status.GAS_DOMINATED
     state[bands.flagged(flags.SATURATED, flags.CLIPPED).all(axis=1)] = status.SATURATED
-    state[bands.flagged(flags.LOST, flags.STUCK, flags.SPIKED).all(axis=1)] = status.MISSING
+    state[bands.flagged(flags.LOST, flags.STUCK, flags.SPIKED, flags.RELIT).all(axis=1)] = status.MISSING
     state[~known] = status.NO_SIGNAL
     # Between the samples before and behind a switch only the path's own bend tells.
     dying = (bands.time > record.off) & (bands.time <= record.off + span)

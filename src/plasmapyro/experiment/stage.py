@@ -77,7 +77,7 @@ def correct_pyrometer(
     bands = record.instrument("pyrometer")
     injected, shining = record.phases(bands.time)
     saturated = bands.flagged(flags.SATURATED, flags.CLIPPED).any(axis=1)
-    raw = np.where(bands.flagged(flags.STUCK, flags.SPIKED), np.nan, bands.value).T
+    raw = np.where(bands.flagged(flags.STUCK, flags.SPIKED, flags.RELIT), np.nan, bands.value).T
     sound = np.where(saturated, np.nan, raw)
     means = [
         signals.reference_signal(bands.time, row, record.window) if record.window else (0.0, 0.0)

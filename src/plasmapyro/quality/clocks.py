@@ -4,6 +4,7 @@ import numpy as np
 
 from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import blocks, fall
+from plasmapyro.record import flags
 from plasmapyro.record.clock import lag
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
@@ -105,6 +106,22 @@ def plasma_off_time(case, limit):
     for name, (first, last, drop) in _falls(case).items():
         if not first - limit <= off <= last + limit:
             return {"name": name, "first": first, "last": last, "drop": drop, "off": off}
+    return None
+
+
+@rule(limit=flags.GROWN)
+def light_after_end(case, limit):
+    off, seen = case.test.attrs["plasma_off_time"], {}
+    if "pyrometer" in case.holds:
+        seen["pyrometer"] = case.test.time.values, case.pair.T
+    if "radiometer_signal" in case.test:
+        seen["radiometer"] = case.test.radiometer_time.values, case.test.radiometer_signal.values
+    if "spectrometer" in case.holds:
+        seen["spectrometer"] = case.test.spectrum_time.values, case.light[:, None]
+    for name, (time, light) in seen.items():
+        again = flags.relit(time, light, off)
+        if again.any():
+            return {"name": name, "begin": float(time[again][0]), "count": int(again.sum()), "off": off}
     return None
 
 

@@ -6,7 +6,7 @@ from scipy.ndimage import median_filter
 from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 from plasmapyro.record.rounding import rounding
 
-SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED, UNLIT = (1 << bit for bit in range(7))
+SATURATED, MASKED, LOST, STUCK, CLIPPED, SPIKED, UNLIT, RELIT = (1 << bit for bit in range(8))
 MEANINGS = {
     SATURATED: "at or beyond the stated limit of the detector or its converter",
     MASKED: "in a pixel that its calibration cannot use",
@@ -15,6 +15,7 @@ MEANINGS = {
     CLIPPED: "at or near a ceiling that nothing states, flat or approached more and more slowly",
     SPIKED: "far beyond all its neighbours: pick-up, or a number that stands for none",
     UNLIT: "before the plasma burned",
+    RELIT: "after the end of the plasma, from where the light grows again: no surface that cools",
 }
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault
@@ -30,6 +31,8 @@ WIDEST, AROUND = 3, 51  # samples of a spike; second differences whose median is
 MAD = NORMAL_MAD / np.sqrt(1.5)  # deviations of normal samples per median of their second differences
 # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
 ALTERNATING = 0.25
+FIRST, DIMMEST = 3, 1e-3  # samples of the light at the end; share of it that other light must add
+GROWN, HELD = 0.1, 4  # by which the light since the end must fade, and grow again; samples for which it does
 
 
 def _run_lengths(same):
@@ -200,3 +203,38 @@ def rounded(values, gas):
             last = np.flatnonzero(slope >= SOUND_SLOPE * usual)[-1]
             result[good, channel] = level > rows[last + SPAN][0]
     return result
+
+
+def relit(time, value, off):
+    """Samples (t,) from the first on where light that had faded after the end of the plasma grows again.
+
+    By a tenth, by `SPIKE` deviations and by a thousandth of the light at the end, for `HELD` samples in a
+    row: a lamp, or the next test of a log that runs on. A surface without a plasma cools; light that has not
+    faded by a tenth says that the plasma burns on, and the stated end is wrong.
+
+    Parameters
+    ----------
+    time : (t,) array [s]
+    value : (t, C) array
+        NaN where there is none.
+    off : float [s]
+        End of the plasma.
+    """
+    found = np.zeros(time.size, dtype=bool)
+    after = np.flatnonzero((time > off) & np.isfinite(value).any(axis=1))
+    if after.size < FIRST + HELD + 1:
+        return found
+    held = np.isfinite(value[after])
+    first = np.nan_to_num(value[after[:FIRST]]).sum(axis=0) / np.maximum(held[:FIRST].sum(axis=0), 1)
+    weight = held @ first**2
+    if not (weight > 0).all():
+        return found
+    share = np.nan_to_num(value[after]) @ first / weight
+    scatter = MAD * np.median(np.abs(share[1:-1] - (share[:-2] + share[2:]) / 2))
+    least = np.minimum.accumulate(median_filter(share, 2 * WIDEST + 1, mode="nearest"))  # no dropout
+    most = least + np.maximum(np.maximum(GROWN * least, SPIKE * scatter), DIMMEST)
+    grown = (share > most) & (least < 1 - GROWN)
+    grown = np.lib.stride_tricks.sliding_window_view(grown, HELD).all(axis=1)
+    if SPIKE * scatter < 1 and grown.any():  # else there was no light at the end
+        found[after[np.argmax(grown)] :] = True
+    return found

@@ -127,6 +127,8 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     if inputs.has_plasma(test):
         window = np.subtract(test.attrs["reference_window"], injection)
         flag[unlit(test[axis].values - injection, np.where(flag, np.nan, value), window)] |= flags.UNLIT
+        held = np.where(flag & (flags.LOST | flags.MASKED | flags.STUCK), np.nan, value)
+        flag[flags.relit(test[axis].values, held, test.attrs["plasma_off_time"])] |= flags.RELIT
     if name != "spectrometer":
         flag[flags.spiked(value)] |= flags.SPIKED
     return Instrument(
