@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from plasmapyro.diagnosis.fit import noise, observation, outliers
+from plasmapyro.diagnosis.fit import build, noise, observation, outliers
 from plasmapyro.record import binning
 
 SAMPLES, CHANNELS = 200, 60
@@ -114,3 +114,11 @@ def test_a_sample_below_zero_has_the_noise_of_a_faint_one():
     found = noise.sample_variance(0.0, 0.2, 0.0, level, np.ones(2), np.ones(2))
     assert found[[0, 2], [0, 0]] == pytest.approx([20.0, 40.0]) and found[1, 1] == pytest.approx(4.0)
     assert found[1, 0] == pytest.approx(0.2 * 1e-3 * 100) and found[2, 1] == pytest.approx(0.2 * 1e-3 * 20)
+
+
+def test_spectra_that_hold_nothing_cost_no_pixel():
+    radiance = np.ones((8, 3))
+    radiance[:4] = np.nan  # before the plasma burned
+    radiance[5:, 1] = np.nan
+    assert list(build.seen_in_most(radiance)) == [True, False, True]
+    assert not build.seen_in_most(np.full((8, 3), np.nan)).any()

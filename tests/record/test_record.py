@@ -321,6 +321,21 @@ def test_a_slow_instrument_without_a_sample_in_the_window_knows_the_dark_by_its_
     assert not unlit(time, np.full((5, 2), np.nan), (0.2, 4.0)).any()
 
 
+def test_an_exposure_that_goes_on_behind_the_window_is_no_gas():
+    """Half of it sees the surface, beside which the gas before would pass for dark."""
+    time, light = np.array([-26.0, -18.0, -10.0, -2.0, 6.0]), np.array([0.01, 0.9, 1.0, 1.0, 30.0])
+    value = light[:, None] * [2.0, 1.0]
+    assert list(unlit(time, value, (0.2, 9.0), exposure=7.0)) == [True, False, False, False, False]
+
+
+def test_a_gas_as_faint_as_the_noise_of_a_pixel_is_seen_by_all_of_them():
+    random, time = np.random.default_rng(4), np.array([-128.0, -92.0, -57.0, -21.0, 14.0, 50.0])
+    value = 1.0 + 2.0 * random.standard_normal((time.size, 3000))
+    assert not unlit(time, value, (0.0, 17.0), exposure=28.0).any()
+    value[:2] -= 1.0
+    assert list(unlit(time, value, (0.0, 17.0), exposure=28.0)) == [True, True, False, False, False, False]
+
+
 def test_a_shutter_between_the_window_and_the_injection_leaves_the_reference():
     time, light = np.arange(-20.0, 5.0), np.ones((25, 2))
     light[(time < -18) | (time == -3)] = 0.01

@@ -1,8 +1,10 @@
 """The parts of a test, as shares of its own length."""
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 LIT, STEADY = 1 / 3, 0.1  # [1] of the light of the window: less is no plasma, if that is as steady as this
+ALIKE = 51  # pixels whose mean light weighs each of them
 COOLING = 1 / 3  # of the exposure: what of the time after the end of the plasma is divided up
 
 
@@ -13,7 +15,7 @@ def phases(time, injection_time, plasma_off_time):
     return injected, injected & (time <= plasma_off_time)
 
 
-def unlit(time, value, window):
+def unlit(time, value, window, exposure=0.0):
     """Samples (t,) without plasma: up to the last with less than a third of its light, before the injection
     and before the reference window. A shutter or a probe that passes later takes no reference away.
 
@@ -26,17 +28,21 @@ def unlit(time, value, window):
     value : (t, C) array
     window : pair [s]
         The reference window; a slow instrument that has no sample in it is judged by the last before it.
+    exposure : float [s]
+        Of a sample: one that goes on behind the window sees the surface heat.
     """
-    held = np.isfinite(value).any(axis=1)
-    inside = (time >= window[0]) & (time <= window[1]) & held
+    held = np.isfinite(value).any(axis=1) & (time + exposure / 2 <= window[1])
+    inside = (time >= window[0]) & held
     if not inside.any():
-        inside = np.arange(time.size) == np.flatnonzero(held & (time < window[1]))[-1:].sum()
+        inside = np.arange(time.size) == np.flatnonzero(held)[-1:].sum()
     if not held[inside].any():
         return np.zeros(time.size, dtype=bool)
     number = np.maximum(np.isfinite(value[inside]).sum(axis=0), 1)
     gas = np.nansum(value[inside], axis=0) / number
+    # By its own noise as a weight a faint gas would seem brighter than others as faint.
+    weight = np.maximum(uniform_filter1d(gas, ALIKE), 0.0) if gas.size > ALIKE else gas
     with np.errstate(invalid="ignore"):  # samples without a channel
-        share = np.nansum(value * gas, axis=1) / np.sum(np.isfinite(value) * gas**2, axis=1)
+        share = np.nansum(value * weight, axis=1) / np.sum(np.isfinite(value) * gas * weight, axis=1)
     dark = np.flatnonzero((time < min(0.0, time[inside][0])) & (share < LIT))
     if not dark.size or not share[inside].std() < STEADY:
         return np.zeros(time.size, dtype=bool)

@@ -124,9 +124,11 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     }[name]
     value, flag, own = made(test, calibration, saturation_counts)
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
+    exposure = float(test.attrs[f"{name}_integration_time"])
     if inputs.has_plasma(test):
         window = np.subtract(test.attrs["reference_window"], injection)
-        flag[unlit(test[axis].values - injection, np.where(flag, np.nan, value), window)] |= flags.UNLIT
+        sound = np.where(flag, np.nan, value)
+        flag[unlit(test[axis].values - injection, sound, window, exposure)] |= flags.UNLIT
         held = np.where(flag & (flags.LOST | flags.MASKED | flags.STUCK), np.nan, value)
         flag[flags.relit(test[axis].values, held, test.attrs["plasma_off_time"])] |= flags.RELIT
     if name != "spectrometer":
@@ -134,7 +136,7 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     return Instrument(
         name,
         test[axis].values - injection,
-        float(test.attrs[f"{name}_integration_time"]),
+        exposure,
         value,
         flag,
         float(test.attrs[f"window_transmittance_{name}"]),

@@ -260,6 +260,12 @@ def _bands(bands, off, sensitivity, response, library, edges):
     )
 
 
+def seen_in_most(radiance):
+    """Pixels (P,) with a value in most of the spectra (t, P) that hold any."""
+    there = np.isfinite(radiance)
+    return there.sum(axis=0) > 0.5 * there.any(axis=1).sum()
+
+
 def _spectrometer(frames, off, library, edges, fwhm):
     frames = binning.thinned(frames, off, MOST_SPECTRA)
     wavelength, saturated = frames.wavelength, frames.flagged(flags.SATURATED)
@@ -270,8 +276,7 @@ def _spectrometer(frames, off, library, edges, fwhm):
     if frames.factor_uncertainty is not None:
         relative = frames.factor_uncertainty
     inside = (wavelength > library.wavelength[3]) & (wavelength < library.wavelength[-4])
-    usable = np.isfinite(radiance).mean(axis=0) > 0.5
-    chosen = np.flatnonzero(inside & usable)
+    chosen = np.flatnonzero(inside & seen_in_most(radiance))
     if chosen.size < LEAST_PIXELS:
         raise ValueError(
             f"{chosen.size} usable pixels of the spectrometer lie within the simulated spectra,"
