@@ -44,12 +44,24 @@ def wandering(model, solution):
 
 
 def _bends(model, solution, rows, places, sigma):
-    """Second differences `rows` (k, K) of a history by parameters at some places: mean square [1] of the
-    least ones, over what it is of a normal law, and variances (k,) [1] after the fit, over those before."""
-    own, prior = model.size + places, sigma**2 * np.sum(rows**2, axis=1)
-    value = np.sort((rows @ solution.state.values[places]) ** 2 / prior)
-    spread = np.einsum("ij,jk,ik->i", rows, solution.covariance[np.ix_(own, own)], rows) / prior
-    return value[: int(np.ceil(KEPT * value.size))].mean() / NORMAL, spread
+    """Second differences `rows` (k, K) of a history by parameters at some places, see `_least`."""
+    own = model.size + places
+    scaled = rows / (sigma * np.sqrt(np.sum(rows**2, axis=1, keepdims=True)))
+    return _least(scaled, solution.state.values[places], solution.covariance[np.ix_(own, own)])
+
+
+def _least(rows, values, covariance):
+    """Differences `rows` (k, K) of some values (K,), each over its standard deviation before the data: mean
+    square [1] of the least ones, over what it is of a normal law, and variances (k,) [1] after the fit."""
+    square = np.sort((rows @ values) ** 2)
+    spread = np.einsum("ij,jk,ik->i", rows, covariance, rows)
+    return square[: int(np.ceil(KEPT * square.size))].mean() / NORMAL, spread
+
+
+def _smaller(square, spread):
+    """Factor of a standard deviation by what `_least` gives, see `steadier`."""
+    told = ASSUMED + np.sum(1 - spread)
+    return float(np.sqrt((ASSUMED + spread.size * square) / told))
 
 
 def rougher(model, solution):
@@ -102,9 +114,7 @@ def steadier(model, solution):
             rows = np.diff(errors.time[:, own], n=2, axis=0)
             at = np.arange(places.start, places.stop)[own]
             sigma = errors.parameters[own[0]].sigma
-            square, spread = _bends(model, solution, rows, at, sigma)
-            told = ASSUMED + np.sum(1 - spread)
-            factor = max(float(np.sqrt((ASSUMED + spread.size * square) / told)), LEAST_WANDER)
+            factor = max(_smaller(*_bends(model, solution, rows, at, sigma)), LEAST_WANDER)
             if factor < 1 / np.sqrt(LEAST_RATIO):
                 factors[identity] = factor
     return factors
@@ -126,10 +136,5 @@ def darker(model, solution):
         unit = np.zeros((len(solution.score), instrument.channels))
         unit[own] = np.eye(instrument.channels)
         covariance = cho_solve(solution.factor, unit)[own]
-        square = np.sort((rows @ solution.state.dark[which]) ** 2)
-        square = square[: int(np.ceil(KEPT * square.size))].mean() / NORMAL
-        spread = np.einsum("ij,jk,ik->i", rows, covariance, rows)
-        told = ASSUMED + np.sum(1 - spread)
-        factor = float(np.sqrt((ASSUMED + spread.size * square) / told))
-        factors.append(min(factor, 1.0))
+        factors.append(min(_smaller(*_least(rows, solution.state.dark[which], covariance)), 1.0))
     return factors
