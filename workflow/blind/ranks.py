@@ -74,14 +74,12 @@ def amplitudes(out, world=None):
                 yield one["effect"], true, entry["amplitude"], entry["standard_error"]
 
 
-def ranks(rows, seed=1):
+def ranks(rows):
     r"""Ranks :math:`u = \Phi((a - \hat a)/s)` of true amplitudes in their stated laws; are they uniform?
 
     Parameters
     ----------
     rows : iterable of (effect, a, estimate, s)
-    seed : int
-        Of the simulated band.
 
     Returns
     -------
@@ -98,7 +96,7 @@ def ranks(rows, seed=1):
     if not count:
         return {"number": 0, "histogram": [0] * BINS, "coverage": None, "band": None, "outside": None}
     found = ndtr((told[:, 0] - told[:, 1]) / told[:, 2])
-    drawn = np.random.default_rng(seed).uniform(size=(DRAWS, count))
+    drawn = np.random.default_rng(1).uniform(size=(DRAWS, count))
     band = float(np.quantile(np.abs(_off(drawn)).max(axis=1), LEVEL))
     return {
         "number": count,

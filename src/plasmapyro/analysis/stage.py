@@ -12,7 +12,7 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
 from plasmapyro.conditions import ladder, number
-from plasmapyro.instrument.pyrometer import blackbody_signals, invert_grey, invert_ratio, measured_ratio
+from plasmapyro.instrument.pyrometer import blackbody_signals, calibration_ratio, invert_grey, invert_ratio
 from plasmapyro.radiation.bandsignal import bands_of, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
 
@@ -183,7 +183,7 @@ def _reading(signals, curve):
     """Reading and status of an instrument that takes the surface as grey, from signals (...) of its bands."""
     if "calibration_signal" in curve:
         return invert_grey(signals, curve.calibration_temperature.values, curve.calibration_signal.values)
-    ratio = measured_ratio(float(curve.sensitivity_ratio), 1.0, signals, (0.0, 0.0))
+    ratio = calibration_ratio(float(curve.sensitivity_ratio), signals)
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
 
 
