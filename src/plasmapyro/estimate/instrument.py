@@ -35,16 +35,12 @@ class Instrument:
 
 
 def pyrometer(response, calibration):
-    """The pyrometer, with the absolute sensitivities of its calibration as gains.
+    """The pyrometer as `Instrument`, with the absolute sensitivities of its calibration as gains.
 
     Parameters
     ----------
     response : Dataset, contract 'response'
     calibration : Dataset, contract 'calibration'
-
-    Returns
-    -------
-    Instrument
 
     Notes
     -----
@@ -58,17 +54,13 @@ def pyrometer(response, calibration):
 
 
 def radiometer(calibration, frames):
-    """A radiometer of any bands, with the sensitivities of its calibration and the window before the test.
+    """`Instrument` of any bands, with the sensitivities of its calibration and the window before the test.
 
     Parameters
     ----------
     calibration : Dataset, contract 'radiometer_calibration'
     frames : record.Instrument
         Bands and window of the test.
-
-    Returns
-    -------
-    Instrument
     """
     bands = calibration.sel(band=list(frames.band))
     wavelength, curves = bands.wavelength.values, bands.responsivity.values

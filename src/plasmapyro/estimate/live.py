@@ -119,16 +119,12 @@ class Filter:
         self._flicker_known = False
 
     def step(self, time, signal):
-        """Take one sample.
+        """Take one sample: its `Reading`.
 
         Parameters
         ----------
         time : float [s] from the injection, rising
         signal : (2,) floats [A], NaN where missing or at a limit
-
-        Returns
-        -------
-        Reading
         """
         signal = np.asarray(signal, dtype=float)
         self._learn(time, signal)

@@ -28,17 +28,13 @@ class Jet:
 
 
 def jet_ahead(flow, radius):
-    """State of the jet two radii ahead of the nose.
+    """The `Jet` two radii ahead of the nose.
 
     Parameters
     ----------
     flow : Dataset, contract 'flow'
     radius : float [m]
         Of its probe.
-
-    Returns
-    -------
-    Jet
     """
     state = _on_axis(flow, JET_RADII * positive("radius", radius, "m"))
     return Jet(
@@ -72,7 +68,7 @@ def edge_ahead(flow, radius):
 
 
 def potential_edge(jet, radius):
-    r"""Outer end of the stagnation line of a sphere in a uniform stream without friction.
+    r"""`Edge` of the stagnation line of a sphere in a uniform stream without friction.
 
     .. math:: u = U(1 - R^3/\xi^3), \qquad \frac{\partial v_r}{\partial r} = \frac{3U}{2}\frac{R^3}{\xi^4}
 
@@ -81,10 +77,6 @@ def potential_edge(jet, radius):
     jet : Jet
     radius : float [m]
         Of the sphere; the edge lies 0.6 of it ahead.
-
-    Returns
-    -------
-    Edge
     """
     distance = EDGE_RADII * float(positive("radius", radius, "m"))
     part = (radius / (radius + distance)) ** 3

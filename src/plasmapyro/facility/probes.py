@@ -43,10 +43,6 @@ def heat_flux(jet, calorimeter, chemistry, start=None):
     chemistry : str
         See `stagnation_line.solve`.
     start : StagnationLine, optional
-
-    Returns
-    -------
-    tuple of float [W m-2] and StagnationLine
     """
     radius = calorimeter.radius * EFFECTIVE_RADIUS[calorimeter.shape]
     wall = {name: getattr(calorimeter, name) for name in ("wall_temperature", "recombination")}

@@ -120,7 +120,7 @@ class _Coefficients:
 
 
 def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", start=None):
-    """Solve the stagnation line of a sphere.
+    """The `StagnationLine` of a sphere.
 
     Parameters
     ----------
@@ -135,10 +135,6 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
         'equilibrium' the composition follows the temperature up to the wall.
     start : StagnationLine, optional
         A solution nearby to begin with.
-
-    Returns
-    -------
-    StagnationLine
 
     Raises
     ------

@@ -125,16 +125,7 @@ def _inside(x, known, values):
 
 
 def as_markdown(found):
-    """The verdict as a page.
-
-    Parameters
-    ----------
-    found : Dataset, contract 'facility'
-
-    Returns
-    -------
-    str
-    """
+    """The verdict as a page, of a dataset of contract 'facility'."""
     low, high = found.attrs["admissible_recombination"]
     lines = [
         "# What measured pairs of heat flux and Pitot pressure say of these flows",

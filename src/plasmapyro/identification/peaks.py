@@ -112,7 +112,7 @@ def one_detector(axis, *records):
 
 
 def find(axis, signal, noise=None, slit=None):
-    """Peaks of a spectrum.
+    """`Peaks` of a spectrum.
 
     Parameters
     ----------
@@ -124,10 +124,6 @@ def find(axis, signal, noise=None, slit=None):
         Standard deviation of the signal; from its own scatter by default.
     slit : float [m], optional
         Full width at half maximum of a line; that of the sharpest quarter of the peaks by default.
-
-    Returns
-    -------
-    Peaks
     """
     signal = np.asarray(signal, dtype=float)
     dead = uniform_filter1d((signal == signal.min()).astype(float), DEAD_WINDOW) > 0.3
