@@ -38,13 +38,7 @@ class BeyondRange(ValueError):
 
 
 def make(case, workbench):
-    """Make a case from a `Bench`.
-
-    Raises
-    ------
-    BeyondRange
-        If an effect cannot reach its SNR within its range.
-    """
+    """Make a case from a `Bench`; BeyondRange if an effect cannot reach its SNR within its range."""
     if case.kind == "puzzle":
         return _puzzle(case, workbench)
     base = bench.draw_base(case.seed, LABORATORIES)

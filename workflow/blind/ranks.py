@@ -77,18 +77,10 @@ def amplitudes(out, world=None):
 def ranks(rows):
     r"""Ranks :math:`u = \Phi((a - \hat a)/s)` of true amplitudes in their stated laws; are they uniform?
 
-    Parameters
-    ----------
-    rows : iterable of (effect, a, estimate, s)
+    `rows` of (effect, a, estimate, s). Returns `number`, `histogram` (BINS,), `coverage` of 95 % intervals,
+    `band` half width in standard deviations of an ECDF, `outside` share of its points beyond the band, None
+    without rows.
 
-    Returns
-    -------
-    dict
-        `number`, `histogram` (BINS,), `coverage` of 95 % intervals, `band` half width in standard deviations
-        of an ECDF, `outside` share of its points beyond the band, None without rows.
-
-    Notes
-    -----
     Source: T. Saeilynoja, P.-C. Buerkner & A. Vehtari, Stat. Comput. 32 (2022) 32: simultaneous band.
     """
     told = np.array([(true, mean, sigma) for _, true, mean, sigma in rows]).reshape(-1, 3)

@@ -108,13 +108,7 @@ LIARS = {
 
 
 def lie(scene, name):
-    """The scene with a noise of another kind.
-
-    Raises
-    ------
-    ValueError
-        If the kind is unknown.
-    """
+    """The scene with a noise of another kind; ValueError if the kind is unknown."""
     if name not in LIARS:
         raise ValueError(f"noise must be one of {', '.join(LIARS)}; got {name!r}")
     return LIARS[name](scene)

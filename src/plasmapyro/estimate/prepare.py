@@ -197,10 +197,7 @@ def band_constants(record, source, own, gas, gas_change, band_shift_uncertainty)
 def first_gas(record, samples):
     """Gas signal (C,) to start from: the median of the reference window.
 
-    Raises
-    ------
-    ValueError
-        If the window holds no sample of a band between injection and the end of the plasma.
+    ValueError if it holds no sample of a band between injection and the end of the plasma.
     """
     low, high = record.window
     inside = (samples.time >= low) & (samples.time <= high) & samples.injected & samples.shining

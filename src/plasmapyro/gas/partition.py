@@ -138,7 +138,7 @@ def atomic_levels(species):
 
 
 def diatomic_levels(species):
-    r"""Rovibronic levels of a diatomic species.
+    r"""Rovibronic levels of a diatomic species, one of `DIATOMIC_TABLES`.
 
     .. math:: E = T + A\Lambda\Sigma + G(v) + B_v F - D F^2, \qquad D = 4 B_e^3/\omega_e^2
 
@@ -150,11 +150,6 @@ def diatomic_levels(species):
     centrifugal barrier of a Morse potential of the same depth (they live long enough to take part). ASSUME:
     multiplets split by spin-orbit interaction only, Sigma states not at all; nuclear-spin alternation
     averages out above 100 K, except that the ground state of O2 has odd rotation only.
-
-    Parameters
-    ----------
-    species : str
-        One of `DIATOMIC_TABLES`.
 
     Returns
     -------

@@ -197,14 +197,8 @@ def thin_lines(path, lines):
 
     Source: Kirchhoff's law.
 
-    Parameters
-    ----------
-    path : GasPath
-    lines : LineList
-
-    Returns
-    -------
-    tuple of ndarray : radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2 sr-1]
+    Of a `GasPath` and a `LineList`: radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2
+    sr-1].
     """
     by_line = np.zeros(len(lines))
     by_layer, bound = np.zeros(len(path.thickness)), np.zeros(len(path.thickness))
