@@ -132,10 +132,7 @@ def find(axis, signal, noise=None, slit=None):
     own = noise_of(signal, SMOOTH_GAIN)
     noise = own if noise is None else np.maximum(own, np.sqrt(np.sum(SMOOTH**2)) * noise)
     step = np.gradient(axis)
-    from scipy.signal import (
-        find_peaks,
-        peak_widths,
-    )  # half a second, which reading a table of lines does not cost
+    from scipy.signal import find_peaks, peak_widths  # half a second; reading a table of lines costs none
 
     wide = 2 * WING + 1  # a plateau as wide (a full converter) stands out of nothing in it
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=wide, plateau_size=(None, wide - 2))
