@@ -7,7 +7,7 @@ import numpy as np
 
 def _louder(factor):
     def apply(scene):
-        device, pyrometer = scene.spectrometer, scene.pyrometer
+        pyrometer = scene.pyrometer
         return replace(
             scene,
             pyrometer=replace(
@@ -16,7 +16,6 @@ def _louder(factor):
                 floor_noise=factor * pyrometer.floor_noise,
             ),
             draw=lambda random, shape, axis: random.standard_normal(shape) * (1.0 if axis == -1 else factor),
-            spectrometer=device,
         )
 
     return apply
