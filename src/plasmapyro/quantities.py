@@ -44,10 +44,6 @@ def in_si(keys):
         Of the configuration; numbers, and lists of numbers, are converted, all else stays. A mapping is a
         measurement: its `value` and `uncertainty` have the unit of its key, all else that of its own.
 
-    Returns
-    -------
-    dict
-
     Examples
     --------
     >>> in_si({"numerical_power_kw": 90, "coil_positions_mm": [127, 177], "points": 250})

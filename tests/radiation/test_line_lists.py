@@ -231,7 +231,7 @@ def test_lorentz_widths_add_up_with_their_densities():
     lines = two_lines(
         natural_hwhm=0.1, stark_hwhm=2e-22, stark_exponent=0.5, van_der_waals_hwhm=3e-24, resonance_hwhm=4e-24
     )
-    width = lorentz_hwhm(lines, 2500.0, 1e21, 1e23, 1e22)
+    width = lorentz_hwhm(lines, 2500.0, 1e21, 1e23, 1e22, 2500.0)
     assert width == pytest.approx(0.1 + 0.2 * 0.5 + 0.3 * 0.25**0.3 + 0.04)
 
 

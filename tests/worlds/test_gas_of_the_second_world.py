@@ -144,7 +144,7 @@ def test_fast_rotation_uncouples_the_spin():
 def test_a_band_radiates_the_light_of_its_molecules():
     # Cold gas: rotation hardly moves a line, so a band gives population times A times photon.
     temperature, high, low = 600.0, gas.states("N2")["B3Pg"], gas.states("N2")["A3Su"]
-    power = molecules.strengths("N2 1P", 1.0, 1.0, temperature, np.ones(20))
+    power = molecules.strengths("N2 1P", temperature, np.ones(20))
     lines = molecules.lines("N2 1P")
     band = (lines.upper == 2) & (np.abs(1e7 / lines.wavenumber - 773) < 12)
     origin = high["te"] + gas.vibrational(high, 2) - low["te"] - gas.vibrational(low, 0)
@@ -211,7 +211,7 @@ def test_shares_of_strengths_are_those_of_the_light(world):
     rows = list(world.shares(temperature, 5000.0))
 
     def light(factor):
-        plain = atoms.emission(engine.GRID, "N", 1.0, n["e-"], 1.0, temperature, factor)
+        plain = atoms.emission(engine.GRID, "N", n["e-"], temperature, factor)
         return engine._bins(plain[None])[0]
 
     whole, own = light(np.ones(200)), [share for place, _, share in rows if place == 0]

@@ -17,6 +17,7 @@ MIX = {  # cases of a full set, by kind and SNR; of two effects either would be 
     **{("single", snr): 168 for snr in (8.0, 12.0, 20.0, 35.0, 50.0)},
     ("outside", None): 200,
 }
+BINS = 10  # of stated probabilities
 RESAMPLED = 1000  # draws behind the intervals of medians and means
 
 
@@ -241,15 +242,15 @@ def weights(cases):
     return [MIX[rung(one)] / number[rung(one)] for one in cases]
 
 
-def _places(probability, bins):
-    return np.minimum((probability * bins).astype(int), bins - 1)
+def _places(probability):
+    return np.minimum((probability * BINS).astype(int), BINS - 1)
 
 
-def calibration_error(rows, bins=10):
+def calibration_error(rows):
     """Expected calibration error of rows (stated probability, right or not, weight) (n, 3)."""
     stated, right, weight = rows.T
-    place, excess = _places(stated, bins), weight * (stated - right)
-    return sum(abs(excess[place == one].sum()) for one in range(bins)) / weight.sum()
+    place, excess = _places(stated), weight * (stated - right)
+    return sum(abs(excess[place == one].sum()) for one in range(BINS)) / weight.sum()
 
 
 def stated(done):
@@ -260,11 +261,11 @@ def stated(done):
     ]
 
 
-def reliability(done, bins=10):
+def reliability(done):
     """How often answers of about one stated probability are right: rows (stated, right, number)."""
     rows = np.array(stated(done), dtype=float).reshape(-1, 3)
-    place = _places(rows[:, 0], bins)
-    groups = [rows[place == one] for one in range(bins)]
+    place = _places(rows[:, 0])
+    groups = [rows[place == one] for one in range(BINS)]
     return [
         [*map(float, np.average(group[:, :2], axis=0, weights=group[:, 2])), len(group)]
         for group in groups

@@ -68,13 +68,13 @@ def _share(row):
     return (row[2] + PRIOR) / (row[0] + 2 * PRIOR)
 
 
-def main(arguments=None):
+def main():
     """Write the table and its certificate."""
     top = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     top.add_argument("folders", nargs="+", help="folders with records")
     top.add_argument("--seeds", nargs="+", required=True, help="seeds of the folders, for the certificate")
     top.add_argument("--target", type=Path, default=TARGET, help="path of the table, without suffix")
-    options = top.parse_args(arguments)
+    options = top.parse_args()
     found = pairs([record for folder in options.folders for record in run.finished(folder)])
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -13,12 +13,7 @@ SURE = 3.0  # standard errors of held-out gain
 
 
 def contradictions(report):
-    """Sentences about what status, names, probabilities, words and extension say against each other.
-
-    Parameters
-    ----------
-    report : dict, as in diagnosis.json
-    """
+    """Sentences about what parts of a diagnosis.json, such as status and names, say against each other."""
     verdict, extended = report["verdict"], report["extended"]
     status, named, probability = verdict["status"], verdict["named"], verdict["probability"]
     terms = [term["id"] for term in extended["terms"]] if extended else []

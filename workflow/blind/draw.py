@@ -65,11 +65,7 @@ def draw(seed, counts, ladder=SNR_LADDER, world="first"):
     """Cases of each kind, `counts` a dict kind: number, in one of `WORLDS`.
 
     Single effects go through the catalogue and the ladder in a drawn order, so that any number is spread.
-
-    Raises
-    ------
-    ValueError
-        If the world has no such kind.
+    ValueError if the world has no such kind.
     """
     kinds = KINDS if world == "first" else SECOND_KINDS
     unknown = {kind for kind, count in counts.items() if count} - set(kinds)

@@ -1,7 +1,9 @@
 """A case becomes a test file, and a truth that stays in this process until the diagnosis is done."""
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cache, partial
 
 import numpy as np
 import xarray as xr
@@ -21,11 +23,15 @@ class Made:
     base: bench.Base
     effects: tuple  # of dicts: effect, amplitude, shape, snr
     test: xr.Dataset
-    metric: Metric | None = None  # of the base, if it was needed
+    metric: Callable | None = None  # makes the `Metric` of the base, once
 
     def truth(self):
         """What was hidden, for the record."""
         return {"case": self.case.as_dict(), "base": asdict(self.base), "effects": list(self.effects)}
+
+    def angle(self, one, other):
+        """Degrees between the signatures of two effects."""
+        return self.metric().angle(one, other, {e["effect"]: e for e in self.effects})
 
     def temperature(self, time):
         """True surface temperature (t,) [K]."""
@@ -38,20 +44,12 @@ class BeyondRange(ValueError):
 
 
 def make(case, workbench):
-    """Make a case from a `Bench`.
-
-    Raises
-    ------
-    BeyondRange
-        If an effect cannot reach its SNR within its range.
-    """
+    """Make a case from a `Bench`; BeyondRange if an effect cannot reach its SNR within its range."""
     if case.kind == "puzzle":
         return _puzzle(case, workbench)
     base = bench.draw_base(case.seed, LABORATORIES)
-    effects, metric = (), None
-    if case.effects:
-        metric = Metric(workbench, base)
-        effects = tuple(_sized(metric, *one) for one in case.effects)
+    metric = cache(partial(Metric, workbench, base))
+    effects = tuple(_sized(metric(), *one) for one in case.effects)
     gas, scene = workbench.gas(base), workbench.scene(base)
     test, _ = workbench.record(bench.apply(scene, gas, effects, case.noise), gas, base)
     return Made(case, base, effects, test, metric)
@@ -91,4 +89,4 @@ def _puzzle(case, workbench):
         scene = hidden.hide(scene, effect, amplitude, gas, shape)
     test, _ = workbench.record(scene, gas, base)
     made = {"effect": effect, "amplitude": amplitude, "shape": shape, "snr": None}
-    return Made(case, base, (made,), test)
+    return Made(case, base, (made,), test, cache(partial(Metric, workbench, base)))

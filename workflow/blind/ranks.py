@@ -74,23 +74,13 @@ def amplitudes(out, world=None):
                 yield one["effect"], true, entry["amplitude"], entry["standard_error"]
 
 
-def ranks(rows, seed=1):
+def ranks(rows):
     r"""Ranks :math:`u = \Phi((a - \hat a)/s)` of true amplitudes in their stated laws; are they uniform?
 
-    Parameters
-    ----------
-    rows : iterable of (effect, a, estimate, s)
-    seed : int
-        Of the simulated band.
+    `rows` of (effect, a, estimate, s). Returns `number`, `histogram` (BINS,), `coverage` of 95 % intervals,
+    `band` half width in standard deviations of an ECDF, `outside` share of its points beyond the band, None
+    without rows.
 
-    Returns
-    -------
-    dict
-        `number`, `histogram` (BINS,), `coverage` of 95 % intervals, `band` half width in standard deviations
-        of an ECDF, `outside` share of its points beyond the band, None without rows.
-
-    Notes
-    -----
     Source: T. Saeilynoja, P.-C. Buerkner & A. Vehtari, Stat. Comput. 32 (2022) 32: simultaneous band.
     """
     told = np.array([(true, mean, sigma) for _, true, mean, sigma in rows]).reshape(-1, 3)
@@ -98,7 +88,7 @@ def ranks(rows, seed=1):
     if not count:
         return {"number": 0, "histogram": [0] * BINS, "coverage": None, "band": None, "outside": None}
     found = ndtr((told[:, 0] - told[:, 1]) / told[:, 2])
-    drawn = np.random.default_rng(seed).uniform(size=(DRAWS, count))
+    drawn = np.random.default_rng(1).uniform(size=(DRAWS, count))
     band = float(np.quantile(np.abs(_off(drawn)).max(axis=1), LEVEL))
     return {
         "number": count,

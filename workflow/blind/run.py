@@ -16,7 +16,6 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
-from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -27,7 +26,6 @@ from twin import campaign
 from blind import bench, board, page, second
 from blind.draw import KINDS, LABORATORIES, SECOND_KINDS, SNR_LADDER, WORLDS, draw, number
 from blind.make import BeyondRange, make
-from blind.metric import Metric
 from blind.score import score
 
 TIME_LIMIT = 900.0  # [s] per case
@@ -155,17 +153,8 @@ def run_case(case, workbench, folders, out, results, analyser):
     if not answer["ok"]:
         return record | {"outcome": "failed", "reason": answer["fault"], "trace": answer.get("trace")}
     report = json.loads((folder / "out/diagnosis.json").read_text(encoding="utf-8"))
-
-    @cache
-    def metric():
-        return made.metric or Metric(workbench, made.base)
-
-    def angle(one, other):
-        return metric().angle(one, other, {e["effect"]: e for e in made.effects})
-
     with xr.open_dataset(folder / "out/temperature.nc") as temperature:
-        angle = angle if case.world == "first" else made.angle
-        scored = score(made, report, temperature.load(), angle)
+        scored = score(made, report, temperature.load(), made.angle)
     (folder / "data/test.nc").unlink(missing_ok=True)  # 0.6 MB; made again from the seed
     cost = {name: answer[name] for name in ("wall", "processor")}
     return record | {"outcome": "scored", "score": scored, "cost": cost}

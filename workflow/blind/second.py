@@ -111,13 +111,7 @@ def simulations(workbench):
 
 
 def make(case, workbench):
-    """Make a case of the second laboratory.
-
-    Raises
-    ------
-    BeyondRange
-        If an effect cannot reach its SNR within its range.
-    """
+    """Make a case of the second laboratory; BeyondRange as for one of the first."""
     for attempt in range(ATTEMPTS):  # a laboratory may lack the instrument, or a test the light that shows it
         base = worlds.draw(case.seed + attempt, workbench)
         made = Made(case, base, (), worlds.Stage(workbench, base))

@@ -48,10 +48,30 @@ def prepare(order):
 
 
 def simulate(order):
-    """Spectra of the gas at another pressure."""
-    from blind.simulation import simulate
+    """Spectra at another pressure, with variations, along the temperatures of the main job's sight lines."""
+    from plasmapyro import conditions, io
+    from plasmapyro.diagnosis.gas.other_pressure import simulated_at
 
-    simulate(order["results"], order["folder"], order["pressure"])
+    results, folder = Path(order["results"]), Path(order["folder"])
+    lines, views, spectra = (
+        {path.stem: io.read(path, kind) for path in sorted((results / kind).glob("[!.]*.nc"))}
+        for kind in ("sightline", "surface_view", "radiation")
+    )
+    found, varied = simulated_at(
+        order["pressure"],
+        tuple(views),
+        lines,
+        views,
+        spectra,
+        wavelength=next(iter(spectra.values()))["wavelength"].values,
+        response=io.read(results / "instrument/response.nc", "response"),
+    )
+    for name, made in found.items():
+        # The gas of this laboratory has the temperatures of these flows.
+        del made.attrs[conditions.FLOW_PRESSURE]
+        io.write(made, folder / f"radiation/{name}.nc", "radiation")
+    for name, made in varied.items():
+        io.write(made, folder / f"radiation_variations/{name}.nc", "gas_variations")
     return {}
 
 

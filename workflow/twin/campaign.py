@@ -142,14 +142,14 @@ def _streams(seed, name):
     return np.random.default_rng([seed, parts.index(name)])
 
 
-def calibration_points(response, seed, source=None, pyrometer=None):
+def calibration_points(response, seed, source=None):
     """Signals of both bands before the source: what `plasmapyro` calls 'calibration_points'."""
-    source, pyrometer = source or Source(), pyrometer or Pyrometer()
+    source = source or Source()
     set_point = np.arange(source.lowest, source.highest + source.step / 2, source.step)
     random = _streams(seed, "points")
     hold = random.uniform(-source.hold, source.hold, set_point.size)
     actual = set_point + _source_bias(source, seed) + hold
-    clean = pyrometer.gains[:, None] * band_signals(response, actual)
+    clean = Pyrometer().gains[:, None] * band_signals(response, actual)
     error = random.uniform(-source.reading, source.reading, (2, set_point.size, source.readings))
     wide, narrow = clean * (1 + error.mean(axis=-1))
     return xr.Dataset(

@@ -324,11 +324,11 @@ def heads(centres, where, area, tail, *, red):
     return spectrum
 
 
-def oxygen_band(wavelength, temperature=296.0, fwhm=1e-9):
-    """Relative absorption (B,) of the A band of O2, smoothed; 1 at its maximum."""
+def oxygen_band(wavelength):
+    """Relative absorption (B,) of the A band of O2 at 296 K, smoothed over 1 nm; 1 at its maximum."""
     origin, upper, lower = lines.OXYGEN_BAND
     level = np.arange(1, 40, 2)
-    population = np.exp(-SECOND * lower * level * (level + 1) / temperature)
+    population = np.exp(-SECOND * lower * level * (level + 1) / 296.0)
     place = np.concatenate(
         [
             origin + upper * (level + 1) * (level + 2) - lower * level * (level + 1),
@@ -336,7 +336,7 @@ def oxygen_band(wavelength, temperature=296.0, fwhm=1e-9):
         ]
     )
     strength = np.concatenate([population * (level + 1), population * level])
-    sigma = fwhm / np.sqrt(8 * np.log(2))
+    sigma = 1e-9 / np.sqrt(8 * np.log(2))
     distance = (np.asarray(wavelength) - 1e-2 / place[:, None]) / sigma
     fine = np.linspace(755e-9, 775e-9, 800)
     peak = (

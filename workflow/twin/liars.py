@@ -7,7 +7,7 @@ import numpy as np
 
 def _louder(factor):
     def apply(scene):
-        device, pyrometer = scene.spectrometer, scene.pyrometer
+        pyrometer = scene.pyrometer
         return replace(
             scene,
             pyrometer=replace(
@@ -16,7 +16,6 @@ def _louder(factor):
                 floor_noise=factor * pyrometer.floor_noise,
             ),
             draw=lambda random, shape, axis: random.standard_normal(shape) * (1.0 if axis == -1 else factor),
-            spectrometer=device,
         )
 
     return apply
@@ -108,13 +107,7 @@ LIARS = {
 
 
 def lie(scene, name):
-    """The scene with a noise of another kind.
-
-    Raises
-    ------
-    ValueError
-        If the kind is unknown.
-    """
+    """The scene with a noise of another kind; ValueError if the kind is unknown."""
     if name not in LIARS:
         raise ValueError(f"noise must be one of {', '.join(LIARS)}; got {name!r}")
     return LIARS[name](scene)

@@ -36,9 +36,9 @@ def bin_mean(wavelength, radiance, edges):
     return np.diff(total[place] + step * (radiance[place] + slope * step / 2)) / np.diff(edges)
 
 
-def band(response_wavelength, responsivity, bin_size=0.25e-9):
+def band(response_wavelength, responsivity):
     """Edges (B+1,), centres (B,) and quadrature weights (B,) [m] of a band: responsivity times bin."""
-    edges, centres = bins(response_wavelength[0], response_wavelength[-1], bin_size)
+    edges, centres = bins(response_wavelength[0], response_wavelength[-1], 0.25e-9)
     response = scipy.interpolate.CubicSpline(response_wavelength, responsivity)
     return edges, centres, response(centres) * np.diff(edges)
 

@@ -49,12 +49,8 @@ def at_power(change, own, beside):
     .. math:: \ln L_k(P) = (1 - s) \ln L_k(P_0) + s \ln L_k(P_1), \qquad
               s = \frac{\ln P/P_0}{\ln P_1/P_0}
 
-    for each radiating system k. `own` and `beside` as in `true_gas`.
-
-    Raises
-    ------
-    ValueError
-        A power that does not lie between simulated ones.
+    for each radiating system k. `own` and `beside` as in `true_gas`. ValueError: a power that does not lie
+    between simulated ones.
     """
     shares = [(np.log1p(change) / np.log(_power(one) / _power(own)), one) for one in beside]
     share, other = max(shares, key=lambda pair: pair[0] if pair[0] <= 1 else -1.0)

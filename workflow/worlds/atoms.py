@@ -119,15 +119,15 @@ def spread(grid, lines, strength, gauss, lorentz):
     return total + np.interp(grid, grid[::FAR], wings)
 
 
-def emission(grid, atom, density, electrons, q, temperature, factor, excitation=1.0):
-    """Emission coefficient of an atom [W m-3 sr-1 per cm-1] on a grid of ln(wavenumber).
+def emission(grid, atom, electrons, temperature, factor, excitation=1.0):
+    """Light per atom over the partition sum [W sr-1 per cm-1] on a grid of ln(wavenumber).
 
-    `q` is the partition sum, `factor` one number per multiplet, `excitation` the temperature of the excited
-    levels over that of the gas: their populations follow Boltzmann's law from the ground state.
+    `factor`: one number per multiplet, `excitation`: temperature of the excited levels over that of the gas;
+    their populations follow Boltzmann's law from the ground state.
     """
     found = lines(atom)
     photon = 1.98644586e-23 * found.wavenumber / (4 * np.pi)
-    population = density * found.weight * np.exp(-C2 * found.energy / (excitation * temperature)) / q
+    population = found.weight * np.exp(-C2 * found.energy / (excitation * temperature))
     strength = photon * population * found.probability * factor[found.multiplet.astype(int)]
     lorentz = stark(atom, found.energy, temperature, electrons) + found.decay / (4 * np.pi * 100 * LIGHT)
     return spread(grid, found, strength, doppler(atom, temperature), lorentz)

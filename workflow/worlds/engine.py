@@ -59,11 +59,11 @@ class World:
     def _row(self, index, n, excitation, vibration):
         temperature = NODES[index]
         row = [
-            atoms.emission(GRID, atom, 1.0, n["e-"], 1.0, temperature, self.factors[f"{atom} I"], excitation)
+            atoms.emission(GRID, atom, n["e-"], temperature, self.factors[f"{atom} I"], excitation)
             for atom in "NO"
         ]
         for system, (molecule, *_) in molecules.SYSTEMS.items():
-            power = molecules.strengths(system, 1.0, 1.0, temperature, self.factors[system], vibration)
+            power = molecules.strengths(system, temperature, self.factors[system], vibration)
             row.append(
                 _gaussian(molecules.lines(system).wavenumber, power, atoms.doppler(molecule, temperature))
             )
@@ -102,7 +102,7 @@ class World:
             yield from ((place, SCATTER["multiplet"], part) for part in wings / wings.sum(axis=0))
         for place, system in enumerate(molecules.SYSTEMS, start=2):
             found = molecules.lines(system)
-            power = molecules.strengths(system, 1.0, 1.0, temperature, np.ones(20), 1.0)
+            power = molecules.strengths(system, temperature, np.ones(20))
             bins = np.clip(np.searchsorted(EDGES, 1e-2 / found.wavenumber) - 1, 0, CENTRES.size - 1)
             upper = found.upper.astype(int)
             light = np.bincount(upper * CENTRES.size + bins, power, (upper.max() + 1) * CENTRES.size)

@@ -62,14 +62,10 @@ class Measure:
 
     def output(self, scene):
         """Signals (2, t) and count rates (frames, pixels), merged."""
-        parts = []
-        parts.append(
-            self.record.signals(scene, self.instants) if self.lab.has_pyrometer else np.zeros((2, 0))
-        )
-        parts.append(
-            self._merged(self.record.rates(scene)) if self.lab.has_spectrometer else np.zeros((0, 1))
-        )
-        return parts
+        return [
+            self.record.signals(scene, self.instants) if self.lab.has_pyrometer else np.zeros((2, 0)),
+            self._merged(self.record.rates(scene)) if self.lab.has_spectrometer else np.zeros((0, 1)),
+        ]
 
     def _merged(self, rows, pixels=True):
         frames, wide = self.merge
@@ -172,8 +168,7 @@ class Measure:
             yield [200 * warm[0] * first, 200 * warm[1] * second[:, None]]
         for size, one, two in ((0.05, surface[0], surface[1]), (0.03, signals, 0), (0.03, 0, rates)):
             yield [size * one + 0 * signals, size * two + 0 * rates]
-        for size, sign in ((0.01, [[1.0], [-1.0]]),):
-            yield [size * signals * sign, 0 * rates]
+        yield [0.01 * signals * [[1.0], [-1.0]], 0 * rates]
         pixels = np.linspace(0, 1, rates.shape[1])
         for order in range(1, 9):
             yield [

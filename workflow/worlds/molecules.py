@@ -213,17 +213,15 @@ def _branch(system, high, v, zero, origin, moment, upper, lower):
     )
 
 
-def strengths(system, density, q, temperature, factor, vibration=1.0):
-    """Power of each line [W m-3 sr-1]; `factor` per upper v, `vibration` the vibrational temperature over
-    that of the gas."""
+def strengths(system, temperature, factor, vibration=1.0):
+    """Power of each line per molecule over the partition sum [W sr-1]; `factor` per upper v, `vibration` the
+    vibrational temperature over that of the gas."""
     found = lines(system)
     ground = states(SYSTEMS[system][0])[SYSTEMS[system][1]]["te"]
     boltzmann = ground + (found.vibration - ground) / vibration + found.rotation
     return (
         1.98644586e-23
         / (4 * np.pi)
-        * density
-        / q
         * factor[found.upper.astype(int)]
         * found.wavenumber
         * found.strength

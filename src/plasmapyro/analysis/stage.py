@@ -12,8 +12,8 @@ from plasmapyro.analysis.transient import step_response
 from plasmapyro.analysis.visibility import temperature_at_visibility, visibility_factor
 from plasmapyro.checks import fraction, increasing
 from plasmapyro.conditions import ladder, number
-from plasmapyro.instrument.pyrometer import blackbody_signals, invert_grey, invert_ratio, measured_ratio
-from plasmapyro.radiation.bandsignal import bands_of, responsivities
+from plasmapyro.instrument.pyrometer import blackbody_signals, calibration_ratio, invert_grey, invert_ratio
+from plasmapyro.radiation.bandsignal import bands_of, respond, responsivities
 from plasmapyro.radiation.planck import blackbody_radiance
 
 
@@ -183,7 +183,7 @@ def _reading(signals, curve):
     """Reading and status of an instrument that takes the surface as grey, from signals (...) of its bands."""
     if "calibration_signal" in curve:
         return invert_grey(signals, curve.calibration_temperature.values, curve.calibration_signal.values)
-    ratio = measured_ratio(float(curve.sensitivity_ratio), 1.0, signals, (0.0, 0.0))
+    ratio = calibration_ratio(float(curve.sensitivity_ratio), signals)
     return invert_ratio(ratio, curve.calibration_temperature.values, curve.calibration_ratio.values)
 
 
@@ -229,9 +229,7 @@ def reflection_map(
     incident = spectra.incident_binned.sel(condition=order, reflection="diffuse").values
     middle = spectra.wavelength.values
     size = np.diff(spectra.wavelength_edge.values)
-    curves = [
-        np.interp(middle, response.wavelength, row, left=0.0, right=0.0) for row in responsivities(response)
-    ]
+    curves = [respond(middle, response.wavelength.values, row) for row in responsivities(response)]
     diffuse = np.stack([incident @ (row * size) for row in curves], axis=1)  # (condition, band)
     names = bands_of(response)
     own = gas.gas_signal.sel(band=names).values

@@ -61,11 +61,6 @@ def group_of(name):
     return "window" if name in WINDOWS else "instrument"
 
 
-def scatter_of(name):
-    """Standard deviation of an instrument's number from test to test."""
-    return SCALE_SCATTER if name.startswith("scale_") else SCATTER[name]
-
-
 def slope_of(test, stated):
     """Variance of the ratio of a test that no other shares: between the bands a slope of its emittance,
     which a pyrometer by itself does not see, counts as ratio."""
@@ -158,8 +153,9 @@ def network(tests, reference_power):
                     {f"{name} {before.name}": 1.0, f"fouling {name}": -float(runs)},
                 )
         for name in instrument:
+            scatter = SCALE_SCATTER if name.startswith("scale_") else SCATTER[name]
             own = slope_of(test, stated) if name == "ratio" else 0.0
-            found.add(f"{name} {here}", 0.0, scatter_of(name) ** 2 + own, {name: 1.0})
+            found.add(f"{name} {here}", 0.0, scatter**2 + own, {name: 1.0})
     return found
 
 

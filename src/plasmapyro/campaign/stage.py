@@ -215,8 +215,8 @@ def law_numbers(found):
     mean, sigma = joint.number("efficiency")
     yield f"efficiency at {found.reference_power / 1e3:g} kW", np.exp(mean), sigma * np.exp(mean)
     yield ("exponent of the efficiency in the electric power", *joint.number("exponent"))
-    for place, (what, unit) in enumerate((("scatter of the efficiency", 1), ("scatter of a window", 1))):
-        yield f"{what} (relative)", unit * float(joint.weight @ SCATTERS[:, place]), float("nan")
+    for what, tried in zip(("the efficiency", "a window"), SCATTERS.T, strict=True):
+        yield f"scatter of {what} (relative)", joint.weight @ tried, float("nan")
     for name in joint.index:
         if name.startswith("fouling") and _seen(found, name.split()[1]):
             yield (f"loss of the {name.split('_')[1]}'s window in a run", *joint.number(name))

@@ -7,6 +7,7 @@ import numpy as np
 
 from plasmapyro.claims.claim import claim
 from plasmapyro.conditions import number
+from plasmapyro.radiation.bandsignal import respond
 from plasmapyro.radiation.planck import blackbody_radiance
 
 ATOMS = ("N I", "O I", "N II", "O II")
@@ -54,9 +55,7 @@ def _best_wavelength(designs):
 
 def _open(response, wavelength):
     """Response of the wide band at some wavelengths, zero outside it."""
-    return np.interp(
-        wavelength, response.wavelength.values, response.responsivity_wide.values, left=0.0, right=0.0
-    )
+    return respond(wavelength, response.wavelength.values, response.responsivity_wide.values)
 
 
 def _warm_wall(variations, response):

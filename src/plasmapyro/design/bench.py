@@ -8,6 +8,7 @@ from plasmapyro.analysis.error import error_limit
 from plasmapyro.constants import ELEMENTARY_CHARGE, LIGHT_SPEED, PLANCK
 from plasmapyro.design import budget
 from plasmapyro.design.bands import air_loss, detector_row, efficiency, transmittance
+from plasmapyro.radiation.bandsignal import respond
 from plasmapyro.tables import Table
 
 REFERENCE_TEMPERATURE = 1500.0  # [K], of mean wavelengths and of the sensitivity that is quoted
@@ -59,7 +60,7 @@ class Bench:
         """Currents of one pyrometer given by its normalised responses to power (N, R) at wavelengths
         (R,) [m]."""
         middle = self.wavelength
-        curves = np.array([np.interp(middle, wavelength, row, left=0.0, right=0.0) for row in responsivities])
+        curves = np.array([respond(middle, wavelength, row) for row in responsivities])
         quantum = PEAK_RESPONSIVITY * PLANCK * LIGHT_SPEED / (ELEMENTARY_CHARGE * middle)
         resistance = self.detectors["resistance_area"][detector_row("silicon", self.detectors)]
         return self._currents((curves * quantum)[None], resistance)

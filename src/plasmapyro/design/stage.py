@@ -57,9 +57,9 @@ def gas_spectra(
         )
         for name, flow in flows.items()
     }
-    factors = (1.0, 1 - temperature_change, 1 + temperature_change)
+    factors = (1 - temperature_change, 1 + temperature_change)
     hottest = max(
-        *(float(case.temperature.max()) * factors[2] for case in sightlines.values()),
+        *(float(case.temperature.max()) * factors[1] for case in sightlines.values()),
         *(float(view.ray_temperature.max()) for view in views.values()),
     )
     tables = {}
@@ -81,13 +81,11 @@ def gas_spectra(
             np.append(np.arange(0, case.sizes["path_distance"], thinning), case.sizes["path_distance"] - 1)
         )
         thin = case.isel(path_distance=points)
-        states = [
+        states = [(thin.temperature.values, thin.number_density.values)]
+        states += [
             heated(thin.temperature.values, thin.pressure.values, factor, nitrogen_of(thin))
-            if factor != 1
-            else None
             for factor in factors
         ]
-        states[0] = thin.temperature.values, thin.number_density.values
         own.append([air.radiance(thin.path_distance.values, *state) for state in states])
         incident.append([own[-1][0].sum(axis=0), _diffuse(air, views[name])])
     spectra = xr.Dataset(

@@ -23,6 +23,8 @@ CONTINUUM_BIN = 8e-9  # [m] between the lines
 def bin_mean(wavelength, values, edges):
     r"""Mean of piecewise linear spectra over bins; integrals are kept, lines included.
 
+    ValueError if the bins reach beyond the spectrum.
+
     Parameters
     ----------
     wavelength : (G,) array [m], strictly increasing
@@ -32,11 +34,6 @@ def bin_mean(wavelength, values, edges):
     Returns
     -------
     (..., B) ndarray, unit of `values`
-
-    Raises
-    ------
-    ValueError
-        If the bins reach beyond the spectrum.
     """
     grid, edges = increasing("wavelength", wavelength, "m"), increasing("edges", edges, "m")
     if edges[0] < grid[0] or edges[-1] > grid[-1]:
@@ -56,10 +53,7 @@ def bin_mean(wavelength, values, edges):
 def band_edges(wavelength, responsivity):
     """Edges (B + 1,) [m] of bins over a response: fine where it rises out of nothing, coarse elsewhere.
 
-    Parameters
-    ----------
-    wavelength : (R,) array [m]
-    responsivity : (R,) array [1], of the band that begins first
+    `responsivity` (R,) [1], of the band that begins first, at `wavelength` (R,) [m].
     """
     wavelength = increasing("wavelength", wavelength, "m")
     rise = np.interp(0.5, np.maximum.accumulate(responsivity / np.max(responsivity)), wavelength)
@@ -80,12 +74,7 @@ def _split(low, high, size):
 
 
 def spectrometer_edges(pixels):
-    """Edges (C + 1,) [m] of the bins of a spectrometer: one for each gas line, broad ones between.
-
-    Parameters
-    ----------
-    pixels : (W,) array [m], strictly increasing
-    """
+    """Edges (C + 1,) [m] of bins of rising pixels (W,) [m]: one for each gas line, broad ones between."""
     pixels = increasing("pixels", pixels, "m")
     half = (pixels[1] - pixels[0]) / 2
     low, high = pixels[0] - half, pixels[-1] + half

@@ -121,13 +121,8 @@ class ChainPrior:
         .. math:: \Lambda_k = L_k S_k L_k^T + C_k^T F_k^T \Lambda_{k+1} F_k C_k, \qquad
                   \Sigma_k = P_k - P_k \Lambda_k P_k
 
-        Parameters
-        ----------
-        information : (n, 4, 4) array
-            :math:`L_k L_k^T`, what the data of each sample add.
+        with :math:`L_k L_k^T`, `information` (n, 4, 4): what the data of each sample add.
 
-        Notes
-        -----
         Source: Bierman, Automatica 9, 503 (1973), modified Bryson-Frazier smoother. In covariances, not in
         their inverses: what is nearly fixed from sample to sample has an inverse too large to hold the rest.
         """

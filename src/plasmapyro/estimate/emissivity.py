@@ -81,7 +81,7 @@ class Posterior(NamedTuple):
 
 
 def smooth_prior(wavelength, mean, *, level, shape, length):
-    """Prior of an emissivity that is smooth over wavelength.
+    """`Prior` of an emissivity that is smooth over wavelength.
 
     Parameters
     ----------
@@ -90,10 +90,6 @@ def smooth_prior(wavelength, mean, *, level, shape, length):
     level : float [1]
         Standard deviation of the logarithm of the level as a whole.
     shape, length : see `record.emittance.course`
-
-    Returns
-    -------
-    Prior
     """
     wavelength = np.asarray(wavelength, dtype=float)
     logarithm = np.log(np.broadcast_to(mean, wavelength.shape))

@@ -35,20 +35,10 @@ class Instrument:
 
 
 def pyrometer(response, calibration):
-    """The pyrometer, with the absolute sensitivities of its calibration as gains.
+    """The pyrometer as `Instrument`, with the absolute sensitivities of its calibration as gains.
 
-    Parameters
-    ----------
-    response : Dataset, contract 'response'
-    calibration : Dataset, contract 'calibration'
-
-    Returns
-    -------
-    Instrument
-
-    Notes
-    -----
-    Source: Fagnani et al., eq. 1, with the responsivity as mean over each bin.
+    `response`, `calibration`: Datasets of these contracts. Source: Fagnani et al., eq. 1, with the
+    responsivity as mean over each bin.
     """
     wavelength = response.wavelength.values
     bands = np.stack(responsivities(two_bands(response, "the joint estimate")))
@@ -58,17 +48,9 @@ def pyrometer(response, calibration):
 
 
 def radiometer(calibration, frames):
-    """A radiometer of any bands, with the sensitivities of its calibration and the window before the test.
+    """`Instrument` of any bands, with the sensitivities of its calibration and the window before the test.
 
-    Parameters
-    ----------
-    calibration : Dataset, contract 'radiometer_calibration'
-    frames : record.Instrument
-        Bands and window of the test.
-
-    Returns
-    -------
-    Instrument
+    `calibration`: contract 'radiometer_calibration'; `frames`: `record.Instrument` with bands and window.
     """
     bands = calibration.sel(band=list(frames.band))
     wavelength, curves = bands.wavelength.values, bands.responsivity.values
@@ -98,13 +80,7 @@ class GreyTable:
         self._inverse, self.temperatures = inverse, TABLE_TEMPERATURES
 
     def __call__(self, temperature):
-        r"""Signal, :math:`S'`, :math:`S''` by the temperature, each (t, C).
-
-        Raises
-        ------
-        ValueError
-            If a temperature lies outside the table.
-        """
+        r"""Signal, :math:`S'`, :math:`S''` by the temperature, each (t, C); ValueError outside the table."""
         temperature = np.asarray(temperature, dtype=float)
         low, high = np.array(self.temperatures) * (1 - ROUNDING, 1 + ROUNDING)
         if not np.all((temperature >= low) & (temperature <= high)):

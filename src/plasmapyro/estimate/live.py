@@ -119,16 +119,9 @@ class Filter:
         self._flicker_known = False
 
     def step(self, time, signal):
-        """Take one sample.
+        """`Reading` of one more sample.
 
-        Parameters
-        ----------
-        time : float [s] from the injection, rising
-        signal : (2,) floats [A], NaN where missing or at a limit
-
-        Returns
-        -------
-        Reading
+        `time` [s] from the injection, rising; `signal` (2,) [A], NaN where missing or at a limit.
         """
         signal = np.asarray(signal, dtype=float)
         self._learn(time, signal)

@@ -55,7 +55,7 @@ def leading(record):
 
 
 def samples_of(record, spans, least=None, most=MOST_SAMPLES):
-    """Samples of a test with their noise; those in which the probe moves in or the plasma dies are left out.
+    """`Samples` of a test with their noise, without those while the probe moves in or the plasma dies.
 
     Parameters
     ----------
@@ -65,10 +65,6 @@ def samples_of(record, spans, least=None, most=MOST_SAMPLES):
         Of each band, in which the noise is seen; `LEAST_SAMPLES` of the instrument if None.
     most : int
         A longer record is averaged over groups of neighbours, which never straddle a switch.
-
-    Returns
-    -------
-    Samples
     """
     bands = leading(record)
     time, off = bands.time, record.off
@@ -201,10 +197,7 @@ def band_constants(record, source, own, gas, gas_change, band_shift_uncertainty)
 def first_gas(record, samples):
     """Gas signal (C,) to start from: the median of the reference window.
 
-    Raises
-    ------
-    ValueError
-        If the window holds no sample of a band between injection and the end of the plasma.
+    ValueError if it holds no sample of a band between injection and the end of the plasma.
     """
     low, high = record.window
     inside = (samples.time >= low) & (samples.time <= high) & samples.injected & samples.shining

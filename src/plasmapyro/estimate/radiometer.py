@@ -52,10 +52,7 @@ def course_of(record, instruments, shape, length):
 def facts(frames, calibration):
     """Of the bands: errors of the gains (C,) [1], source (C,) and its error [K], whether the level is free.
 
-    Raises
-    ------
-    ValueError
-        A displayed ratio, which has no level at any time.
+    ValueError: a displayed ratio, which has no level at any time.
     """
     bands = calibration.sel(band=list(frames.band))
     kind = calibration.attrs["calibration"]

@@ -58,7 +58,7 @@ class Spread:
 
 
 def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
-    """Path and constants of the largest posterior density, with dynamics of the largest likelihood.
+    """`Fit` of the largest posterior density, with dynamics of the largest likelihood.
 
     Gauss-Newton steps, halved until the objective falls; between rounds the four numbers that say how
     fast the temperature bends are fitted by the marginal likelihood of the linearised problem.
@@ -74,10 +74,6 @@ def fit(chain, observations, prior_constants, dynamics, path, values, rounds):
     values : (p,) array
     rounds : int
         Alternations of path and dynamics.
-
-    Returns
-    -------
-    Fit
     """
     steps = 0
     for turn in range(rounds):
@@ -112,12 +108,7 @@ def again(chain, observations, prior_constants, found):
 
 
 def spread_of(chain, observations, prior_constants, found):
-    """Covariances of a fit, the problem linearised there.
-
-    Returns
-    -------
-    Spread
-    """
+    """`Spread` of a fit, the problem linearised there."""
     count, size = len(found.path), len(found.values)
     prior = chain.prior(found.dynamics)
     factor, gathered, _ = _normal_equations(prior, observations, prior_constants, found.path, found.values)

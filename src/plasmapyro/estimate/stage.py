@@ -64,7 +64,7 @@ def posterior(
     least_samples=None,
     most_samples=prepare.MOST_SAMPLES,
 ):
-    """All that the bands of a test in absolute units and, if present, its spectra tell of its surface.
+    """`Posterior`: what bands of a test in absolute units and, if present, its spectra tell of its surface.
 
     Parameters
     ----------
@@ -108,10 +108,6 @@ def posterior(
         In which the noise of bands must be seen; None: of a pyrometer 200, of a radiometer 60.
     most_samples : int
         Neighbours of a longer record are averaged.
-
-    Returns
-    -------
-    Posterior
 
     Raises
     ------

@@ -28,18 +28,7 @@ class Jet:
 
 
 def jet_ahead(flow, radius):
-    """State of the jet two radii ahead of the nose.
-
-    Parameters
-    ----------
-    flow : Dataset, contract 'flow'
-    radius : float [m]
-        Of its probe.
-
-    Returns
-    -------
-    Jet
-    """
+    """The `Jet` two radii ahead of the nose of a probe of some radius [m] in a flow (contract 'flow')."""
     state = _on_axis(flow, JET_RADII * positive("radius", radius, "m"))
     return Jet(
         state["temperature"],
@@ -51,12 +40,7 @@ def jet_ahead(flow, radius):
 
 
 def edge_ahead(flow, radius):
-    """Outer end of the stagnation line of the probe in a computed flow, 0.6 radii ahead of the nose.
-
-    Parameters, Returns
-    -------------------
-    As `jet_ahead`; an `Edge`.
-    """
+    """`Edge` of the stagnation line of the probe in a computed flow, 0.6 radii ahead; as `jet_ahead`."""
     distance = EDGE_RADII * positive("radius", radius, "m")
     state = _on_axis(flow, distance)
     beside = OFF_AXIS * radius
@@ -72,19 +56,11 @@ def edge_ahead(flow, radius):
 
 
 def potential_edge(jet, radius):
-    r"""Outer end of the stagnation line of a sphere in a uniform stream without friction.
+    r"""`Edge` of the stagnation line of a sphere in a uniform stream without friction.
 
     .. math:: u = U(1 - R^3/\xi^3), \qquad \frac{\partial v_r}{\partial r} = \frac{3U}{2}\frac{R^3}{\xi^4}
 
-    Parameters
-    ----------
-    jet : Jet
-    radius : float [m]
-        Of the sphere; the edge lies 0.6 of it ahead.
-
-    Returns
-    -------
-    Edge
+    `jet`: a `Jet`; `radius` [m]: of the sphere; the edge lies 0.6 of it ahead.
     """
     distance = EDGE_RADII * float(positive("radius", radius, "m"))
     part = (radius / (radius + distance)) ** 3
@@ -99,11 +75,9 @@ def potential_edge(jet, radius):
 
 
 def own_heat_flux(flow, gas):
-    r"""Heat flux [W m-2] at the stagnation point of the probe of a computed flow, :math:`dS/dn` of its gas.
+    """Heat flux [W m-2] at the stagnation point of the probe of a computed flow, dS/dn of its gas.
 
-    Parameters
-    ----------
-    flow, gas : Datasets, contracts 'flow' and 'gas'
+    `flow`, `gas`: Datasets of these contracts.
     """
     properties = gas_properties(gas, float(flow.chamber_pressure), float(flow.attrs["wall_temperature"]))
     first = _axis_nodes(flow)[:3]

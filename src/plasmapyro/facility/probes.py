@@ -33,20 +33,9 @@ class Calorimeter:
 
 
 def heat_flux(jet, calorimeter, chemistry, start=None):
-    """Heat flux [W m-2] that a calorimeter takes from a jet, and its `StagnationLine`.
+    """Heat flux [W m-2] that a `Calorimeter` takes from a `Jet`, and its `StagnationLine`.
 
-    Parameters
-    ----------
-    jet : Jet
-        With the temperature of the edge of the layer.
-    calorimeter : Calorimeter
-    chemistry : str
-        See `stagnation_line.solve`.
-    start : StagnationLine, optional
-
-    Returns
-    -------
-    tuple of float [W m-2] and StagnationLine
+    The jet has the temperature of the edge of the layer; `chemistry`, `start`: see `stagnation_line.solve`.
     """
     radius = calorimeter.radius * EFFECTIVE_RADIUS[calorimeter.shape]
     wall = {name: getattr(calorimeter, name) for name in ("wall_temperature", "recombination")}
@@ -55,23 +44,12 @@ def heat_flux(jet, calorimeter, chemistry, start=None):
 
 
 def pitot_pressure(jet, radius, *, wall_temperature=350.0, start=None):
-    r"""Reading of a cooled Pitot probe with a hemispherical nose, above the chamber pressure.
+    r"""Reading [Pa] of a cooled Pitot probe with a hemispherical nose in a `Jet`, above the chamber pressure.
 
     .. math:: p = p_j + \tfrac12\rho(U^2 - u_e^2) + \Delta p
 
     with the rise :math:`\Delta p` along its stagnation line, friction and the cold gas on the wall included.
-
-    Parameters
-    ----------
-    jet : Jet
-    radius : float [m]
-    wall_temperature : float [K]
-    start : StagnationLine, optional
-        A solution nearby to begin with.
-
-    Returns
-    -------
-    float [Pa]
+    `radius` [m], `wall_temperature` [K]; `start`: a `StagnationLine` nearby to begin with.
     """
     edge, wall = potential_edge(jet, radius), {"wall_temperature": wall_temperature, "recombination": 1.0}
     line = solve(edge, radius, **wall, chemistry="equilibrium", start=start)

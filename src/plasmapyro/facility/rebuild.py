@@ -27,7 +27,7 @@ def rebuild(
     measured_heat_flux, dynamic_pressure, pressure, calorimeter, *, chemistry, pitot_factor,
     nitrogen=AIR["N2"],
 ):  # fmt: skip
-    r"""Edge state of the jet that gives a measured pair on a calorimeter of assumed catalysis.
+    r"""`Rebuilt` state of the jet that gives a measured pair on a calorimeter of assumed catalysis.
 
     .. math:: q(T_e, U; \gamma) = q_{meas}, \qquad U = \sqrt{2 p_{dyn} / (K\rho_e(T_e))}
 
@@ -46,10 +46,6 @@ def rebuild(
         K: what friction on the Pitot probe multiplies the dynamic pressure with.
     nitrogen : float [1]
         Mole fraction of N2 in the cold gas.
-
-    Returns
-    -------
-    Rebuilt
 
     Raises
     ------

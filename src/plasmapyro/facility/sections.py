@@ -19,15 +19,9 @@ def sections(flow, gas):
     .. math:: \dot M = \int\rho u^2\,dA, \quad F = \int(p - p_0)\,dA, \quad \dot H = \int\rho u h\,dA, \quad
               Q = \int_0^z\!\int q\,dA\,dz
 
-    Parameters
-    ----------
-    flow, gas : Datasets, contracts 'flow' and 'gas'
-
-    Returns
-    -------
-    dict
-        Arrays (80,): `position` [m]; `momentum`, `hot_momentum` (gas above 3000 K) and `pressure_force` [N];
-        `enthalpy` (zero at the wall temperature) and `heating` [W]. And the position of the `exit` [m].
+    `flow`, `gas`: Datasets of these contracts. Returns a dict of arrays (80,): `position` [m]; `momentum`,
+    `hot_momentum` (gas above 3000 K) and `pressure_force` [N]; `enthalpy` (zero at the wall temperature) and
+    `heating` [W]; and the position of the `exit` [m].
     """
     pressure = float(flow.chamber_pressure)
     properties = gas_properties(gas, pressure, float(flow.attrs["wall_temperature"]))

@@ -120,7 +120,7 @@ class _Coefficients:
 
 
 def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", start=None):
-    """Solve the stagnation line of a sphere.
+    """The `StagnationLine` of a sphere.
 
     Parameters
     ----------
@@ -135,10 +135,6 @@ def solve(edge, radius, *, wall_temperature, recombination, chemistry="kossyi", 
         'equilibrium' the composition follows the temperature up to the wall.
     start : StagnationLine, optional
         A solution nearby to begin with.
-
-    Returns
-    -------
-    StagnationLine
 
     Raises
     ------
@@ -390,12 +386,10 @@ class _Problem:
         return bool(np.all((ratio > 0.6) & (ratio < 1.7)))
 
     def damping(self, state, change):
-        """Part of a step that keeps temperatures within their range and fractions above -1e-3."""
+        """Part of a step by which temperatures change by 0.3 of themselves and fractions by 0.3 at most."""
         temperature, move = state[:, TEMPERATURE], change[:, TEMPERATURE]
-        part = 1.0
-        part = min(part, 0.3 / max(np.max(np.abs(move) / temperature), 1e-12))
-        part = min(part, 0.3 / max(np.max(np.abs(change[:, :COUNT])), 1e-12))
-        return part
+        most = max(np.max(np.abs(move) / temperature), np.max(np.abs(change[:, :COUNT])))
+        return min(1.0, 0.3 / max(most, 1e-12))
 
     def solution(self, state):
         density, _ = self._density(state)

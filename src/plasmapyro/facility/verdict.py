@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from plasmapyro.checks import flags
 from plasmapyro.facility.causes import NAMES, TOLD, causes
 from plasmapyro.facility.prediction import MIDDLE, scale
 
 LEAST = 5e-4  # probability below which a cause is not listed
 SUFFICES = 2.0  # standard uncertainties within which a cause explains
+FLAGS = {1: "explains", 0: "too_much_heat", -1: "too_little_heat", 2: "pressure_outside"}
 WORDS = {
     1: "explains: some admissible recombination meets the pair",
     0: "does not explain: too much heat at the measured pressure, whatever admissible recombination",
@@ -66,11 +68,7 @@ def judge(found, admissible):
         momentum_left=((*dims, "bound"), momentum),
         matching_power=(("pair", "pitot_radius"), power),
         matching_temperature=(("pair", "pitot_radius"), kelvin),
-        pair_verdict=(
-            dims,
-            verdict,
-            {"flag_values": np.array(list(WORDS), "int8"), "flag_meanings": _flags()},
-        ),
+        pair_verdict=(dims, verdict, flags(FLAGS)),
     )
 
 
@@ -97,10 +95,6 @@ def named(found, admissible):
     )
 
 
-def _flags():
-    return "explains too_much_heat too_little_heat pressure_outside"
-
-
 def _along(gamma, known, flux):
     """Heat flux (condition,) at one recombination, linear in gamma / (gamma + middle) of the known ones."""
     order = np.argsort(known)
@@ -125,16 +119,7 @@ def _inside(x, known, values):
 
 
 def as_markdown(found):
-    """The verdict as a page.
-
-    Parameters
-    ----------
-    found : Dataset, contract 'facility'
-
-    Returns
-    -------
-    str
-    """
+    """The verdict as a page, of a dataset of contract 'facility'."""
     low, high = found.attrs["admissible_recombination"]
     lines = [
         "# What measured pairs of heat flux and Pitot pressure say of these flows",

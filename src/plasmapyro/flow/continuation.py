@@ -143,7 +143,7 @@ class Result:
 
 
 def march(problem, state, power, schedule, label):
-    """March `state` towards the steady flow at Joule power `power`.
+    """`Result` of marching `state` towards the steady flow at Joule power `power`.
 
     NotConverged: plasma extinguished, Courant number fallen to nothing, or not converged within
     `schedule.steps`.
@@ -156,10 +156,6 @@ def march(problem, state, power, schedule, label):
     schedule : Schedule
     label : str
         Names the run in log records and errors.
-
-    Returns
-    -------
-    Result
     """
     space = problem.space
     courant, coupling, steps, memory = schedule.first_courant, None, [], []

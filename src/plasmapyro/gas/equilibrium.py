@@ -16,7 +16,7 @@ TEMPERATURE_RANGE = (200.0, 20000.0)
 
 
 @cache
-def phase(reference_pressure=REFERENCE_PRESSURE):
+def phase():
     """Ideal-gas phase of the eleven species of air (`cantera.Solution`), thermodynamic data NASA-9.
 
     Deviation: Cantera's `airNASA9.yaml` states no reference pressure and Cantera then takes 1 atm,
@@ -28,7 +28,7 @@ def phase(reference_pressure=REFERENCE_PRESSURE):
     for one in species.values():
         data = one.thermo
         one.thermo = ct.Nasa9PolyMultiTempRegion(
-            data.min_temp, data.max_temp, reference_pressure, data.coeffs
+            data.min_temp, data.max_temp, REFERENCE_PRESSURE, data.coeffs
         )
     return ct.Solution(thermo="ideal-gas", species=[species[name] for name in SPECIES])
 

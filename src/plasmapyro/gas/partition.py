@@ -22,10 +22,9 @@ DIATOMIC_TABLES = {
     "CN": ("gas/diatomic_carbon",),
     "C2": ("gas/diatomic_carbon",),
 }
-VIBRATIONAL_TERMS = ("we", "wexe", "weye", "weze", "weae")
-VIBRATIONAL_SIGNS = (1, -1, 1, 1, 1)
-ROTATIONAL_TERMS = ("be", "alphae", "gammae", "deltae", "epsilone")
-ROTATIONAL_SIGNS = (1, -1, 1, 1, 1)
+# Columns of the tables, with the signs of their terms as printed.
+VIBRATION = {"we": 1, "wexe": -1, "weye": 1, "weze": 1, "weae": 1}
+ROTATION = {"be": 1, "alphae": -1, "gammae": 1, "deltae": 1, "epsilone": 1}
 ODD_ONLY = ("X3Sigma_g-",)  # 16O2 has no nuclear spin: its ground state has odd rotation only
 HIGHEST_VIBRATION = 100
 HIGHEST_ROTATION = 400
@@ -138,7 +137,7 @@ def atomic_levels(species):
 
 
 def diatomic_levels(species):
-    r"""Rovibronic levels of a diatomic species.
+    r"""Rovibronic levels of a diatomic species, one of `DIATOMIC_TABLES`.
 
     .. math:: E = T + A\Lambda\Sigma + G(v) + B_v F - D F^2, \qquad D = 4 B_e^3/\omega_e^2
 
@@ -150,11 +149,6 @@ def diatomic_levels(species):
     centrifugal barrier of a Morse potential of the same depth (they live long enough to take part). ASSUME:
     multiplets split by spin-orbit interaction only, Sigma states not at all; nuclear-spin alternation
     averages out above 100 K, except that the ground state of O2 has odd rotation only.
-
-    Parameters
-    ----------
-    species : str
-        One of `DIATOMIC_TABLES`.
 
     Returns
     -------
@@ -192,20 +186,19 @@ def _states(name, species):
 
 def _vibration(state, v):
     """G(v) [m-1]."""
-    terms = zip(VIBRATIONAL_TERMS, VIBRATIONAL_SIGNS, strict=True)
-    return sum(s * state.get(t, 0.0) * (v + 0.5) ** (k + 1) for k, (t, s) in enumerate(terms))
+    return _series(state, VIBRATION, v, 1)
 
 
-def _rotation(state, v):
-    """B(v) [m-1]."""
-    terms = zip(ROTATIONAL_TERMS, ROTATIONAL_SIGNS, strict=True)
-    return sum(s * state.get(t, 0.0) * (v + 0.5) ** k for k, (t, s) in enumerate(terms))
+def _series(state, signs, v, first):
+    """Sum of the terms of a state in powers of v + 1/2, the lowest of which is `first` [m-1]."""
+    terms = enumerate(signs.items(), start=first)
+    return sum(sign * state.get(name, 0.0) * (v + 0.5) ** power for power, (name, sign) in terms)
 
 
 def _state_levels(state, ground, species):
     """Energies [m-1], weights and rotational parts of the energies [m-1] of one electronic state."""
     v = np.arange(HIGHEST_VIBRATION)
-    vibration, rotation = _vibration(state, v), _rotation(state, v)
+    vibration, rotation = _vibration(state, v), _series(state, ROTATION, v, 0)
     if "origin" in state:
         band = state["origin"] + vibration - vibration[0]
     else:

@@ -111,13 +111,9 @@ def _assemble(off_diagonal, exchange, own):
     """Matrix with the pair terms off and their exchange sums on the diagonal (points, n, n)."""
     matrix = off_diagonal.copy()
     # A pair of a species with itself is not a term of the sums over k != i.
-    _set_diagonal(matrix, own + exchange.sum(axis=2) - _diagonal(exchange))
-    return matrix
-
-
-def _set_diagonal(matrix, values):
     index = np.arange(matrix.shape[1])
-    matrix[:, index, index] = values
+    matrix[:, index, index] = own + exchange.sum(axis=2) - _diagonal(exchange)
+    return matrix
 
 
 def _solve(matrix, right):

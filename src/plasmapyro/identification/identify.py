@@ -76,7 +76,7 @@ class Answer:
 
 
 def identify(axis, signal, noise=None, slit=None, calibrated=False):
-    """Name the species whose lines or bands a spectrum shows.
+    """`Answer` with the species whose lines or bands a spectrum shows.
 
     Parameters
     ----------
@@ -86,10 +86,6 @@ def identify(axis, signal, noise=None, slit=None, calibrated=False):
         See `peaks.find`.
     calibrated : bool
         Whether the signal is proportional to radiance at all wavelengths.
-
-    Returns
-    -------
-    Answer
     """
     axis, signal, *noise = one_detector(axis, signal, *([] if noise is None else [noise]))
     peaks = find(axis, signal, *(noise or [None]), slit)

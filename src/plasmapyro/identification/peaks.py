@@ -112,7 +112,7 @@ def one_detector(axis, *records):
 
 
 def find(axis, signal, noise=None, slit=None):
-    """Peaks of a spectrum.
+    """`Peaks` of a spectrum.
 
     Parameters
     ----------
@@ -124,10 +124,6 @@ def find(axis, signal, noise=None, slit=None):
         Standard deviation of the signal; from its own scatter by default.
     slit : float [m], optional
         Full width at half maximum of a line; that of the sharpest quarter of the peaks by default.
-
-    Returns
-    -------
-    Peaks
     """
     signal = np.asarray(signal, dtype=float)
     dead = uniform_filter1d((signal == signal.min()).astype(float), DEAD_WINDOW) > 0.3
@@ -136,10 +132,7 @@ def find(axis, signal, noise=None, slit=None):
     own = noise_of(signal, SMOOTH_GAIN)
     noise = own if noise is None else np.maximum(own, np.sqrt(np.sum(SMOOTH**2)) * noise)
     step = np.gradient(axis)
-    from scipy.signal import (
-        find_peaks,
-        peak_widths,
-    )  # half a second, which reading a table of lines does not cost
+    from scipy.signal import find_peaks, peak_widths  # half a second; reading a table of lines costs none
 
     wide = 2 * WING + 1  # a plateau as wide (a full converter) stands out of nothing in it
     found, facts = find_peaks(signal, prominence=DETECTED * noise, wlen=wide, plateau_size=(None, wide - 2))

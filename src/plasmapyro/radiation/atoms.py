@@ -202,7 +202,7 @@ def line_uncertainty(accuracy, emission):
 
 
 def atomic_lines(system, infrared=False):
-    """Line list of an atom or atomic ion from 650 to 1250 nm.
+    """`LineList` of an atom or atomic ion from 650 to 1250 nm.
 
     Source: NIST Atomic Spectra Database (lines, decays); widths as in `broadening`. ASSUME: every neutral
     perturber broadens like a nitrogen atom (van der Waals widths of N, O and N2 differ by 20 %); decays that
@@ -216,10 +216,6 @@ def atomic_lines(system, infrared=False):
         In `ATOMS`: 'N I', 'O I', 'N II', 'O II', 'Ar I', 'Si I', 'C I' or 'C II'.
     infrared : bool
         Whether those from 1250 to 2500 nm come along.
-
-    Returns
-    -------
-    LineList
     """
     if system not in ATOMS:
         raise ValueError(f"atomic system must be one of {', '.join(ATOMS)}; got {system!r}")

@@ -108,7 +108,7 @@ class BandSystem:
         return symmetry, (term, wave, bound)
 
     def lines(self, wavenumber_range):
-        """Every line of the system with its quantum numbers, none dropped.
+        """Every line of the system in a range (2,) [m-1, vacuum] with its quantum numbers, none dropped.
 
         Source: constants of R. R. Laher, F. R. Gilmore, J. Phys. Chem. Ref. Data 20 (1991) 685 (nitrogen) and
         K. P. Huber, G. Herzberg, Constants of Diatomic Molecules (1979); moments as `SYSTEMS` says.
@@ -119,11 +119,6 @@ class BandSystem:
         equilibrium: in such a gas the inverse process refills them.
 
         ValueError: range not increasing.
-
-        Parameters
-        ----------
-        wavenumber_range : (2,) [m-1]
-            Lowest and highest, vacuum.
 
         Returns
         -------

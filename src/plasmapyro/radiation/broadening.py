@@ -105,19 +105,16 @@ def resonance_hwhm(wavenumber, decay, degeneracy, ground_degeneracy):
     return 3 * CLASSICAL_RADIUS / (8 * np.pi) * decay * weight / unit_decay / wavenumber / np.sqrt(weight)
 
 
-def lorentz_hwhm(
-    lines, temperature, electron_density, neutral_density, own_density, electron_temperature=None
-):
+def lorentz_hwhm(lines, temperature, electron_density, neutral_density, own_density, electron_temperature):
     """Lorentz half widths [m-1] of a line list in one gas state, summed as `LineList` defines it.
 
     Densities [m-3] of the electrons, of all neutral particles, and of the radiating species;
-    `electron_temperature` [K] for the Stark widths, where it is not that of the heavy particles. Source:
-    Griem (1974): widths of independent Lorentz mechanisms add. ASSUME: Stark widths are the electron-impact
-    ones (isolated lines, linear in the electron density); ion broadening (below 10 % at 1e22 m-3) and line
-    shifts are left out.
+    `electron_temperature` [K] for the Stark widths. Source: Griem (1974): widths of independent Lorentz
+    mechanisms add. ASSUME: Stark widths are the electron-impact ones (isolated lines, linear in the electron
+    density); ion broadening (below 10 % at 1e22 m-3) and line shifts are left out.
     """
     ratio = float(temperature) / WIDTH_REFERENCE_TEMPERATURE
-    hot = ratio if electron_temperature is None else float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
+    hot = float(electron_temperature) / WIDTH_REFERENCE_TEMPERATURE
     natural, stark, neutral, resonance = (
         once(values)
         for values in (lines.natural_hwhm, lines.stark_hwhm, lines.van_der_waals_hwhm, lines.resonance_hwhm)

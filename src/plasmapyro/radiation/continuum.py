@@ -41,7 +41,7 @@ def _gaunt_table():
     table = tables.load("radiation/gaunt_free_free")
     gamma, ratio = np.unique(table["gamma_squared"]), np.unique(table["photon_ratio"])
     values = table["gaunt_factor"].reshape(len(gamma), len(ratio))
-    return _interpolator((np.log(gamma), np.log(ratio)), values), (ratio[0], ratio[-1])
+    return _interpolator((np.log(gamma), np.log(ratio)), values)
 
 
 def gaunt_factor(wavenumber, temperature):
@@ -50,10 +50,9 @@ def gaunt_factor(wavenumber, temperature):
     160-39000 K; h nu / k T within 0.1-1000, ValueError outside; interpolated in the logarithms of both.
     Source: de Avillez and Breitschwerdt, Astron. Astrophys. 580 (2015) A124.
     """
-    interpolate, _ = _gaunt_table()
     ratio = _photon_ratio(wavenumber, temperature)
     gamma = np.full_like(ratio, IONISATION_TEMPERATURE / temperature)
-    return interpolate(np.column_stack([np.log(gamma), np.log(ratio)]))
+    return _gaunt_table()(np.column_stack([np.log(gamma), np.log(ratio)]))
 
 
 def electron_ion_absorption(wavenumber, temperature, electron_density, ion_density):
@@ -157,7 +156,7 @@ class BoundFree:
 @cache
 def _observed_terms(species):
     """Mean energy [m-1] of the terms in the line table of an atom: (core, orbital, term) -> energy."""
-    atom = next(a for a in ATOMS.values() if a.species == species)
+    atom = ATOMS[f"{species} I"]
     table = tables.load(f"radiation/lines_{atom.table}")
     levels = {}
     for side in ("upper", "lower"):
@@ -190,7 +189,7 @@ def bound_free(species, wavenumber):
     BoundFree
         Cross-sections (levels, W) [m2], 0 below the first tabulated photon.
     """
-    atom = next(a for a in ATOMS.values() if a.species == species)
+    atom = ATOMS[f"{species} I"]
     table = tables.load(f"radiation/photoionisation_{TABLES[species]}")
     lowest, highest = 0.0364 * RYDBERG, 0.1465 * RYDBERG
     if wavenumber[0] < lowest or wavenumber[-1] > highest:

@@ -67,7 +67,7 @@ class Levels:
 
 
 def rotational_levels(state, quantum_number, term, bound):
-    r"""Levels of one electronic state from its rotationless-spin terms, exact in :math:`N^2`.
+    r"""`Levels` of one electronic state from its rotationless-spin terms, exact in :math:`N^2`.
 
     .. math::
 
@@ -94,10 +94,6 @@ def rotational_levels(state, quantum_number, term, bound):
         :math:`E_v(N)` for N = 0, 1, ... up to max(J) + S at least.
     bound : (v, N) bool
         Whether that level is bound.
-
-    Returns
-    -------
-    Levels
     """
     momentum = np.asarray(quantum_number, dtype=float)
     sigma, spin = state.projection, state.spin

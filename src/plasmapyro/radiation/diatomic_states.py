@@ -4,6 +4,7 @@ import numpy as np
 
 from plasmapyro import tables
 from plasmapyro.constants import BOLTZMANN, STANDARD_ATMOSPHERE
+from plasmapyro.gas.partition import ROTATION, VIBRATION
 from plasmapyro.radiation.diatomic_curves import potential_curve, vibrational_states
 from plasmapyro.radiation.diatomic_lines import EINSTEIN_FACTOR, STEPS, orbital_doubling, transition_lines
 from plasmapyro.radiation.diatomic_rotation import rotational_levels
@@ -21,9 +22,6 @@ COLLISION_HWHM = _REFERENCE_HWHM * (WIDTH_REFERENCE_TEMPERATURE / 296.0) ** VAN_
 
 ROUNDING = 1e-6  # [m-1]; the eigenvalue of a level at zero may come out this far below
 
-_VIBRATION = {"we": 1, "wexe": -1, "weye": 1, "weze": 1, "weae": 1}  # signs as printed
-_ROTATION = {"be": 1, "alphae": -1, "gammae": 1, "deltae": 1, "epsilone": 1}
-
 
 def state_constants(table_name, species, state):
     """Spectroscopic constants of an electronic state, such as 'B3Pi_g' of 'N2' in 'gas/diatomic_nitrogen'.
@@ -40,10 +38,10 @@ def state_constants(table_name, species, state):
         return np.array([sign * table[name][row] for name, sign in signs.items() if name in table.columns])
 
     values = {name: column[row] for name, column in table.columns.items()}
-    values["vibration"] = coefficients(_VIBRATION, row)
-    values["rotation"] = coefficients(_ROTATION, row)
+    values["vibration"] = coefficients(VIBRATION, row)
+    values["rotation"] = coefficients(ROTATION, row)
     if "origin" not in values:
-        zero_point = [ladder(coefficients(_VIBRATION, which))(0.5) for which in (row, rows[0])]
+        zero_point = [ladder(coefficients(VIBRATION, which))(0.5) for which in (row, rows[0])]
         values["origin"] = values["minimum"] + zero_point[0] - zero_point[1]
     return values
 

@@ -10,6 +10,7 @@ from plasmapyro.gas.species import argon_of, nitrogen_of
 from plasmapyro.radiation.bandsignal import BANDS, band_signal, respond, responsivities
 from plasmapyro.radiation.path import CONTINUA
 from plasmapyro.radiation.slit import through_slit
+from plasmapyro.radiation.transfer import escape_fraction
 
 OXYGEN = (776.5e-9, 778.8e-9)  # [m] around the triplet of O I, the yardstick of line strengths
 RIPPLE = np.cos(np.pi * (np.arange(4) + 0.5) / 4)  # sines of equal weight: exact for powers up to 7
@@ -96,10 +97,7 @@ def more_absorbed(radiation, band_response, depth):
 def self_absorbed(radiance, optical_depth, factor):
     r"""Spectrum (..., G) of a gas `factor` times as opaque: :math:`L (1 - e^{-x})/x`, :math:`x = f\tau`."""
     depth = factor * optical_depth
-    escaped = np.ones_like(depth)
-    thick = depth > 0
-    escaped[thick] = -np.expm1(-depth[thick]) / depth[thick]
-    return radiance * escaped
+    return radiance * escape_fraction(np.where(depth > 0, depth, 0.0))
 
 
 def _with_light(radiation, band_response, name, light):

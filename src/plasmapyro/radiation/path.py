@@ -127,7 +127,7 @@ class _Partition(dict):
 
 
 def gas_path(path_distance, temperature, number_density, *, excitation_temperature=None, departures=None):
-    """Layers of uniform gas from a sampled sight line.
+    """`GasPath` of layers of uniform gas from a sampled sight line.
 
     ASSUME: without the options, levels are populated at the gas temperature (local thermal equilibrium)
     whatever the densities.
@@ -148,10 +148,6 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
         translation and rotation.
     departures : mapping component -> Departure, optional
         Factors on populations.
-
-    Returns
-    -------
-    GasPath
     """
     thickness = layer_thickness(path_distance)
     temperature = within("temperature", temperature, *TEMPERATURE_RANGE, "K")
@@ -201,14 +197,8 @@ def thin_lines(path, lines):
 
     Source: Kirchhoff's law.
 
-    Parameters
-    ----------
-    path : GasPath
-    lines : LineList
-
-    Returns
-    -------
-    tuple of ndarray : radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2 sr-1]
+    Of a `GasPath` and a `LineList`: radiance by line (L,), emission by layer (S,), bound by layer (S,) [W m-2
+    sr-1].
     """
     by_line = np.zeros(len(lines))
     by_layer, bound = np.zeros(len(path.thickness)), np.zeros(len(path.thickness))

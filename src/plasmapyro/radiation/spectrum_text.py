@@ -24,10 +24,6 @@ def compose_spectrum(wavelength, radiance):
     wavelength : (G,) [m]
         In vacuum, increasing.
     radiance : (G,) [W m-2 sr-1 m-1]
-
-    Returns
-    -------
-    str
     """
     wavelength = increasing("wavelength", wavelength, "m")
     angstrom, watts = wavelength / ANGSTROM, np.asarray(radiance) / PER_MICROMETRE

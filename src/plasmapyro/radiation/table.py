@@ -95,7 +95,7 @@ def table_nodes(lowest, highest, count=NODES):
 
 
 def emission_table(line_lists, grid, temperature, number_density, *, continua=CONTINUA):
-    r"""Tabulate all systems at the temperatures of a gas in equilibrium.
+    r"""`EmissionTable` of all systems at the temperatures of a gas in equilibrium.
 
     .. math:: \ln\left(\frac{j_\lambda}{n_s w} + \delta\right)(T_k), \qquad \ln w(T_k), \qquad
               \ln(\kappa_c / n_a n_b)(T_k)
@@ -120,10 +120,6 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
         Composition at the nodes; only line widths depend on it.
     continua : names among `CONTINUA`
         Those to be counted.
-
-    Returns
-    -------
-    EmissionTable
     """
     if unknown := set(continua) - set(CONTINUA):
         raise ValueError(f"continua must be among {', '.join(CONTINUA)}; got {', '.join(sorted(unknown))}")

@@ -102,14 +102,14 @@ def freedom(inputs, place):
     return float(total / parts) if parts > 0 else np.inf
 
 
-def moments(temperature, count=PLACES):
+def moments(temperature):
     """Places of a series (t,) [K] at which a budget is told: first, hottest, last, and one while it heats."""
     good = np.flatnonzero(np.isfinite(temperature))
     if not good.size:
         return []
     hottest = good[np.argmax(temperature[good])]
     heating = good[good <= hottest]
-    steps = np.linspace(temperature[good[0]], temperature[hottest], count - 1)
+    steps = np.linspace(temperature[good[0]], temperature[hottest], PLACES - 1)
     chosen = [good[0], hottest, good[-1]]
     chosen += [heating[np.argmin(np.abs(temperature[heating] - kelvin))] for kelvin in steps[1:-1]]
     return sorted({int(place) for place in chosen})

@@ -213,17 +213,9 @@ def _of_spot(spread, kelvin):
 
     .. math:: u = \frac{s^2}{2}\left(\frac{c_2}{\lambda} - 2T\right)
 
-    is by how much the level of its light reads more than the mean temperature; the ratio of two bands reads
-    twice as much more, which lies within 95 %.
-
-    Parameters
-    ----------
-    spread : float [1], s, standard deviation over the spot, of the temperature
-    kelvin : (t,) array [K]
-
-    Notes
-    -----
-    Second order of Wien's law in s; :math:`\lambda` is `level.EFFECTIVE`.
+    is by how much the level of its light reads more than the mean temperature (t,) [K]; the ratio of two
+    bands reads twice as much more, which lies within 95 %. s, `spread` [1]: relative standard deviation of
+    the temperature over the spot; :math:`\lambda`: `level.EFFECTIVE`; second order of Wien's law in s.
     """
     if not spread:
         return []

@@ -1,4 +1,4 @@
-"""Line-of-sight text of NEQAIR: the blocks read up to version 14 and the columns of version 15."""
+"""Line-of-sight text of NEQAIR: blocks of version 14 and earlier are read, columns of 15 read and written."""
 
 import re
 from collections import deque
@@ -12,32 +12,15 @@ from plasmapyro.foreign import quote
 from plasmapyro.gas.species import SPECIES, TRACES
 
 KNOWN = (*SPECIES, *TRACES)
-VERSIONS = (14, 15)
 CENTIMETRE, PER_CUBIC_CENTIMETRE = 1e-2, 1e6  # [m], [m-3]
 ELECTRON_NAMES = {"E", "E-", "e", "e-"}
 HEAVY, EXCITED = ("T", "TT", "TR"), ("TV", "TE")  # titles: translation and rotation; vibration and electrons
 BLOCK_TEMPERATURES = ("T", "TR", "TV", "TE")
-PER_LINE = 4  # species symbols, and densities, of a line of the block layout
 TOTAL_RTOL = 0.01  # between the total density of a line and the sum of its species
 SAME_TEMPERATURE = 0.11  # [K]; the block layout rounds to 0.1 K
 SMALLEST = 1e-99  # [cm-3]; Fortran prints exponents of two digits
 DIGITS = r"\d{1,40}\.?\d{0,40}|\.\d{1,40}"  # bounded, or a long word would take hours
 NUMBER = re.compile(rf"([-+]?(?:{DIGITS}))(?:[ED]?([-+]\d{{1,3}})|[ED](\d{{1,3}}))?", re.ASCII)
-
-BLOCK_HEADER = """\
-        aaaaaaaa       aaaaaaaa       aaaaaaaa       aaaaaaaa    (2x,(7x,a8))
-{symbols}
-
--------------------------------------------------------------------------------
-  no.   x,cm   total partcc       t        tr        tv        te  (i5,f8.3,
-iiii rrrrrrr rrrrrrrrrrrrrr rrrrrrrrr rrrrrrrrr rrrrrrrrr rrrrrrrrre15.6,4f10.1
-      rrrrrrrrrrrrrr rrrrrrrrrrrrrr rrrrrrrrrrrrrr rrrrrrrrrrrrr   (6x,4e15.6)
-      Include these 9 lines (from --- to --- lines) for first grid point only!!
-      End each grid point entry with a blank line.
-      End data file with a line of zeros as shown on the next line.
-   0     0.0            0.0       0.0       0.0       0.0       0.0
--------------------------------------------------------------------------------
-"""
 
 
 @dataclass(frozen=True)
@@ -91,20 +74,16 @@ def parse(text):
     return _sightline(species, points)
 
 
-def compose(sightline, version=15):
-    r"""Text of a NEQAIR line-of-sight file from a sight line.
+def compose(sightline):
+    r"""Text of a NEQAIR 15 line-of-sight file from a sight line.
 
     Source: as `parse`.
-
-    ValueError: unknown version.
 
     Parameters
     ----------
     sightline : Dataset, contract 'sightline'
         Path from the far end of the light's way to the observer, as NEQAIR integrates. Rotational,
         vibrational and electron temperatures are written where it has them.
-    version : 14 or 15
-        Blocks for version 14 and earlier (8 digits, temperatures to 0.1 K) or columns (9 digits).
 
     Returns
     -------
@@ -112,54 +91,28 @@ def compose(sightline, version=15):
         One grid point more than the path has points: grid points lie half the way between path points, where
         layers meet. Densities below 1e-99 cm-3 become 0.
     """
-    if version not in VERSIONS:
-        raise ValueError(f"version must be 14 or 15; got {version}")
     distance = (sightline["path_distance"].values - float(sightline["path_distance"][0])) / CENTIMETRE
     position = np.concatenate([[0.0], (distance[1:] + distance[:-1]) / 2, distance[-1:]])
     heavy = sightline["temperature"].values
     excited = sightline.get("excitation_temperature", sightline["temperature"]).values
-    names = [str(name) for name in sightline["species"].values]
     density = sightline["number_density"].values.T / PER_CUBIC_CENTIMETRE
     density = np.where(density < SMALLEST, 0.0, density)
     others = [
         sightline.get(f"{name}_temperature", xr.DataArray(usual, dims="path_distance")).values
         for name, usual in (("rotational", heavy), ("vibrational", excited), ("electron", excited))
     ]
-    temperatures = np.column_stack([heavy, *others])
-    layer = np.concatenate([[0], np.arange(len(heavy))])
-    rows = zip(position, density[layer].sum(axis=1), temperatures[layer], density[layer], strict=True)
-    symbols = ["E-" if name == "e-" else name for name in names]
-    return (_compose_blocks if version == 14 else _compose_columns)(symbols, rows)
-
-
-def _compose_columns(symbols, rows):
-    titles = ["n", "x", "ntot", "Tt", "Tr", "Tv", "Te", *symbols]
+    layers = np.column_stack([density.sum(axis=1), heavy, *others, density])
+    names = [str(name) for name in sightline["species"].values]
+    titles = ["x", "ntot", "Tt", "Tr", "Tv", "Te", *("E-" if name == "e-" else name for name in names)]
     lines = [
         "#15.0",
         "# Line of sight in the column layout of NEQAIR 15; x [cm], densities [cm-3], temperatures [K]",
-        f"{titles[0]:>4}" + "".join(f"{title:>16}" for title in titles[1:]),
+        "   n" + "".join(f"{title:>16}" for title in titles),
     ]
-    for number, (position, total, temperatures, density) in enumerate(rows, start=1):
-        values = [position, total, *temperatures, *density]
+    # The first grid point only sets the origin.
+    for number, values in enumerate(np.column_stack([position, layers[[0, *range(len(heavy))]]]), start=1):
         lines.append(f"{number:4d}" + "".join(f" {value:15.8E}" for value in values))
     return "\n".join(lines) + "\n"
-
-
-def _compose_blocks(symbols, rows):
-    listed = [
-        "        " + "".join(f"{symbol:<15}" for symbol in symbols[first : first + PER_LINE]).rstrip()
-        for first in range(0, len(symbols), PER_LINE)
-    ]
-    listed[0] = f"{listed[0]:<61}:Species Symbols."
-    text = ["*" * 79 + "\n" + BLOCK_HEADER.format(symbols="\n".join(listed))]
-    for number, (position, total, temperatures, density) in enumerate(rows, start=1):
-        text.append(f"{number:5d}{position:15.7E}{total:15.7E}")
-        text.append("".join(f"{temperature:10.1f}" for temperature in temperatures) + "\n")
-        for first in range(0, len(density), PER_LINE):
-            text.append("     " + "".join(f"{n:15.7E}" for n in density[first : first + PER_LINE]) + "\n")
-        text.append("\n")
-    text.append("    0  0.0  0.0  0.0  0.0  0.0  0.0\n")
-    return "".join(text)
 
 
 def _number(word, line):
