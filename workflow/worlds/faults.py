@@ -196,8 +196,8 @@ formulas(
 def _grad(s, a, p, c):
     x = C2 * 0.01 / (SMOOTH * _column(s.kelvin))
     spread = (x**2 - 2 * x) * (a / _column(s.kelvin)) ** 2 / 2
-    more = spread * s.emittance * planck(SMOOTH, _column(s.kelvin)) * _column(s.seen)  # of nothing but its own
-    return _added(_added(s, more, "p"), more * (10 / 14) ** 2, "s")
+    own = s.emittance * planck(SMOOTH, _column(s.kelvin)) * _column(s.seen)  # not what grains add
+    return _added(_added(s, spread * own, "p"), spread * own * (10 / 14) ** 2, "s")
 
 
 def _edge(instrument):
