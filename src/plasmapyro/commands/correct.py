@@ -14,7 +14,7 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
-from plasmapyro.quality.catalogue import agreed, merged, of_test
+from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
 from plasmapyro.quality.window import dark_in_window, frames_in_window, surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
@@ -71,12 +71,12 @@ def _corrected(options):
         given = read_terms(options.given)
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
-    test = reading.test
     if options.reference_window:
-        test.attrs["reference_window"] = list(options.reference_window)
-    found = faults(test)
+        reading.test.attrs["reference_window"] = list(options.reference_window)
+    found = faults(reading.test)
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
+    test = own_test(reading)
     if given:
         warn_of_absent(given, instruments(test))
     calibrations = _calibrations(test, folder)

@@ -78,7 +78,14 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
         estimate=next(iter(estimates), None),
         **calibrations,
     )
-    return look(case, rules)
+    others = clocks.of_other_tests(case)
+    return look(case.without(others) if others else case, rules)
+
+
+def own_test(reading):
+    """The test of a `readers.stage.Reading` without other tests that stand in the same log."""
+    case = Case(Path(), reading.test, reading.files.get("spectrometer", {}))
+    return case.without(clocks.of_other_tests(case)).test
 
 
 def merged(parts):
