@@ -14,6 +14,7 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
+from plasmapyro.quality.beside import widen, with_level
 from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
 from plasmapyro.quality.window import dark_in_window, frames_in_window, surface_in_window
@@ -112,8 +113,10 @@ def _corrected(options):
     said = of_test(options.test, reading, parts, response=_response(folder), **calibrations)
     for finding in said:
         progress.warn(finding.words)
-    parts = agreed(parts, test, _response(folder))
+    parts = agreed(parts, test, _response(folder), calibrations.get(PYROMETER))
     result = with_recommended(parts, [finding.entry for finding in said], missing)
+    if result.attrs["recommended"] == "none":
+        result = with_level(result, test.attrs, calibrations.get(PYROMETER), _response(folder))
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
@@ -154,16 +157,6 @@ def with_recommended(parts, entries, missing):
     series = of_correction(parts, entries, missing)
     parts = [part.drop_dims("input_quantity", errors="ignore") for part in parts]
     return merged([*parts, series])
-
-
-def widen(result, name, change):
-    """Add a change (t,) [K] of a temperature to its uncertainty and interval, as one more standard error."""
-    known = result[f"{name}_uncertainty"]
-    wider = np.hypot(known, change.fillna(0.0).values)
-    if f"{name}_interval" in result:
-        middle, ends = result[name], result[f"{name}_interval"]
-        result[f"{name}_interval"] = (middle * (ends / middle) ** (wider / known)).transpose(*ends.dims)
-    result[f"{name}_uncertainty"] = wider
 
 
 def trial(test, folder):
