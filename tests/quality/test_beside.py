@@ -106,3 +106,15 @@ def test_fits_to_spectra_alone_hold_temperature_and_emissivity_together(lab):
     result = corrected(lab, test)
     assert result.attrs["recommended"] == "emissivity"
     assert all(row.size > 0 and row.max() < 2 for row in pulls(result).values())
+
+
+def test_spectra_whose_times_are_not_theirs_have_no_value_beside_no_recommendation(lab):
+    """Files lost from a series ordered by name: fits were valid 24 stated uncertainties off."""
+    place = laboratory.test_folder(lab / "lost")
+    for number in (3, 4, 5):
+        (place / "spectrometer" / f"spectrum_{number:03d}.txt").unlink()
+    words = ["--instrument", str(lab / "lab"), "--out", str(lab / "lost.nc"), "--no-html", "--draws", "50"]
+    assert cli.main(["correct", str(place), *words]) == 0
+    result = io.read(lab / "lost.nc", "correction")
+    assert "[missing_frame]" in result.attrs["findings"] and result.attrs["recommended"] == "none"
+    assert not (result.spectrum_status.values == status.VALID).any()

@@ -14,7 +14,7 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
-from plasmapyro.quality.beside import widen, with_level
+from plasmapyro.quality.beside import blanked, widen, with_level
 from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
 from plasmapyro.quality.window import dark_in_window, frames_in_window, surface_in_window
@@ -117,6 +117,11 @@ def _corrected(options):
     result = with_recommended(parts, [finding.entry for finding in said], missing)
     if result.attrs["recommended"] == "none":
         result = with_level(result, test.attrs, calibrations.get(PYROMETER), _response(folder))
+        if "scaled_temperature" in result and {"missing_frame", "dates_against_order"} & {
+            finding.rule.name for finding in said
+        }:  # of another moment than they say
+            known = np.isfinite(result.scaled_temperature.values)
+            result = blanked(result, "scaled_temperature", "spectrum_status", known)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
