@@ -44,6 +44,7 @@ def test_a_ratio_may_be_four_per_cent_off_and_not_more():
             {
                 "model_residual": ("calibration_point", [0.0, off, 0.01]),
                 "source_temperature": ("calibration_point", [1000.0, 1200.0, 1400.0]),
+                "sensitivity_ratio": 0.3,
             }
         )
         found = said(calibration=calibration)
@@ -51,6 +52,25 @@ def test_a_ratio_may_be_four_per_cent_off_and_not_more():
         assert all(
             "at 1200 K the ratio of the calibration points is -4.1% off" in words for words in found.values()
         )
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ("S2 [nA]", "the narrow band is 1e+03 times as sensitive"),
+        ("S1 [nA]", "the wide band is 1e+03 times"),
+    ],
+)
+def test_one_band_in_another_unit_is_refused_by_name(tmp_path, capsys, column, words):
+    """Nothing but the ratio tells it: by itself each band is as Planck's law wants it."""
+    folder = laboratory.calibration_folder(tmp_path / "calibration")
+    table = folder / "points.csv"
+    table.write_text(table.read_text().replace(column, column.replace("nA", "uA")))
+    command = ["calibrate", str(folder), "--out", str(tmp_path / "lab")]
+    assert cli.main(command) == 2
+    said = capsys.readouterr().err
+    assert words in said and "[bands_unlike]" in said and "see whether both signals are in the unit" in said
+    assert cli.main([*command, "--accept", "bands_unlike"]) == 0
 
 
 def exposures(second=1.0, net=1000.0):

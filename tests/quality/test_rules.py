@@ -252,6 +252,15 @@ def test_without_a_plasma_the_dark_holds_no_light_of_it(sound):
         assert ("dark_reference" in words) is (wrong != 1.0)
 
 
+@pytest.mark.parametrize("dead", [0.0, 9000.0], ids=["dead", "hot"])
+def test_a_dark_that_holds_the_light_is_seen_beside_pixels_that_see_none(sound, dead):
+    counts = sound.counts.values.copy()
+    dark = counts[0].copy()
+    counts[:, [40, 90]] = dead  # not so in the dark
+    case = sound.assign(counts=(sound.counts.dims, counts), background_counts=("wavelength", dark))
+    assert "dark_like_light" in said(case)
+
+
 def test_dates_may_differ_by_their_rounding(sound):
     rounded = [START + timedelta(seconds=2 * i + i % 3) for i in range(30)]
     assert said(sound, files(dates=rounded)) == {}

@@ -1,5 +1,7 @@
 """Limits at which readers take a sample for lost, and switches of what is done to it."""
 
+from datetime import datetime, timedelta
+
 import numpy as np
 import pytest
 import samples
@@ -126,3 +128,49 @@ def test_a_spectrum_that_is_a_link_to_itself_is_refused(tmp_path, parts):
     (place / "spectrometer" / "frame_0009.txt").symlink_to("frame_0009.txt")
     found = "\n".join(check_test(place))
     assert "frame_0009.txt" in found
+
+
+NAMED = {
+    "seconds": ("{time:g}s.txt", "name: '*s.txt'", (0.5, 2.25, 10.5)),
+    "counter and comma": ("{place}_t{time:.2f}.txt", "name: '#_t*.txt'", (-1.5, 0.25, 2.0)),
+    "milliseconds": ("s{ms:.0f}.txt", "name: 's*.txt', unit: ms, zero: '500'", (0.0, 1.25, 9.5)),
+    "a date": (
+        "spec_{date:%Y%m%d-%H%M%S.%f}.txt",
+        "name: 'spec_*.txt', format: '%Y%m%d-%H%M%S', zero: '20260502-095959.5'",
+        (0.5, 1.75, 61.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("habit", NAMED)
+@pytest.mark.parametrize(("marks", "shift"), [("begin", 0.6), ("end", -0.6)])
+def test_times_stand_in_the_names_of_files(tmp_path, habit, marks, shift):
+    name, stated, times = NAMED[habit]
+    words = f"{{from: name, {stated}, marks: {marks}}}"
+    place = folder(tmp_path, WITHOUT_PYROMETER.replace("{from: order, first: 0.5, period: 1.0}", words))
+    for number, (path, time) in enumerate(
+        zip(sorted((place / "spectrometer").iterdir()), times, strict=True)
+    ):
+        date = datetime(2026, 5, 2, 9, 59, 59, 500_000) + timedelta(seconds=time)
+        new = name.format(time=time, ms=1000 * time + 500, date=date, place=9 - number)
+        path.rename(path.with_name(new.replace(".", ",", 1) if "comma" in habit else new))
+    np.testing.assert_allclose(read_test(place).spectrum_time, np.array(times) + shift, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ("name: 'x*.txt', marks: end", "no time in the name as 'x*.txt' and `format` or `unit` say"),
+        ("name: 's.txt', marks: end", "must hold one * for the time"),
+        ("name: '*.txt'", "marks"),
+        ("name: '*.txt', marks: end, unit: furlong", "is not a unit of time"),
+        ("name: '*.txt', marks: end, format: '%H:%M:%S'", "zero"),
+        (
+            "name: '*.txt', marks: end, format: '%H:%M:%S', zero: noon",
+            "is not read as the times in the names",
+        ),
+    ],
+)
+def test_what_a_name_does_not_tell_is_asked(tmp_path, stated, words):
+    changed = WITHOUT_PYROMETER.replace("{from: order, first: 0.5, period: 1.0}", f"{{from: name, {stated}}}")
+    assert words in " ".join(check_test(folder(tmp_path, changed)))

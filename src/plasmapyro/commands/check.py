@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import progress
-from plasmapyro.quality.catalogue import of_test
+from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.readers.calibration import check_calibration, describes
 from plasmapyro.readers.calibration import instruments as instruments_calibrated
 from plasmapyro.readers.description import LARGEST
@@ -64,7 +64,7 @@ def checked(place, instrument=None):
 
         try:
             with calibration_of(place, instrument) as folder:
-                tried = trial(reading.test, folder)
+                tried = trial(own_test(reading), folder)
         except ValueError as reason:  # what the data themselves say may be why
             failed = reason
     return reading.test, of_test(place, reading, **tried), failed

@@ -14,7 +14,8 @@ from plasmapyro.commands.options import settings
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
-from plasmapyro.quality.catalogue import agreed, merged, of_test
+from plasmapyro.quality.beside import blanked, widen, with_level
+from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
 from plasmapyro.quality.window import dark_in_window, frames_in_window, surface_in_window
 from plasmapyro.readers.stage import read_with_files, sources
@@ -71,12 +72,12 @@ def _corrected(options):
         given = read_terms(options.given)
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
-    test = reading.test
     if options.reference_window:
-        test.attrs["reference_window"] = list(options.reference_window)
-    found = faults(test)
+        reading.test.attrs["reference_window"] = list(options.reference_window)
+    found = faults(reading.test)
     if found:
         raise ValueError(f"{options.test}: " + "\n".join(found))
+    test = own_test(reading)
     if given:
         warn_of_absent(given, instruments(test))
     calibrations = _calibrations(test, folder)
@@ -112,8 +113,15 @@ def _corrected(options):
     said = of_test(options.test, reading, parts, response=_response(folder), **calibrations)
     for finding in said:
         progress.warn(finding.words)
-    parts = agreed(parts, test, _response(folder))
+    parts = agreed(parts, test, _response(folder), calibrations.get(PYROMETER))
     result = with_recommended(parts, [finding.entry for finding in said], missing)
+    if result.attrs["recommended"] == "none":
+        result = with_level(result, test.attrs, calibrations.get(PYROMETER), _response(folder))
+        if "scaled_temperature" in result and {"missing_frame", "dates_against_order"} & {
+            finding.rule.name for finding in said
+        }:  # of another moment than they say
+            known = np.isfinite(result.scaled_temperature.values)
+            result = blanked(result, "scaled_temperature", "spectrum_status", known)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
@@ -154,16 +162,6 @@ def with_recommended(parts, entries, missing):
     series = of_correction(parts, entries, missing)
     parts = [part.drop_dims("input_quantity", errors="ignore") for part in parts]
     return merged([*parts, series])
-
-
-def widen(result, name, change):
-    """Add a change (t,) [K] of a temperature to its uncertainty and interval, as one more standard error."""
-    known = result[f"{name}_uncertainty"]
-    wider = np.hypot(known, change.fillna(0.0).values)
-    if f"{name}_interval" in result:
-        middle, ends = result[name], result[f"{name}_interval"]
-        result[f"{name}_interval"] = (middle * (ends / middle) ** (wider / known)).transpose(*ends.dims)
-    result[f"{name}_uncertainty"] = wider
 
 
 def trial(test, folder):

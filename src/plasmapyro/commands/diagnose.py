@@ -15,7 +15,7 @@ from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.diagnosis.fit.no_plasma import OtherLight
 from plasmapyro.estimate.lamps import shapes_of
 from plasmapyro.quality.agreement import throughput_in_doubt
-from plasmapyro.quality.catalogue import of_test
+from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.quality.rule import Case
 from plasmapyro.readers.stage import read_with_files
 from plasmapyro.record import status
@@ -63,7 +63,7 @@ def _diagnosed(options, folder):
     read_priors(options.priors)  # a fault of the file is said first
     progress.say(f"reading {options.test}")
     test, reading = _read(options.test)
-    data = reading.test
+    data = own_test(reading)
     if {"pyrometer", "radiometer"} <= set(instruments(data)):
         progress.warn("the diagnosis takes the pyrometer; the radiometer is left aside")
     warn_of_absent(given, instruments(data))
@@ -86,7 +86,7 @@ def _diagnosed(options, folder):
         inputs,
         without=tuple(options.without),
         digest=digest,
-        others=[one.test for _, one in others],
+        others=[own_test(one) for _, one in others],
         findings=[finding.entry for finding in findings],
         saturation_counts=options.saturation_counts,
         given=given,

@@ -231,14 +231,14 @@ class Filter:
         return np.linalg.inv(matrix / outer) / outer
 
     def _update(self, data):
-        """Move the state to what the sample says; the sample's own matrix (4, 4) of the states.
+        """Move the state to what the sample says; the sample's own matrix (4, n) of the states.
 
         Samples that contradict the model beyond what numbers hold make it begin anew.
         """
         self._mean[TEMPERATURE] = np.clip(self._mean[TEMPERATURE], *data.table.temperatures)
         self._surprise = np.nan
         if not np.isfinite(data.signal).any():
-            return np.zeros((SIZE, SIZE))
+            return np.zeros((SIZE, self._mean.size))
         try:
             matrix = self._moved(data)
             if np.isfinite(self._mean).all() and (np.diagonal(self._covariance) > 0).all():
@@ -246,7 +246,7 @@ class Filter:
         except ValueError:  # a singular matrix, a temperature that is none
             pass
         self._forget()
-        return np.zeros((SIZE, SIZE))
+        return np.zeros((SIZE, self._mean.size))
 
     def _moved(self, data):
         weight = self._inverse_of(self._covariance, self._scale)
@@ -273,7 +273,7 @@ class Filter:
         noise = gain / np.sqrt(np.maximum(robust_weight(residual), np.finfo(float).tiny))
         mean[held] = self._mean[held]
         self._mean, self._covariance = mean, left @ self._covariance @ left.T + noise @ noise.T
-        return weighted[:SIZE] @ rows[:, :SIZE]
+        return weighted[:SIZE] @ rows
 
     def _starts(self, data, gas, doubt):
         """The prediction, and the temperature that would explain the light beyond that of the gas."""
@@ -347,23 +347,29 @@ class Filter:
         settings, path = self._settings, self._mean[None, :SIZE]
         temperature = float(self._mean[TEMPERATURE])
         deviation = float(np.sqrt(self._covariance[TEMPERATURE, TEMPERATURE]))
-        own = matrix[TEMPERATURE, TEMPERATURE] - matrix[TEMPERATURE, GAS] ** 2 / (
+        by_gas = matrix[TEMPERATURE, GAS] / (
             matrix[GAS, GAS] + 1 / (self._covariance[GAS, GAS] + self._dynamics.flicker**2)
         )
-        self._told.append((time, own))
+        self._told.append((time, matrix[TEMPERATURE] - by_gas * matrix[GAS]))
         while self._told[0][0] < time - TELLING:
             self._told.popleft()
         surface, gas, _ = data.predict(path, self._mean[SIZE:], self._of)
         share = (surface / (surface + gas))[:, 0]
         largest = settings["largest_uncertainty"] * temperature
-        told = sum(part for _, part in self._told) * largest**2 > 1
+        told = sum(part for _, part in self._told)
+        own, moved, hidden = told[TEMPERATURE], told[SIZE:], (share < settings["least_surface_share"]).all()
+        if hidden and own > 0:  # the path may not know more than the samples about it by themselves
+            alone = own + moved @ self._covariance[SIZE:, SIZE:] @ moved
+            deviation = max(deviation, np.sqrt(alone) / own)
         low, high = self._calibration.fit_range.values
         if not np.isfinite(data.signal).any():
             dying = abs(time - self.off) <= settings["plasma_off_time_span"]
             state = status.STRADDLING if dying else status.MISSING
-        elif not told or deviation >= largest:
+        elif (
+            own * largest**2 <= 1 or deviation >= largest or (self.late and time <= self.off)
+        ):  # a hot surface would pass for gas
             state = status.NO_SIGNAL
-        elif (share < settings["least_surface_share"]).all():
+        elif hidden:
             state = status.GAS_DOMINATED
         else:
             state = EXTRAPOLATED if not low <= temperature <= high else VALID

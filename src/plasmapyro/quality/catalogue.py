@@ -5,33 +5,45 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from plasmapyro.quality import agreement, clocks, instrument, late, pyrometer, sightline, spectra, window
+from plasmapyro.quality import (
+    agreement,
+    beside,
+    clocks,
+    instrument,
+    late,
+    pyrometer,
+    sightline,
+    spectra,
+    window,
+)
 from plasmapyro.quality.rule import DOUBT, Case, look, rules_of
 from plasmapyro.record import status
 
 OF_TEST = rules_of(agreement, window, pyrometer, spectra, clocks)
 OF_CALIBRATION = rules_of(instrument)
 OF_SIGHTLINE = rules_of(sightline)
-# What else is told of a temperature.
-BESIDE = {"corrected_temperature": ("relative_error",), "scaled_temperature": ("spectrometer_temperature",)}
 
 
-def agreed(parts, test, response=None):
+def agreed(parts, test, response=None, calibration=None):
     """Results of the estimators, without a value and `contradicted` where their instruments contradict.
 
-    Around spectra where the two differ by more than `instruments_disagree` allows, and where an offset of
-    their clocks moves a temperature by more than `clocks_apart` does: which clock is right nobody knows. Of
-    spectra alone the Planck fits, where `spectra_not_grey` finds the surface not to be grey.
+    Around spectra where the two differ by more than `instruments_disagree` allows, where an offset of their
+    clocks moves a temperature by more than `clocks_apart` does (which clock is right nobody knows), and where
+    the level of an instrument is no light of its temperature (`beside.of_surface`). Of spectra alone the
+    Planck fits, where `spectra_not_grey` finds the surface not to be grey; elsewhere their intervals hold the
+    difference.
     `parts`: as `results` of `of_test`.
     """
     both = next((one for one in parts if set(late.ALONE) <= set(one)), None)
+    known = {} if test is None else test.attrs
+    own = [beside.of_surface(one, known, calibration, response) for one in parts]
     if both is None:
-        return _grey(parts)
+        return _grey(own)
     case = Case(Path(), test, response=response, result=both)
     moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
     limit = agreement.clocks_apart.limit
     offset = late.clocks(case, limit)
-    return [_without(part, moments, offset, limit) for part in parts]
+    return [_without(part, moments, offset, limit) for part in own]
 
 
 def _grey(parts):
@@ -41,12 +53,15 @@ def _grey(parts):
     if fits is None or estimate is None:
         return parts
     far, _, _ = agreement.unlike_grey(fits, estimate, agreement.spectra_not_grey.limit)
+    other = fits.spectrum_status.values == status.CONTRADICTED  # not the light of a surface as stated
+    new = {id(fits): beside.with_estimate(fits, estimate)}
+    new[id(estimate)] = beside.blanked(estimate, "spectral_temperature", "spectral_status", other)
+    parts = [new.get(id(one), one) for one in parts]
     return [_without(one, fits.spectrum_time.values[far], None, None) for one in parts]
 
 
 def _without(part, moments, offset, limit):
     """A result without values around spectra at some moments, and where an offset moves them too far."""
-    changed = {}
     for name in (one for one in late.TEMPERATURES if one in part):
         state, (axis,) = part[late.TEMPERATURES[name]], part[name].dims
         bad = np.isin(part[axis].values, moments)
@@ -54,11 +69,8 @@ def _without(part, moments, offset, limit):
             bad |= np.abs(part[axis].values - moment) <= agreement.NEAR
         bad &= np.isin(state.values, status.WITH_VALUE)
         bad |= offset is not None and offset.beyond(part, name, limit)
-        changed[state.name] = state.copy(data=np.where(bad, np.int8(status.CONTRADICTED), state.values))
-        for kind in part.data_vars:
-            if kind.startswith((name, *BESIDE.get(name, ()))):
-                changed[kind] = part[kind].copy(data=np.where(bad, np.nan, part[kind].values))
-    return part.assign(changed)
+        part = beside.blanked(part, name, state.name, bad)
+    return part
 
 
 def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
@@ -78,7 +90,14 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
         estimate=next(iter(estimates), None),
         **calibrations,
     )
-    return look(case, rules)
+    others = clocks.of_other_tests(case)
+    return look(case.without(others) if others else case, rules)
+
+
+def own_test(reading):
+    """The test of a `readers.stage.Reading` without other tests that stand in the same log."""
+    case = Case(Path(), reading.test, reading.files.get("spectrometer", {}))
+    return case.without(clocks.of_other_tests(case)).test
 
 
 def merged(parts):

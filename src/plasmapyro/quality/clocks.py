@@ -6,6 +6,7 @@ from plasmapyro.quality.rule import rule
 from plasmapyro.quality.series import blocks, fall
 from plasmapyro.record import flags
 from plasmapyro.record.clock import lag
+from plasmapyro.record.phases import unlit
 
 BLOCK = 1.0  # [s] mean of the pyrometer in which its fall is looked for
 FARTHEST = 12.0  # [s] clocks are compared up to this
@@ -109,16 +110,51 @@ def plasma_off_time(case, limit):
     return None
 
 
+def _seen(case):
+    """Instrument -> axis and light (t, C) of what a test holds."""
+    seen = {}
+    if "pyrometer" in case.holds:
+        seen["pyrometer"] = "time", case.pair.T
+    if "radiometer_signal" in case.test:
+        seen["radiometer"] = "radiometer_time", case.test.radiometer_signal.values
+    if "spectrometer" in case.holds:
+        seen["spectrometer"] = "spectrum_time", case.light[:, None]
+    return seen
+
+
+def of_other_tests(case):
+    """Instrument -> axis and samples (t,) of what pauses part from the test: other tests in the same log."""
+    if "plasma" not in case.holds:
+        return {}
+    attrs, found = case.test.attrs, {}
+    begin, window = attrs["injection_time"], np.array(attrs["reference_window"])
+    for name, (axis, light) in _seen(case).items():
+        time = case.test[axis].values
+        parted = np.flatnonzero(flags.pauses(time)) + 1
+        later = flags.relit(time, light, attrs["plasma_off_time"])
+        earlier = unlit(time - begin, light, window - begin)
+        gas = light[(time >= window[0]) & (time <= window[1])]
+        earlier &= np.nanmax(light[earlier], initial=0.0) > np.nanmax(gas, initial=0.0)  # not the dark alone
+        other = (later & np.isin(np.argmax(later), parted)) | (earlier & np.isin(earlier.sum(), parted))
+        if other.any():
+            found[name] = axis, other
+    return found
+
+
+@rule(limit=flags.PAUSE)
+def another_test(case, limit):
+    for name, (axis, other) in (of_other_tests(case.whole) if case.whole else {}).items():
+        time = case.whole.test[axis].values[other]
+        span = {"first": float(time[0]), "last": float(time[-1])}
+        return {"name": name, "count": int(other.sum())} | span
+    return None
+
+
 @rule(limit=flags.GROWN)
 def light_after_end(case, limit):
-    off, seen = case.test.attrs["plasma_off_time"], {}
-    if "pyrometer" in case.holds:
-        seen["pyrometer"] = case.test.time.values, case.pair.T
-    if "radiometer_signal" in case.test:
-        seen["radiometer"] = case.test.radiometer_time.values, case.test.radiometer_signal.values
-    if "spectrometer" in case.holds:
-        seen["spectrometer"] = case.test.spectrum_time.values, case.light[:, None]
-    for name, (time, light) in seen.items():
+    off = case.test.attrs["plasma_off_time"]
+    for name, (axis, light) in _seen(case).items():
+        time = case.test[axis].values
         again = flags.relit(time, light, off)
         if again.any():
             return {"name": name, "begin": float(time[again][0]), "count": int(again.sum()), "off": off}

@@ -17,6 +17,15 @@ def points_leave_curve(case, limit):
     return {"kelvin": float(case.calibration.source_temperature.values[worst]), "off": float(rest[worst])}
 
 
+@rule()
+def bands_unlike(case, limit):
+    phi = float(case.calibration.sensitivity_ratio)
+    if 1 / limit < phi < limit:
+        return None
+    more, less = BANDS if phi > 1 else BANDS[::-1]
+    return {"more": more, "less": less, "factor": max(phi, 1 / phi)}
+
+
 def level_residuals(points, response):
     """Residuals (2, N) of the signals of calibration points about the modelled ones, logarithmic."""
     signals = np.array([points[f"signal_{band}"].values for band in BANDS])

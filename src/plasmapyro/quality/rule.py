@@ -1,7 +1,7 @@
 """What a rule is, and what it looks at; the words of all rules stand in `rules.csv`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -35,6 +35,18 @@ class Case:
     points: xr.Dataset | None = None  # contract 'calibration_points'
     exposures: xr.Dataset | None = None  # contract 'spectrometer_exposures'
     sightline: xr.Dataset | None = None
+    whole: "Case | None" = None  # with the other tests that stand in the same log, if there are any
+
+    def without(self, others):
+        """The case without samples of other tests: `others`, instrument -> axis and which (t,)."""
+        kept, files = {axis: ~other for axis, other in others.values()}, self.files
+        if (mask := kept.get("spectrum_time")) is not None:
+            files = files | {
+                name: [one for one, good in zip(files[name], mask, strict=True) if good]
+                for name in ("names", "dates")
+                if files.get(name)
+            }
+        return replace(self, test=self.test.isel(kept), files=files, whole=self)
 
     @cached_property
     def holds(self):

@@ -11,7 +11,7 @@ from plasmapyro.instrument.spectrometer import NORMAL_MAD
 from plasmapyro.quality import pyrometer
 from plasmapyro.quality.rule import rule
 from plasmapyro.radiation.planck import blackbody_radiance
-from plasmapyro.record import foreign
+from plasmapyro.record import flags, foreign
 from plasmapyro.refraction import vacuum_wavelength
 
 LISTED = 5  # wavelengths
@@ -178,10 +178,12 @@ def dark_brighter(case, limit):
 def dark_like_light(case, limit):
     if "pyrometer" in case.holds and pyrometer.dark_reference(case):  # no light to be held
         return None
-    time = case.test.spectrum_time.values
+    time, width = case.test.spectrum_time.values, float(case.test.attrs["spectrometer_fwhm"])
     low, high = case.test.attrs["reference_window"]
-    for place in np.flatnonzero((time >= low) & (time <= high)):
-        row = case.net[place]
+    places = np.flatnonzero((time >= low) & (time <= high))
+    sharp = flags.sharper(case.net, case.test.wavelength.values, width)  # dead and hot pixels are no light
+    for place in places:
+        row = np.where(sharp[place], np.nan, case.net[place])
         noise = max(_scatter(row), 1e-9) / np.sqrt(max(np.isfinite(row).sum(), 1))
         brightest = np.nanmax(np.nanmedian(case.net, axis=1))
         middle = abs(np.nanmean(row))

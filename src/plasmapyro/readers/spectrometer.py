@@ -80,13 +80,15 @@ def _check_units(section, settings):
             )
 
 
-def _time_settings(section, sources=("order", "date")):
+def _time_settings(section, sources=("order", "date", "name")):
     """How the files of a folder, or the spectra of a table, get their times."""
     time = section.section("time") if "time" in section else None
     if time is None:
         section.used.add("time")
         section.blame(
-            "time", "is missing", "state `from: order` with `first` and `period`, or `from: date` with `zero`"
+            "time",
+            "is missing",
+            "state `from: order` with `first` and `period`, `from: date` with `zero`, or `from: name`",
         )
         return None
     source = time.text("from", choices=sources, needed=True)
@@ -105,8 +107,48 @@ def _time_settings(section, sources=("order", "date")):
         if found.get("zero") is not None and found["zero"].tzinfo is not None:
             time.blame("zero", "must not name a time zone: the files' own clock is meant", "remove it")
         found["marks"] = time.text("marks", "end", choices=("begin", "middle", "end"))
+    elif source == "name":
+        found |= _name_settings(time)
     time.close()
     return found
+
+
+def _name_settings(time):
+    """How the name of a file tells its time: where in it, as a number or a date, and what moment that is."""
+    pattern, form, unit = (time.text(key, None) for key in ("name", "format", "unit"))
+    if not pattern or pattern.count("*") != 1:
+        time.blame("name", "must hold one * for the time", "write 'spec_*s.txt'; # is any other number")
+    if form and not clock.reads_format(form):
+        time.blame("format", f"{quote(form)} is no format that is read", f"write e.g. {quote(clock.EXAMPLE)}")
+    if unit and units.factor(unit, "spectrum_time") is None:
+        known = units.known("spectrum_time")
+        time.blame("unit", f"{quote(unit)} is not a unit of time", f"write one of {known}")
+        unit = None
+    words = time.text("zero", None, needed=bool(form))
+    zero = _of_word(words, form, unit) if words else 0.0
+    if zero is None:
+        time.blame("zero", f"{quote(words)} is not read as the times in the names are", "write it as these")
+    marks = time.text("marks", None, choices=("begin", "middle", "end"), needed=True)
+    return {"name": pattern, "format": form, "unit": unit or "s", "zero": zero, "marks": marks}
+
+
+def _of_word(word, form, unit):
+    """A time [s] as a file name states it, or None: of a format, else a number of units."""
+    if form:
+        return clock.seconds(word, form)
+    number = re.fullmatch(r"[+-]?\d+(?:[.,]\d+)?", word)
+    return float(number[0].replace(",", ".")) * units.factor(unit or "s", "spectrum_time") if number else None
+
+
+def _named_times(paths, settings):
+    """Path -> time [s] that its name states."""
+    whole = re.escape(settings["name"]).replace(r"\*", "(.+?)").replace(r"\#", r"\d+")
+    found = {path: re.fullmatch(whole, path.name) for path in paths}
+    moments = {p: m and _of_word(m[1], settings["format"], settings["unit"]) for p, m in found.items()}
+    words = f"no time in the name as {quote(settings['name'])} and `format` or `unit` say"
+    remedy = "correct `spectrometer.time`, or name the spectra that are meant as `files`"
+    refuse_all(paths[0].parent, [fault(p, words, remedy) for p, moment in moments.items() if moment is None])
+    return {path: moment - settings["zero"] for path, moment in moments.items()}
 
 
 def _many_files(place, folder, settings):
@@ -132,6 +174,9 @@ def _many_files(place, folder, settings):
             f"holds {len(paths)} spectra ({settings['pattern'] or ', '.join(sorted(SPECTRUM_SUFFIXES))})",
             f"1 to {MOST_SPECTRA} can be read; `files: 'run_*.txt'` names those that are meant",
         )
+    if settings["time"]["from"] == "name":
+        settings["time"]["moments"] = moments = _named_times(paths, settings["time"])
+        paths.sort(key=moments.get)
     spectra, faults = _read_all(paths, settings)
     dark = None
     if dark_path is not None:
@@ -263,8 +308,14 @@ def _spectrum_times(paths, spectra, settings, attrs):
     """
     if settings["from"] == "order":
         return settings["first"] + settings["period"] * np.arange(len(spectra)), 0.0
+    exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
+    middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
+    if settings["from"] == "name":
+        time = np.array([settings["moments"][path] for path in paths])
+        return rising(paths[0].parent, time + middle), 0.0
+    remedy = "state the times by `from: order` or `from: name`"
     faults = [
-        fault(path, "its header holds no date", "state the times by `from: order`")
+        fault(path, "its header holds no date", remedy)
         for path, spectrum in zip(paths, spectra, strict=True)
         if spectrum.date is None
     ]
@@ -273,8 +324,6 @@ def _spectrum_times(paths, spectra, settings, attrs):
             fault(paths[0].parent, "files of different time zones", "state the times by `from: order`")
         )
     refuse_all(paths[0].parent, faults)
-    exposure = (spectra[0].integration_time or 0.0) * (spectra[0].averages or 1)
-    middle = {"begin": 0.5, "middle": 0.0, "end": -0.5}[settings["marks"]] * exposure
     time = np.array([(spectrum.date - settings["zero"]).total_seconds() for spectrum in spectra])
     left = 0.0 if any(spectrum.date.microsecond for spectrum in spectra) else 1.0
     if left and (cycle := clock.cycle(time)):

@@ -14,7 +14,7 @@ MEANINGS = {
     STUCK: "the same as before, over and over, in all channels",
     CLIPPED: "at or near a ceiling that nothing states, flat or approached more and more slowly",
     SPIKED: "far beyond all its neighbours: pick-up, or a number that stands for none",
-    UNLIT: "before the plasma burned",
+    UNLIT: "before the plasma burned, or of another test in the same log",
     RELIT: "after the end of the plasma, from where the light grows again: no surface that cools",
 }
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
@@ -32,6 +32,7 @@ MAD = NORMAL_MAD / np.sqrt(1.5)  # deviations of normal samples per median of th
 # share of bends that turn back: 0.73 for noise, 0.67 for slow flicker, 0 for a smooth curve
 ALTERNATING = 0.25
 FIRST, DIMMEST = 3, 1e-3  # samples of the light at the end; share of it that other light must add
+PAUSE = 10  # usual steps
 GROWN, HELD = 0.1, 4  # by which the light since the end must fade, and grow again; samples for which it does
 
 
@@ -210,7 +211,8 @@ def relit(time, value, off):
 
     By a tenth, by `SPIKE` deviations and by a thousandth of the light at the end, for `HELD` samples in a
     row: a lamp, or the next test of a log that runs on. A surface without a plasma cools; light that has not
-    faded by a tenth says that the plasma burns on, and the stated end is wrong.
+    faded by a tenth says that the plasma burns on, and the stated end is wrong. Where the log paused before
+    the light grew, all behind the pause is of another test; if it paused at the end, the light before counts.
 
     Parameters
     ----------
@@ -221,7 +223,11 @@ def relit(time, value, off):
         End of the plasma.
     """
     found = np.zeros(time.size, dtype=bool)
-    after = np.flatnonzero((time > off) & np.isfinite(value).any(axis=1))
+    known = np.flatnonzero(np.isfinite(value).any(axis=1))
+    paused, begin = pauses(time[known]), int(np.searchsorted(time[known], off, "right"))
+    if 0 < begin < known.size and paused[begin - 1]:
+        begin = max(begin - FIRST, 0)
+    after, paused = known[begin:], paused[begin:]
     if after.size < FIRST + HELD + 1:
         return found
     held = np.isfinite(value[after])
@@ -233,8 +239,15 @@ def relit(time, value, off):
     scatter = MAD * np.median(np.abs(share[1:-1] - (share[:-2] + share[2:]) / 2))
     least = np.minimum.accumulate(median_filter(share, 2 * WIDEST + 1, mode="nearest"))  # no dropout
     most = least + np.maximum(np.maximum(GROWN * least, SPIKE * scatter), DIMMEST)
-    grown = (share > most) & (least < 1 - GROWN)
+    grown = (share > most) & ((least < 1 - GROWN) | (np.append(0, np.cumsum(paused)) > 0))
     grown = np.lib.stride_tricks.sliding_window_view(grown, HELD).all(axis=1)
     if SPIKE * scatter < 1 and grown.any():  # else there was no light at the end
-        found[after[np.argmax(grown)] :] = True
+        place = np.argmax(grown)
+        found[after[max(np.flatnonzero(paused[:place]) + 1, default=place)] :] = True
     return found
+
+
+def pauses(time):
+    """Between which samples (t - 1,) a log paused: for ten of its usual steps, and a second at least."""
+    step = np.diff(time)
+    return step > max(PAUSE * np.median(step), 1.0) if step.size else step > 0

@@ -49,24 +49,50 @@ def _black(kelvin, response):
     return np.exp(CubicSpline(node, np.log(blackbody_signals(1 / node, response)), axis=1)(1 / kelvin))
 
 
-def leeway(relative, attributes, limit=FAR):
+def leeway(relative, attributes, limit=FAR, instrument="pyrometer"):
     """By how much the logarithm of an asked emittance may differ from that of the stated one.
 
     ASSUME: what stands in the light of the test may have stood in that of the calibration, or not.
     """
-    return np.maximum(limit * relative, np.log(WIDEST)) - np.log(attributes["window_transmittance_pyrometer"])
+    through = attributes[f"window_transmittance_{instrument}"]
+    return np.maximum(limit * relative, np.log(WIDEST)) - np.log(through)
+
+
+def unlike(off, allowed):
+    """Samples (t,) whose level is no light of the temperature of their colour: a zero left in, a lamp.
+
+    `off` (t,): logarithm of the emittance asked for over the stated one, NaN where it is not known; `allowed`
+    (t,): see `leeway`. None where most are so: then window, gain or unit are of another test, as `quality`
+    says, or the surface is another one.
+    """
+    far = np.abs(off) > allowed
+    return far if far.sum() <= MOST * np.isfinite(off).sum() else np.zeros_like(far)
 
 
 def unlike_level(signals, kelvin, uncertainty, attributes, calibration, response):
-    """Samples (t,) whose level is no light of the temperature of their ratio: a zero left in, a lamp.
-
-    None where most are so: then window, gain or unit are of another test, as `quality` says. Arguments as of
-    `emittance_of_level`.
-    """
-    unlike = np.zeros(kelvin.size, dtype=bool)
-    known = np.flatnonzero(np.isfinite(kelvin) & np.isfinite(uncertainty) & (signals > 0).all(axis=0))
+    """Samples (t,) of a pyrometer that are `unlike`. Arguments as of `emittance_of_level`."""
+    off, allowed = np.full(kelvin.size, np.nan), np.zeros(kelvin.size)
+    known = np.isfinite(kelvin) & np.isfinite(uncertainty) & (signals > 0).all(axis=0)
     rest = attributes, calibration, response
     asked, relative = emittance_of_level(signals[:, known], kelvin[known], uncertainty[known], *rest)
-    off = np.abs(np.log(asked / attributes["emittance"]))
-    unlike[known] = (off > leeway(relative, attributes)).any(axis=0)
-    return unlike if unlike.sum() <= MOST * known.size else np.zeros_like(unlike)
+    off[known] = np.abs(np.log(asked / attributes["emittance"])).max(axis=0, initial=0.0)
+    allowed[known] = leeway(relative, attributes)
+    return unlike(off, allowed)
+
+
+def kelvin_of(off, kelvin, wavelength=EFFECTIVE):
+    r"""By how much [K] the temperature of a level differs from that of the colour, at most.
+
+    .. math:: \Delta T = \frac{\lambda T^2}{c_2} \left|\ln\frac{\varepsilon}{\varepsilon_0}\right|
+
+    Parameters
+    ----------
+    off : (t,) array [1], logarithm of the emittance asked for over the stated one
+    kelvin : (t,) array [K]
+    wavelength : float [m]
+
+    Notes
+    -----
+    First order of Wien's law.
+    """
+    return np.abs(off) * wavelength * kelvin**2 / SECOND_RADIATION

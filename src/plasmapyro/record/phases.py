@@ -3,7 +3,10 @@
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-LIT, STEADY = 1 / 3, 0.1  # [1] of the light of the window: less is no plasma, if that is as steady as this
+from plasmapyro.record import flags
+
+# [1] of the light of the window: less is no plasma, its inverse no gas alone, if that is as steady as this
+LIT, STEADY = 1 / 3, 0.1
 ALIKE = 51  # pixels whose mean light weighs each of them
 COOLING = 1 / 3  # of the exposure: what of the time after the end of the plasma is divided up
 
@@ -19,7 +22,8 @@ def unlit(time, value, window, exposure=0.0):
     """Samples (t,) without plasma: up to the last with less than a third of its light, before the injection
     and before the reference window. A shutter or a probe that passes later takes no reference away.
 
-    A record may begin before the plasma burns; the dark then is no gas that was weak.
+    A record may begin before the plasma burns; the dark then is no gas that was weak. More than three times
+    the light is that of a surface: an earlier test of the same log, which goes on to where that paused.
 
     Parameters
     ----------
@@ -43,10 +47,15 @@ def unlit(time, value, window, exposure=0.0):
     weight = np.maximum(uniform_filter1d(gas, ALIKE), 0.0) if gas.size > ALIKE else gas
     with np.errstate(invalid="ignore"):  # samples without a channel
         share = np.nansum(value * weight, axis=1) / np.sum(np.isfinite(value) * gas * weight, axis=1)
-    dark = np.flatnonzero((time < min(0.0, time[inside][0])) & (share < LIT))
-    if not dark.size or not share[inside].std() < STEADY:
+    ahead = time < min(0.0, time[inside][0])
+    bright = np.flatnonzero(ahead & (share > 1 / LIT))
+    last = np.flatnonzero(ahead & (share < LIT))
+    if bright.size:
+        rests = np.flatnonzero(flags.pauses(time) & ahead[:-1])
+        last = np.concatenate([last, bright[-1:], rests[rests >= bright[-1]][:1]])
+    if not last.size or not share[inside].std() < STEADY:
         return np.zeros(time.size, dtype=bool)
-    return np.arange(time.size) <= dark[-1]
+    return np.arange(time.size) <= last.max()
 
 
 def during(shares, off):
