@@ -27,8 +27,12 @@ EARLY = 0.1  # [1], of a gain: a step that is not small is not linear
 NOT_LINEAR = 1.5  # [1], of a gain: what a refit may differ by from its linear estimate
 
 
+def of_any_size(name):
+    return replace(CATALOGUE[name], bounds=(-100.0, 100.0))
+
+
 def round_of(names, objective, left=0.0, amplitudes=None, covariance=None):
-    settings = tuple(Setting(CATALOGUE[name], 1.0, {}) for name in names)
+    settings = tuple(Setting(of_any_size(name), 1.0, {}) for name in names)
     solution = SimpleNamespace(
         settings=settings,
         objective=objective,
@@ -91,6 +95,8 @@ def test_two_nearly_parallel_names_that_cancel_are_no_pair(degrees, second, expe
         ("winE_sl", -0.05, {"exponent": 2.0}, "sign"),
         ("winE_sl", -0.02, {"exponent": 2.0}, ""),  # two standard deviations
         ("h2o", -0.05, {}, ""),  # more of it in the calibration
+        ("eps_T", 0.59, {}, ""),
+        ("eps_T", 0.6, {}, "end"),  # six tenths of the emittance: no more is looked for
         ("grad", 50.0, {"exponent": 1.0, "profile": 1.0}, ""),  # kinds of their own, tried as such
         ("edge_p", 0.05, {"ratio": 0.8, "lag": 5.0, "delay": 1.0}, ""),
         ("edge_p", 0.05, {"ratio": 0.8, "lag": 30.0, "delay": 1.0}, "shape"),
@@ -115,8 +121,8 @@ def test_a_free_shape_does_not_hide_that_names_cancel():
     covariance = np.eye(6)
     covariance[3:, 3:] = np.linalg.inv(columns @ columns.T + 1e-9 * np.eye(3))
     last = round_of(("winE", "winD_sl"), 9.0e3, 0.0, np.array([1.0, 0.9, 2.0]), covariance)
-    blue = Setting(CATALOGUE["winD_sl"], 0.9, {"exponent": 2.0})
-    last.solution.settings = (Setting(CATALOGUE["winE"], 1.0, {}), blue)
+    blue = Setting(of_any_size("winD_sl"), 0.9, {"exponent": 2.0})
+    last.solution.settings = (Setting(of_any_size("winE"), 1.0, {}), blue)
     steps = [round_of((), 1e4), round_of(("winE",), 9.5e3), last]
     assert reserve(steps, THIRD) == ""
     last.solution.state.amplitudes[0] = -0.9
@@ -236,8 +242,9 @@ def test_a_name_that_explains_more_than_any_structure_stands_without_blocks_left
 @pytest.mark.parametrize(
     ("evidence", "total", "in_samples", "expected"),
     [
-        (35.3, 0.4, None, "named+unknown"),  # silent, and still the best that there is
-        (16.0, 0.4, None, "unknown"),
+        (35.3, -0.4, None, "named+unknown"),  # silent, and still the best that there is
+        (16.0, -0.4, None, "unknown"),
+        (16.0, 0.4, None, "named+unknown"),
         (16.0, 2.0, None, "named+unknown"),
         (16.0, 9.0, None, "named"),
         (16.0, 9.0, "left_step_pyrometer", "named+unknown"),

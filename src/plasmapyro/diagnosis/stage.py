@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import conditions
-from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, without
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, NEED_VARIATIONS, of_one_spot, without
 from plasmapyro.diagnosis.effects.condition import OF_FLOW
 from plasmapyro.diagnosis.effects.gas import leaks
 from plasmapyro.diagnosis.fit.no_plasma import askable
@@ -135,6 +135,8 @@ def diagnose(
         effects, looked_for = (without(one, OF_MANY_BANDS & set(one)) for one in (effects, looked_for))
     if "pyrometer" not in instruments(test):
         looked_for = without(looked_for, OF_TWO_BANDS & set(looked_for))
+    if len(instruments(test)) == 1:
+        looked_for = of_one_spot(looked_for)
     if variations is None and plasma:
         looked_for = without(looked_for, set(NEED_VARIATIONS) & set(looked_for))
 

@@ -1,5 +1,6 @@
 """The catalogue: everything that the diagnosis knows by name, in the order of the way of the light."""
 
+from dataclasses import replace
 from difflib import get_close_matches
 from types import MappingProxyType
 
@@ -18,6 +19,20 @@ CATALOGUE = MappingProxyType(
 
 # Effects whose formulas take spectra of `variations`.
 NEED_VARIATIONS = ("P_eff", "ripple", "T_exc", "T_vib", "selfabs", "refl", "bl", "CN")
+# Numbers that nothing but a second instrument tells: how unequal the temperature is over spots of two sizes.
+OF_TWO_SPOTS = ("grad", "profile")
+
+
+def of_one_spot(effects):
+    """The effects {id: Effect} as one instrument alone sees them, without a number that nothing tells."""
+    identity, number = OF_TWO_SPOTS
+    if identity not in effects:
+        return effects
+    one = effects[identity]
+    kept = [{name: value for name, value in shape.items() if name != number} for shape in one.shapes]
+    bounds = {name: value for name, value in one.shape_bounds.items() if name != number}
+    shapes = tuple(shape for place, shape in enumerate(kept) if shape not in kept[:place])
+    return MappingProxyType({**effects, identity: replace(one, shapes=shapes, shape_bounds=bounds)})
 
 
 def without(effects, ids):

@@ -62,11 +62,12 @@ def torch_glow(scene, amplitude, *, temperature, decay):
 
 
 @effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0)), "profile": ((1.0, 2.0), (1.0, 2.0))})
-def gradient(scene, amplitude, *, exponent, profile):
+def gradient(scene, amplitude, *, exponent, profile=1.0):
     r"""Unequal temperature: :math:`B + \tfrac12 \sigma^2 B''`, :math:`\sigma = \sigma_T (T/1600\,K)^n`.
 
     `exponent` n is 1 where the flux is uneven, 0 where a lasting difference is; `profile` 1 for a slope over
-    the spot and 2 for a bowl: the spots, 14 and 10 mm across, see that power of their ratio.
+    the spot and 2 for a bowl: the spots, 14 and 10 mm across, see that power of their ratio. One instrument
+    alone does not tell it from the amplitude.
     """
     sigma = amplitude * (FOOTPRINT_RATIO**profile if scene.kind == "spectrometer" else 1.0)
     relative = np.clip(scene.temperature[..., None] / HOTTEST, 0.1, 2.0) ** exponent
@@ -93,7 +94,7 @@ def cover(scene, amplitude, *, ratio, lag, delay):
 
 EDGE = {
     "ratio": ((0.8,), (0.5, 0.98)),
-    "lag": ((3.0, 12.0), (0.5, 30.0)),
+    "lag": ((1.0, 3.0, 6.0, 12.0), (0.2, 30.0)),
     "delay": ((0.0, 1.0), (0.0, 1.0)),
 }
 cover_pyrometer = effect("edge_p", shape=EDGE)(cover)

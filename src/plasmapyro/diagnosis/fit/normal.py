@@ -52,6 +52,13 @@ def gram(columns, patterns, weighers, residuals, products=None):
     return matrix, vector
 
 
+def score(columns, patterns, weighers, residuals):
+    """The score of `gram` alone, of dense columns and patterns."""
+    weighted = [weigher(residual) for weigher, residual in zip(weighers, residuals, strict=True)]
+    dense = sum(flat(column).T @ one.ravel() for column, one in zip(columns, weighted, strict=True))
+    return np.concatenate([dense, *(np.sum(row * weighted[place], axis=0) for place, row in patterns)])
+
+
 @dataclass(frozen=True)
 class _Singles:
     """Columns of products that live in one bin each, until all bins are added up: `row` (s, C) in `bin` (s,),

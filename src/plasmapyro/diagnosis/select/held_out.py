@@ -27,7 +27,6 @@ BLOCKS = (  # shares of the exposure: dense where the sample heats
 AFTER_BLOCKS = ((0.02, 0.06), (0.1, 0.18), (0.22, 0.4))  # shares of the cooling
 ENOUGH = 3.0  # log score by which held-out data must improve: odds of 20
 SURE = 3.0  # standard errors of it
-HEARD = 0.5  # standard errors of held-out gain below which nothing is said
 MOMENT = 0.6  # [1], of a gain: from one block, it speaks for something that happened then
 CALIBRATED = ("ratio", "lamp")  # parameters of the base model that the calibration measured
 
@@ -55,8 +54,8 @@ class Gain:
 
     @property
     def silent(self):
-        """Whether held-out data do not speak for the effects: no name stands on that."""
-        return self.total < HEARD * self.standard_error
+        """Whether held-out data speak against the effects: no name stands on that."""
+        return self.total < 0
 
 
 def blocks_of(start, off, end):

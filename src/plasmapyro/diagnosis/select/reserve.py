@@ -9,6 +9,7 @@ SAME = 15.0  # [degree] and beyond which it is not of the same class
 LEAST, MOST = (float(np.tan(np.radians(one)) ** 2) for one in (SAME, NEIGHBOUR))
 WRONG_FORMULA = 0.1  # [1], of the chi-squared that the names explain: a rest as large is not their formulas'
 CANCELLING = 4.0  # times what names explain together that each alone would: equal ones at 41 degrees
+LARGEST = 1e-3  # [1], of an amplitude, from the largest that it may have
 AT_END = 0.01  # [1], of the range of a shape: nearer to its end the data want a shape beyond
 LOSSES = ("winD", "winE", "winD_sl", "winE_sl")  # a deposit makes no window clearer
 SURE = 3.0  # standard deviations
@@ -21,6 +22,7 @@ SENTENCES = {
     "one": "The first cause explains so much more than the others that one cause like it, but missing in the"
     " catalogue, would look the same.",
     "shape": "A name fits only with a shape at the end of what its cause may have: it may be another cause.",
+    "end": "A name fits only if it is as large as its cause may be: it may be another cause.",
     "sign": "A window that grows clearer is unlikely: it may be another cause.",
     "alike": "Two names look alike in the data: together they may be one cause that the catalogue lacks.",
     BEATEN: "What no cause describes is likelier than these names with all their free numbers: it may be"
@@ -51,8 +53,9 @@ def reserve(steps, third, sets=()):
         "rest": what remains is beyond noise and beyond a tenth of what the names explain; "one": a later name
         explains :math:`\tan^2 15°` to :math:`\tan^2 30°` of what those before it do; "cancel": amplitudes a
         with covariance C and :math:`\sum_i a_i^2 (C^{-1})_{ii} > 4\, a^T C^{-1} a`; "shape": a shape ends
-        within a hundredth of its range from an end at which none is looked for; "sign": a deposit is negative
-        by three standard deviations; "alike": two names stand in each other's set; "" if none of these.
+        within a hundredth of its range from an end at which none is looked for; "end": an amplitude is as
+        large as it may be; "sign": a deposit is negative by three standard deviations; "alike": two names
+        stand in each other's set; "" if none of these.
     """
     objective = {}  # of the last fit with so many effects
     for step in steps:
@@ -78,7 +81,7 @@ def reserve(steps, third, sets=()):
 
 
 def implausible(solution):
-    """ "shape" or "sign" if a number of a name is none that its cause is likely to have, else ""."""
+    """ "shape", "end" or "sign" if a number of a name is none that its cause is likely to have, else ""."""
     free, size = free_numbers(solution.settings), len(solution.covariance)
     for j, one in enumerate(free):
         effect, number = solution.settings[one.place].effect, solution.state.amplitudes[j]
@@ -86,6 +89,8 @@ def implausible(solution):
         nearest = one.low if number - one.low < one.high - number else one.high
         if one.name in effect.shapes[0] and one.at_end(number, AT_END) and nearest not in tried:
             return "shape"
+        if one.name is None and one.exhausted(number, LARGEST):
+            return "end"
         error = np.sqrt(solution.covariance[size - len(free) + j, size - len(free) + j])
         if one.name is None and effect.id in LOSSES and number < -SURE * error:
             return "sign"

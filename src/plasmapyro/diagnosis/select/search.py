@@ -99,8 +99,8 @@ class Search:
         return self.fitter.fit(start, settings)
 
     def extended(self, step, index):
-        """Fit with one more candidate, from its linear estimate, and from where its effect `starts`; from its
-        other shapes too if it comes to no rest, or is a finite step: between two samples nothing pulls."""
+        """Fit with one more candidate, and from where its effect `starts`; from its other shapes too if it
+        comes to no rest, or is a finite step: between two samples nothing pulls."""
         found, candidate = self._from(step, index), step.screen.candidates[index]
         newest = found.settings[-1]
         if newest.effect.starts and len(self.model.instruments) > 1:  # one alone differs from no other clock
@@ -131,10 +131,14 @@ class Search:
         return _best([fit, *(self._from(step, place) for place in others)])
 
     def _from(self, step, index):
+        """Fit with one more candidate, begun without it; from its linear estimate where its shape counts,
+        which nothing pulls at an amplitude of zero."""
         candidate = step.screen.candidates[index]
         number = step.screen.linear()[index]
         if candidate.step is not None:
             number = candidate.effect.linear_of(candidate.step)
+        elif not candidate.shape and not candidate.effect.quadratic:
+            number = 0.0  # the first step moves all numbers along the tangent, not this one alone
         return self.fit(step.solution, (*step.settings, setting_of(candidate, number)))
 
     def best_refit(self, step, gains, trials=None):
