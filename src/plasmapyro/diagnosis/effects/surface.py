@@ -94,7 +94,7 @@ def cover(scene, amplitude, *, ratio, lag, delay):
 
 EDGE = {
     "ratio": ((0.8,), (0.5, 0.98)),
-    "lag": ((1.0, 3.0, 6.0, 12.0), (0.2, 30.0)),
+    "lag": ((1.0, 6.0), (0.2, 30.0)),
     "delay": ((0.0, 1.0), (0.0, 1.0)),
 }
 cover_pyrometer = effect("edge_p", shape=EDGE)(cover)
