@@ -20,7 +20,7 @@ from plasmapyro.record.record import record_of
 SHIFT, LOSS = 8e-9, -0.02  # [m] of the wide band's edges; [1] of the largest signal
 BOTH = {"pyrometer": None, "spectrometer": None}
 WHOLE = dataclasses.replace(CATALOGUE["edge1"], shapes=({"detector": 1.0},), shape_bounds={})  # as is hidden
-NEAR_BOTTOM = 10.0  # of 13000 of chi-squared
+NEAR_BOTTOM = 1.0  # of 13000 of chi-squared
 SAME_BOTTOM = 0.1  # of chi-squared; fits end where a step gains 0.02
 
 
@@ -92,10 +92,11 @@ def test_a_fit_that_gains_next_to_nothing_any_more_is_at_rest(base, steps, rests
 @pytest.mark.parametrize("share", [0.9, 1.05])
 def test_a_fit_comes_back_from_a_temperature_far_off(base, share):
     """Ten per cent of it are a factor of five in light. Where damping went from 1e-3 over 4e-5 to none, and
-    back to 1e-3 for each step that this spoiled, forty steps stopped 2900 of chi-squared above the bottom."""
+    back to 1e-3 for each step that this spoiled, forty steps stopped 2900 of chi-squared above the bottom;
+    without steps back into the valley 6."""
     state = base.solution.state
-    found = base.fitter.fit(dataclasses.replace(state, knots=state.knots * share))
-    assert found.converged and found.objective < base.solution.objective + NEAR_BOTTOM
+    found = base.fitter.fit(dataclasses.replace(state, knots=state.knots * share), steps=40)
+    assert found.objective < base.solution.objective + NEAR_BOTTOM
 
 
 @pytest.mark.parametrize(("late", "share"), [("spectrum_time", 1.0), ("time", 0.0)])
