@@ -5,7 +5,7 @@ import pytest
 
 from plasmapyro.constants import FIRST_RADIATION, SECOND_RADIATION
 from plasmapyro.diagnosis.command import LIMITS
-from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, without
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE, of_one_spot, without
 from plasmapyro.diagnosis.effects.condition import OF_CONDITION
 from plasmapyro.diagnosis.effects.effect import BOTH, ORDER, PHASES, REGISTER, effect
 from plasmapyro.diagnosis.effects.gas import LINES
@@ -226,6 +226,18 @@ def test_a_catalogue_without_some_effects_refuses_those_it_does_not_know():
     assert set(CATALOGUE) - set(without(CATALOGUE, ["winE", "phi"])) == {"winE", "phi"}
     with pytest.raises(ValueError, match="'gremlins', to be left out, is no effect"):
         without(CATALOGUE, ["gremlins"])
+
+
+def test_one_spot_does_not_tell_how_a_gradient_is_shaped(model, state):
+    """What a bowl does to the spectrometer's spot, 10 of 14 mm across, a weaker slope does as well."""
+    alone = of_one_spot(CATALOGUE)
+    assert alone["grad"].shapes == ({"exponent": 0.0}, {"exponent": 1.0})
+    assert set(alone["grad"].shape_bounds) == {"exponent"}
+    assert all(alone[one] is CATALOGUE[one] for one in set(CATALOGUE) - {"grad"})
+    bowl = seen(model, state, 1, "grad", 70.0, exponent=0.0, profile=2.0)
+    slope = model.evaluate(1, *state, (Setting(alone["grad"], 50.0, {"exponent": 0.0}),))
+    assert slope == pytest.approx(bowl, rel=1e-12)
+    assert "grad" not in of_one_spot(without(CATALOGUE, {"grad"}))
 
 
 def test_nobody_changes_the_catalogue_in_place():

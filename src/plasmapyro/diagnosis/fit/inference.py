@@ -295,7 +295,7 @@ class Fitter:
             damped = matrix.copy()
             damped[np.diag_indices_from(damped)] *= 1 + damping
             try:
-                trial, objective, whole = self._stepped(state, damped, vector, settings, here)
+                trial, predicted, objective, whole = self._stepped(state, damped, vector, settings, here)
             except np.linalg.LinAlgError:  # by rounding, as far off as a climb may end
                 damping, objective = max(4 * damping, FIRST_DAMPING), np.inf
                 continue
@@ -304,26 +304,26 @@ class Fitter:
             if better or climb and damping == 0.0 and near:
                 return trial, objective, damping, whole
             if near:  # beside a curved valley: back into it by the same slopes
-                there = score(
-                    here.columns, rows, here.weighers, self.residuals(self.predict(trial, settings))
-                )
+                there = score(here.columns, rows, here.weighers, self.residuals(predicted))
                 there += self._pull(trial, settings, prior)
-                trial, objective, _ = self._stepped(trial, damped, there, settings, here)
+                trial, _, objective, _ = self._stepped(trial, damped, there, settings, here)
                 if objective <= here.objective:
                     return trial, objective, damping, whole
             damping = 4 * damping or FIRST_DAMPING
         return None, objective, damping, False
 
     def _stepped(self, state, matrix, vector, settings, here):
-        """State a step away, its objective by the weights of `here`, and whether the step was not cut."""
+        """State a step away, what it predicts, its objective by the weights of `here`, and whether the step
+        was not cut."""
         free, size = free_numbers(settings), self.model.size
         k = size + self.sigma.size + len(free)
         step = self._within(matrix, vector, state, k, free)
         step[:size] = np.clip(step[:size], -LARGEST * state.knots, LARGEST * state.knots)
         share = self._limit(step, state, k, free)
         trial = self._moved(state, share * step, k, self._patterns(state), free)
-        _, objective = self.objective(trial, settings, self.predict(trial, settings), here.weighers)
-        return trial, objective, share == 1.0
+        predicted = self.predict(trial, settings)
+        _, objective = self.objective(trial, settings, predicted, here.weighers)
+        return trial, predicted, objective, share == 1.0
 
     def residuals(self, predicted):
         """Measured less predicted (n, C) per instrument, 0 where nothing was measured."""
