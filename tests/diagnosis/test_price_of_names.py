@@ -54,11 +54,21 @@ def test_a_further_term_pays_for_inexact_formulas_and_kin_pays_more(search):
     assert wanted == pytest.approx([THIRD + 12 + 40, THIRD + 12 + 40, THIRD + 12])
 
 
-@pytest.mark.parametrize(("gained", "named"), [(230.0, True), (102.0, True), (98.0, False)])
-def test_what_explains_half_of_an_unknown_is_named_beside_what_it_leaves(search, gained, named):
-    """Log Bayes factor 100, of which 11 are left: half of it is a chi-squared of 100."""
+@pytest.mark.parametrize(
+    ("gained", "name", "named"),
+    [
+        (230.0, "winE", True),
+        (102.0, "winE", True),
+        (98.0, "winE", False),
+        (68.0, "CN", True),
+        (65.0, "CN", False),
+    ],
+)
+def test_what_explains_half_of_an_unknown_is_named_beside_what_it_leaves(search, gained, name, named):
+    """Log Bayes factor 100, of which 11 are left: half of it is a chi-squared of 100. Of a molecule a third
+    does: how bright its bands are to each other its excitation says, which nobody knows."""
     search.look = lambda fit: step(fit, gains=(0.0, 0.0, 0.0), unknown=11.0)
-    before, chosen = step(solution(1000.0), unknown=100.0), solution(1000.0 - gained, "winE")
+    before, chosen = step(solution(1000.0), unknown=100.0), solution(1000.0 - gained, name)
     found = beside_unknown(search, before, chosen, np.zeros(3))
     assert (found is not None) == named
     if named:

@@ -6,6 +6,8 @@ from plasmapyro.diagnosis.fit.setting import FORMULA, KIN, SPILL
 
 HALF = 0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much, by an inexact
 # formula, is named beside what it leaves
+FOREIGN = "foreign matter"  # class of effects
+SPECTRUM = 1 / 3  # the same of foreign matter, whose lines and bands are to each other as its excitation says
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
 SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
 FREE = 5.0  # log evidence that the numbers of an effect cost, about
@@ -50,6 +52,13 @@ def holds(step, fit, price):
 def explains(step, fit, log_bayes):
     """Whether a refit, non-linear, gains as much as an unknown structure."""
     return 0.5 * step.gained(fit) - FREE > log_bayes - MARGIN
+
+
+def much(step, fit, log_bayes):
+    """Whether a refit explains much of an unknown structure: a formula errs, but not by all that is there."""
+    before = {setting.id for setting in step.settings}
+    (new,) = (setting.effect for setting in fit.settings if setting.id not in before)
+    return 0.5 * step.gained(fit) > (SPECTRUM if new.klass == FOREIGN else HALF) * log_bayes
 
 
 def beside(search, log_bayes):

@@ -101,7 +101,7 @@ def beside_unknown(search, step, chosen, wanted):
     wanted : (candidates,) chi-squared of those that bring what they must, else 0
     """
     log_bayes = float(step.unknown.max())
-    if 0.5 * step.gained(chosen) > prices.HALF * log_bayes:  # by chance one direction of many is not alike
+    if prices.much(step, chosen, log_bayes):  # by chance one direction of many is not alike
         return search.look(search.pruned(chosen))
     least = prices.beside(search, log_bayes)
     # Tangents do not tell what the unknown structure would leave to an effect that was fitted; its formula
