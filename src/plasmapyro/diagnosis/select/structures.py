@@ -365,9 +365,12 @@ def _codes(signal):
 
 
 def _ranges(signal):
-    """Gains (n, m) that are another one above a level of the signal (n,), at most `WALK_STEPS` levels."""
+    """Gains (n, m) that are another one above a level of the signal (n,): at most `WALK_STEPS` levels by how
+    often it has them, and as many at equal distances, for a steady state takes most of the first."""
     order = np.sort(signal)
-    places = np.unique(np.linspace(0, order.size - 2, min(WALK_STEPS, order.size - 1)).astype(int))
+    places = np.linspace(0, order.size - 2, min(WALK_STEPS, order.size - 1)).astype(int)
+    even = np.searchsorted(order, np.linspace(order[0], order[-1], WALK_STEPS + 2)[1:-1]) - 1
+    places = np.unique([*places, *np.clip(even, 0, order.size - 2)])
     return (signal[:, None] > (order[places] + order[places + 1]) / 2).astype(float)
 
 
