@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "workflow"))
 from blind import second, worker
@@ -61,6 +62,21 @@ def truth_of(row, stage, simulated):
     return float(there / light[(axis > first) & (axis < last)].mean())
 
 
+def deviations(row, truth):
+    """Standard deviations by which a system's light is off, as the data could show it at best.
+
+    The fewest of both: the simulation errs by so many of its own in the logarithm, and the measured ratio by
+    the rest of its normal error. (Were both errors of logarithms, what the data hardly see would be far off.)
+    """
+    rest = np.log(max(truth, 1e-3) / row["by_power"])
+
+    def chi2(share):
+        left = (row["by_power"] * np.exp(share * rest) - truth) / row["error"]
+        return (share * rest / row["stated"]) ** 2 + left**2
+
+    return np.sqrt(minimize_scalar(chi2, bounds=(0.0, 1.0), method="bounded").fun)
+
+
 @dataclass
 class Score:
     """Rows, those that are off as the data could show, those of them listed rightly, and false ones."""
@@ -74,7 +90,7 @@ class Score:
         """Count one row; returns what is to be said of it, or None."""
         self.rows += 1
         rest, found = (np.log(max(value, 1e-3) / row["by_power"]) for value in (truth, row["ratio"]))
-        off = abs(rest) > BEYOND * np.hypot(row["stated"], row["error"] / row["by_power"])
+        off = deviations(row, truth) > BEYOND
         right = row["beyond"] and rest * found > 0 and abs(row["ratio"] / truth - 1) < CLOSE
         self.off += off
         self.right += off and right
