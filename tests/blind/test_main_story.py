@@ -11,7 +11,7 @@ from twin import campaign, story
 
 ROOT = Path(__file__).resolve().parents[2]
 STORY = [
-    {"effect": "gas_drift", "amplitude": 0.05},
+    {"effect": "gas_drift", "amplitude": 0.06},
     {"effect": "eps_ox", "amplitude": -0.06, "shape": {"tau_s": 60.0}},
     {"effect": "winE", "amplitude": 0.05},
 ]

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, eigh
+from scipy.stats import chi2
 
 from plasmapyro.diagnosis.select.screen import LEAST_LEFT, gain
 from plasmapyro.diagnosis.select.unknowns import Unknowns
@@ -44,12 +45,18 @@ def calibrated(screen, draws, seed):
     return Thresholds(
         effect=float(np.quantile(best, 1 - LEVEL)),
         unknown=max(float(np.quantile(unknown, 1 - LEVEL)), LEAST_UNKNOWN) if screen.structures else np.inf,
-        third=float(np.quantile(best, 1 - LEVEL / 10)),
+        third=_rarer(float(np.quantile(best, 1 - LEVEL)), 10.0),
         draws=draws,
         seed=seed,
         largest=best,
         largest_unknown=unknown,
     )
+
+
+def _rarer(largest, times):
+    """What the largest of many gains exceeds so many times more rarely than some value: each has the tail of
+    chi-squared of one degree of freedom, and of a few thousand draws the rarest tell little."""
+    return float(chi2.isf(chi2.sf(largest, 1) / times, 1))
 
 
 def simulated(screen, draws, generator):
