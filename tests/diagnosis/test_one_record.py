@@ -1,6 +1,7 @@
 """Correction, joint estimate and diagnosis see one and the same test: on any clock, with any detector."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -179,6 +180,26 @@ def test_the_level_of_saturation_is_the_one_that_is_stated(laboratory, record):
         for level in (20000.0, CEILING)
     )
     assert np.isnan(low.sound).sum() > 1.2 * np.isnan(high.sound).sum()
+
+
+def test_an_uncertain_slope_of_the_emittance_is_one_of_bands_and_of_spectra(laboratory, record):
+    """One standard deviation of it is what a test that states the steeper slope has, in both instruments."""
+    made = record_of(record(noise=0.0), {"pyrometer": None, "spectrometer": None})
+    rest = library(laboratory), laboratory.calibration, laboratory.response
+    model = base_model(replace(made, emittance_slope_uncertainty=0.02), *rest)
+    stated = base_model(replace(made, emittance_slope=1.02), *rest)
+    plain = base_model(made, *rest)
+    kelvin = np.full(model.size, 1500.0)
+    values = np.array([one.centre for one in model.parameters])
+    place = model.index["emittance_slope"]
+    moved = values - model.parameters[place].sigma * np.eye(values.size)[place]  # it falls over wavelength
+    for which in range(2):
+        found, before = (model.evaluate(which, kelvin, one) for one in (moved, values))
+        expected = stated.evaluate(which, kelvin, np.delete(values, place))
+        assert np.nanmax(np.abs(expected / before - 1)) > 5e-3
+        np.testing.assert_allclose(found, expected, rtol=1e-6)
+    ratio = [one.parameters[one.index["ratio"]].sigma for one in (model, plain)]
+    assert ratio[0] == ratio[1] and "emittance_slope" not in plain.index
 
 
 @pytest.mark.parametrize("slope", [1.0, 1.02])

@@ -7,6 +7,7 @@ from plasmapyro.radiation.bandsignal import two_bands
 from plasmapyro.radiation.planck import blackbody_radiance
 
 PIVOT = 0.95e-6  # [m] ASSUME: where the stated emittance holds
+PER_MICRON = 1e6  # [m-1]: unit of slopes over wavelength
 UNTOLD = 0.1  # [1] of the level of the emissivity, where a test states no uncertainty
 UNTOLD_SLOPE = 0.01  # [1] of the emittance in the wide band over that in the narrow one: 0.1 per um
 ANY_LEVEL = 3.0  # of the logarithm of a level that is not known

@@ -15,7 +15,7 @@ from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record import binning, flags
-from plasmapyro.record.emittance import tilt
+from plasmapyro.record.emittance import PER_MICRON, tilt
 from plasmapyro.record.inputs import has_plasma
 from plasmapyro.record.rounding import rounding
 
@@ -105,7 +105,7 @@ def base_model(
     own = knots(edges, 0.0, record.off, end, pauses)
     bend = 0.0 if steep is None else np.interp(own, steep.time, steep.bend)
     history = History(own, record.off, cold=plasma, bend=bend)
-    parameters = base_parameters(record, calibration)
+    parameters = base_parameters(record, calibration, None if bending else response)
     if bending:
         parameters = radiometer.instead(parameters, instruments, record, known)
     if "pyrometer" in lamp:
@@ -146,13 +146,19 @@ def _sufficient(instruments, off, plasma):
     )
 
 
-def base_parameters(record, calibration):
-    """The parameters of the base model with their priors."""
-    ratio = 0.005
+def base_parameters(record, calibration, response=None):
+    """The parameters of the base model with their priors; an error of the slope of the emittance is one of
+    the ratio of the bands, unless their `response` says what it does to spectra."""
+    ratio, sloped = 0.005, ()
     if calibration is not None:
         ratio = float(calibration.sensitivity_ratio_uncertainty / calibration.sensitivity_ratio)
-    # Between the bands an error of the slope of the emittance and one of their ratio are the same.
-    ratio = max(float(np.hypot(ratio, record.emittance_slope_uncertainty / record.emittance_slope)), EXACT)
+    slope, unsure = record.emittance_slope, record.emittance_slope_uncertainty
+    if response is None:
+        ratio = float(np.hypot(ratio, unsure / slope))
+    elif unsure > 0:
+        sigma = abs(tilt(slope + unsure, response) - tilt(slope, response)) / PER_MICRON
+        sloped = (Parameter("emittance_slope", "slope of the emittance", sigma, "um-1"),)
+    ratio = max(ratio, EXACT)
     source = 3.0 / UNIFORM
     return (
         Parameter("emittance", "emittance", max(record.emittance_uncertainty / record.emittance, EXACT)),
@@ -167,6 +173,7 @@ def base_parameters(record, calibration):
             "before_injection", "gas before over after injection (logarithm)", BEFORE[1], "1", BEFORE[0]
         ),
         Parameter("before_power", "gas before injection, as if of another power", BEFORE_POWER_SIGMA),
+        *sloped,
     )
 
 

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from plasmapyro.diagnosis.effects.scene import Output, Scene
 from plasmapyro.diagnosis.fit.observation import band_weights
 from plasmapyro.radiation.planck import planck_and_slope
-from plasmapyro.record.emittance import relative_emittance
+from plasmapyro.record.emittance import PER_MICRON, PIVOT, relative_emittance
 from plasmapyro.record.inputs import has_plasma
 
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
@@ -261,6 +261,9 @@ class Model:
     def _emittance(self, which, values):
         """Emittance, a number or (M,) at the nodes of an instrument."""
         level = self.emittance * np.exp(values[self.index["emittance"]]) * self.relative[which]
+        if "emittance_slope" in self.index:
+            away = PER_MICRON * (self.instruments[which].wavelength - PIVOT)
+            level = level * (1 + values[self.index["emittance_slope"]] * away)
         course = self.instruments[which].course
         if course is None:
             return level
