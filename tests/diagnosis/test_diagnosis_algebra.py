@@ -195,7 +195,7 @@ def test_noise_of_a_mean_of_remembering_samples_is_that_of_the_simulated_mean(ra
         raw_moment=period * np.arange(9.0)[:, None], raw_bin=np.zeros(9, dtype=int),
         rounded=lambda level, number: 0 * level,
     )  # fmt: skip
-    found = on_bins(law, one, np.ones((1, 2))).flicker[0]
+    found = on_bins(law, one, np.ones((1, 2)), np.zeros(1)).flicker[0]
     # The formula takes the record as continuous: 4 % of six samples.
     assert found == pytest.approx(FLICKER_MARGIN * np.var(total / count), rel=0.06)
 

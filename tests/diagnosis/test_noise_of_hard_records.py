@@ -280,9 +280,52 @@ def test_a_zero_that_flickers_makes_means_before_the_injection_less_certain(rand
         rounded=lambda *_: 0.0,
     )
     law = noise.NoiseModel(np.full(2, size**2), 0.0, 0.0, 0.0, noise.Coloured(), 1.0, zero=zero)
-    assert noise.on_bins(law, instrument, np.ones((1, 2))).variance == pytest.approx(
+    assert noise.on_bins(law, instrument, np.ones((1, 2)), np.zeros(1)).variance == pytest.approx(
         size**2 * (1 / number + lasting[-1]), rel=1e-6
     )
+
+
+@pytest.mark.parametrize("size", [0.0, 3e-4, 1e-3])
+def test_gains_of_bands_that_flicker_apart_make_means_of_their_ratio_less_certain(random, size):
+    """A minute of a hot surface at 100 Hz, 0.2 % of noise from sample to sample, and each gain flickers."""
+    count, period, number, rough = 6000, 0.01, 200, 2e-3
+    used, phase = np.ones(count, dtype=bool), np.zeros(count, dtype=int)
+    level, gas = np.ones((count, 2)) * [2.0, 1.0], np.zeros((count, 2))
+    lasting, scatter = [], []
+    for _ in range(6):
+        apart = size * np.stack([pink(random, count) for _ in range(2)], axis=1)
+        wander = 0.01 * pink(random, count)[:, None]  # of both: a temperature, or a gain
+        relative = rough * random.standard_normal((count, 2)) + apart + wander
+        law = noise._gains(relative * level, level, gas, used, phase, period)
+        lasting.append(float(law.of_mean(number, period)))
+        means = apart.reshape(-1, number, 2).mean(axis=1)
+        scatter.append(np.var(means[2:] - 2 * means[1:-1] + means[:-2]) / 6)
+    found, true = np.sqrt(np.median(lasting)), np.sqrt(np.mean(scatter))
+    # 30 means tell little of what is below the rest of their noise, 1.4e-4.
+    assert true / 2 < found < 2 * true + 1.4e-4
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.02, 0.05])
+def test_frames_whose_times_jitter_are_as_uncertain_as_their_light_changes(random, jitter):
+    """Frames of 0.5 s of a surface that heats by 8 % a second at first, with 0.05 % of noise."""
+    time = np.arange(0.0, 120.0, 0.5)
+    rise = 0.08 * np.exp(-time / 30.0)
+    light = np.exp(np.cumsum(rise) * 0.5)[:, None] * np.linspace(1.0, 0.6, 30)
+    late = jitter * random.standard_normal(time.size)
+    noisy = light * (rise * late + 5e-4 * random.standard_normal(time.size))[:, None]
+    instrument = SimpleNamespace(kind="spectrometer", raw_moment=time[:, None] * np.ones(2))
+    law = noise.NoiseModel(0.0, 0.0, 0.0, 0.0, noise.Coloured(), 1.0, noise.Coloured(white=2.5e-7))
+    weight = 1e6 / light**2
+    used, phase = np.ones(time.size, dtype=bool), np.zeros(time.size, dtype=int)
+    found = noise._late(noisy, light, 0 * light, used, phase, instrument, weight, law)
+    assert found == pytest.approx(jitter, rel=0.5, abs=noise.JITTER["spectrometer"])
+    one = SimpleNamespace(
+        factor=None, channels=30, pixels=np.ones(30), raw_bin=np.arange(time.size),
+        number=np.ones(light.shape), value=light, raw_moment=instrument.raw_moment, time=time, rounded=lambda *_: 0.0,
+    )  # fmt: skip
+    row = noise.on_bins(noise.replace(law, late=0.02), one, light, phase).late
+    expected = 0.02 * rise[:, None] * light
+    assert row[2:-2] == pytest.approx(expected[2:-2], rel=0.02)  # of differences over 1 s of a curve
 
 
 def samples_with_memory(random, memory, count):

@@ -158,7 +158,10 @@ def renoised(model, solution):
         instruments.append(cleaned)
     slowest = max((law.flicker for law in found), key=lambda one: one.slower(0.0))
     found = [replace(law, flicker=law.flicker.with_memory_of(slowest)) for law in found]
-    bins = [noises.on_bins(*three) for three in zip(found, instruments, solution.prediction, strict=True)]
+    bins = [
+        noises.on_bins(*three, phase_of(three[1].time, model.off))
+        for three in zip(found, instruments, solution.prediction, strict=True)
+    ]
     # 1/f noise is as strong in each decade of time: a gas wanders as much as it flickers slowly.
     model = _restless(model, float(np.sqrt(slowest.slower(SLOW))))
     return model_with(model, instruments), tuple(found), bins

@@ -157,9 +157,9 @@ def coloured(one, other, error, chosen, phase, period, longest):
     return Coloured(float(found[0]), found[1:][kept], times[kept])
 
 
-def flickering(values, phase, period, usual):
+def flickering(values, phase, period, usual, longest=SLOWEST):
     r"""What lasts of noise as 1/f noise does, over the rest of it: one variance v in each octave of time
-    from a sample to `SLOWEST`.
+    from a sample to the `longest` [s].
 
     Third differences of means over 1, 2, 4, ... samples tell it, white noise of a mean falling as its number;
     v is the posterior mean, its logarithm before the data normal about the `usual` one, `LOOSE` wide.
@@ -179,9 +179,9 @@ def flickering(values, phase, period, usual):
     Source: A. van der Ziel, Physica 16 (1950) 359, on 1/f noise as a sum of memories; D. W. Allan,
     Proc. IEEE 54 (1966) 221, on differences of means.
     """
-    times = period * 2.0 ** np.arange(1 + max(int(np.log2(SLOWEST / period)), 1))
+    times = period * 2.0 ** np.arange(1 + max(int(np.log2(longest / period)), 1))
     rows, number = [], 1
-    while True:
+    while number * period <= longest:
         squares = []
         for one in np.unique(phase):
             own = values[phase == one]

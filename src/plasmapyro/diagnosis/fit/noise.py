@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import nnls
 
-from plasmapyro.diagnosis.fit.coloured import Coloured, coloured, flickering
+from plasmapyro.diagnosis.fit.coloured import CLIP as OUTLYING
+from plasmapyro.diagnosis.fit.coloured import OVERLAP, THIRD, Coloured, coloured, flickering
 from plasmapyro.diagnosis.fit.weights import Noise
 from plasmapyro.record import binning
 
@@ -25,8 +26,15 @@ LONGEST_FLICKER = 20.0  # [s] over which the gas flickers, not drifts
 SEEN_GAS = 0.03  # [1] error of the brightness of the gas of a frame that still tells of it
 SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
 BRIGHT, LITTLE = 0.6, 0.3  # [1], of the gas in the light: samples that tell how it flickers, how gains do
+CLEAR = 0.02  # [1], of the gas in the light: samples that show none of its flicker
+OF_HIGHEST = 0.1  # of a signal: samples that tell how gains flicker, fainter ones how amplifiers rustle
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
+OCTAVE = 1e-4  # [1] ASSUME: flicker of the gain of a band in each octave of time, to a factor of `LOOSE`
 CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
+# [s] ASSUME: times of samples that electronics takes, and of frames that a computer does, as its clock ticks;
+JITTER = {"pyrometer": 5e-4, "spectrometer": 5e-3}
+OF_PERIOD, JITTER_FREEDOM = 0.1, 2.0  # at most so much of the time between two; how sure that is
+LEAST_JITTER, JITTER_ROUNDS = 0.1, 5  # [1] of the usual one; rounds of weights by what was found
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
 START_CONSTANT = 0.05  # [1] and of the gas
 START_FLICKER = 0.01
@@ -39,7 +47,8 @@ class NoiseModel:
     from sample to sample (lag-1), `flicker` of the brightness of the gas, `gain` of all light; `tail`: the
     samples beyond 4 standard deviations over what a normal law has. `laws` (S, 3): a, b, c of each series of
     a furnace, whose exposures differ; a, b and c are then those of the last. `zero`: what is more than a of
-    the constant part, over a, and lasts, as 1/f noise of an amplifier does."""
+    the constant part, over a, and lasts, as 1/f noise of an amplifier does; `own`: 1/f noise of the gain of
+    each band [1]; `late` [s]: standard deviation of the times of samples."""
 
     constant: float | np.ndarray  # of each band its own: amplifiers have ranges of their own
     linear: float
@@ -50,6 +59,8 @@ class NoiseModel:
     gain: Coloured = Coloured()
     laws: np.ndarray | None = None
     zero: Coloured = Coloured()
+    own: Coloured = Coloured()
+    late: float = 0.0
 
     def variance(self, series, level, factor, pixels):
         """Variance (t, C) of single samples of some level, of series (t,)."""
@@ -119,7 +130,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
     -------
     NoiseModel, and residuals with the flicker of the gas taken out (t, C).
     """
-    laws, zero = None, Coloured()
+    laws, zero, each = None, Coloured(), Coloured()
     used = (instrument.raw_bin >= 0) & np.isfinite(residual).any(axis=1)
     same = np.zeros(used.size, dtype=bool)
     same[1:] = phase[1:] == phase[:-1]
@@ -134,13 +145,14 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
         own = (row / factor for row in (residual, prediction, gas))
         exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
         zero = _zero(*own, used, phase, period_of(instrument), exposure)
+        each = _gains(residual, prediction, gas, used, phase, period_of(instrument))
     elif series is not None and series.max() > 0:
         apart = [series == one for one in range(series.max() + 1)]
         given = residual, prediction, gas, used, phase
         parts = [_many(instrument, *(a[own] for a in given), factor, pixels, other_flicker) for own in apart]
-        each, memories, flickers, gains, lefts = zip(*parts, strict=True)
+        series_laws, memories, flickers, gains, lefts = zip(*parts, strict=True)
         flicker, gain = (max(them, key=lambda one: one.total) for them in (flickers, gains))
-        laws, law, memory = np.array(each), each[-1], float(np.mean(memories))
+        laws, law, memory = np.array(series_laws), series_laws[-1], float(np.mean(memories))
         left = np.concatenate(lefts)
     else:
         law, memory, flicker, gain, left = _many(
@@ -148,12 +160,14 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
         )
     one, _, place = differences(left, used)
     level = prediction[place]
-    found = NoiseModel(*law, memory, flicker, 1.0, gain, laws, zero)
+    found = NoiseModel(*law, memory, flicker, 1.0, gain, laws, zero, each)
     series = np.zeros(used.size, dtype=int) if series is None else series
     sigma = np.sqrt(np.maximum(found.variance(series[place], level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
     tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
-    return replace(found, tail=float(tail)), left
+    weight = 1 / np.maximum(found.variance(series, prediction, factor, pixels), 1e-300)
+    late = _late(residual, prediction, gas, used, phase, instrument, weight, found)
+    return replace(found, tail=float(tail), late=late), left
 
 
 def period_of(instrument):
@@ -196,7 +210,7 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     share = gas / np.maximum(prediction, 1e-30)
     relative = residual / np.maximum(prediction, 1e-30)
     bright = used & (share.min(axis=1) > BRIGHT)
-    clear = used & (share.max(axis=1) < 0.02)
+    clear = used & (share.max(axis=1) < CLEAR)
     of_gas, light = relative / np.maximum(share, 1e-9), Coloured()
     each = _halves(of_gas)
     lit = _lit(share, used)
@@ -276,6 +290,70 @@ def _zero(residual, prediction, gas, used, phase, period, exposure):
     apart = np.subtract(*(residual[:, pair] / np.maximum(gas[:, pair], 1e-30)).T)
     chosen = used & (share[:, pair].min(axis=1) > BRIGHT) & np.isfinite(apart)
     return flickering(apart[chosen], phase[chosen], period, 2 * np.log(2) * CORNER * exposure)
+
+
+def _gains(residual, prediction, gas, used, phase, period):
+    """1/f noise of the gain of each band, by itself, as long as a temperature or a wandering gain does not
+    follow it: from what bands do not share of light that is bright and not the gas's."""
+    bands = residual.shape[1]
+    if bands == 1:
+        return Coloured()
+    bright = (prediction > OF_HIGHEST * np.nanmax(prediction, axis=0)).all(axis=1)
+    relative = residual / np.maximum(prediction, 1e-30)
+    chosen = used & bright & np.isfinite(relative).all(axis=1)
+    chosen &= (gas < CLEAR * np.maximum(prediction, 1e-30)).all(axis=1)
+    if not chosen.any():
+        return Coloured()
+    apart = (relative - relative.mean(axis=1, keepdims=True))[chosen] / np.sqrt(1 - 1 / bands)
+    rough = np.maximum(clipped_variance(np.diff(apart, axis=0), axis=0) / 2, LEAST_NOISE**2)
+    laws = [
+        flickering(row, phase[chosen], period, OCTAVE**2 / size, LONGEST_LAG).scaled(size)
+        for row, size in zip(apart.T, rough, strict=True)
+    ]
+    of_all = [law for law in laws if law.remembers]
+    if not of_all:
+        return Coloured()
+    return replace(of_all[0], variance=np.mean([law.variance for law in of_all], axis=0))
+
+
+def slope_of(light, time, phase):
+    """How fast light (t, C) changes, each phase for itself [1/s of its unit]."""
+    slope = np.zeros(light.shape)
+    for one in np.unique(phase):
+        own = np.flatnonzero(phase == one)
+        if own.size > 1:
+            slope[own] = np.gradient(light[own], time[own], axis=0)
+    return slope
+
+
+def _late(residual, prediction, gas, used, phase, instrument, weight, law):
+    r"""Standard deviation [s] of the times of samples: by how much more their light as a whole scatters where
+    it changes fast.
+
+    Third differences d of it over consecutive samples have the variance :math:`b + \sigma^2 s`, b of noise,
+    gain and flicker, s of the squares of the rates; the mean of :math:`(d^2 - b)/s` is pooled with `JITTER`.
+    """
+    usual = min(JITTER[instrument.kind], OF_PERIOD * period_of(instrument))
+    weight = np.where(np.isfinite(residual), weight, 0.0)
+    whole = np.maximum(np.sum(weight * prediction**2, axis=1), 1e-300)
+    slope = slope_of(prediction, instrument.raw_moment.mean(axis=1), phase)
+    level, rate, share = (
+        np.sum(weight * prediction * row, axis=1) / whole for row in (np.nan_to_num(residual), slope, gas)
+    )
+    variance = 1 / whole + law.gain.total + law.flicker.total * share**2 + law.own.total / prediction.shape[1]
+    chosen = used & (phase == np.roll(phase, 3))
+    four = np.flatnonzero(np.convolve(chosen, np.ones(4), "valid") > 3.5) + np.arange(4)[:, None]
+    if not four.size:
+        return usual
+    square, base, fast = (THIRD @ level[four]) ** 2, THIRD**2 @ variance[four], THIRD**2 @ rate[four] ** 2
+    fast, found = np.maximum(fast, 1e-300), usual**2
+    for _ in range(JITTER_ROUNDS):
+        told = (fast * found / (fast * found + base)) ** 2
+        scaled = square / (base + fast * found)
+        told = np.where(scaled <= OUTLYING * np.median(scaled), told, 0.0) / OVERLAP
+        excess = JITTER_FREEDOM * usual**2 + np.sum(told * (square - base) / fast)
+        found = max(excess / (JITTER_FREEDOM + told.sum()), (LEAST_JITTER * usual) ** 2)
+    return float(np.sqrt(found))
 
 
 def _least_memory(count):
@@ -406,8 +484,8 @@ def _memory(residual, prediction, used, law, factor, pixels):
     return memory if memory > LEAST_MEMORY else 0.0
 
 
-def on_bins(model_noise, instrument, prediction):
-    """`Noise` of the bins of an instrument, from that of its samples."""
+def on_bins(model_noise, instrument, prediction, phase):
+    """`Noise` of the bins of an instrument in phases (n,), from that of its samples."""
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     pixels = instrument.pixels
     own = instrument.raw_bin >= 0
@@ -419,10 +497,17 @@ def on_bins(model_noise, instrument, prediction):
     if model_noise.zero.remembers:
         lasting = model_noise.zero.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
         variance += sample_variance(model_noise.constant, 0.0, 0.0, prediction, factor, pixels) * lasting
+    if model_noise.own.remembers:
+        own_gain = model_noise.own.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
+        variance += prediction**2 * own_gain
     variance += instrument.rounded(prediction, samples)
     mean_samples = np.maximum(instrument.number.max(axis=1), 1)
     shared = (
         FLICKER_MARGIN * law.of_mean(mean_samples, period_of(instrument))
         for law in (model_noise.flicker, model_noise.gain)
     )
-    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), *shared)
+    late = 0.0
+    if model_noise.late:
+        of_mean = model_noise.late / np.sqrt(mean_samples)[:, None]
+        late = of_mean * slope_of(prediction, instrument.time, phase)
+    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), *shared, late)

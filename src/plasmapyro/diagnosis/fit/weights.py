@@ -8,18 +8,20 @@ import numpy as np
 @dataclass(frozen=True)
 class Noise:
     """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and what the
-    channels of a bin share, (n,) [1]: that of the brightness of the gas, `flicker`, of all light, `gain`."""
+    channels of a bin share, (n,) [1]: that of the brightness of the gas, `flicker`, of all light, `gain`; and
+    `late` (n, C), what light changes by within the standard deviation of the time of a bin."""
 
     variance: np.ndarray
     flicker: np.ndarray
     gain: np.ndarray | float = 0.0
+    late: np.ndarray | float = 0.0
 
 
 class Weigher:
     r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + U U^T` per bin.
 
-    The columns of U are what the channels of a bin share: the gas (n, C) times the root of its flicker, and
-    the value (n, C) times that of the gain, if this has any.
+    The columns of U are what the channels of a bin share: the gas (n, C) times the root of its flicker, the
+    value (n, C) times that of the gain, and what a time that is uncertain does, if there is any.
 
     Notes
     -----
@@ -31,6 +33,8 @@ class Weigher:
         shared = [np.sqrt(noise.flicker)[:, None] * gas]
         if np.any(noise.gain):
             shared.append(np.sqrt(noise.gain)[:, None] * value)
+        if np.any(noise.late):
+            shared.append(noise.late)
         shared = np.stack(shared, axis=1)
         self.shared = self.weight[:, None] * shared  # (n, r, C)
         size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)
