@@ -19,8 +19,8 @@ class ResponseErrors:
     """
 
     def __init__(self, change, seen, black, points):
-        """`change`: of instruments and T (N,) [K] -> D (N, C, K); `seen`, `black`: those before the surface and
-        before the black body of the calibration, whose bands (C,) saw the `points` (P, C) [K]."""
+        """`change`: of instruments and T (N,) [K] -> D (N, C, K); `seen`, `black`: those before the surface,
+        and before the black body of the calibration, whose bands (C,) saw the `points` (P, C) [K]."""
         low, high = TABLE_TEMPERATURES
         self._inverse = np.linspace(1 / high, 1 / low, TABLE_POINTS)
         absorbed = [change(black, column)[:, band].mean(axis=0) for band, column in enumerate(points.T)]
