@@ -129,35 +129,24 @@ def wanted(section, names, kinds=(), needed=(), files=False):
 
 def to_si(path, column, values, stated, line=None):
     """Values of a column in SI; `stated` is the unit the file itself gives, or None."""
-    if stated and units.factor(stated, column.name) is None:
+
+    def conversion(unit):
+        return units.factor(unit, column.name), units.offset(unit)
+
+    name, remedy = quote(column.header), f"state its `unit` beside its name: {units.known(column.name)}"
+    if stated and conversion(stated)[0] is None:
         if column.unit is None:
-            refuse(
-                path,
-                f"column {quote(column.header)} is in {quote(stated)}, which is no unit of {column.name}",
-                f"state its `unit` beside its name: {units.known(column.name)}",
-                line,
-            )
+            what = f"column {name} is in {quote(stated)}, which is no unit of {column.name}"
+            refuse(path, what, remedy, line)
         stated = None
     unit = column.unit or stated or ("1" if units.is_ratio(column.name) else None)
     if unit is None:
-        refuse(
-            path,
-            f"the unit of column {quote(column.header)} is not known",
-            f"state its `unit` beside its name: {units.known(column.name)}",
-            line,
-        )
-    if stated and column.unit and _conversion(stated, column) != _conversion(column.unit, column):
-        refuse(
-            path,
-            f"column {quote(column.header)} says {quote(stated)}, test.yaml says {quote(column.unit)}",
-            "correct the one that is wrong",
-            line,
-        )
-    return values * (units.factor(unit, column.name) * column.scale) + units.offset(unit)
-
-
-def _conversion(unit, column):
-    return units.factor(unit, column.name), units.offset(unit)
+        refuse(path, f"the unit of column {name} is not known", remedy, line)
+    if stated and conversion(stated) != conversion(unit):
+        what = f"column {name} says {quote(stated)}, test.yaml says {quote(unit)}"
+        refuse(path, what, "correct the one that is wrong", line)
+    factor, added = conversion(unit)
+    return values * (factor * column.scale) + added
 
 
 def read_table(path, columns, delimiter=None, decimal=None):
@@ -211,22 +200,22 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             result[name] = to_si(path, columns[name], values, stated[name], start + 1)
         return result
     nameless = all(NUMBERED.fullmatch(column.header) for column in columns.values())
-    numbers, rows, faults = _rows(path, lines, start, mark, nameless)
+    rows, faults = _rows(path, lines, start, mark, nameless)
     try:
         require_end(path, lines, ended)
     except Refusal as reason:
         faults += reason.messages
-    if not numbers and not faults:
+    if not rows and not faults:
         refuse(path, "holds a header and no data", "export the data again", start + 1)
     needed = max(places.values())
     faults += [
         fault(path, f"{len(row)} cells, column {needed + 1} is needed", "restore or remove the line", line)
-        for row, line in zip(rows, numbers, strict=True)
+        for line, row in rows
         if len(row) <= needed
     ]
-    kept = [(row, line) for row, line in zip(rows, numbers, strict=True) if len(row) > needed]
-    numbers = [line for _, line in kept]
-    cells = {name: [row[place] for row, _ in kept] for name, place in places.items()}
+    rows = [(line, row) for line, row in rows if len(row) > needed]
+    numbers = [line for line, _ in rows]
+    cells = {name: [row[place] for _, row in rows] for name, place in places.items()}
     if stamped and stamped.beside():
         keys = ("time", *stamped.beside())
         rows = zip(*(cells[key] for key in keys), strict=True)
@@ -253,7 +242,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             if decimal or not set(words[i]) <= SIGNS  # those the sign that was left open decides
         ]
         try:
-            known = np.array([np.nan if value is None else value for value in values], dtype=float)
+            known = np.array(values, dtype=float)  # NaN for None
             if name != "time":
                 known[np.isin(known, FILLS)] = np.nan
             result[name] = to_si(path, columns[name], known, stated[name], start + 1)
@@ -290,7 +279,7 @@ def _plain(lines, start, mark, decimal):
 
 
 def _rows(path, lines, start, mark, nameless=False):
-    """Line numbers and cells of the rows below the header; rows of another length are faults.
+    """Line number and cells of each row below the header; rows of another length are faults.
 
     A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
     most rows have. Empty cells beyond the header are those of a final delimiter.
@@ -300,32 +289,27 @@ def _rows(path, lines, start, mark, nameless=False):
     if remark or not names.strip() or len(split(names, mark)) < 2:  # a table without names
         names = next((line for line in lines[start + 1 :] if line.strip()), "")
     header = without_empty_end(split(names, mark))
-    numbers, rows = [], []
-    for index in range(start + 1, len(lines)):
-        again = start >= 0 and lines[index].strip() == lines[start].strip()  # of a further block
-        if lines[index].strip() and not again and not is_remark(lines[index]):
-            numbers.append(index + 1)
-            rows.append(split(lines[index], mark))
-    widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
+    again = {"", *([lines[start].strip()] if start >= 0 else [])}  # or that of a further block
+    rows = [
+        (number, split(line, mark))
+        for number, line in enumerate(lines[start + 1 :], start + 2)
+        if line.strip() not in again and not is_remark(line)
+    ]
+    widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for _, row in rows]
     # A named last column that no row or few rows fill is one for remarks.
     usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
     least, most = min(usual, len(header)), max(len(header), len(split(names, mark)))
     faults = [
         fault(path, f"{width} cells, the header has {len(header)}", "restore or remove the line", line)
-        for width, line in zip(widths, numbers, strict=True)
+        for width, (line, _) in zip(widths, rows, strict=True)
         if width < least or width > most
     ]
     if mark == "," and widths and min(widths) >= 2 * most - 1 > 1:
         what = (
             f"{min(widths)} cells in all rows, the header has {len(header)}: commas in the numbers as well?"
         )
-        faults = [fault(path, what, "export with decimal points, or with ';' between the cells", numbers[0])]
-    good = [least <= width <= most for width in widths]
-    return (
-        [line for line, kept in zip(numbers, good, strict=True) if kept],
-        [row for row, kept in zip(rows, good, strict=True) if kept],
-        faults,
-    )
+        faults = [fault(path, what, "export with decimal points, or with ';' between the cells", rows[0][0])]
+    return [row for row, width in zip(rows, widths, strict=True) if least <= width <= most], faults
 
 
 def _unstated_stamps(path, words, numbers):
