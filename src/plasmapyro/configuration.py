@@ -187,6 +187,7 @@ def check_together(config, conditions, tests):
         "figures.field_condition": [config["figures"]["field_condition"]],
         "analysis.transient.conditions": config["analysis"]["transient"]["conditions"],
     }
+    twins = {name: test["twin"] for name, test in tests.items() if "twin" in test}
     wanted = {
         "claims.conditions": paper,
         **shown,
@@ -196,12 +197,8 @@ def check_together(config, conditions, tests):
             f"readings.{name}.condition": [one["condition"]]
             for name, one in config.get("readings", {}).items()
         },
-        **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
-        **{
-            f"twin.condition of test {name}": [test["twin"]["condition"]]
-            for name, test in tests.items()
-            if "twin" in test
-        },
+        **{f"twin.gas of test {name}": twin["gas"] for name, twin in twins.items()},
+        **{f"twin.condition of test {name}": [twin["condition"]] for name, twin in twins.items()},
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     if "bands" not in config["instrument"]:  # tests of another instrument show no claim of the paper
