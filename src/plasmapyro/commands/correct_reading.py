@@ -148,8 +148,8 @@ def read_readings(path, slope=1.0):
 def summary(result):
     """Lines that say what came out."""
     status = result.corrected_reading_status.values
-    lines = [f"{int((status == code).sum())} {words.replace('_', ' ')}" for code, words in STATUS.items()]
-    lines = [line for line in lines if not line.startswith("0 ")]
+    held = {words.replace("_", " "): int((status == code).sum()) for code, words in STATUS.items()}
+    lines = [f"{count} {words}" for words, count in held.items() if count]
     error = (result.apparent_temperature - result.surface_temperature).values
     if np.isfinite(error).any():
         lines.append(
