@@ -200,22 +200,22 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             result[name] = to_si(path, columns[name], values, stated[name], start + 1)
         return result
     nameless = all(NUMBERED.fullmatch(column.header) for column in columns.values())
-    rows, faults = _rows(path, lines, start, mark, nameless)
+    numbers, rows, faults = _rows(path, lines, start, mark, nameless)
     try:
         require_end(path, lines, ended)
     except Refusal as reason:
         faults += reason.messages
-    if not rows and not faults:
+    if not numbers and not faults:
         refuse(path, "holds a header and no data", "export the data again", start + 1)
     needed = max(places.values())
     faults += [
         fault(path, f"{len(row)} cells, column {needed + 1} is needed", "restore or remove the line", line)
-        for line, row in rows
+        for row, line in zip(rows, numbers, strict=True)
         if len(row) <= needed
     ]
-    rows = [(line, row) for line, row in rows if len(row) > needed]
-    numbers = [line for line, _ in rows]
-    cells = {name: [row[place] for _, row in rows] for name, place in places.items()}
+    kept = [(row, line) for row, line in zip(rows, numbers, strict=True) if len(row) > needed]
+    numbers = [line for _, line in kept]
+    cells = {name: [row[place] for row, _ in kept] for name, place in places.items()}
     if stamped and stamped.beside():
         keys = ("time", *stamped.beside())
         rows = zip(*(cells[key] for key in keys), strict=True)
@@ -279,7 +279,7 @@ def _plain(lines, start, mark, decimal):
 
 
 def _rows(path, lines, start, mark, nameless=False):
-    """Line number and cells of each row below the header; rows of another length are faults.
+    """Line numbers and cells of the rows below the header; rows of another length are faults.
 
     A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
     most rows have. Empty cells beyond the header are those of a final delimiter.
@@ -289,27 +289,32 @@ def _rows(path, lines, start, mark, nameless=False):
     if remark or not names.strip() or len(split(names, mark)) < 2:  # a table without names
         names = next((line for line in lines[start + 1 :] if line.strip()), "")
     header = without_empty_end(split(names, mark))
-    again = {"", *([lines[start].strip()] if start >= 0 else [])}  # or that of a further block
-    rows = [
-        (number, split(line, mark))
-        for number, line in enumerate(lines[start + 1 :], start + 2)
-        if line.strip() not in again and not is_remark(line)
-    ]
-    widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for _, row in rows]
+    numbers, rows = [], []
+    for index in range(start + 1, len(lines)):
+        again = start >= 0 and lines[index].strip() == lines[start].strip()  # of a further block
+        if lines[index].strip() and not again and not is_remark(lines[index]):
+            numbers.append(index + 1)
+            rows.append(split(lines[index], mark))
+    widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
     # A named last column that no row or few rows fill is one for remarks.
     usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
     least, most = min(usual, len(header)), max(len(header), len(split(names, mark)))
     faults = [
         fault(path, f"{width} cells, the header has {len(header)}", "restore or remove the line", line)
-        for width, (line, _) in zip(widths, rows, strict=True)
+        for width, line in zip(widths, numbers, strict=True)
         if width < least or width > most
     ]
     if mark == "," and widths and min(widths) >= 2 * most - 1 > 1:
         what = (
             f"{min(widths)} cells in all rows, the header has {len(header)}: commas in the numbers as well?"
         )
-        faults = [fault(path, what, "export with decimal points, or with ';' between the cells", rows[0][0])]
-    return [row for row, width in zip(rows, widths, strict=True) if least <= width <= most], faults
+        faults = [fault(path, what, "export with decimal points, or with ';' between the cells", numbers[0])]
+    good = [least <= width <= most for width in widths]
+    return (
+        [line for line, kept in zip(numbers, good, strict=True) if kept],
+        [row for row, kept in zip(rows, good, strict=True) if kept],
+        faults,
+    )
 
 
 def _unstated_stamps(path, words, numbers):
