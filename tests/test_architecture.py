@@ -54,7 +54,7 @@ MAY_IMPORT = {  # physics groups; every group may also import BASE and itself
     "claims": {"analysis", "diagnosis", "instrument", "radiation"},  # a worked example of the diagnosis
     "facility": {"gas", "flow", "sightline", "diagnosis"},  # of the last: probabilities of names
     "plots": {"contracts", "io"},
-    "report": set(),
+    "report": {"page", "record"},  # its environment of templates; words of a status
     "cfd": {"gas", "sightline", "readers", "configuration", "io"},  # files of other programs in, ours out
     "commands": {  # behind the command line
         "cli",

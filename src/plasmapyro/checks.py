@@ -55,6 +55,12 @@ def fraction(name, value):
     return number
 
 
+def counted(codes, meanings):
+    """How many there are of each code, in words such as '12 valid, 3 missing'; `meanings`: code -> word."""
+    found = ((int(np.sum(codes == code)), word) for code, word in meanings.items())
+    return ", ".join(f"{count} {word}" for count, word in found if count)
+
+
 def flags(meanings):
     """CF attributes of a variable of status codes: mapping of code -> word, without blanks."""
     return {

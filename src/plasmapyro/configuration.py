@@ -12,7 +12,7 @@ from jsonschema.validators import extend
 from referencing import Registry
 from referencing.jsonschema import DRAFT202012
 
-from plasmapyro.foreign import printable, quote, unfit
+from plasmapyro.foreign import Strict, printable, quote, unfit
 from plasmapyro.gas.species import AIR
 
 LARGEST_FILE = 250_000  # [byte]
@@ -28,24 +28,8 @@ class ConfigurationError(ValueError):
     """A configuration does not fit its schema; the message lists every fault."""
 
 
-class _Loader(yaml.SafeLoader):
-    """Safe; refuses a key that is given twice, and aliases, of which a short file can make a huge one."""
-
-    def compose_node(self, parent, index):
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.composer.ComposerError(
-                None, None, "aliases (*name) are not taken; write the value out", self.peek_event().start_mark
-            )
-        return super().compose_node(parent, index)
-
-    def construct_mapping(self, node, deep=False):
-        keys = [self.construct_object(key, deep=True) for key, _ in node.value]
-        twice = [key for place, key in enumerate(keys) if key in keys[:place]]
-        if twice:
-            raise yaml.constructor.ConstructorError(
-                None, None, f"key '{twice[0]}' is given twice", node.start_mark
-            )
-        return super().construct_mapping(node, deep)
+class _Loader(Strict, yaml.SafeLoader):
+    """Safe and strict."""
 
 
 def _rising(_, count, instance, __):
@@ -78,8 +62,6 @@ def read(path):
         raise ConfigurationError(f"{path}: {'; '.join(found)}")
     try:
         return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
-    except RecursionError:
-        raise ConfigurationError(f"{path}: not readable as YAML: nested too deeply") from None
     except Exception as fault:  # a tag on a word that it does not fit (`!!int ''`) breaks the parser anywhere
         words = (
             fault
@@ -187,6 +169,7 @@ def check_together(config, conditions, tests):
         "figures.field_condition": [config["figures"]["field_condition"]],
         "analysis.transient.conditions": config["analysis"]["transient"]["conditions"],
     }
+    twins = {name: test["twin"] for name, test in tests.items() if "twin" in test}
     wanted = {
         "claims.conditions": paper,
         **shown,
@@ -196,12 +179,8 @@ def check_together(config, conditions, tests):
             f"readings.{name}.condition": [one["condition"]]
             for name, one in config.get("readings", {}).items()
         },
-        **{f"twin.gas of test {name}": test["twin"]["gas"] for name, test in tests.items() if "twin" in test},
-        **{
-            f"twin.condition of test {name}": [test["twin"]["condition"]]
-            for name, test in tests.items()
-            if "twin" in test
-        },
+        **{f"twin.gas of test {name}": twin["gas"] for name, twin in twins.items()},
+        **{f"twin.condition of test {name}": [twin["condition"]] for name, twin in twins.items()},
     }
     faults = [_unknown(key, name, conditions) for key, names in wanted.items() for name in names]
     if "bands" not in config["instrument"]:  # tests of another instrument show no claim of the paper

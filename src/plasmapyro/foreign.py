@@ -3,6 +3,8 @@
 from contextlib import contextmanager
 from pathlib import Path
 
+import yaml
+
 try:
     import resource
 except ImportError:  # Windows sets no such limits
@@ -15,6 +17,7 @@ LARGEST_RATIO = 20  # of what is claimed to the size of a larger file; real meas
 HDF5_SIGNATURE = b"\x89HDF"
 SHOWN = 60  # characters of a cell that a message quotes
 TOLD = 300  # characters of what a library says of a file
+DEEPEST = 12  # nested levels of a YAML file
 PACKED = "no measurement packs so well, or it is damaged: save it again without compression"
 
 
@@ -59,6 +62,32 @@ def unfit(path, largest):
             "split it, or cut it to the part that is needed",
         )
     return None
+
+
+class Strict:
+    """Makes a loader of PyYAML refuse aliases, of which a short file can make a huge one, a key that is given
+    twice, and deep nesting."""
+
+    depth = 0
+
+    def compose_node(self, parent, index):
+        alias, mark = self.check_event(yaml.AliasEvent), self.peek_event().start_mark
+        self.depth += 1
+        if alias or self.depth > DEEPEST:
+            what = "aliases (*name) are not taken; write the value out" if alias else "nested too deeply"
+            raise yaml.MarkedYAMLError(problem=what, problem_mark=mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def construct_mapping(self, node, deep=False):
+        known = set()
+        for key, _ in node.value:
+            word = repr(self.construct_object(key, deep=True))
+            if word in known:
+                raise yaml.MarkedYAMLError(problem=f"key {word} is given twice", problem_mark=key.start_mark)
+            known.add(word)
+        return super().construct_mapping(node, deep)
 
 
 @contextmanager

@@ -37,12 +37,14 @@ def test_fits_in_the_table_are_those_without_it(ends, temperature):
     table = curves.local_curves(wavelength, temperature * 1.02)
     every = np.broadcast_to(usable, drawn.shape)
     found = curves.fit_normalised_near(table, drawn, usable, pivot, temperature * 1.02)
-    expected = spectra.fit_normalised(wavelength, drawn, every, pivot, RANGE)
+    expected = spectra.fit_normalised(wavelength, drawn, every, pivot, RANGE, np.array([1300.0]))
     assert np.isfinite(found).sum() > 20
     inside = np.isfinite(found)
     np.testing.assert_allclose(found[inside], expected[inside], rtol=SETTLED)
     found, scale = curves.fit_scaled_near(table, drawn, noise, usable, temperature * 1.02)
-    expected, factor = spectra.fit_scaled(wavelength, drawn, np.tile(noise, (30, 1)), every, RANGE)
+    expected, factor = spectra.fit_scaled(
+        wavelength, drawn, np.tile(noise, (30, 1)), every, RANGE, np.array([1300.0])
+    )
     assert np.isfinite(found).all()
     np.testing.assert_allclose(found, expected, rtol=SETTLED)
     np.testing.assert_allclose(scale, factor, rtol=40 * SETTLED)  # L goes as T^(c_2 / lambda T)

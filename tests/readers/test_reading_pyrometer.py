@@ -269,8 +269,8 @@ def test_a_tdms_file_takes_no_more_memory_than_its_size_allows(tmp_path):
 
 YAML = {
     "an unknown key": ("pyrometr:\n  file: x\n", "did you mean 'pyrometer'"),
-    "an alias bomb": ("a: &a [x, x]\nb: *a\n", "aliases are not allowed"),
-    "a repeated key": ("pyrometer:\n  file: a\n  file: b\n", "key 'file' stands twice"),
+    "an alias bomb": ("a: &a [x, x]\nb: *a\n", "aliases (*name) are not taken"),
+    "a repeated key": ("pyrometer:\n  file: a\n  file: b\n", "key 'file' is given twice"),
     "an outside file": ("pyrometer:\n  file: ../secret.csv\n", "must name a file inside the test folder"),
     "a deep nest": ("a: " + "[" * 40 + "]" * 40 + "\n", "nested too deeply"),
     "a tag": ("a: !!python/object/apply:os.system [ls]\n", "a is not a known key"),

@@ -56,8 +56,7 @@ class Spectra:
         above = int(np.clip(np.searchsorted(self.power, power), 1, self.power.size - 1))
         low, high = np.log(self.power[above - 1 : above + 1])
         share = (np.log(power) - low) / (high - low)
-        pair = np.maximum(self.radiance[above - 1 : above + 1], 1e-30)
-        return np.exp((1 - share) * np.log(pair[0]) + share * np.log(pair[1]))
+        return light.between(share, *self.radiance[above - 1 : above + 1])
 
 
 def spectra(datasets, powers):
@@ -99,17 +98,11 @@ class Gas:
 
     def hotter(self, change):
         """Spectrum (B,) at temperatures T (1 + change) in the hot gas, in equilibrium at this pressure."""
-        mean = self._mean_temperature()
-        energy = np.linspace(LEVELS[0], LEVELS[1], 12)
-        gain = [np.log(self._heating("N2 1P", one, change)) for one in energy]
 
-        def factor(vibration, rotation):
-            return np.exp(np.interp(vibration + rotation, energy, gain))
+        def factor(system, energy):
+            return self._heating(system, energy, change)
 
-        return self._with_factors(
-            lambda system, energy: self._heating(system, energy, change),
-            nitrogen.change(self.centres, mean, factor),
-        )
+        return self._with_factors(factor, self._changed_bands(factor))
 
     def rippled(self, amplitude):
         """Spectrum (B,) averaged over a sinusoidal ripple of the temperature."""
@@ -157,15 +150,7 @@ class Gas:
 
         ASSUME: what absorbs a line emits it too, mixed evenly; what lies in one or two bins is one line.
         """
-        mean = self._mean_temperature()
-        energy = np.linspace(LEVELS[0], LEVELS[1], 12)
-        gain = [np.log(self.view.mean(self._brighter("N2 1P", one))) for one in energy]
-
-        def factor(vibration, rotation):
-            return np.exp(np.interp(vibration + rotation, energy, gain))
-
-        bands = nitrogen.change(self.centres, mean, factor)
-        found = np.zeros(self.centres.size)
+        bands, found = self._changed_bands(self._all_around), np.zeros(self.centres.size)
         for row, system in enumerate(self.systems):
             if system in ATOMS:
                 found += self._falling_lines(system, self.radiance[row], left)
@@ -174,6 +159,16 @@ class Gas:
             else:
                 found += self.radiance[row] * self._by_level(system, self._all_around)
         return found
+
+    def _changed_bands(self, factor):
+        """How the bands of N2 1P change (B,) by factor(system, energy)."""
+        energy = np.linspace(LEVELS[0], LEVELS[1], 12)
+        gain = [np.log(factor("N2 1P", one)) for one in energy]
+
+        def of_level(vibration, rotation):
+            return np.exp(np.interp(vibration + rotation, energy, gain))
+
+        return nitrogen.change(self.centres, self._mean_temperature(), of_level)
 
     @cached_property
     def _along(self):

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from twin.plasma import remembered
+
 
 def _louder(factor):
     def apply(scene):
@@ -26,11 +28,7 @@ def _remembering(rho):
 
     def draw(random, shape, axis):
         kicks = np.moveaxis(random.standard_normal(shape), axis, 0)
-        noise = np.empty_like(kicks)
-        noise[0] = kicks[0]
-        for index in range(1, len(kicks)):
-            noise[index] = rho * noise[index - 1] + np.sqrt(1 - rho**2) * kicks[index]
-        return np.moveaxis(noise, 0, axis)
+        return np.moveaxis(remembered(kicks, rho), 0, axis)
 
     return lambda scene: replace(scene, draw=draw)
 

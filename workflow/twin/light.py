@@ -15,6 +15,12 @@ def planck(wavelength, temperature):
     return 2 * H * C * C / np.asarray(wavelength) ** 5 / np.expm1(energy)
 
 
+def between(share, first, second):
+    """Spectrum at a share of the way from one to another, linear in the logarithms."""
+    low, high = (np.log(np.maximum(one, 1e-30)) for one in (first, second))
+    return np.exp((1 - share) * low + share * high)
+
+
 def bins(low, high, size):
     """Edges (B+1,) and centres (B,) of equal bins of at most `size` between two wavelengths [m]."""
     edges = np.linspace(low, high, int(np.ceil((high - low) / size)) + 1)

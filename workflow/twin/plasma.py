@@ -19,15 +19,19 @@ class Plasma:
     decay_time: float = 0.02  # [s] after switching off
 
 
+def remembered(kicks, memory):
+    """First-order autoregressive noise (t, ...) of the same variance as its independent kicks."""
+    noise = kicks.copy()
+    for index in range(1, len(kicks)):
+        noise[index] = memory * noise[index - 1] + np.sqrt(1 - memory**2) * kicks[index]
+    return noise
+
+
 def brightness(plasma, time, plasma_off_time, random):
     """Brightness (t,) over that of the simulated gas, on equally spaced times (t,) [s]."""
     step = time[1] - time[0]
     memory = np.exp(-step / plasma.flicker_time)
-    kicks = random.standard_normal(time.size) * plasma.flicker
-    wander = np.empty(time.size)
-    wander[0] = kicks[0]
-    for index in range(1, time.size):
-        wander[index] = memory * wander[index - 1] + np.sqrt(1 - memory**2) * kicks[index]
+    wander = remembered(random.standard_normal(time.size) * plasma.flicker, memory)
     exposure = np.clip(time / plasma_off_time, 0, 1)
     wave = np.sin(2 * np.pi * np.maximum(time, 0) / plasma.swing_period)
     slow = plasma.drift * exposure + plasma.swing * wave

@@ -9,6 +9,7 @@ from datetime import date
 import numpy as np
 import xarray as xr
 
+from twin import light
 from twin.campaign import Scene
 from twin.sample import Sample
 
@@ -111,8 +112,7 @@ def gas(radiation, power):
     above = int(np.clip(np.searchsorted(powers, power), 1, powers.size - 1))
     low, high = powers[above - 1 : above + 1]
     share = np.log(power / low) / np.log(high / low)
-    pair = [np.log(np.maximum(radiation[one].gas_radiance.values, 1e-30)) for one in (low, high)]
-    light = np.exp((1 - share) * pair[0] + share * pair[1])
+    found = light.between(share, *(radiation[one].gas_radiance.values for one in (low, high)))
     return xr.Dataset(
-        {"gas_radiance": ("wavelength", light)}, {"wavelength": radiation[low].wavelength.values}
+        {"gas_radiance": ("wavelength", found)}, {"wavelength": radiation[low].wavelength.values}
     )

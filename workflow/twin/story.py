@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from twin import gas, hidden, incident
+from twin import gas, hidden, incident, light
 from twin.campaign import Scene
 
 BOLTZMANN = 1.380649e-23
@@ -59,9 +59,9 @@ def at_power(change, own, beside):
             f"no simulation lies beyond {_power(own) / 1e3 * (1 + change):g} kW of the power hidden at"
             f" {_power(own) / 1e3:g} kW"
         )
-    first, second = (np.log(np.maximum(one["gas_radiance_component"], 1e-30)) for one in (own, other))
-    light = np.exp((1 - share) * first + share * second.values)
-    return own.assign(gas_radiance_component=light, gas_radiance=light.sum("component"))
+    own_light, others = own["gas_radiance_component"], other["gas_radiance_component"].values
+    found = light.between(share, own_light, others)
+    return own.assign(gas_radiance_component=found, gas_radiance=found.sum("component"))
 
 
 def _power(dataset):

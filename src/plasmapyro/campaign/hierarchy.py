@@ -187,10 +187,6 @@ class Joint:
         at = self.index[name]
         return float(self.mean[at]), float(np.sqrt(self.covariance[at, at]))
 
-    def has(self, name):
-        """Whether there is such a number."""
-        return name in self.index
-
 
 class Campaign:
     """Tests in the order of their dates, the next one among them if it has no data."""

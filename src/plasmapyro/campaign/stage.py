@@ -189,7 +189,7 @@ def _pull(with_it, without, name):
 
 def law_of(joint, test, names):
     """`Normal` law of those numbers of a test that the campaign has."""
-    names = [name for name in names if joint.has(f"{name} {test}")]
+    names = [name for name in names if f"{name} {test}" in joint.index]
     at = [joint.index[f"{name} {test}"] for name in names]
     return Normal(tuple(names), joint.mean[at], joint.covariance[np.ix_(at, at)])
 

@@ -121,13 +121,15 @@ def table(zones, mapping, path):
         )
     rows = len(next(iter(zone.point_data.values()), ()))
     for quantity, source in wanted_names(mapping).items():
-        found[quantity] = _si(source, rows, lambda name, q=quantity: _column(zone, name, q, path))
+        found[quantity] = _si(zone, source, quantity, rows, path)
     return found
 
 
-def _si(source, count, column):
-    values = np.full(count, float(source.value)) if source.name is None else column(source.name)
-    return source.si(values)
+def _si(zone, source, quantity, count, path):
+    """Values (count,) of a quantity in SI."""
+    if source.name is None:
+        return source.si(np.full(count, float(source.value)))
+    return source.si(_column(zone, source.name, quantity, path))
 
 
 def _zone_field(zone, mapping, path, dimension):
@@ -149,9 +151,11 @@ def _zone_field(zone, mapping, path, dimension):
     values, in_cells = {}, {}
     for quantity, source in wanted_names(mapping).items():
         if source.name is not None and source.name not in zone.point_data and source.name in zone.cell_data:
-            in_cells[quantity] = source.si(_of_cells(zone.cell_data[source.name], kept))
+            data = zone.cell_data[source.name]  # of all cells, in one array or one per kind
+            whole = np.concatenate(data) if isinstance(data, list) else data
+            in_cells[quantity] = source.si(whole[np.concatenate([index for _, _, index in kept])])
         else:
-            values[quantity] = _si(source, len(points), lambda name, q=quantity: _column(zone, name, q, path))
+            values[quantity] = _si(zone, source, quantity, len(points), path)
     if in_cells:
         blocks = [connectivity for _, connectivity, _ in kept]
         at_nodes = to_nodes(points, blocks, np.stack(list(in_cells.values()), axis=1))
@@ -195,12 +199,6 @@ def _require_whole(zone, kept, count, path):
             refuse(
                 path, f"{name} has {found} values for {cells} cells", "the file is damaged; export it again"
             )
-
-
-def _of_cells(data, kept):
-    """Values of the kept cells from those of all cells of the zone, in one array or one per kind."""
-    whole = np.concatenate(data) if isinstance(data, list) else data
-    return whole[np.concatenate([index for _, _, index in kept])]
 
 
 def _column(zone, name, quantity, path):

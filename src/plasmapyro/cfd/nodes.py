@@ -34,12 +34,8 @@ def to_nodes(points, cells, values):
     """
     cell_count = sum(len(block) for block in cells)
     row = np.concatenate([block.ravel() for block in cells])
-    column = np.concatenate(
-        [
-            np.repeat(np.arange(start, start + len(block)), block.shape[1])
-            for start, block in zip(_starts(cells), cells, strict=True)
-        ]
-    )
+    corners = np.repeat([block.shape[1] for block in cells], [len(block) for block in cells])
+    column = np.repeat(np.arange(cell_count), corners)
     touch = sparse.csr_matrix((np.ones(row.size), (row, column)), shape=(len(points), cell_count))
     centre = np.concatenate([points[block].mean(axis=1) for block in cells])
     stencil = (touch @ (touch.T @ touch)).tocoo()
@@ -66,10 +62,6 @@ def to_nodes(points, cells, values):
     result = np.full((len(points), values.shape[1]), np.nan)
     result[used] = np.linalg.solve(matrix[used], right[used])[:, 0]
     return _bounded(result, node, cell, values)
-
-
-def _starts(cells):
-    return np.cumsum([0, *(len(block) for block in cells[:-1])])
 
 
 def _bounded(result, node, cell, values):

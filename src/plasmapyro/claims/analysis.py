@@ -57,7 +57,7 @@ def _crossings(factor, level):
 def error_claims(reading, errors, history):
     """Claims on apparent temperature, error map and transient (secs. 4.4, 4.5)."""
     onset = [
-        _highest_above(reading.object_temperature.values, row, 0.01) for row in reading.relative_error.values
+        last_above(reading.object_temperature.values, row, 0.01) for row in reading.relative_error.values
     ]
     limit = errors.error_limit.values
     found = np.isfinite(limit)
@@ -122,16 +122,17 @@ def threshold_claims(reading):
     ]
 
 
-def _highest_above(temperature, error, level):
-    """Highest temperature [K] with an error above `level` (no reading counts), linear to the next sample."""
-    error = np.where(np.isnan(error), inf, error)
-    above = np.nonzero(error > level)[0]
+def last_above(axis, values, level):
+    """The last place on an axis (N,) with a value (N,) above `level` (NaN counts), linear to the next sample;
+    NaN for none."""
+    values = np.where(np.isnan(values), inf, values)
+    above = np.nonzero(values > level)[0]
     if not above.size:
         return np.nan
     place = int(above[-1])
-    if place + 1 == len(temperature) or not np.isfinite(error[place]):
-        return float(temperature[place])
-    return float(np.interp(-level, -error[place : place + 2], temperature[place : place + 2]))
+    if place + 1 == len(axis) or not np.isfinite(values[place]):
+        return float(axis[place])
+    return float(np.interp(-level, -values[place : place + 2], axis[place : place + 2]))
 
 
 def _power_of_error(reading, temperature, level):

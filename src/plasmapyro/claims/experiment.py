@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plasmapyro.claims.analysis import last_above
 from plasmapyro.claims.claim import claim
 
 WIDTH = 20.0  # [K] of bins whose medians tell an error
@@ -82,9 +83,4 @@ def _highest_with_error_above(temperature, error, level):
     bins = np.floor(temperature[good] / WIDTH)
     numbers = np.unique(bins)
     median = np.array([np.median(error[good][bins == number]) for number in numbers])
-    centres = (numbers + 0.5) * WIDTH
-    beyond = np.nonzero(median > level)[0]
-    if not beyond.size:
-        return np.nan
-    pair = slice(beyond[-1], beyond[-1] + 2)
-    return float(np.interp(-np.log(level), -np.log(median[pair]), centres[pair]))
+    return last_above((numbers + 0.5) * WIDTH, np.log(median), np.log(level))

@@ -2,16 +2,16 @@
 
 import numpy as np
 
+from plasmapyro.claims.analysis import last_above
 from plasmapyro.claims.claim import claim
 from plasmapyro.conditions import POWER, number
 
 
-def flow_claims(sightlines):
+def flow_claims(lines):
     """Claims on the sight lines, of rising power."""
-    lines = sightlines
     hottest = np.array([float(line.temperature.max()) for line in lines])
     rise = np.array([_first_distance(line, 0.9) for line in lines])
-    edge = np.array([_last_distance_above(line, 400.0) for line in lines])
+    edge = [last_above(line.path_distance.values, line.temperature.values, 400.0) for line in lines]
     beyond = max(float(np.interp(0.15, line.path_distance, line.temperature)) for line in lines)
     inside = max(_pressure_spread(line) for line in lines)
     return [
@@ -30,12 +30,6 @@ def _first_distance(line, share):
     index = int(np.argmax(temperature >= share * temperature.max()))
     pair = slice(index - 1, index + 1)
     return np.interp(share * temperature.max(), temperature[pair], line.path_distance.values[pair])
-
-
-def _last_distance_above(line, level):
-    temperature, distance = line.temperature.values, line.path_distance.values
-    last = int(np.nonzero(temperature > level)[0][-1])
-    return np.interp(-level, -temperature[last : last + 2], distance[last : last + 2])
 
 
 def _pressure_spread(line):

@@ -39,14 +39,22 @@ class Reader:
         reading, _ = invert_ratio(signal_ratio(*signals), CURVE, self.ratio)
         return reading / temperature - 1
 
+    def published(self, axis, spectrum):
+        """Absolute errors (3,) at the temperatures of the `THRESHOLDS` behind a gas (K,)."""
+        return np.abs(self.error(axis, spectrum, [temperature for temperature, _ in THRESHOLDS]))
+
+
+def _at_power(library, power):
+    """Light of the gas (K,) at another power [W]."""
+    return library.base * library.power_factor(np.log(power / library.power))
+
 
 def implied_powers(library, reader):
     """Power (3,) [W] that gives each of the `THRESHOLDS`, NaN outside those simulated."""
     powers = np.exp(np.linspace(library.log_power[0], library.log_power[-1], 200))
-    spectra = [library.base * library.power_factor(np.log(p / library.power)) for p in powers]
+    whole = np.array([reader.published(library.wavelength, _at_power(library, p)) for p in powers])
     found = []
-    for temperature, error in THRESHOLDS:
-        errors = np.array([abs(reader.error(library.wavelength, s, temperature)[0]) for s in spectra])
+    for (_, error), errors in zip(THRESHOLDS, whole.T, strict=True):
         good = np.isfinite(errors) & (errors > 0)
         inside = good.any() and errors[good].min() <= error <= errors[good].max()
         at = np.interp(np.log(error), np.log(errors[good]), np.log(powers[good])) if inside else np.nan
@@ -63,16 +71,14 @@ def explain(library, reader, emittance):
     'needed'.
     """
     rows = []
-    needed = np.array(
-        [factors(library, library.base * library.power_factor(np.log(p / library.power))) for p in COMPARED]
-    )
+    needed = np.array([factors(library, _at_power(library, power)) for power in COMPARED])
+    wanted = np.array([error for _, error in THRESHOLDS])
     for identity, (name, amplitudes, change) in explanations(library, emittance).items():
         tried = np.linspace(amplitudes[0], amplitudes[-1], TRIED)
         results = []
         for amplitude in tried:
             spectrum = change(amplitude)
-            errors = np.array([abs(reader.error(library.wavelength, spectrum, t)[0]) for t, _ in THRESHOLDS])
-            wanted = np.array([e for _, e in THRESHOLDS])
+            errors = reader.published(library.wavelength, spectrum)
             misfit = np.sqrt(np.mean(np.log(errors / wanted) ** 2)) if np.isfinite(errors).all() else np.inf
             results.append((misfit, amplitude, errors, spectrum))
         misfit, amplitude, errors, spectrum = min(results, key=lambda row: row[0])

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import io, progress
+from plasmapyro.checks import counted
+from plasmapyro.commands.options import told
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.instrument.bands import radiometer_calibration
 from plasmapyro.instrument.line_lamp import find_lines
@@ -110,11 +112,8 @@ def calibrated(options):
         raise ValueError(
             "\n".join([*said, "if that is as it should be, go on with --accept and the rule's name"])
         )
-    settings = {
-        k: v for k, v in vars(options).items() if k not in ("run", "folder", "out", "response", "plot")
-    }
     read = [*sources(options.folder), *([options.response] if options.response else [])]
-    config = {"calibrate": settings}
+    config = {"calibrate": told(options, "folder", "response", "plot")}
     return {name: io.labelled(dataset, name, read, config) for name, dataset in results.items()}
 
 
@@ -194,14 +193,11 @@ def _of_lines(lamp):
 
 def _of_spectrometer(result):
     status = result.pixel_status.values
-    counted = ", ".join(
-        f"{int((status == code).sum())} {word}" for code, word in STATUS.items() if (status == code).any()
-    )
     noise, common = (
         100 * float(np.nanmedian(result[name]))
         for name in ("calibration_factor_uncertainty", "calibration_factor_common")
     )
     return [
-        f"spectrometer: {status.size} pixels: {counted}",
+        f"spectrometer: {status.size} pixels: {counted(status, STATUS)}",
         f"  uncertainty of the factor: {noise:.2g} % from noise, {common:.2g} % common to all (medians)",
     ]

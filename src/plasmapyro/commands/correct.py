@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from plasmapyro import cli, io, progress
+from plasmapyro.checks import counted
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
-from plasmapyro.commands.options import settings
+from plasmapyro.commands.options import settings, told
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
@@ -95,10 +96,8 @@ def _corrected(options):
         )
     options.estimator = _estimator(test, options.estimator)  # the settings in the result name it
     names, contract = ESTIMATORS[options.estimator]
-    if options.estimator == "all" and instruments(test) == ["radiometer"]:
-        names = OF_BANDS
-    if options.estimator == "all" and instruments(test) == ["spectrometer"]:
-        names = OF_SPECTRA
+    if options.estimator == "all":
+        names = ALONE.get("".join(instruments(test)), names)
     parts, missing = [], {}
     for name in names:
         try:
@@ -117,14 +116,13 @@ def _corrected(options):
     result = with_recommended(parts, [finding.entry for finding in said], missing)
     if result.attrs["recommended"] == "none":
         result = with_level(result, test.attrs, calibrations.get(PYROMETER), _response(folder))
-        if "scaled_temperature" in result and {"missing_frame", "dates_against_order"} & {
-            finding.rule.name for finding in said
-        }:  # of another moment than they say
+        if "scaled_temperature" in result and any(finding.rule.misdates for finding in said):
             known = np.isfinite(result.scaled_temperature.values)
             result = blanked(result, "scaled_temperature", "spectrum_status", known)
     result.attrs["findings"] = "\n".join(finding.words for finding in said)
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
-    return test, io.labelled(result, contract, read, {"correct": _settings(options)}), said
+    asked = told(options, "test", "instrument", "html", "no_html", "plot")
+    return test, io.labelled(result, contract, read, {"correct": asked}), said
 
 
 def _with_given(test, given, estimator, calibrations, options):
@@ -169,7 +167,7 @@ def trial(test, folder):
     words = ["correct", "", "--instrument", str(folder), "--draws", "50"]
     calibrations = _calibrations(test, Path(folder))
     alone = instruments(test) == ["radiometer"]
-    first = OF_BANDS[0] if alone else ESTIMATORS[_estimator(test, None)][0][0]
+    first = ALONE["radiometer"][0] if alone else ESTIMATORS[_estimator(test, None)][0][0]
     result = BY_NAME[first](test, calibrations, cli.parser(["correct"]).parse_args(words))
     return {"results": [result], "response": _response(Path(folder)), **calibrations}
 
@@ -255,8 +253,10 @@ ESTIMATORS = {  # what may be asked for -> names, of which only the first must s
     "joint": (("joint",), "joint_estimate"),
     "emissivity": (("emissivity",), "emissivity_estimate"),
 }
-OF_BANDS = ("emissivity", "joint")  # all that a radiometer alone allows
-OF_SPECTRA = ("reference", "emissivity")  # ... and spectra alone; Planck fits hold every surface to be grey
+ALONE = {  # all that one instrument allows; Planck fits of spectra hold every surface to be grey
+    "radiometer": ("emissivity", "joint"),
+    "spectrometer": ("reference", "emissivity"),
+}
 
 
 def summary(result):
@@ -272,12 +272,7 @@ def summary(result):
         if name not in result:
             continue
         values, states, time = result[name].values, result[state].values, result[axis].values
-        counted = ", ".join(
-            f"{int((states == code).sum())} {word}"
-            for code, word in status.MEANINGS.items()
-            if (states == code).any()
-        )
-        lines.append(f"{name}: {counted}")
+        lines.append(f"{name}: {counted(states, status.MEANINGS)}")
         good = np.flatnonzero(np.isin(states, (status.VALID, status.EXTRAPOLATED)))
         if good.size:
             first, hottest = good[0], good[np.nanargmax(values[good])]
@@ -331,8 +326,3 @@ def _calibrations(test, folder):
     if "radiometer" in instruments(test):
         found[RADIOMETER] = io.read(folder / f"{RADIOMETER}.nc", RADIOMETER)
     return found
-
-
-def _settings(options):
-    skipped = {"run", "test", "instrument", "out", "html", "no_html", "plot"}
-    return {name: value for name, value in vars(options).items() if name not in skipped}

@@ -9,7 +9,7 @@ import numpy as np
 from plasmapyro import io, progress, shipped
 from plasmapyro.analysis.reading import STATUS, correct_reading
 from plasmapyro.commands.calibrate import RESPONSE
-from plasmapyro.commands.options import settings
+from plasmapyro.commands.options import settings, told
 from plasmapyro.commands.outputs import require_writable
 from plasmapyro.contracts.variables import VARIABLES
 from plasmapyro.instrument.stage import band_response, ratio_curve
@@ -46,15 +46,8 @@ def run(options):
     _ask_for_ends(time, np.where(reading > options.floor_k + options.quantum_k / 2, reading, np.nan))
     made = settings(options, correct_reading) | {"time": time, "reading": reading}
     result = correct_reading(*gas, **made)
-    skipped = {"run", "reading", "results", "out"}
-    given = {name: value for name, value in vars(options).items() if name not in skipped}
-    io.write(
-        result,
-        options.out,
-        "corrected_reading",
-        sources=[options.reading, *sources],
-        config={"correct-reading": given},
-    )
+    config = {"correct-reading": told(options, "reading", "results")}
+    io.write(result, options.out, "corrected_reading", sources=[options.reading, *sources], config=config)
     sys.stdout.write("\n".join(summary(result)) + "\n")
 
 
@@ -155,8 +148,8 @@ def read_readings(path, slope=1.0):
 def summary(result):
     """Lines that say what came out."""
     status = result.corrected_reading_status.values
-    lines = [f"{int((status == code).sum())} {words.replace('_', ' ')}" for code, words in STATUS.items()]
-    lines = [line for line in lines if not line.startswith("0 ")]
+    held = {words.replace("_", " "): int((status == code).sum()) for code, words in STATUS.items()}
+    lines = [f"{count} {words}" for words, count in held.items() if count]
     error = (result.apparent_temperature - result.surface_temperature).values
     if np.isfinite(error).any():
         lines.append(

@@ -119,6 +119,11 @@ def _settings(row):
     return found
 
 
+def told(given, *skipped):
+    """The options of a command that its results tell of: not where these go, nor those `skipped`."""
+    return {name: value for name, value in vars(given).items() if name not in ("run", "out", *skipped)}
+
+
 def settings(given, stage):
     """Of the options of a command those that arguments by keyword of a stage are named after, in SI.
 

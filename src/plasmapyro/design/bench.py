@@ -16,6 +16,13 @@ PEAK_RESPONSIVITY = 0.6  # [A W-1], ASSUME: of a published response, which is no
 USABLE = 0.1  # [1], of the peak efficiency: where a detector counts as blind
 
 
+def limit_of(temperature, error, level):
+    """Temperature [K] above which an error (..., T) of any sign stays below a level (...): the lowest of the
+    rising temperatures (T,) if it does at all of them, NaN if not even at the highest."""
+    limit, status = error_limit(temperature, np.abs(error), level)
+    return np.where(status == -1, temperature[0], limit)
+
+
 @dataclass(frozen=True)
 class Bench:
     """`edges` (B + 1,) [m] of the bins, `gas` (C, B) [W m-2 sr-1 m-1] of which the first `scored` count in a
@@ -76,9 +83,8 @@ class Bench:
     def parts(self, signal, weights):
         """Errors (source, D, scored, E, T) of designs over the ranges of the bench; see `budget.errors`."""
         gas = signal.gas[..., : self.scored]
-        return budget.errors(
-            signal, weights, self.temperature, self.emittance, self.receiver, self.uncertainties, gas=gas
-        )
+        given = self.temperature, self.emittance, self.receiver, self.uncertainties
+        return budget.errors(signal, weights, gas, *given)
 
     def score(self, signal):
         """Root mean square of the total error (D,) [1]."""
@@ -93,13 +99,7 @@ class Bench:
         if reflected is not None:
             measured = measured + (1 - grey) * reflected[:, :, :, None, None]
         measured = np.where(measured > 0, measured, np.nan)  # more was subtracted than there is: no reading
-        known = np.broadcast_to(grey, measured[:, 0].shape) if weights.shape[1] == 1 else None
-        return budget.read(signal, weights, measured, known) / temperature - 1
-
-    def gas_limit(self, signal, weights, temperature, emittance, level, **changes):
-        """Temperature above which that error stays below a level (D, C, E) [K], and its status."""
-        error = np.abs(self.gas_error(signal, weights, temperature, emittance, **changes))
-        return error_limit(temperature, error, level)
+        return budget.read(signal, weights, measured, grey) / temperature - 1
 
     def _efficiency(self, detector):
         return efficiency(detector, self.wavelength, self.detectors, self.silicon, self.silicon_thickness)

@@ -105,12 +105,12 @@ def _black_bodies(middle, reference_temperature):
     )
 
 
-def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1500.0):
+def contrast(signal, uncertainties, gas_covariance, reference_temperature):
     r"""Weights c (D, N) of the logarithms of band signals: :math:`F = \sum_i c_i \ln I_i, \sum c_i = 0`.
 
     One band: 1. Two: the ratio, (1, -1). More: the combination of least variance under calibration, slopes
     and the gas, for a given sensitivity, :math:`c \propto C^{-1}(d - \bar d\,\mathbf 1)` with :math:`d_i =
-    d\ln I_i/d\ln T`. `gas_covariance` (D, N, N) [1], of ln(1 + gas over surface); None for no gas.
+    d\ln I_i/d\ln T`. `gas_covariance` (D, N, N) [1], of ln(1 + gas over surface).
     """
     designs, bands = signal.wavelength.shape
     if bands <= 2:
@@ -125,9 +125,7 @@ def contrast(signal, uncertainties, gas_covariance=None, reference_temperature=1
     common = uncertainties.emittance_slope**2 + uncertainties.window_slope**2
     covariance = uncertainties.signal**2 * np.eye(bands)
     covariance = covariance + common * signal.wavelength[:, :, None] * signal.wavelength[:, None, :]
-    if gas_covariance is not None:
-        covariance = covariance + gas_covariance
-    inverse = np.linalg.inv(covariance)
+    inverse = np.linalg.inv(covariance + gas_covariance)
     ones = np.ones(bands)
     mean = np.einsum("dij,dj->d", inverse, slopes) / np.einsum("dij,i,j->d", inverse, ones, ones)
     weights = np.einsum("dij,dj->di", inverse, slopes - mean[:, None])
@@ -158,11 +156,11 @@ def at_temperature(black, temperature):
     return np.exp(logarithm[..., low] * (1 - share) + logarithm[..., low + 1] * share)
 
 
-def read(signal, weights, measured, emittance=None):
+def read(signal, weights, measured, emittance):
     """Temperature [K] of each design from its measured currents (D, N, ...); NaN off the curve.
 
-    A single band needs the emittance, shaped as `measured` without bands or broadcasting to it. A curve that
-    does not rise everywhere gives no reading at all.
+    The emittance, which a single band needs, broadcasts to `measured` without bands. A curve that does not
+    rise everywhere gives no reading at all.
     """
     curve = contrast_curve(signal.black, weights)
     direction = np.sign(curve[:, -1] - curve[:, 0])
@@ -177,7 +175,7 @@ def read(signal, weights, measured, emittance=None):
     return 1 / inverse
 
 
-def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas=None):
+def errors(signal, weights, gas, temperature, emittance, receiver, uncertainties):
     r"""Relative errors of temperature by source.
 
     .. math:: e_s = \frac{\sigma_s(F)}{|dF/d\ln T|}, \qquad e_{gas} = T_{app}/T - 1
@@ -190,32 +188,27 @@ def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas
     ----------
     signal : Currents
     weights : (D, N)
+    gas : (D, N, C)
+        `signal.gas`, or some of it.
     temperature, emittance : (T,) [K], (E,) [1]
     receiver, uncertainties
-    gas : (D, N, C), instead of `signal.gas`
 
     Returns
     -------
     ndarray (source, D, C, E, T) [1], in the order of `SOURCES`
     """
-    gas = signal.gas if gas is None else gas
     temperature, emittance = np.asarray(temperature, dtype=float), np.asarray(emittance, dtype=float)
     black = at_temperature(signal.black, temperature)[:, :, None, None, :]
     grey = emittance[:, None]
     measured = black * grey + gas[:, :, :, None, None]
-    shape = measured[:, 0].shape
-    apparent = read(
-        signal, weights, measured, np.broadcast_to(grey, shape) if weights.shape[1] == 1 else None
-    )
+    apparent = read(signal, weights, measured, grey)
     bias = np.nan_to_num(np.clip(apparent / temperature - 1, -NO_READING, NO_READING), nan=NO_READING)
     response = np.abs(sensitivity(signal.black, weights, temperature))[:, None, None, :]
     variance = 2 * ELEMENTARY_CHARGE * measured + signal.dark_noise[:, None, None, None, None]
     noise = np.einsum("dn,dncet->dcet", weights**2, variance * receiver.bandwidth / measured**2)
     slope = np.abs(np.einsum("dn,dn->d", weights, signal.wavelength))[:, None, None, None]
-    if weights.shape[1] == 1:
-        grey_error, window_error = uncertainties.emittance, uncertainties.window_slope * slope
-    else:
-        grey_error, window_error = uncertainties.emittance_slope * slope, uncertainties.window_slope * slope
+    window_error = uncertainties.window_slope * slope
+    grey_error = uncertainties.emittance if weights.shape[1] == 1 else uncertainties.emittance_slope * slope
     calibration = uncertainties.signal * np.sqrt(np.sum(weights**2, axis=1))[:, None, None, None]
     scale = uncertainties.source_temperature * temperature / uncertainties.source_reference**2
     air = np.abs(np.einsum("dn,dn->d", weights, signal.air))[:, None, None, None]
@@ -227,7 +220,7 @@ def errors(signal, weights, temperature, emittance, receiver, uncertainties, gas
         window_error / response,
         air / response,
     ]
-    return np.stack([np.broadcast_to(part, shape) for part in parts])
+    return np.stack([np.broadcast_to(part, bias.shape) for part in parts])
 
 
 def total(parts):

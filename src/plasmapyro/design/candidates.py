@@ -1,36 +1,48 @@
 """Candidates of a design: searched, from a grid, of filters that can be bought, on the shelf, without gas."""
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from plasmapyro.checks import increasing
 from plasmapyro.design import budget, search
-from plasmapyro.design.bench import REFERENCE_TEMPERATURE, Bench
+from plasmapyro.design.bench import REFERENCE_TEMPERATURE
 from plasmapyro.design.judge import CHUNK, reference_name
 
 FILTERS_KEPT = 8
 WHOLE_RANGE, WHOLE_STEP = (600e-9, 2500e-9), 2e-9  # [m], where the search without gas looks
 
 
+@dataclass(frozen=True)
 class Entry:
-    """A named design: its bands, its detector, and how a bench finds its currents (None if none can)."""
+    """A named design: its bands (N,) [m], its detector, how a bench finds its currents (None if none can)."""
 
-    def __init__(self, name, kind, detector, shape, *, centre=(), fwhm=(), build=None, score=np.nan):
-        self.name, self.kind, self.detector, self.shape = name, kind, detector, shape
-        self.centre, self.fwhm, self.build, self.score = np.asarray(centre), np.asarray(fwhm), build, score
+    name: str
+    kind: str
+    detector: str
+    shape: str
+    centre: np.ndarray
+    fwhm: np.ndarray
+    score: float = np.nan
+    build: Callable | None = None
 
 
 def boxed(name, kind, detector, shape, centre, fwhm, score=np.nan):
-    def build(bench):
-        return bench.currents(detector, np.asarray(centre)[None], np.asarray(fwhm)[None], shape)
+    """The `Entry` of filters before a detector."""
 
-    return Entry(name, kind, detector, shape, centre=centre, fwhm=fwhm, build=build, score=score)
+    def build(bench):
+        return bench.currents(detector, centre[None], fwhm[None], shape)
+
+    return Entry(name, kind, detector, shape, centre, fwhm, score, build)
 
 
 def reference(response, judge):
     """The instrument that the judge holds all against."""
     kind = "modelled" if "responsivity" not in response else "stated"
     name = f"{reference_name(response)}, {kind} response"
-    return Entry(name, "reference", "silicon", "response", build=judge.build_reference)
+    none = np.zeros(0)
+    return Entry(name, "reference", "silicon", "response", none, none, build=judge.build_reference)
 
 
 def searched(bench, judge, settings):
@@ -59,11 +71,9 @@ def searched(bench, judge, settings):
 def _best_boxes(bench, detector, judge, settings):
     """Centre and fwhm (2,) [m] of the best pair of boxes on the coarse grid by kind of optimum; None if none
     fits."""
-    centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
-    chosen = search.pairs(centre)
+    centre, fwhm, chosen, signal = _boxes(bench, detector, settings["brute_force"])
     if not len(chosen):
         return {"optimum": None, "robust optimum": None}
-    signal = bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)
     error = judge.error(signal)
     best = {"optimum": chosen[np.argmin(error)], "robust optimum": chosen[judge.best(signal, error)]}
     return {kind: (centre[pair], fwhm[pair]) for kind, pair in best.items()}
@@ -74,11 +84,9 @@ def brute_force(bench, judge, settings, optimum):
     as a cloud."""
     cloud, entry = [], None
     for detector in settings["detectors"]:
-        centre, fwhm = _grid(bench.usable_range(detector), settings["brute_force"])
-        chosen = search.pairs(centre)
+        centre, fwhm, chosen, signal = _boxes(bench, detector, settings["brute_force"])
         if not len(chosen):
             continue
-        signal = bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)
         scores = np.full(len(chosen), np.nan)
         if detector == optimum.detector:
             scores = judge(signal)
@@ -102,14 +110,24 @@ def brute_force(bench, judge, settings, optimum):
     }
 
 
-def _grid(reach, settings):
-    """Centres and widths of the boxes on the coarse grid that lie wholly within a range."""
-    low, high = reach
+def _boxes(bench, detector, settings):
+    """Centres and widths (B,) [m] of the boxes on the coarse grid that a detector sees wholly, all pairs of
+    them (D, 2) as indices, and their currents (None without a pair)."""
+    low, high = bench.usable_range(detector)
     step = settings["centre_step_nm"] * 1e-9
     middles = np.arange(np.ceil(low / step) * step, high, step)
     centre, fwhm = np.meshgrid(middles, np.array(settings["width_nm"]) * 1e-9, indexing="ij")
+    return _pairs_of(bench, detector, centre.ravel(), fwhm.ravel())
+
+
+def _pairs_of(bench, detector, centre, fwhm):
+    """As `_boxes`, of boxes (B,) [m] of which those count that the detector sees wholly."""
+    low, high = bench.usable_range(detector)
     inside = (centre - fwhm / 2 >= low) & (centre + fwhm / 2 <= high)
-    return centre[inside], fwhm[inside]
+    centre, fwhm = centre[inside], fwhm[inside]
+    if not len(chosen := search.pairs(centre)):
+        return centre, fwhm, chosen, None
+    return centre, fwhm, chosen, bench.currents(detector, centre[:, None], fwhm[:, None], "box").pick(chosen)
 
 
 def _sensitivity_and_limit(bench, judge, signal):
@@ -124,15 +142,10 @@ def from_filters(bench, judge, filters, settings):
     """The best pairs of filters that can be bought, no two with the same centres."""
     ranked = []
     for detector in settings["detectors"]:
-        low, high = bench.usable_range(detector)
-        centre, fwhm = filters["centre"], filters["fwhm"]
-        inside = (centre - fwhm / 2 >= low) & (centre + fwhm / 2 <= high)
-        centre, fwhm = centre[inside], fwhm[inside]
-        if np.unique(centre).size < 2:
+        centre, fwhm, chosen, signal = _pairs_of(bench, detector, filters["centre"], filters["fwhm"])
+        if not len(chosen):
             continue
-        singles = bench.currents(detector, centre[:, None], fwhm[:, None], "box")
-        chosen = search.pairs(centre)
-        scores = judge.error(singles.pick(chosen))
+        scores = judge.error(signal)
         for place in np.argsort(scores, kind="stable")[: 20 * FILTERS_KEPT]:
             ranked.append((scores[place], detector, centre[chosen[place]], fwhm[chosen[place]]))
     ranked.sort(key=lambda row: row[0])
@@ -155,7 +168,7 @@ def on_the_shelf(bench, pyrometers):
         edges = edges[np.isfinite(edges[:, 0])]
         centre, fwhm = edges.mean(axis=1), np.diff(edges, axis=1)[:, 0]
         if edges.min() < bench.edges[0] or edges.max() > bench.edges[-1]:
-            found.append(Entry(name, "beyond the data", "", "box", centre=centre, fwhm=fwhm))
+            found.append(Entry(name, "beyond the data", "", "box", centre, fwhm))
         else:
             reach = bench.detectors["cut_off"] >= edges.max()  # the table begins with the shortest
             detector = str(bench.detectors["detector"][np.argmax(reach)])
@@ -163,22 +176,12 @@ def on_the_shelf(bench, pyrometers):
     return found
 
 
-def without_gas(bench, settings, tables):
+def without_gas(bench, settings):
     """One- and two-band optimum of each detector without gas, where no radiation data are needed."""
     edges = np.arange(WHOLE_RANGE[0], WHOLE_RANGE[1] + WHOLE_STEP / 2, WHOLE_STEP)
-    dark = Bench(
-        edges,
-        np.zeros((1, edges.size - 1)),
-        1,
-        increasing("no_gas_temperature_k", settings["no_gas_temperature_k"], "K"),
-        bench.emittance,
-        bench.receiver,
-        bench.uncertainties,
-        tables["detectors"],
-        tables["silicon"],
-        bench.silicon_thickness,
-        tables["air"],
-    )
+    temperature = increasing("no_gas_temperature_k", settings["no_gas_temperature_k"], "K")
+    none = np.zeros((1, edges.size - 1))
+    dark = replace(bench, edges=edges, gas=none, scored=1, temperature=temperature)
     width = np.asarray(settings["width_nm"]) * 1e-9
     found = []
     for detector in settings["detectors"]:
@@ -191,5 +194,5 @@ def without_gas(bench, settings, tables):
                 **settings["search"],
             )
             name = f"{bands}-band optimum without gas, {detector}"
-            found.append(Entry(name, "no gas", detector, "box", centre=centre, fwhm=fwhm, score=value))
+            found.append(Entry(name, "no gas", detector, "box", centre, fwhm, value))
     return found

@@ -1,15 +1,10 @@
-"""What a design gains over a reference, and whether the gain survives a gas that is not quite as computed."""
+"""What a design gains over a reference, and whether the gain survives a gas that is not quite as computed.
+
+A gain is by how much the temperature is lower above which the gas error stays below a level [K], NaN where
+reference or design have none.
+"""
 
 import numpy as np
-
-
-def gain(reference_limit, limit):
-    """By how much a design lowers the temperature above which the gas error stays below a level [K].
-
-    A reference limit beyond the temperatures studied gives NaN; a design without a limit gains nothing that
-    can be named, NaN as well. Shapes broadcast.
-    """
-    return np.asarray(reference_limit, dtype=float) - np.asarray(limit, dtype=float)
 
 
 def change(perturbed, nominal):

@@ -4,7 +4,7 @@ import numpy as np
 
 from plasmapyro.checks import increasing
 from plasmapyro.design import budget, gains
-from plasmapyro.design.bench import Bench
+from plasmapyro.design.bench import Bench, limit_of
 from plasmapyro.radiation.atoms import ATOMS
 from plasmapyro.radiation.band_systems import SYSTEMS
 from plasmapyro.radiation.bandsignal import bands_of, require_cover, responsivities
@@ -81,11 +81,8 @@ class Judge:
 
     def limits(self, signal, weights, temperature, **changes):
         """(D, state, C) [K] on the gases of the bench, (D, 1, C) on others; NaN where there is none."""
-        limit, status = self.bench.gas_limit(
-            signal, weights, temperature, self.emittance, self.level, **changes
-        )
-        limit = np.where(status == -1, temperature[0], limit)[..., 0]
-        return limit.reshape(len(limit), -1, self.cases)
+        error = self.bench.gas_error(signal, weights, temperature, self.emittance, **changes)
+        return limit_of(temperature, error, self.level).reshape(len(error), -1, self.cases)
 
     def __call__(self, signal):
         """Total error of each design plus the excess of its gain's change, (D,)."""
@@ -110,7 +107,7 @@ class Judge:
     def _excess(self, some):
         weights = self.bench.weights(some)
         limit = self.limits(some, weights, self.coarse)
-        gained = gains.gain(self.coarse_reference, limit)
+        gained = self.coarse_reference - limit
         changed = np.concatenate(
             [gained[:, 1:], gains.at_neighbours(self.power, gained[:, 0], POWER_STEP)], axis=1
         )

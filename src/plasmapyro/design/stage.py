@@ -142,7 +142,7 @@ def band_design(spectra, response, tables, *, settings):
     found.append(grid)
     found += candidates.from_filters(bench, judge, tables["filters"], settings)
     found += candidates.on_the_shelf(bench, tables["pyrometers"])
-    found += candidates.without_gas(bench, settings, tables)
+    found += candidates.without_gas(bench, settings)
     result = tabulate(found, bench, judge, spectra, settings)
     result = result.assign(cloud)
     result.attrs |= {

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from plasmapyro.analysis.error import error_limit
 from plasmapyro.design import budget, gains
-from plasmapyro.design.bench import REFERENCE_TEMPERATURE
+from plasmapyro.design.bench import REFERENCE_TEMPERATURE, limit_of
 from plasmapyro.design.judge import POWER_STEP, STATES
 
 LARGEST_BANDS = 3
@@ -29,7 +28,10 @@ TABLE = {  # numbers of each design: their further dimensions
 def tabulate(found, bench, judge, spectra, settings):
     """All designs side by side: bands, errors by source, limits and gains in every condition and
     perturbation."""
-    cases, perturbations = judge.cases, _perturbations(spectra)
+    # Changed gases: temperature, power, and every component's strength up and down.
+    perturbations = ["nominal", "cold", "hot", "10 kW less", "10 kW more"]
+    perturbations += [f"{one} {sign}" for one in spectra.component.values for sign in ("weaker", "stronger")]
+    cases = judge.cases
     emittance = np.asarray(settings["map_emittance"], dtype=float)
     binned = (
         spectra.binned_radiance.sel(state="nominal").transpose("condition", "component", "wavelength").values
@@ -39,7 +41,7 @@ def tabulate(found, bench, judge, spectra, settings):
     axes = {
         "design": np.array([entry.name for entry in found], dtype=object),
         "error_source": list(budget.SOURCES),
-        "perturbation": list(perturbations),
+        "perturbation": perturbations,
         "condition": spectra.condition.values,
         "emittance": emittance,
     }
@@ -63,12 +65,11 @@ def tabulate(found, bench, judge, spectra, settings):
         slope = budget.sensitivity(signal.black, weights, REFERENCE_TEMPERATURE)[0]
         table["ratio_sensitivity"][row] = abs(slope)
         limit = _perturbed_limits(judge, entry.build, split, spectra, perturbations)
-        gained = gains.gain(reference, limit)
+        gained = reference - limit
         table["design_limit"][row], table["design_gain"][row] = limit[0], gained[0]
         table["gain_change"][row] = gains.change(gained, gained[:1])
-        error = np.abs(bench.gas_error(signal, weights, judge.fine, emittance, gas=signal.gas[..., :cases]))
-        level, status = error_limit(judge.fine, error, judge.level)
-        table["map_limit"][row] = np.where(status == -1, judge.fine[0], level)[0]
+        error = bench.gas_error(signal, weights, judge.fine, emittance, gas=signal.gas[..., :cases])
+        table["map_limit"][row] = limit_of(judge.fine, error, judge.level)[0]
     words = {
         f"design_{name}": ("design", np.array([getattr(entry, name) for entry in found], dtype=object))
         for name in ("kind", "detector", "shape")
@@ -76,12 +77,6 @@ def tabulate(found, bench, judge, spectra, settings):
     numbers = {name: (("design", *dims), table[name]) for name, dims in TABLE.items()}
     power = {"numerical_power": ("condition", spectra.numerical_power.values)}
     return xr.Dataset(numbers | words | power, axes)
-
-
-def _perturbations(spectra):
-    """Names of the changed gases: temperature, power, and every component's strength up and down."""
-    names = ["nominal", "cold", "hot", "10 kW less", "10 kW more"]
-    return names + [f"{name} {sign}" for name in spectra.component.values for sign in ("weaker", "stronger")]
 
 
 def _perturbed_limits(judge, build, split, spectra, names):

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from plasmapyro.analysis.error import error_limit
 from plasmapyro.analysis.transient import step_response
 from plasmapyro.design import budget
-from plasmapyro.design.bench import REFERENCE_TEMPERATURE
+from plasmapyro.design.bench import REFERENCE_TEMPERATURE, limit_of
 from plasmapyro.design.judge import FINE_STEP, STATES, covered, make_bench, reference_name
 
 SURFACES = {"mirror": 0.0, "matt": 1.0}  # share of diffuse reflection
@@ -106,8 +105,7 @@ def trust(spectra, designs, response, tables, *, settings, instruments=()):
                 bench, signal, weights, diffuse, mix, mode, keys["gas_variation"], temperature, emittance
             )
             for column, level in enumerate(levels):
-                limit, status = error_limit(temperature, error, level)
-                limits[:, number, place, column] = np.where(status == -1, temperature[0], limit)
+                limits[:, number, place, column] = limit_of(temperature, error, level)
     heating = [keys[name] for name in ("initial_temperature_k", "gain_k", "natural_frequency_per_s")]
     times = np.vectorize(lambda value: time_to_reach(value, *heating), otypes=[float])(limits)
     dims = ("condition", "surface", "setup", "trust_level")

@@ -58,14 +58,9 @@ def band_edges(wavelength, responsivity):
     wavelength = increasing("wavelength", wavelength, "m")
     rise = np.interp(0.5, np.maximum.accumulate(responsivity / np.max(responsivity)), wavelength)
     low, high = wavelength[0], wavelength[-1]
-    middle = np.clip([rise - EDGE_SPAN, rise + EDGE_SPAN], low, high)
-    parts = [_split(a, b, size) for a, b, size in _spans(low, *middle, high)]
-    return np.append(np.concatenate(parts), high)
-
-
-def _spans(low, first, last, high):
-    spans = ((low, first, COARSE), (first, last, FINE), (last, high, COARSE))
-    return [span for span in spans if span[1] > span[0]]
+    first, last = np.clip([rise - EDGE_SPAN, rise + EDGE_SPAN], low, high)
+    spans = (low, first, COARSE), (first, last, FINE), (last, high, COARSE)
+    return np.append(np.concatenate([_split(*span) for span in spans if span[1] > span[0]]), high)
 
 
 def _split(low, high, size):

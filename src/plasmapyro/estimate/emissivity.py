@@ -130,28 +130,15 @@ def infer(channels, prior, signal, noise, linear=None, known=None, begin=None, g
         NaN for samples without a channel.
     """
     signal, noise = (np.asarray(one, dtype=float) for one in (signal, noise))
-    if linear is None:
-        linear = np.zeros((*signal.shape, 0))
-    if gains is None:
-        gains = np.zeros((*signal.shape, 0))
+    linear, gains = (np.zeros((*signal.shape, 0)) if one is None else one for one in (linear, gains))
     count = prior.basis.shape[1] + linear.shape[-1] + gains.shape[-1]
     begin = beginning(channels, prior, signal, noise) if begin is None else begin
     size = max(1, CHUNK // (signal.shape[1] * (1 + count) + channels.wavelength.size))
     parts = []
     for first in range(0, len(signal), size):
-        part = slice(first, first + size)
-        parts.append(
-            _infer(
-                channels,
-                prior,
-                signal[part],
-                noise[part],
-                linear[part],
-                gains[part],
-                None if known is None else tuple(one[part] for one in known),
-                begin[part],
-            )
-        )
+        rows = (one[first : first + size] for one in (signal, noise, linear, gains, begin))
+        own = known and [one[first : first + size] for one in known]
+        parts.append(_infer(channels, prior, *rows, own))
     return Posterior(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 
@@ -161,7 +148,7 @@ def _weighted(signal, noise):
     return np.where(good, signal, 0.0), np.where(good, 1 / np.where(good, noise, 1.0), 0.0)
 
 
-def _infer(channels, prior, signal, noise, linear, gains, known, begin):
+def _infer(channels, prior, signal, noise, linear, gains, begin, known):
     rows, count = len(signal), prior.basis.shape[1] + linear.shape[-1] + gains.shape[-1]
     signal, weight = _weighted(signal, noise)
     good = weight > 0
@@ -282,7 +269,9 @@ def follow(channels, prior, kept, signal, noise, linear, gains=None, start=None)
         if later is not None:
             ahead, spread = before[n + 1]
             told = found.converged[n]
-            state, own = (found.state[n], found.covariance[n]) if told else _untold(*before[n])
+            state, own = found.state[n], found.covariance[n]
+            if not told:  # of a sample without light, its temperature of no meaning
+                state, own = np.append(0.0, before[n][0]), np.pad(before[n][1], ((1, 0), (1, 0)))
             gain = own[:, 1:] * kept[n] @ np.linalg.inv(spread)
             state = state + gain @ (later[0][1:] - ahead)
             own = own + gain @ (later[1][1:, 1:] - spread) @ gain.T
@@ -292,11 +281,6 @@ def follow(channels, prior, kept, signal, noise, linear, gains=None, start=None)
         elif found.converged[n]:
             later = found.state[n].copy(), found.covariance[n].copy()
     return found
-
-
-def _untold(mean, covariance):
-    """State and covariance of a sample without light, its temperature of no meaning."""
-    return np.append(0.0, mean), np.pad(covariance, ((1, 0), (1, 0)))
 
 
 def log_emissivity(posterior, logarithm, basis):

@@ -216,8 +216,7 @@ def _status(record, light):
     state[(chosen & (flags.SATURATED | flags.CLIPPED) > 0).mean(axis=1) > 0.5] = status.SATURATED
     state[(chosen & (flags.LOST | flags.STUCK | flags.RELIT) > 0).mean(axis=1) > 0.5] = status.MISSING
     state[~injected] = status.NOT_INJECTED
-    for moment in (0.0, record.off) if record.window else ():
-        state[np.abs(frames.time - moment) < frames.integration_time / 2] = status.STRADDLING
+    state[record.straddling(frames)] = status.STRADDLING
     return state
 
 

@@ -337,9 +337,11 @@ class Filter:
             self._relative = np.hypot(self._floor / level, relative)
 
     def _learn_flicker(self, time, *pair):
-        pair, cold = np.array(pair), self._window
+        cold = self._window
         before = time < -self._settings["injection_time_span"]
-        deviation, correlation = noise.flicker(time, pair, [before, (time >= cold[0]) & (time <= cold[1])])
+        deviation, correlation = noise.flicker(
+            time, np.array(pair), [before, (time >= cold[0]) & (time <= cold[1])]
+        )
         if np.isfinite(deviation):
             self._dynamics = dataclasses.replace(self._dynamics, flicker=deviation, flicker_time=correlation)
 

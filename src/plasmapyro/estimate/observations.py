@@ -1,6 +1,7 @@
 """What the instruments say about the chain of states and about the constants."""
 
 import dataclasses
+import operator
 
 import numpy as np
 
@@ -51,12 +52,14 @@ class Information:
     corner: np.ndarray  # (p, p)
     constant_gradient: np.ndarray  # (p,)
 
+    @classmethod
+    def none(cls, count, size):
+        """That of no data, of n states and p constants."""
+        shapes = (count, SIZE), (count, SIZE, SIZE), (count, SIZE, size), (size, size), size
+        return cls(0.0, *map(np.zeros, shapes))
+
     def __add__(self, other):
-        return Information(*(a + b for a, b in zip(_fields(self), _fields(other), strict=True)))
-
-
-def _fields(record):
-    return [getattr(record, field.name) for field in dataclasses.fields(record)]
+        return Information(*map(operator.add, vars(self).values(), vars(other).values()))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,11 +121,9 @@ class PyrometerData:
 
     def _parted(self, values, of):
         """Factor (C, n) of the bands by the wandering of their ratio; 1 without."""
-        return (
-            1.0
-            if self.parting is None
-            else np.exp(np.outer(PARTED, self.parting @ values[of("ratio_wander")]))
-        )
+        if self.parting is None:
+            return 1.0
+        return np.exp(np.outer(PARTED, self.parting @ values[of("ratio_wander")]))
 
     def _changing(self, path):
         """Signal (C, n) that the gas has more than right after injection."""
@@ -184,8 +185,7 @@ class PyrometerData:
         surface, gas, slope = self.predict(path, values, of)
         residual = (self.signal - surface - gas) / self.noise
         weight = robust_weight(residual)
-        count, size = len(path), len(values)
-        result = _nothing(count, size)
+        result = Information.none(len(path), len(values))
         leverages, states = self.leverages(path), self._by_state(values, of, slope)
         for band, by_state in enumerate(states):
             w, r = weight[band], np.nan_to_num(residual[band])
@@ -301,8 +301,12 @@ class SpectrometerData:
     def residual(self, path, values, of):
         """Whitened residuals (S, C), NaN where there is no sample."""
         surface, gas, *_ = self.predict(path, values, of)
+        return np.where(np.isfinite(self.radiance), self._weighed(surface, gas)[0], np.nan)
+
+    def _weighed(self, surface, gas):
+        """Whitened residuals (S, C), 0 where there is no sample, and their robust weights (S, C)."""
         white = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
-        return np.where(np.isfinite(self.radiance), white, np.nan)
+        return white, np.where(np.isfinite(self.radiance), robust_weight(white), 0.0)
 
     def _by_state(self, path, gas, slopes):
         """Derivative (S, C, 4) of the prediction by the states."""
@@ -314,8 +318,7 @@ class SpectrometerData:
     def state_matrix(self, path, values, of):
         """Gauss-Newton matrix (n, 4, 4) of the states alone, as in `information`."""
         surface, gas, *slopes = self.predict(path, values, of)
-        residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
-        weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
+        _, weight = self._weighed(surface, gas)
         rows = self._whitened(gas, self._by_state(path, gas, slopes))
         result = np.zeros((len(path), SIZE, SIZE))
         np.add.at(result, self.place, np.matmul(np.swapaxes(rows * weight[:, :, None], 1, 2), rows))
@@ -324,18 +327,14 @@ class SpectrometerData:
     def information(self, path, values, of):
         surface, gas, *slopes = self.predict(path, values, of)
         frames, bins = surface.shape
-        count, size = len(path), len(values)
-        residual = self._whitened(gas, np.nan_to_num(self.radiance) - surface - gas)
-        weight = np.where(np.isfinite(self.radiance), robust_weight(residual), 0.0)
+        size = len(values)
+        residual, weight = self._weighed(surface, gas)
         jacobian = np.zeros((frames, bins, SIZE + size))
         jacobian[:, :, :SIZE] = self._by_state(path, gas, slopes)
         jacobian[:, :, SIZE + of("log_emittance")[0]] = surface
         jacobian[:, :, SIZE + of(self.tag + "scale_error")[0]] = surface
         jacobian[:, :, SIZE + of(self.source)[0]] = -self.source_slope * surface
-        level, before = (
-            values[of(self.tag + "gas_radiance")],
-            1 + values[of(self.tag + "gas_radiance_before")],
-        )
+        level, before = (values[of(self.tag + one)] for one in ("gas_radiance", "gas_radiance_before"))
         for k, at in enumerate(of("emissivity_shape")):
             jacobian[:, :, SIZE + at] = self.shape[:, k] * surface
         for k, at in enumerate(() if self.scale is None else of("scale_course")):
@@ -346,11 +345,11 @@ class SpectrometerData:
         jacobian[:, own, SIZE + of(self.tag + "bin_error")] = surface
         jacobian[:, own, SIZE + of(self.tag + "gas_radiance")] = gas / level
         jacobian[:, own, SIZE + of(self.tag + "gas_radiance_before")] = np.where(
-            self.injected[:, None], 0.0, gas / before
+            self.injected[:, None], 0.0, gas / (1 + before)
         )
         jacobian = self._whitened(gas, jacobian)
         weighted = jacobian * weight[:, :, None]
-        result = _nothing(count, size)
+        result = Information.none(len(path), size)
         part = weighted[:, :, :SIZE]
         np.add.at(result.state_matrix, self.place, np.einsum("sci,scj->sij", part, jacobian[:, :, :SIZE]))
         np.add.at(result.state_gradient, self.place, -np.einsum("sci,sc->si", part, residual))
@@ -400,17 +399,6 @@ def between(time, path, moments, switches):
         straight = path[near, TEMPERATURE] + (moments - time[near]) * path[near, RATE]
         whole = np.where(apart, straight, whole)
     return whole
-
-
-def _nothing(count, size):
-    return Information(
-        0.0,
-        np.zeros((count, SIZE)),
-        np.zeros((count, SIZE, SIZE)),
-        np.zeros((count, SIZE, size)),
-        np.zeros((size, size)),
-        np.zeros(size),
-    )
 
 
 def robust_weight(residual):

@@ -1,7 +1,5 @@
 """What signals owe to errors of a stated response that its calibration has not absorbed, over temperature."""
 
-from functools import partial
-
 import numpy as np
 
 from plasmapyro.estimate.instrument import TABLE_POINTS, TABLE_TEMPERATURES, from_straight
@@ -20,13 +18,13 @@ class ResponseErrors:
     Between nodes of 1/T it is straight: a hundredth of it is what matters.
     """
 
-    def __init__(self, seen, black, points):
-        """`seen`, `black`: T (N,) [K] -> D (N, C, K) in front of the surface and of the black body of the
-        calibration, whose bands (C,) saw the `points` (P, C) [K]."""
+    def __init__(self, change, seen, black, points):
+        """`change`: of instruments and T (N,) [K] -> D (N, C, K); `seen`, `black`: those before the surface,
+        and before the black body of the calibration, whose bands (C,) saw the `points` (P, C) [K]."""
         low, high = TABLE_TEMPERATURES
         self._inverse = np.linspace(1 / high, 1 / low, TABLE_POINTS)
-        absorbed = np.stack([black(column)[:, band].mean(axis=0) for band, column in enumerate(points.T)])
-        self._values = seen(1 / self._inverse) - absorbed
+        absorbed = [change(black, column)[:, band].mean(axis=0) for band, column in enumerate(points.T)]
+        self._values = change(seen, 1 / self._inverse) - np.stack(absorbed)
         self.temperatures, self.number = TABLE_TEMPERATURES, self._values.shape[-1]
 
     def __call__(self, temperature):
@@ -63,7 +61,7 @@ def of_place(seen, black, points):
         plain, moved = (_signals(one, kelvin) for one in pair)
         return np.log(moved / plain)[:, :, None] / SHIFT * np.eye(plain.shape[1])
 
-    return ResponseErrors(partial(change, seen), partial(change, black), points)
+    return ResponseErrors(change, seen, black, points)
 
 
 def of_course(seen, black, points):
@@ -82,7 +80,7 @@ def of_course(seen, black, points):
         found[:, np.arange(bands), np.arange(bands)] = mean
         return found.reshape(len(kelvin), bands, bands * number)
 
-    return ResponseErrors(partial(change, seen), partial(change, black), points)
+    return ResponseErrors(change, seen, black, points)
 
 
 def of_linearity(seen, black, points):
@@ -92,7 +90,7 @@ def of_linearity(seen, black, points):
         logarithm = np.log(_signals(instrument, kelvin))
         return logarithm[:, :, None] * np.eye(logarithm.shape[1])
 
-    return ResponseErrors(partial(change, seen), partial(change, black), points)
+    return ResponseErrors(change, seen, black, points)
 
 
 def _light(instrument, kelvin):

@@ -1,6 +1,8 @@
 """The most probable path and constants, their uncertainty, and how fast the temperature may bend."""
 
 import dataclasses
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -172,10 +174,7 @@ def _alone(time, information, pull, leaning, covariance, fold, half):
 
 
 def _gather(observations, prior_constants, path, values):
-    total = observations[0].information(path, values, prior_constants.where)
-    for other in observations[1:]:
-        total = total + other.information(path, values, prior_constants.where)
-    return total
+    return reduce(add, (one.information(path, values, prior_constants.where) for one in observations))
 
 
 def _normal_equations(prior, observations, prior_constants, path, values):
@@ -208,7 +207,8 @@ def _descend(chain, observations, prior_constants, dynamics, path, values):
         )
         move, length = move.reshape(count, SIZE), 1.0
         for _ in range(HALVINGS):
-            trial = within_tables(path + length * move, observations), values + length * change
+            trial = path + length * move, values + length * change
+            trial[0][:, TEMPERATURE] = np.clip(trial[0][:, TEMPERATURE], *observations[0].table.temperatures)
             then = _objective(prior, observations, prior_constants, *trial)
             if then <= now:
                 break
@@ -219,14 +219,6 @@ def _descend(chain, observations, prior_constants, dynamics, path, values):
         if fall < CONVERGED and length == 1.0:  # a shortened step falls little wherever it stands
             return path, values, True, step + 1
     return path, values, False, STEPS
-
-
-def within_tables(path, observations):
-    """The path with temperatures held inside the tables of the instruments."""
-    low, high = observations[0].table.temperatures
-    path = path.copy()
-    path[:, TEMPERATURE] = np.clip(path[:, TEMPERATURE], low, high)
-    return path
 
 
 def fitted_dynamics(chain, observations, prior_constants, dynamics, path, values):

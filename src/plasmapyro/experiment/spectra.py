@@ -40,15 +40,15 @@ def nearest_trial(trials, radiance, noise, usable):
     return temperature[[np.argmax(gain)]]
 
 
-def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start=None):
+def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start):
     r"""Temperatures (R,) [K] whose normalised Planck curves lie closest to the normalised spectra.
 
     .. math:: \min_T \sum_\lambda \left[\frac{L_\lambda}{L_{norm}}
               - \frac{L^{bb}_\lambda(T)}{L^{bb}_{norm}(T)}\right]^2
 
-    Gauss-Newton in 1/T from `start` (R,) [K] or the best of a grid of trial temperatures. The `usable` pixels
-    of `radiance`, both (R, W), enter; the rest may be NaN. The mean of the `pivot` pixels (W,) normalises. A
-    fit that ends outside of `temperature_range` [K] is NaN.
+    Gauss-Newton in 1/T from `start` (R,) [K]. The `usable` pixels of `radiance`, both (R, W), enter; the rest
+    may be NaN. The mean of the `pivot` pixels (W,) normalises. A fit that ends outside of `temperature_range`
+    [K] is NaN.
 
     Source: Fagnani et al., sec. 5.3 (after Savino et al. 2020), normalised at 1.03 um. Deviation: the pivot
     may be the mean of the pixels of one resolution element instead of one pixel. The pivot is the weakest
@@ -58,27 +58,19 @@ def fit_normalised(wavelength, radiance, usable, pivot, temperature_range, start
     weight = (usable & np.isfinite(data)).astype(float)
     data = np.where(weight > 0, data, 0.0)
 
-    def model(beta):
+    def step(beta):
         shape, slope = radiance_and_inverse_slope(wavelength, beta)
         mean = _pivot_mean(shape, usable, pivot)[:, None]
         mean_slope = _pivot_mean(-shape * slope, usable, pivot)[:, None] / -mean
         curve = np.nan_to_num(shape / mean)
-        return curve, curve * np.nan_to_num(slope - mean_slope)
+        derivative = curve * np.nan_to_num(slope - mean_slope)
+        rest = data - curve
+        return _ratio(np.sum(weight * derivative * rest, axis=1), np.sum(weight * derivative**2, axis=1))
 
-    def step(beta):
-        curve, derivative = model(beta)
-        return _ratio(
-            np.sum(weight * derivative * (data - curve), axis=1), np.sum(weight * derivative**2, axis=1)
-        )
-
-    def misfit(beta):
-        return np.sum(weight * (data - model(beta)[0]) ** 2, axis=1)
-
-    good = weight.sum(axis=1) >= 2
-    return _iterate(step, misfit, data.shape[0], good, temperature_range, start)
+    return _iterate(step, weight.sum(axis=1) >= 2, temperature_range, start)
 
 
-def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=None):
+def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start):
     r"""Temperatures (R,) [K] and scales (R,) [1] of the Planck curves closest to spectra, weighed by noise.
 
     .. math:: \min_{T, s} \sum_\lambda \left[\frac{L_\lambda - s\,L^{bb}_\lambda(T)}{\sigma_\lambda}\right]^2
@@ -106,11 +98,7 @@ def fit_scaled(wavelength, radiance, noise, usable, temperature_range, start=Non
         rest = data - scale * shape
         return _ratio(np.sum(weight * derivative * rest, axis=1), np.sum(weight * derivative**2, axis=1))
 
-    def misfit(beta):
-        shape, _ = radiance_and_inverse_slope(wavelength, beta)
-        return np.sum(weight * (data - scale_of(shape)[:, None] * shape) ** 2, axis=1)
-
-    temperature = _iterate(step, misfit, data.shape[0], good.sum(axis=1) >= 3, temperature_range, start)
+    temperature = _iterate(step, good.sum(axis=1) >= 3, temperature_range, start)
     found = np.isfinite(temperature)
     scale = np.full(temperature.shape, np.nan)
     if found.any():
@@ -126,16 +114,10 @@ def _ratio(numerator, denominator):
     return np.divide(numerator, denominator, out=np.zeros_like(numerator), where=denominator != 0)
 
 
-def _iterate(step, misfit, rows, good, temperature_range, start):
+def _iterate(step, good, temperature_range, start):
     """Temperatures (R,) at which the Gauss-Newton step vanishes; NaN where it does not settle."""
     low, high = (1 / float(value) for value in reversed(temperature_range))
-    if start is None:
-        trials = np.linspace(low, high, STARTS)
-        error = np.stack([misfit(np.full(rows, trial)) for trial in trials])
-        beta = trials[np.argmin(error, axis=0)]
-    else:
-        beta = np.clip(1 / np.asarray(start, dtype=float), low, high)
-    settled = np.zeros(rows, dtype=bool)
+    beta = np.clip(1 / np.asarray(start, dtype=float), low, high)
     for _ in range(STEPS):
         change = np.clip(step(beta) / beta, -STEP_LIMIT, STEP_LIMIT)
         # Room beyond the range, so that a fit on its edge is told from one that settles there.

@@ -358,8 +358,7 @@ def _spectrum_status(record, frames, injected, chosen, to_noise, least):
     state[~(to_noise >= least)] = status.NO_SIGNAL
     state[~chosen.any(axis=1)] = status.MISSING
     state[~injected] = status.NOT_INJECTED
-    for moment in (0.0, record.off) if record.window else ():
-        state[np.abs(frames.time - moment) < frames.integration_time / 2] = status.STRADDLING
+    state[record.straddling(frames)] = status.STRADDLING
     return state
 
 

@@ -137,9 +137,7 @@ def production(temperature, pressure, mass_fraction, rates):
 
 def _product(concentration, partners):
     """Products of the concentrations (points, 12) of up to three partners (reactions, 3); the last is one."""
-    return (
-        concentration[:, partners[:, 0]] * concentration[:, partners[:, 1]] * concentration[:, partners[:, 2]]
-    )
+    return np.prod(concentration[:, partners], axis=2)
 
 
 def _partners(coefficients):

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro import tables
-from plasmapyro.checks import flags, increasing, positive
+from plasmapyro.checks import counted, flags, increasing, positive
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument import calibration, raw_counts, spectrometer
 from plasmapyro.instrument.pyrometer import blackbody_signals, calibration_ratio
@@ -359,11 +359,8 @@ def calibrate_exposures(exposures, *, saturation_counts, least_net_counts, noise
     rate, noise = raw_counts.combined(rates, noises, usable)
     pixel = np.where(usable.any(axis=0), spectrometer.USABLE, status[0]).astype("int8")
     if not usable.any():
-        words = spectrometer.STATUS.items()
-        counted = ", ".join(
-            f"{np.sum(pixel == code)} {word}" for code, word in words if np.any(pixel == code)
-        )
-        raise ValueError(f"no usable pixel in the spectrometer calibration: {counted}")
+        said = counted(pixel, spectrometer.STATUS)
+        raise ValueError(f"no usable pixel in the spectrometer calibration: {said}")
     drift = np.min(np.where(usable, commons, np.inf), axis=0)
     source_uncertainty = exposures.source_radiance_uncertainty.values
     linearity = float(facts["linearity_uncertainty"])

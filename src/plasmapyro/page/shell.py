@@ -5,10 +5,10 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 from matplotlib import rc_context, rc_params_from_file
 
+from plasmapyro.page import templates
 from plasmapyro.plots.laid import Laid
 
 SIZE = (4.0, 2.9)  # [inch]: 8 points are 9 pixels when a phone shows it 340 wide
@@ -27,12 +27,9 @@ def drawn(draw, name, size=SIZE, **options):
     svg = buffer.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    return re.sub(
-        r'(<svg[^>]*?) width="[^"]*"',
-        r"\1",
-        re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1),
-        count=1,
-    )
+    for side in ("height", "width"):
+        svg = re.sub(rf'(<svg[^>]*?) {side}="[^"]*"', r"\1", svg, count=1)
+    return svg
 
 
 def spoken(svg, alternative):
@@ -42,12 +39,5 @@ def spoken(svg, alternative):
 
 def rendered(template, **values):
     """HTML text of a page, with its style inside."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("plasmapyro.page", "."),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     style = Markup(files("plasmapyro.page").joinpath("style.css").read_text(encoding="utf-8"))
-    return environment.get_template(template).render(style=style, **values).lstrip()
+    return templates("plasmapyro.page").get_template(template).render(style=style, **values).lstrip()

@@ -14,9 +14,7 @@ def visibility_factors(visibility, paths):
     shown = style.bands(visibility.band.values, most=3)
     _, panels = style.figure(size=(3.2 * len(shown), 2.8), ncols=len(shown), sharey=True, squeeze=False)
     for axes, (number, band, _) in zip(panels[0], shown, strict=True):
-        factors = visibility.visibility_factor.sel(band=band).values
-        for factor, curve in zip(factors, style.curves_in(visibility), strict=True):
-            axes.plot(visibility.object_temperature, factor, **curve.options)
+        _one_line_per_power(axes, visibility, visibility.visibility_factor.sel(band=band))
         axes.set_title(f"band {number} ({band})", loc="left", fontsize=8)
         axes.set(xlabel="Object temperature $T_{obj}$ [K]", ylim=(-0.02, 1.02), xlim=(500, 2000))
     panels[0, 0].set_ylabel(r"Visibility factor $\nu_{\Delta\lambda_i}$ [–]")

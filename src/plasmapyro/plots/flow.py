@@ -25,19 +25,11 @@ PARTS = {  # boundaries whose power the balance shows, and their colours
 def temperature_field(flow, sightline, paths):
     """Figure 5a: temperature in torch and chamber, with the line of sight as far as the domain holds it."""
     drawing, axes = style.figure(size=(7.2, 2.5))
-    z, r = flow.node_z.values * 1e3, flow.node_r.values * 1e3
-    triangles = Triangulation(z, r, _quarters(flow.face_node.values, flow.face_midnode.values))
-    lower = Triangulation(z, -r, triangles.triangles)
-    temperature = flow.temperature.values
-    scale = {
-        "cmap": "inferno",
-        "vmin": 300,
-        "vmax": temperature.max(),
-        "shading": "gouraud",
-        "rasterized": True,
-    }
-    for half in (triangles, lower):
-        image = axes.tripcolor(half, temperature, **scale)
+    upper, temperature = _mesh(flow), flow.temperature.values
+    lower = Triangulation(upper.x, -upper.y, upper.triangles)
+    scale = {"cmap": "inferno", "vmin": 300, "vmax": temperature.max(), "shading": "gouraud"}
+    for half in (upper, lower):
+        image = axes.tripcolor(half, temperature, rasterized=True, **scale)
     drawing.colorbar(image, ax=axes, label="Temperature [K]", pad=0.01)
     _sight_line(axes, sightline)
     axes.legend(loc="upper left", labelcolor="0.3")
@@ -54,13 +46,12 @@ def _sight_line(axes, sightline):
     axes.plot(*place, color="cyan", lw=1, ls="--", label=r"line of sight $\zeta$")
 
 
-def _quarters(corner, middle):
-    """Split each six-node triangle into four three-node ones."""
-    a, b, c = corner.T
-    ab, bc, ca = middle.T
-    return np.concatenate(
-        [np.stack(part, axis=1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-    )
+def _mesh(flow):
+    """Mesh [mm] of a flow, each triangle of six nodes split into four of three."""
+    a, b, c = flow.face_node.values.T
+    ab, bc, ca = flow.face_midnode.values.T
+    quarters = [np.stack(part, axis=1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+    return Triangulation(flow.node_z.values * 1e3, flow.node_r.values * 1e3, np.concatenate(quarters))
 
 
 def line_of_sight(sightlines, paths):
@@ -90,9 +81,12 @@ def line_of_sight(sightlines, paths):
 
 @dataclass(frozen=True)
 class _Raster:
-    """Pixels of the half plane: extent [mm], corner nodes and weights (pixels, 3), those inside."""
+    """Pixels of the half plane: extent [mm], middles of columns and rows [mm], corner nodes and weights
+    (pixels, 3), those inside."""
 
     extent: tuple
+    column: np.ndarray
+    row: np.ndarray
     nodes: np.ndarray
     weight: np.ndarray
     inside: np.ndarray
@@ -106,8 +100,8 @@ class _Raster:
 
 def _raster(flow):
     """Linear interpolation on the quarters of the triangles, at the middle of each pixel."""
-    z, r = flow.node_z.values * 1e3, flow.node_r.values * 1e3
-    mesh = Triangulation(z, r, _quarters(flow.face_node.values, flow.face_midnode.values))
+    mesh = _mesh(flow)
+    z, r = mesh.x, mesh.y
     extent = (z.min(), z.max(), 0.0, r.max())
     columns, rows = (int(np.ceil(length / PIXEL)) for length in (extent[1] - extent[0], extent[3]))
     column = extent[0] + (np.arange(columns) + 0.5) * (extent[1] - extent[0]) / columns
@@ -120,7 +114,7 @@ def _raster(flow):
     to_x, to_y = corner_x - x[inside][:, None], corner_y - y[inside][:, None]
     ahead_x, ahead_y = np.roll(to_x, -1, axis=1), np.roll(to_y, -1, axis=1)
     area = np.roll(to_x * ahead_y - to_y * ahead_x, -1, axis=1)
-    return _Raster(extent, nodes, area / area.sum(axis=1, keepdims=True), inside)
+    return _Raster(extent, column, row, nodes, area / area.sum(axis=1, keepdims=True), inside)
 
 
 def fields(flows, sightlines, paths):
@@ -185,10 +179,6 @@ def _field(flow, sightline, raster, paths):
 
 def _streamlines(axes, flow, raster):
     """In the lower half, where the radial axis points down."""
-    first, last, _, outer = raster.extent
-    rows, columns = raster.inside.shape
-    column = first + (np.arange(columns) + 0.5) * (last - first) / columns
-    row = (np.arange(rows) + 0.5) * outer / rows
     every = slice(None, None, STREAM_EVERY)
     # Matplotlib leaves out masked places, so that no line crosses the probe.
     along, outward = (
@@ -196,8 +186,8 @@ def _streamlines(axes, flow, raster):
         for name in ("axial_velocity", "radial_velocity")
     )
     axes.streamplot(
-        column[every],
-        -row[every][::-1],
+        raster.column[every],
+        -raster.row[every][::-1],
         along[::-1],
         -outward[::-1],
         density=STREAM_DENSITY,

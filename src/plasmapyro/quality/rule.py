@@ -125,6 +125,7 @@ class Rule:
     remedy: str  # a template as well
     find: Callable  # (case, limit) -> mapping for `says`, or None
     severity: str
+    misdates: bool = False  # spectra are of another moment than their times say
 
     def __call__(self, case):
         """The finding about a case, or None."""
@@ -160,10 +161,10 @@ class Finding(NamedTuple):
 REGISTER = {row["name"]: row for row in rows("quality/rules.csv")}
 
 
-def rule(limit=None):
+def rule(limit=None, **more):
     """Decorator that makes a `Rule` of the function which looks for the contradiction of its name.
 
-    Words and limit stand in `rules.csv`; `limit` is one that another module decides.
+    Words and limit stand in `rules.csv`; `limit` is one that another module decides, `more` what they lack.
     """
 
     def made(find):
@@ -175,6 +176,7 @@ def rule(limit=None):
             limit=float(row["limit"]) if limit is None else limit,
             find=find,
             **{name: row[name] for name in ("unit", "reason", "says", "remedy", "severity")},
+            **more,
         )
 
     return made

@@ -49,7 +49,7 @@ def natural_order(case, limit):
     }
 
 
-@rule()
+@rule(misdates=True)
 def missing_frame(case, limit):
     numbers = _numbers(case.files["names"])
     if len(numbers) < 3:
@@ -80,7 +80,7 @@ def mixed_series(case, limit):
     return {"where": case.files["place"], "name": odd[0], "first": first}
 
 
-@rule()
+@rule(misdates=True)
 def dates_against_order(case, limit):
     dates, time = case.files["dates"], case.test.spectrum_time.values
     own = np.array([(date - dates[0]) / timedelta(seconds=1) for date in dates])

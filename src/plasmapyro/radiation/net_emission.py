@@ -25,7 +25,7 @@ from plasmapyro.radiation.broadening import doppler_sigma, natural_hwhm, resonan
 from plasmapyro.radiation.continuum import electron_atom_absorption, electron_ion_absorption
 from plasmapyro.radiation.grid import log_grid
 from plasmapyro.radiation.lines import LineList
-from plasmapyro.radiation.path import gas_path
+from plasmapyro.radiation.path import nodes_path
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.radiation.systems import line_lists
 from plasmapyro.tables import weakest
@@ -59,7 +59,7 @@ def net_emission(gas, absorption_radius=0.0):
     rows = []
     for pressure in gas.pressure.values:
         density = number_density(temperature, pressure, nitrogen_of(gas)).T
-        path = _path(temperature, dict(zip(SPECIES, density, strict=True)))
+        path = nodes_path(temperature, dict(zip(SPECIES, density, strict=True)))
         whole = sum(path.number_density[name] * light for name, light in thin.items())
         for layer in np.flatnonzero(temperature >= COLDEST):
             whole[layer] += recombination.light(path, layer, radius) + _of_lines(atoms, path, layer, radius)
@@ -77,13 +77,9 @@ def net_emission(gas, absorption_radius=0.0):
     )
 
 
-def _path(temperature, density):
-    return gas_path(np.arange(temperature.size, dtype=float), temperature, density)
-
-
 def _per_particle(temperature, lists):
     """Light of line lists that take up nothing, by species, per particle (T,) [W sr-1]."""
-    single = _path(temperature, {name: np.ones_like(temperature) for name in SPECIES})
+    single = nodes_path(temperature, {name: np.ones_like(temperature) for name in SPECIES})
     found = {}
     for lines in lists:
         light = np.array([single.emission(lines, layer).sum() for layer in range(temperature.size)])

@@ -177,6 +177,11 @@ def gas_path(path_distance, temperature, number_density, *, excitation_temperatu
     return GasPath(thickness, temperature, density, partition, excitation_temperature, dict(departures or {}))
 
 
+def nodes_path(temperature, number_density):
+    """`GasPath` whose layers, of no length that matters, are gas at nodes of temperature (K,) [K]."""
+    return gas_path(np.arange(temperature.size, dtype=float), temperature, number_density)
+
+
 def incident_path(ray):
     """Layers of a ray of a 'surface_view', which counts from the surface, towards the surface."""
     distance = ray["ray_distance"].values[::-1]

@@ -4,7 +4,7 @@ import numpy as np
 
 from plasmapyro.gas.species import SPECIES
 from plasmapyro.radiation.atoms import ATOMS, TABLE_RANGE, atomic_lines
-from plasmapyro.radiation.band_systems import SYSTEMS as MOLECULES
+from plasmapyro.radiation.band_systems import SYSTEMS
 from plasmapyro.radiation.opacity import PADDING
 
 LOST_FRACTION = 1e-4  # [1], of a molecular system's thin emission that its faintest, dropped lines may carry
@@ -27,11 +27,8 @@ def _molecular_range(grid):
     return grid.wavenumber[0] / reach, grid.wavenumber[-1] * reach
 
 
-SYSTEMS = (*ATOMS, *MOLECULES)
-
-
 def line_lists(grid, species=SPECIES):
-    """Line lists of all systems of the species of a gas, on a grid, in the order of `SYSTEMS`.
+    """Line lists of all systems of the species of a gas, on a grid, atoms first.
 
     None for species that are not in the gas, nor systems without a line on the grid. Carbon's systems join
     where it holds carbon.
@@ -45,7 +42,7 @@ def line_lists(grid, species=SPECIES):
             lost_fraction=FAINT_LOST_FRACTION if system.faint else LOST_FRACTION,
             reference_temperature=REFERENCE_TEMPERATURE,
         )
-        for system in MOLECULES.values()
+        for system in SYSTEMS.values()
         if system.species in species
     ]
     lowest, highest = grid.wavenumber[0], grid.wavenumber[-1]

@@ -20,8 +20,8 @@ from plasmapyro.radiation.path import (
     TEMPERATURE_RANGE,
     Continuum,
     PathRadiance,
-    gas_path,
     layers_that_matter,
+    nodes_path,
     require_resolution_of_light,
 )
 from plasmapyro.radiation.planck import blackbody_radiance
@@ -126,21 +126,14 @@ def emission_table(line_lists, grid, temperature, number_density, *, continua=CO
     temperature = increasing("table temperatures", temperature, "K")
     if temperature.size < STENCIL:
         raise ValueError(f"table nodes must be a whole number >= {STENCIL}; got {temperature.size}")
-    nodes = gas_path(np.arange(temperature.size, dtype=float), temperature, number_density)
+    nodes = nodes_path(temperature, number_density)
     table = np.empty((len(line_lists), temperature.size, len(grid)), dtype=np.float32)
     shift, whole = np.empty(len(line_lists)), np.empty(table.shape[:2])
     emission = np.empty(table.shape[1:])
     for system, lines in enumerate(line_lists):
         spreader = prepare(lines, grid)
         mass = particle_mass(lines.species)
-        one = gas_path(
-            np.arange(temperature.size, dtype=float),
-            temperature,
-            {
-                name: np.full(temperature.shape, float(name == lines.species))
-                for name in dict.fromkeys((*SPECIES, lines.species))
-            },
-        )
+        one = _particles_of(temperature, {lines.species})
         for node in range(temperature.size):
             step(f"table of {lines.component}", node + 1, temperature.size)
             sigma = max(doppler_sigma(temperature[node], mass), SMALLEST_SIGMA_STEPS * grid.step)
@@ -172,16 +165,18 @@ def equilibrium_table(grid, pressure, nitrogen=AIR["N2"]):
     return emission_table(lists_of_systems(grid), grid, nodes, dict(zip(SPECIES, density.T, strict=True)))
 
 
+def _particles_of(temperature, species):
+    """Path of one particle per volume [m-3] of each of some species and none of the others."""
+    density = {name: float(name in species) for name in (*SPECIES, *species)}
+    return nodes_path(temperature, {name: np.full(temperature.shape, one) for name, one in density.items()})
+
+
 def _continuum_coefficients(smooth, temperature):
     """Logarithms of the coefficients of `CONTINUUM_PARTS` at the nodes (P, K, W)."""
     table = np.empty((len(CONTINUUM_PARTS), temperature.size, len(smooth.axis)))
     for part, (factors, component) in enumerate(CONTINUUM_PARTS):
         present = {"N+" if name == "ions" else name for name in factors}
-        path = gas_path(
-            np.arange(temperature.size, dtype=float),
-            temperature,
-            {name: np.full(temperature.shape, float(name in present)) for name in SPECIES},
-        )
+        path = _particles_of(temperature, present)
         row = CONTINUA.index(component)
         for node in range(temperature.size):
             coefficient = smooth.absorption(path, node)[row]

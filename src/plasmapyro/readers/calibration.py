@@ -149,15 +149,13 @@ def read_exposures(folder):
     spectra, lights, darks, times = [], [], [], []
     for exposure in exposures:
         try:
-            pair = [read(folder / exposure[key]) for key in ("light", "dark")]
+            paths = [folder / exposure[key] for key in ("light", "dark")]
+            pair = [read(one) for one in paths]
             times.append(_integration_time(folder, exposure, pair))
-            rows = [
-                ocean.column_of(folder / exposure[key], one, settings)
-                for key, one in zip(("light", "dark"), pair, strict=True)
-            ]
+            rows = [ocean.column_of(*one, settings) for one in zip(paths, pair, strict=True)]
             first = spectra[0] if spectra else pair[0]
-            for key, one in zip(("light", "dark"), pair, strict=True):
-                require_alike(folder / exposure[key], one, folder / exposures[0]["light"], first, ())
+            for one in zip(paths, pair, strict=True):
+                require_alike(*one, folder / exposures[0]["light"], first, ())
         except Refusal as reason:
             faults += reason.messages
             continue
@@ -213,7 +211,7 @@ def read_line_lamp(folder):
     paths = [Path(folder) / lamp[key] for key in ("light", "dark")]
     light, dark = (ocean.read_spectrum(path) for path in paths)
     require_alike(paths[1], dark, paths[0], light, of="a dark")
-    rows = [ocean.column_of(path, one, settings) for path, one in zip(paths, (light, dark), strict=True)]
+    rows = [ocean.column_of(*one, settings) for one in zip(paths, (light, dark), strict=True)]
     net = np.where(ocean.clipped(rows[0]), np.nan, rows[0] - rows[1])
     return vacuum(paths[0], light.wavelength, medium), net, lamp["fwhm"]
 
@@ -270,16 +268,12 @@ def _detector(section):
     }
     if not 0 <= found["linearity_uncertainty"] < 1:
         section.blame("linearity_uncertainty", "must lie in 0 to 1", "state it as a fraction")
-    masked = section.numbers("masked_pixels", kind=int)
-    if masked:
-        found["masked_pixels"] = masked
-    dim = section.numbers("dim_range_nm", 2)
-    if dim is not None:
-        found["dim_range"] = [edge * 1e-9 for edge in dim]
-    limit = section.number("saturation_counts", above=0)
-    if limit is not None:
-        found["saturation_counts"] = limit
-    return found
+    asked = {
+        "masked_pixels": section.numbers("masked_pixels", kind=int),
+        "dim_range": [edge * 1e-9 for edge in section.numbers("dim_range_nm", 2) or []],
+        "saturation_counts": section.number("saturation_counts", above=0),
+    }
+    return found | {name: value for name, value in asked.items() if value}
 
 
 def _source(section):

@@ -102,7 +102,7 @@ def times(path, words, lines, form, zero, set_back):
     the record (end of summer time): undo it. It is never guessed: a second record of the same hour looks the
     same.
     """
-    values = np.array([_value(word, form) for word in words])
+    values = np.array([seconds(word, form) for word in words], dtype=float)  # NaN for None
     bad = [i for i, word in enumerate(words) if np.isnan(values[i]) and not missing(word)]
     faults = [
         fault(
@@ -142,11 +142,6 @@ def times(path, words, lines, form, zero, set_back):
     if set_back:
         values[back[0] :] += HOUR
     return values - start, []
-
-
-def _value(word, form):
-    value = seconds(word, form)
-    return np.nan if value is None else value
 
 
 def cycle(stamps):

@@ -129,35 +129,24 @@ def wanted(section, names, kinds=(), needed=(), files=False):
 
 def to_si(path, column, values, stated, line=None):
     """Values of a column in SI; `stated` is the unit the file itself gives, or None."""
-    if stated and units.factor(stated, column.name) is None:
+
+    def conversion(unit):
+        return units.factor(unit, column.name), units.offset(unit)
+
+    name, remedy = quote(column.header), f"state its `unit` beside its name: {units.known(column.name)}"
+    if stated and conversion(stated)[0] is None:
         if column.unit is None:
-            refuse(
-                path,
-                f"column {quote(column.header)} is in {quote(stated)}, which is no unit of {column.name}",
-                f"state its `unit` beside its name: {units.known(column.name)}",
-                line,
-            )
+            what = f"column {name} is in {quote(stated)}, which is no unit of {column.name}"
+            refuse(path, what, remedy, line)
         stated = None
     unit = column.unit or stated or ("1" if units.is_ratio(column.name) else None)
     if unit is None:
-        refuse(
-            path,
-            f"the unit of column {quote(column.header)} is not known",
-            f"state its `unit` beside its name: {units.known(column.name)}",
-            line,
-        )
-    if stated and column.unit and _conversion(stated, column) != _conversion(column.unit, column):
-        refuse(
-            path,
-            f"column {quote(column.header)} says {quote(stated)}, test.yaml says {quote(column.unit)}",
-            "correct the one that is wrong",
-            line,
-        )
-    return values * (units.factor(unit, column.name) * column.scale) + units.offset(unit)
-
-
-def _conversion(unit, column):
-    return units.factor(unit, column.name), units.offset(unit)
+        refuse(path, f"the unit of column {name} is not known", remedy, line)
+    if stated and conversion(stated) != conversion(unit):
+        what = f"column {name} says {quote(stated)}, test.yaml says {quote(unit)}"
+        refuse(path, what, "correct the one that is wrong", line)
+    factor, added = conversion(unit)
+    return values * (factor * column.scale) + added
 
 
 def read_table(path, columns, delimiter=None, decimal=None):
@@ -253,7 +242,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             if decimal or not set(words[i]) <= SIGNS  # those the sign that was left open decides
         ]
         try:
-            known = np.array([np.nan if value is None else value for value in values], dtype=float)
+            known = np.array(values, dtype=float)  # NaN for None
             if name != "time":
                 known[np.isin(known, FILLS)] = np.nan
             result[name] = to_si(path, columns[name], known, stated[name], start + 1)

@@ -7,49 +7,22 @@ from pathlib import PurePath
 import numpy as np
 import yaml
 
-from plasmapyro.foreign import told
+from plasmapyro.foreign import Strict, told
 from plasmapyro.readers.text import fault, number, quote, read_lines, refuse
 
 GUIDE = "compare with docs/your-own-data.md"
 LARGEST = 64_000  # [byte] a description is a page of text
 LONGEST_NAME = 200
-DEEPEST = 12  # nested levels
 MOST_FILES = 1000  # of one record
 LEAST_NM = 100  # of an emittance over wavelength: below it a table is in um
 
 
-class _Loader(yaml.BaseLoader):
-    """Words, lists and mappings only; no aliases, no repeated keys, bounded depth.
+class _Loader(Strict, yaml.BaseLoader):
+    """Words, lists and mappings only.
 
     BaseLoader builds nothing but str, list and dict, and so leaves '10:00:00' the words they are, which
     YAML 1.1 would turn into the number 36000.
     """
-
-    depth = 0
-
-    def compose_node(self, parent, index):
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.MarkedYAMLError(
-                problem="aliases are not allowed", problem_mark=self.peek_event().start_mark
-            )
-        self.depth += 1
-        if self.depth > DEEPEST:
-            raise yaml.MarkedYAMLError(problem="nested too deeply", problem_mark=self.peek_event().start_mark)
-        node = super().compose_node(parent, index)
-        self.depth -= 1
-        return node
-
-    def construct_mapping(self, node, deep=False):
-        seen = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                raise yaml.MarkedYAMLError(problem="a key must be a word", problem_mark=key.start_mark)
-            if key.value in seen:
-                raise yaml.MarkedYAMLError(
-                    problem=f"key {key.value!r} stands twice", problem_mark=key.start_mark
-                )
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
 
 
 def load(path):

@@ -261,7 +261,7 @@ def _is_one_of(unit, si):
 def values_of(table, place):
     """Numbers (rows,) of a column, NaN where a cell holds none."""
     values = [number(word, table.decimal, thousands=True) for word in table.cells[place]]
-    return np.array([np.nan if value is None else value for value in values], dtype=float)
+    return np.array(values, dtype=float)  # NaN for None
 
 
 def stamp_format(table, places):

@@ -307,10 +307,7 @@ def _body(path, lines, begin, end):
 def _fast(rows, decimal):
     """All cells at once; None if one of them needs the strict reader."""
     try:
-        if decimal == ".":
-            flat = [float(cell) for _, row in rows for cell in row]
-        else:
-            flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
+        flat = [float(cell.replace(decimal, ".")) for _, row in rows for cell in row]
     except ValueError:
         return None
     table = np.array(flat).reshape(len(rows), -1)

@@ -18,14 +18,9 @@ WORDS = ("title", "condition", "origin")
 def attributes(section):
     """Attributes of the contract 'test': numbers in SI, the reference window, words."""
     found = section.emittance()
-    for name in [name for name in NUMBERS if name != "emittance"]:
-        value = section.number(name)
-        if value is not None:
-            found[name] = value
-    for name in WORDS:
-        value = section.text(name)
-        if value is not None:
-            found[name] = value
+    given = {name: section.number(name) for name in NUMBERS if name != "emittance"}
+    given |= {name: section.text(name) for name in WORDS}
+    found |= {name: value for name, value in given.items() if value is not None}
     window = section.raw("reference_window")
     if window is not None:
         values = [number(word) for word in window] if _words(window) else []

@@ -385,16 +385,15 @@ def _tables(paths, folder, settings):
         factor = 1.0 if settings["stamps"] else units.factor(settings["time_unit"], "spectrum_time")
         parts.append({"time": time * factor, "pixels": pixels, "values": values})
     pixels = parts[0]["pixels"]
+    sizes = [part["time"].size for part in parts]
     if settings["time"]:
-        count = sum(part["time"].size for part in parts)
-        moments = np.split(
-            settings["time"]["first"] + settings["time"]["period"] * np.arange(count),
-            np.cumsum([part["time"].size for part in parts])[:-1],
-        )
+        moments = settings["time"]["first"] + settings["time"]["period"] * np.arange(sum(sizes))
+        moments = np.split(moments, np.cumsum(sizes)[:-1])
         parts = [part | {"time": moment} for part, moment in zip(parts, moments, strict=True)]
     whole = joined(paths, parts, settings["zero"])
     order = np.argsort(pixels, kind="stable")
-    wavelength = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
+    unit = units.factor(settings["wavelength_unit"], "wavelength")
+    wavelength = pixels[order] * unit
     if not (np.diff(wavelength) > 0).all():
         refuse(paths[0], "a wavelength stands twice in the header", "remove one of the columns", 1)
     values = whole["values"][:, order] * units.factor(settings["unit"], settings["quantity"])
@@ -403,29 +402,24 @@ def _tables(paths, folder, settings):
     if settings["quantity"] == "counts":
         values = _without_clipped(values, limit, result, attrs)
         if background:
-            own = pixels[order] * units.factor(settings["wavelength_unit"], "wavelength")
             plain = ocean.plain_spectrum(read_lines(background, columns.LARGEST)[0])
             if plain is not None:
-                dark_pixels, dark = (
-                    plain.wavelength,
-                    ocean.column_of(background, plain, settings | {"column": None}),
-                )
+                dark_pixels = plain.wavelength
+                dark = ocean.column_of(background, plain, settings | {"column": None})
             else:
                 _, dark_pixels, dark = read(background)
                 dark_pixels = dark_pixels[order] if dark_pixels.shape == order.shape else dark_pixels
-                dark_pixels = dark_pixels * units.factor(settings["wavelength_unit"], "wavelength")
-                dark = np.mean(dark, axis=0)[order] if dark_pixels.shape == own.shape else dark
-            if dark_pixels.shape != own.shape or not np.allclose(dark_pixels, own, rtol=0, atol=SHIFT):
-                refuse(
-                    background,
-                    f"other wavelengths than {paths[0].name}",
-                    "use a dark of the same instrument",
-                    1,
-                )
+                dark_pixels = dark_pixels * unit
+                dark = np.mean(dark, axis=0)[order] if dark_pixels.shape == wavelength.shape else dark
+            if dark_pixels.shape != wavelength.shape or not np.allclose(
+                dark_pixels, wavelength, rtol=0, atol=SHIFT
+            ):
+                what = f"other wavelengths than {paths[0].name}"
+                refuse(background, what, "use a dark of the same instrument", 1)
             result["background_counts"] = dark
             if joined_exposures:  # all as the shortest would have them: light goes with the exposure
                 share = [attrs["spectrometer_integration_time"] / exposures[path] for path in paths]
-                share = np.repeat(share, [part["time"].size for part in parts])[:, None]
+                share = np.repeat(share, sizes)[:, None]
                 values = dark + (values - dark) * share
     result[settings["quantity"]] = values
     return result, attrs, files

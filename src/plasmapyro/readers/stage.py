@@ -9,7 +9,7 @@ import xarray as xr
 from plasmapyro import contracts, io
 from plasmapyro.readers import description, parts
 from plasmapyro.readers.spectrometer import spectrometer
-from plasmapyro.readers.text import Refusal, fault, refuse
+from plasmapyro.readers.text import Refusal, checked, fault, refuse
 from plasmapyro.record import clock, inputs
 
 INSTRUMENTS = {  # section of test.yaml -> its reader
@@ -79,26 +79,23 @@ def condition_of(folder):
     return found if isinstance(found, str) else None
 
 
+# Absurd scales overflow to infinity, which the rules for a test then name.
+@np.errstate(over="ignore", invalid="ignore")
 def _read(folder):
-    # Absurd scales overflow to infinity, which the rules for a test then name.
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _read_folder(Path(folder))
-
-
-def _read_folder(folder):
+    folder = Path(folder)
     try:
         if folder.name == "test.yaml" or folder.is_file() and (folder.parent / "test.yaml").exists():
             if not io.is_netcdf(folder):
                 refuse(folder, "is one file of a test", f"name its folder, {folder.parent}")
         if folder.is_file():
-            return _sound(_stored(folder), folder)
+            return _sound(io.read(folder, "test"), folder)
         if not folder.is_dir():
             refuse(folder, "no such folder", "check its name")
         stored, described = folder / "test.nc", folder / "test.yaml"
         if stored.exists() and described.exists():
             refuse(folder, "holds test.nc and test.yaml", "keep the one that is meant")
         if stored.exists():
-            return _sound(_stored(stored), stored)
+            return _sound(io.read(stored, "test"), stored)
         if not described.exists():
             refuse(
                 folder, "holds neither test.nc nor test.yaml", f"describe the raw files in test.yaml; {GUIDE}"
@@ -108,10 +105,6 @@ def _read_folder(folder):
         return None, reason.messages if isinstance(reason, Refusal) else [str(reason)]
     except OSError as reason:
         return None, [fault(folder, f"cannot be read ({reason})", "check names and access rights")]
-
-
-def _stored(path):
-    return io.read(path, "test")
 
 
 def _sound(dataset, path, files=None):
@@ -151,10 +144,7 @@ def _raw(folder, path):
         {name: values for name, values in variables.items() if DIMS[name] == (name,)},
         attributes,
     )
-    try:
-        dataset = contracts.check(contracts.label(dataset, "test"), "test")
-    except contracts.ContractError as reason:
-        return None, [f"{path}: {reason}"]
+    dataset = checked(dataset, "test", path)
     left = files.get("spectrometer", {}).get("left_open", 0.0)
     if {"time", "spectrum_time"} <= dataset.sizes.keys() and left:
         dataset = _within_second(dataset, left)

@@ -77,6 +77,11 @@ class Record:
         """Which of some times (t,) [s] lie in the reference window."""
         return (time >= self.window[0]) & (time <= self.window[1])
 
+    def straddling(self, frames):
+        """Which exposures of an instrument (S,) hold the injection or an end of the plasma."""
+        ends = np.array([0.0, self.off] if self.window else [])
+        return (np.abs(frames.time[:, None] - ends) < frames.integration_time / 2).any(axis=1)
+
     def phases(self, time):
         """Where the sample is in view, and where the plasma shines on it: (t,) bool each, see `phases`."""
         return phases(time, 0.0, self.off)

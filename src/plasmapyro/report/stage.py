@@ -3,9 +3,10 @@
 import json
 import re
 
-import jinja2
 import numpy as np
 
+from plasmapyro.page import templates
+from plasmapyro.record.status import EXTRAPOLATED, VALID
 from plasmapyro.report.captions import describe
 from plasmapyro.versions import versions
 
@@ -24,29 +25,26 @@ def compose(
     `max_rss` [MB], `cpu_time` [s]); `configuration` is shown as it is; `without`: tests that the run left
     out. KeyError if a figure has no words (see `captions`).
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("plasmapyro.report", "."),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     described = sorted(((name, *describe(name), picture) for name, picture in figures), key=_natural)
     attributes = {} if claims is None else claims.attrs
     made_by = {"plasmapyro": attributes["plasmapyro_version"]} if "plasmapyro_version" in attributes else {}
     known = [(chapter, [rest for rest in described if rest[1] == chapter]) for chapter in CHAPTERS]
-    return environment.get_template("template.html").render(
-        chapters=[(chapter, shown) for chapter, shown in known if shown],
-        claims=[] if claims is None else list(_claim_rows(claims)),
-        counts={} if claims is None else _verdicts(claims),
-        without=without,
-        tests=[_summary(name, corrected) for name, corrected in corrections],
-        findings=sorted(findings, key=lambda one: one["severity"]),
-        diagnoses=diagnoses,
-        timings=_times(timings),
-        versions=dict(versions()) | made_by,
-        configuration=json.dumps(configuration or {}, indent=1, default=str),
-        sources=attributes.get("sources", "").splitlines(),
+    return (
+        templates("plasmapyro.report")
+        .get_template("template.html")
+        .render(
+            chapters=[(chapter, shown) for chapter, shown in known if shown],
+            claims=[] if claims is None else list(_claim_rows(claims)),
+            counts={} if claims is None else _verdicts(claims),
+            without=without,
+            tests=[_summary(name, corrected) for name, corrected in corrections],
+            findings=sorted(findings, key=lambda one: one["severity"]),
+            diagnoses=diagnoses,
+            timings=_times(timings),
+            versions=dict(versions()) | made_by,
+            configuration=json.dumps(configuration or {}, indent=1, default=str),
+            sources=attributes.get("sources", "").splitlines(),
+        )
     )
 
 
@@ -72,13 +70,8 @@ def _verdicts(claims):
     """Verdict -> (from the simulation, on synthetic data)."""
     first = [_kind(str(verdict)) for verdict in claims.verdict.values]
     synthetic = claims.basis.values.astype(str) == "synthetic"
-    return {
-        word: (
-            sum(a == word and not b for a, b in zip(first, synthetic, strict=True)),
-            sum(a == word and b for a, b in zip(first, synthetic, strict=True)),
-        )
-        for word in sorted(set(first))
-    }
+    pairs = list(zip(first, synthetic, strict=True))
+    return {word: (pairs.count((word, False)), pairs.count((word, True))) for word in sorted(set(first))}
 
 
 def _kind(verdict):
@@ -86,8 +79,6 @@ def _kind(verdict):
     return verdict.split()[0] if verdict.startswith(("reproduced", "differs")) else verdict
 
 
-VALID, EXTRAPOLATED = 0, 2  # status of a temperature: within, or beyond, the calibrated range
-READABLE = (VALID, EXTRAPOLATED)
 RESULTS_OF = {  # temperature that a file is looked through for -> name of the instrument, time and status
     "recommended_temperature": ("to take away", "time", "recommended_status"),
     "surface_temperature": ("joint estimate", "time", "estimate_status"),
@@ -101,7 +92,7 @@ def _summary(name, corrected):
     quantity = next(one for one in RESULTS_OF if one in corrected)
     instrument, axis, status = RESULTS_OF[quantity]
     time = corrected[axis].values
-    temperature = corrected[quantity].where(corrected[status].isin(READABLE)).values
+    temperature = corrected[quantity].where(corrected[status].isin((VALID, EXTRAPOLATED))).values
     valid = np.isfinite(temperature) & (corrected[status].values == VALID)
     spread = corrected[f"{quantity}_uncertainty"].values
     end = corrected.attrs.get("plasma_off_time", time[-1])
