@@ -357,6 +357,9 @@ def test_a_plasma_off_time_within_a_second_is_passed(sound):
         assert "plasma_off_time" not in said(attributes(sound, plasma_off_time=moment))
 
 
+LIGHT = "corrected_radiance", "radiance_noise"
+
+
 def result_of(pyrometer, spectrometer, uncertainties=(20.0, 2.0), state=0):
     """A correction that holds what the comparison needs: both temperatures at 1 to 10 s."""
     time = np.arange(1.0, 11.0)
@@ -388,6 +391,8 @@ def test_planck_fits_to_a_surface_that_is_not_grey_have_no_value(sound):
     for end in ("", "_uncertainty"):
         fits[f"spectrometer_temperature{end}"] = fits[f"scaled_temperature{end}"]
     fits = fits.drop_vars([name for name in fits.variables if name.startswith("corrected")])
+    light = {name: (("spectrum_time", "wavelength"), np.ones((10, 2))) for name in LIGHT}
+    fits = fits.assign(light).assign_coords(wavelength=[8e-7, 9e-7])  # two pixels tell no level
     whole = np.full(10, 1600.0)
     estimate = xr.Dataset(
         {

@@ -16,6 +16,7 @@ NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared
 BRIGHT = 0.2  # of the highest corrected signal
 CLEAR = 10.0  # of its noise: the fitted light of a pixel that tells the shape
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
+GAS_LEFT = 0.1  # [1] standard, of the light of the window that a spectrum still holds: drift and flicker
 
 
 def compared(result):
@@ -193,19 +194,12 @@ def level_against_ratio(case, limit):
     return None
 
 
-def _apparent(result, most):
-    """Times, apparent emittances and their relative errors (n,) of the valid spectra, errors below `most`."""
-    time, values, errors = (
-        result[name].values[result.spectrum_status.values == status.VALID]
-        for name in ("spectrum_time", "apparent_emittance", "apparent_emittance_uncertainty")
-    )
-    known = errors < most * values
-    return time[known], values[known], errors[known] / values[known]
-
-
 @rule()
 def emittance_of_spectra(case, limit):
-    _, values, errors = _apparent(case.result, 0.3)
+    good = case.result.spectrum_status.values == status.VALID
+    values, errors = (case.result[f"apparent_emittance{end}"].values[good] for end in ("", "_uncertainty"))
+    known = errors < 0.3 * values
+    values, errors = values[known], errors[known] / values[known]
     if values.size < 3:
         return None
     attrs = case.test.attrs
@@ -217,20 +211,55 @@ def emittance_of_spectra(case, limit):
     return {"found": found, "count": values.size, "stated": stated, "error": attrs["emittance_uncertainty"]}
 
 
+def level_steps(result):
+    r"""Factor at all wavelengths alike of the light of each valid spectrum over that of the one before.
+
+    .. math:: \ln\frac{L_{j+1}}{L_j} = s + \frac{c_2}{\lambda}\left(\frac{1}{T_j} - \frac{1}{T_{j+1}}\right)
+              + g \frac{L^{g}}{L_{j+1}}
+
+    by least squares over the pixels (Wien's law). The calibration drops out, and a temperature changes the
+    second term alone; g, of the light of the window, has a standard deviation of `GAS_LEFT`.
+
+    Returns
+    -------
+    place : (n, 2) int ndarray of spectra
+    step, error : (n,) ndarrays [1], s and its standard error, which the misfit widens
+    """
+    good, found = np.flatnonzero(result.spectrum_status.values == status.VALID), []
+    light, noise = result.corrected_radiance.values, result.radiance_noise.values
+    inverse = result.wavelength.values.mean() / result.wavelength.values
+    for place in zip(good[:-1], good[1:], strict=True):
+        first, second = (light[at] for at in place)
+        clear = (first > CLEAR * noise[place[0]]) & (second > CLEAR * noise[place[1]])
+        if clear.sum() < PIXELS:
+            continue
+        error = np.hypot(*(noise[at, clear] / light[at, clear] for at in place))
+        gas = GAS_LEFT * result.reference_radiance.values[clear] / second[clear]
+        design = np.stack([np.ones(error.size), inverse[clear], gas], axis=1) / error[:, None]
+        covariance = np.linalg.inv(design.T @ design + np.diag([0.0, 0.0, 1.0]))
+        change = np.log(second[clear] / first[clear]) / error
+        step = covariance @ design.T @ change
+        scatter = max(1.0, float(np.std(change - design @ step)))
+        found.append((*place, step[0], scatter * np.sqrt(covariance[0, 0])))
+    *place, step, error = np.array(found).reshape(-1, 4).T
+    return np.stack(place, axis=1).astype(int), step, error
+
+
+def level_jumps(result, limit):
+    """Spectra (n, 2) between which the level jumps, and logarithms (n,) of the factors."""
+    place, step, error = level_steps(result)
+    far = np.abs(step) > np.maximum(limit, 5 * error)
+    return place[far], step[far]
+
+
 @rule()
 def emittance_jumps(case, limit):
-    time, values, errors = _apparent(case.result, 0.2)
-    jump = np.abs(np.diff(np.log(values)))
-    far = np.flatnonzero(jump > np.maximum(limit, 5 * np.hypot(errors[1:], errors[:-1])))
-    if not far.size:
+    place, step = level_jumps(case.result, limit)
+    if not step.size:
         return None
-    first = far[0]
-    return {
-        "first": float(time[first]),
-        "second": float(time[first + 1]),
-        "before": float(values[first]),
-        "after": float(values[first + 1]),
-    }
+    worst = int(np.argmax(np.abs(step)))
+    first, second = (float(case.result.spectrum_time.values[at]) for at in place[worst])
+    return {"first": first, "second": second, "factor": float(np.exp(step[worst])), "count": step.size}
 
 
 def _medians(rows):

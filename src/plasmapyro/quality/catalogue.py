@@ -31,14 +31,14 @@ def agreed(parts, test, response=None, calibration=None):
     clocks moves a temperature by more than `clocks_apart` does (which clock is right nobody knows), and where
     the level of an instrument is no light of its temperature (`beside.of_surface`). Of spectra alone the
     Planck fits, where `spectra_not_grey` finds the surface not to be grey; elsewhere their intervals hold the
-    difference.
+    difference, as those of a pyrometer's subtraction do where `throughput_in_doubt` is said.
     `parts`: as `results` of `of_test`.
     """
     both = next((one for one in parts if set(late.ALONE) <= set(one)), None)
     known = {} if test is None else test.attrs
     own = [beside.of_surface(one, known, calibration, response) for one in parts]
     if both is None:
-        return _grey(own)
+        return _doubted(_grey(own, parts))
     case = Case(Path(), test, response=response, result=both)
     moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
     limit = agreement.clocks_apart.limit
@@ -46,12 +46,31 @@ def agreed(parts, test, response=None, calibration=None):
     return [_without(part, moments, offset, limit) for part in own]
 
 
-def _grey(parts):
-    """Results of spectra alone, without the Planck fits that temperature and emissivity contradict."""
+def _doubted(parts):
+    """Results of a pyrometer alone: where its level and ratio are in doubt, the subtraction holds both."""
+    estimate = next((one for one in parts if "surface_temperature" in one), None)
+    if estimate is None or not agreement.throughput_in_doubt(Case(Path(), estimate=estimate)):
+        return parts
+    return [
+        beside.with_joint(one, estimate) if late.ALONE[0] in one and estimate.time.equals(one.time) else one
+        for one in parts
+    ]
+
+
+def _grey(parts, before):
+    """Results of spectra alone, without the Planck fits that temperature and emissivity contradict.
+
+    Where the level jumps (of the results `before` any was blanked) the latter, which hold it, have no value.
+    """
     fits = next((one for one in parts if set(agreement.FITS) <= set(one)), None)
     estimate = next((one for one in parts if "spectral_temperature" in one), None)
     if fits is None or estimate is None:
         return parts
+    whole = next(one for one in before if set(agreement.FITS) <= set(one))
+    if agreement.level_jumps(whole, agreement.emittance_jumps.limit)[1].size:
+        told = np.isfinite(estimate.spectral_temperature.values)
+        blank = beside.blanked(estimate, "spectral_temperature", "spectral_status", told)
+        return [blank if one is estimate else one for one in parts]
     far, _, _ = agreement.unlike_grey(fits, estimate, agreement.spectra_not_grey.limit)
     other = fits.spectrum_status.values == status.CONTRADICTED  # not the light of a surface as stated
     new = {id(fits): beside.with_estimate(fits, estimate)}

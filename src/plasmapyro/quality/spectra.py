@@ -8,7 +8,6 @@ import numpy as np
 
 from plasmapyro.identification.species import catalogue
 from plasmapyro.instrument.spectrometer import NORMAL_MAD
-from plasmapyro.quality import pyrometer
 from plasmapyro.quality.rule import rule
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import flags, foreign
@@ -176,8 +175,6 @@ def dark_brighter(case, limit):
 
 @rule()
 def dark_like_light(case, limit):
-    if "pyrometer" in case.holds and pyrometer.dark_reference(case):  # no light to be held
-        return None
     time, width = case.test.spectrum_time.values, float(case.test.attrs["spectrometer_fwhm"])
     low, high = case.test.attrs["reference_window"]
     places = np.flatnonzero((time >= low) & (time <= high))
