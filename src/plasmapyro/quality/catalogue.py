@@ -1,5 +1,6 @@
 """The rules, in the order in which they are said."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from plasmapyro.quality import (
 from plasmapyro.quality.rule import DOUBT, Case, look, rules_of
 from plasmapyro.record import status
 
+LOG = logging.getLogger(__name__)
 OF_TEST = rules_of(agreement, window, pyrometer, spectra, clocks)
 OF_CALIBRATION = rules_of(instrument)
 OF_SIGHTLINE = rules_of(sightline)
@@ -113,8 +115,13 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
     return look(case.without(others) if others else case, rules)
 
 
-def own_test(reading):
-    """The test of a `readers.stage.Reading` without other tests that stand in the same log."""
+def own_test(reading, place=None):
+    """The test of a `readers.stage.Reading` without other tests that stand in the same log.
+
+    With its `place` they are said, where nobody asks `of_test`.
+    """
+    for finding in of_test(place, reading, rules=(clocks.another_test,)) if place else ():
+        LOG.warning(finding.words)
     case = Case(Path(), reading.test, reading.files.get("spectrometer", {}))
     return case.without(clocks.of_other_tests(case)).test
 
