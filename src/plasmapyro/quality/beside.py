@@ -52,13 +52,23 @@ def of_surface(result, attributes, calibration=None, response=None):
         bad = unlike(np.log(scale / stated), leeway(relative, attributes, instrument="spectrometer"))
         if "corrected_temperature" in result and calibration is not None and response is not None:
             bad &= ~_confirmed(result, attributes, calibration, response)
-        result = blanked(result, "scaled_temperature", "spectrum_status", bad)
+        result = blanked(_both_fits(result), "scaled_temperature", "spectrum_status", bad)
         if "corrected_temperature" in result:
             moments = result.spectrum_time.values
             bad = bad[np.searchsorted((moments[1:] + moments[:-1]) / 2, result.time.values)]
             bad &= np.isfinite(result.corrected_temperature.values)
             result = blanked(result, "corrected_temperature", "corrected_status", bad)
     return result
+
+
+def _both_fits(result):
+    """Fits whose intervals hold their difference where it exceeds both: other light or a bend is in one."""
+    result, (one, other) = result.copy(), (result[name] for name in FITS)
+    error = np.fmax(*(result[f"{name}_uncertainty"] for name in FITS))
+    off = np.abs(one - other).where(np.abs(one - other) > error)
+    for name in FITS if off.notnull().any() else ():
+        widen(result, name, off)
+    return _told(result, "scaled_temperature", "spectrum_status")
 
 
 def _confirmed(result, attributes, calibration, response):

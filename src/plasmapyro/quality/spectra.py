@@ -13,6 +13,7 @@ from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import flags, foreign
 from plasmapyro.refraction import vacuum_wavelength
 
+NO_LIGHT = 1e-3  # of the brightest spectrum: a dark within the series
 LISTED = 5  # wavelengths
 # Of the lines of a plasma: what test gases are made of, those above a share of the strongest of its species,
 # and what stands out of the spectrum of the window: so many at least, the clearest ten, held to so near.
@@ -108,9 +109,9 @@ def repeated_spectrum(case, limit):
 @rule()
 def lone_spectrum(case, limit):
     time, attrs = case.test.spectrum_time.values, case.test.attrs
-    if time.size < 5 or not (case.light > 0).all():
+    if time.size < 5 or not np.nanmax(case.light) > 0:
         return None
-    step = np.diff(np.log(case.light))
+    step = np.diff(np.log(np.maximum(case.light, NO_LIGHT * np.nanmax(case.light))))
     # At the injection and the end of the plasma light may come and go within an exposure.
     cycle = np.median(np.diff(time))
     switch = [np.abs(time - attrs[name]) <= cycle for name in ("injection_time", "plasma_off_time")]
