@@ -145,6 +145,15 @@ def test_a_level_that_stays_is_told_to_some_per_cent_and_nothing_is_said(lab):
     assert (np.abs(step) < np.maximum(0.01, 4 * error)).all()
 
 
+@pytest.mark.parametrize("seed", [5, 8])
+def test_noise_of_a_surface_that_begins_to_outshine_the_gas_is_no_step(lab, seed):
+    """Pixels that were taken where noise made them bright had a step of 1.4."""
+    test = laboratory.made().assign_attrs(condition="90kW").isel(spectrum_time=slice(None, None, 3))
+    noise = 2.0 * np.random.default_rng(seed).standard_normal(test.counts.shape)
+    result = corrected(lab, test.assign(counts=test.counts + noise))
+    assert "[emittance_jumps]" not in result.attrs["findings"]
+
+
 def test_a_window_that_fogs_costs_no_fit_whose_colour_the_level_of_the_pyrometer_confirms(lab):
     """Beyond a factor of 1.5 they were contradicted, and samples of the pyrometer beside them."""
     test = laboratory.made()

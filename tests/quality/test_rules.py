@@ -418,6 +418,7 @@ def test_planck_fits_to_a_surface_that_is_not_grey_have_no_value(sound):
         fits[f"spectrometer_temperature{end}"] = fits[f"scaled_temperature{end}"]
     fits = fits.drop_vars([name for name in fits.variables if name.startswith("corrected")])
     light = {name: (("spectrum_time", "wavelength"), np.ones((10, 2))) for name in LIGHT}
+    light["reference_radiance"] = "wavelength", np.ones(2)
     fits = fits.assign(light).assign_coords(wavelength=[8e-7, 9e-7])  # two pixels tell no level
     whole = np.full(10, 1600.0)
     estimate = xr.Dataset(

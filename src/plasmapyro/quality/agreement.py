@@ -1,6 +1,7 @@
 """Rules for results: instruments against each other, and each against what is known of its light."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from plasmapyro.quality import late
 from plasmapyro.quality.rule import rule
@@ -15,6 +16,7 @@ FITS = "scaled_temperature", "spectrometer_temperature"  # of Planck's law to a 
 NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
 CLEAR = 10.0  # of its noise: the fitted light of a pixel that tells the shape
+MOST_GAS = 0.5  # of the light of the window over that of the surface
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
 GAS_LEFT = 0.1  # [1] standard, of the light of the window that a spectrum still holds: drift and flicker
 
@@ -215,7 +217,7 @@ def level_steps(result):
     r"""Factor at all wavelengths alike of the light of each valid spectrum over that of the one before.
 
     .. math:: \ln\frac{L_{j+1}}{L_j} = s + \frac{c_2}{\lambda}\left(\frac{1}{T_j} - \frac{1}{T_{j+1}}\right)
-              + g \frac{L^{g}}{L_{j+1}}
+              + g L^{g} \left(\frac{1}{L_{j+1}} - \frac{1}{L_j}\right)
 
     by least squares over the pixels (Wien's law). The calibration drops out, and a temperature changes the
     second term alone; g, of the light of the window, has a standard deviation of `GAS_LEFT`.
@@ -228,16 +230,20 @@ def level_steps(result):
     good, found = np.flatnonzero(result.spectrum_status.values == status.VALID), []
     light, noise = result.corrected_radiance.values, result.radiance_noise.values
     inverse = result.wavelength.values.mean() / result.wavelength.values
+    gas = result.reference_radiance.values
+    # By its neighbours: a pixel that is chosen by its own light is one that noise made bright.
+    around = median_filter(np.nan_to_num(light), (1, PIXELS))
+    clear = (around > CLEAR * noise) & (around > gas / MOST_GAS) & (light > 0)
     for place in zip(good[:-1], good[1:], strict=True):
         first, second = (light[at] for at in place)
-        clear = (first > CLEAR * noise[place[0]]) & (second > CLEAR * noise[place[1]])
-        if clear.sum() < PIXELS:
+        both = clear[place[0]] & clear[place[1]]
+        if both.sum() < PIXELS:
             continue
-        error = np.hypot(*(noise[at, clear] / light[at, clear] for at in place))
-        gas = GAS_LEFT * result.reference_radiance.values[clear] / second[clear]
-        design = np.stack([np.ones(error.size), inverse[clear], gas], axis=1) / error[:, None]
+        error = np.hypot(*(noise[at, both] / around[at, both] for at in place))
+        left = GAS_LEFT * gas[both] * (1 / around[place[1], both] - 1 / around[place[0], both])
+        design = np.stack([np.ones(error.size), inverse[both], left], axis=1) / error[:, None]
         covariance = np.linalg.inv(design.T @ design + np.diag([0.0, 0.0, 1.0]))
-        change = np.log(second[clear] / first[clear]) / error
+        change = np.log(second[both] / first[both]) / error
         step = covariance @ design.T @ change
         scatter = max(1.0, float(np.std(change - design @ step)))
         found.append((*place, step[0], scatter * np.sqrt(covariance[0, 0])))
