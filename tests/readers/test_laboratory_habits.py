@@ -355,3 +355,9 @@ def test_why_the_reference_window_is_empty_is_asked(tmp_path, time, words):
         [text[0], *(f"{time(i)}.0" + line[line.index(",") :] for i, line in enumerate(text[1:]))]
     )
     assert words in faults(tmp_path, shifted + "\n")[0]
+
+
+def test_columns_that_are_absent_are_said_beside_those_that_are_there(tmp_path):
+    """Arrays within a struct of Matlab or a record of HDF5 have the name of both, as no viewer shows it."""
+    told = faults(tmp_path, rows(header="log.t;log.S1;log.S2;Kommentar"))[0]
+    assert "no column 't', 'S1', 'S2' in the header of 'log.t', 'log.S1', 'log.S2', 'Kommentar'" in told

@@ -36,7 +36,7 @@ LOG = logging.getLogger(__name__)
 LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
-MARKS = 5  # that are said by their words
+MARKS, SHOWN = 5, 8  # marks, and columns, that are said by their words
 STACKED = 8  # lines above the data that may hold names and units
 NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 GAIN_OF = "gain of "  # a signal: key of the column that it is divided by
@@ -393,10 +393,17 @@ def header_of(path, lines, columns, delimiter):
     absent = [quote(column.header) for name, column in columns.items() if name not in best]
     refuse(
         path,
-        f"no column {', '.join(absent)} in the header",
+        f"no column {', '.join(absent)} in the header{_held(lines[(best_line or 1) - 1])}",
         "write the names in test.yaml as they stand in the file, or name the `delimiter`",
         best_line,
     )
+
+
+def _held(line):
+    """Words that say which columns a header holds; none for a line of one cell."""
+    cells = max((split(line, mark) for mark in DELIMITERS.values()), key=len)
+    more = ", ..." if len(cells) > SHOWN else ""
+    return f" of {', '.join(map(quote, cells[:SHOWN]))}{more}" if len(cells) > 1 else ""
 
 
 def _numbered(lines, columns, marks):
