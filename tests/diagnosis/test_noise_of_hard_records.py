@@ -321,7 +321,8 @@ def test_frames_whose_times_jitter_are_as_uncertain_as_their_light_changes(rando
     assert found == pytest.approx(jitter, rel=0.5, abs=noise.JITTER["spectrometer"])
     one = SimpleNamespace(
         factor=None, channels=30, pixels=np.ones(30), raw_bin=np.arange(time.size),
-        number=np.ones(light.shape), value=light, raw_moment=instrument.raw_moment, time=time, rounded=lambda *_: 0.0,
+        number=np.ones(light.shape), value=light, raw_moment=instrument.raw_moment,
+        time=time, rounded=lambda *_: 0.0,
     )  # fmt: skip
     row = noise.on_bins(noise.replace(law, late=0.02), one, light, phase).late
     expected = 0.02 * rise[:, None] * light

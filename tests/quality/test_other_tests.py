@@ -1,10 +1,15 @@
 """A log that paused and holds an earlier or a later test too: parted, and said once."""
 
+import runpy
+from pathlib import Path
+from types import SimpleNamespace
+
 import laboratory
 import numpy as np
 import pytest
 import xarray as xr
 
+from plasmapyro import io
 from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.readers.stage import Reading
 from plasmapyro.record import flags
@@ -41,6 +46,23 @@ def test_another_shot_of_a_log_that_paused_is_parted_and_said_once(end, stated):
     for axis in AXES:
         expected = shot[axis].values if stated else shot[axis].values[shot[axis].values < end]
         assert kept[axis].values == pytest.approx(expected)
+
+
+def test_the_workflow_reads_the_test_that_is_meant_and_says_it(tmp_path, caplog):
+    script = Path(__file__).resolve().parents[2] / "workflow/scripts/read_test.py"
+    (tmp_path / "shots").mkdir()
+    io.write(log(60.0, 0), tmp_path / "shots/test.nc", "test")
+    job = SimpleNamespace(log=[tmp_path / "read.log"], output=[tmp_path / "test.nc"], input=[])
+    job.params = Parameters(folder=str(tmp_path / "shots"))
+    runpy.run_path(str(script), {"snakemake": job})
+    assert "[another_test]" in caplog.text
+    assert io.read(job.output[0], "test").time.max() < APART / 2
+
+
+class Parameters(dict):
+    """Of a rule, by name and as a mapping."""
+
+    __getattr__ = dict.__getitem__
 
 
 def test_a_pause_of_a_surface_that_goes_on_cooling_and_a_dark_before_the_plasma_part_nothing():

@@ -16,6 +16,7 @@ from plasmapyro.quality.catalogue import OF_CALIBRATION, OF_SIGHTLINE, OF_TEST, 
 from plasmapyro.quality.rule import Case, look
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.readers.stage import Reading
+from plasmapyro.record import flags
 from plasmapyro.tables import rows
 
 PLACE = Path("my_test")
@@ -357,6 +358,9 @@ def test_a_plasma_off_time_within_a_second_is_passed(sound):
         assert "plasma_off_time" not in said(attributes(sound, plasma_off_time=moment))
 
 
+LIGHT = "corrected_radiance", "radiance_noise"
+
+
 def result_of(pyrometer, spectrometer, uncertainties=(20.0, 2.0), state=0):
     """A correction that holds what the comparison needs: both temperatures at 1 to 10 s."""
     time = np.arange(1.0, 11.0)
@@ -383,11 +387,39 @@ def test_instruments_are_compared_in_their_combined_uncertainty():
     assert agreement.disagreeing(result_of(1900, 1600, state=4), 3.0)[0].size == 0
 
 
+def test_a_logger_that_asks_before_the_pyrometer_answers_is_said_and_its_repeats_are_left_out(sound):
+    held = with_signals(sound, lambda t, p: p[:, np.arange(t.size) - np.arange(t.size) % 3])
+    words = said(held)["asked_too_often"]
+    assert "in 67% of the samples" in words or "in 66% of the samples" in words
+    step = float(np.median(np.diff(sound.time)))
+    assert f"about every {3 * step:.3g} s" in words
+
+
+@pytest.mark.parametrize("digits", [6.0, 1.0, 0.02], ids=["fine", "coarse", "steady"])
+def test_rounding_makes_no_band_repeat_with_the_other(digits):
+    random = np.random.default_rng(5)
+    noise = random.standard_normal((2000, 2)) * digits
+    rounded = np.round(50 + noise)
+    assert not flags.asked_again(rounded).any()
+    again = flags.asked_again(np.repeat(50 + noise, 2, axis=0))
+    assert 1990 < again.sum() <= 2000 and not again[::2].any()
+
+
+def test_a_dark_within_the_series_lies_not_between_its_neighbours(sound):
+    counts = sound.counts.values.copy()
+    counts[5] = sound.background_counts.values
+    words = said(sound.assign(counts=(sound.counts.dims, counts)))
+    assert "the first at 11 s (-" in words["lone_spectrum"] and "plasma_off_time" not in words
+
+
 def test_planck_fits_to_a_surface_that_is_not_grey_have_no_value(sound):
     fits = result_of(1600.0, np.where(np.arange(10) < 6, 1600.0, 1680.0), (20.0, 24.0))
     for end in ("", "_uncertainty"):
         fits[f"spectrometer_temperature{end}"] = fits[f"scaled_temperature{end}"]
     fits = fits.drop_vars([name for name in fits.variables if name.startswith("corrected")])
+    light = {name: (("spectrum_time", "wavelength"), np.ones((10, 2))) for name in LIGHT}
+    light["reference_radiance"] = "wavelength", np.ones(2)
+    fits = fits.assign(light).assign_coords(wavelength=[8e-7, 9e-7])  # two pixels tell no level
     whole = np.full(10, 1600.0)
     estimate = xr.Dataset(
         {

@@ -212,3 +212,29 @@ def test_the_zero_of_a_burst_log_is_asked_for_as_the_log_writes_it(tmp_path, sta
     first = text.partition(" UC")[0] if ":" in stamp else stamp
     assert f'  zero: "{first}"  # ? what shall be 0' in (tmp_path / "t" / "test.yaml").read_text()
     assert test.time.values[0] == 0.0
+
+
+IN_NAMES = {  # name of a file, and the line of `time` that is proposed
+    "run3_{ms:06d}ms_{i:03d}.txt": '{from: name, name: "run#_*ms_#.txt", unit: ms, marks: end}',
+    "spec_{s:.1f}s.txt": '{from: name, name: "spec_*s.txt", unit: s, marks: end}',
+    "t={s:.2f}.txt": '{from: name, name: "t=*.txt", unit: s, marks: end}',
+    "IR_20260501_1000{i:02d}_{i:03d}.txt": (
+        '{from: name, name: "IR_*_#.txt", format: "%Y%m%d_%H%M%S", zero: "20260501_100000", marks: end}'
+    ),
+    "10-00-{i:02d} probe.txt": (
+        '{from: name, name: "* probe.txt", format: "%H-%M-%S", zero: "10-00-00", marks: end}'
+    ),
+    "spec_100ms_{i:04d}.txt": None,  # the exposure
+    "spec_{i:04d}s1.txt": None,
+}
+
+
+@pytest.mark.parametrize("name", IN_NAMES)
+def test_times_that_stand_in_the_names_of_files_are_proposed(tmp_path, name):
+    body = samples.spectrum("spectrasuite").replace(b"Date:", b"Day:")
+    for i in range(4):
+        (tmp_path / name.format(i=i, s=0.5 + i, ms=500 + 1000 * i)).write_bytes(body)
+    guess = describe(tmp_path)
+    proposed = IN_NAMES[name]
+    assert f"time: {proposed or '{from: order'}" in guess.text
+    assert any("the names hold times" in words for words in guess.questions) == bool(proposed)

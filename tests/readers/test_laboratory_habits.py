@@ -55,6 +55,31 @@ def test_a_table_of_any_habit_gives_the_same_signals(tmp_path, habit):
     np.testing.assert_allclose(test.signal_narrow, (30 + np.arange(ROWS) / 2) * 1e-9, rtol=RTOL)
 
 
+MARKED = {  # words of a mark, and that it stands among the data of a table with such a delimiter
+    "a line of words": ("--- injection ---", ";"),
+    "behind its time": ("4.2;INJECTION;;", ";"),
+    "with a number of its own": ("Event 3: shutter open", ";"),
+    "between blanks": ("shutter is open now", " "),
+    "beside tabulators": ("plasma on", "\t"),
+}
+
+
+@pytest.mark.parametrize("habit", MARKED)
+def test_marks_of_events_among_the_data_are_left_out_and_said(tmp_path, caplog, habit):
+    words, delimiter = MARKED[habit]
+    lines = rows("{time};{wide};{narrow}", header="t;S1;S2").replace(";", delimiter).splitlines()
+    test = read(tmp_path, "\n".join([*lines[:5], words, *lines[5:]]) + "\n")
+    np.testing.assert_allclose(test.time, np.arange(ROWS), rtol=RTOL)
+    np.testing.assert_allclose(test.signal_wide, (50 + np.arange(ROWS)) * 1e-9, rtol=RTOL)
+    assert f"1 lines hold no sample and are taken as marks: line 6 '{words}'" in caplog.text
+
+
+@pytest.mark.parametrize("words", ["4.2;52,8O", "t;Ka;Kb", "4.2;off;31.0", "x9f;;", "4.2"])
+def test_what_may_be_a_damaged_row_or_another_table_is_no_mark(tmp_path, words):
+    lines = rows("{time};{wide};{narrow}", header="t;S1;S2").splitlines()
+    assert "line 6" in faults(tmp_path, "\n".join([*lines[:5], words, *lines[5:]]) + "\n")[0]
+
+
 def test_an_empty_last_cell_is_a_missing_sample(tmp_path):
     test = read(tmp_path, rows("{time};{wide};{narrow}", header="t;S1;S2").replace(";31.50", ";"))
     assert np.flatnonzero(np.isnan(test.signal_narrow)).tolist() == [3]
@@ -330,3 +355,9 @@ def test_why_the_reference_window_is_empty_is_asked(tmp_path, time, words):
         [text[0], *(f"{time(i)}.0" + line[line.index(",") :] for i, line in enumerate(text[1:]))]
     )
     assert words in faults(tmp_path, shifted + "\n")[0]
+
+
+def test_columns_that_are_absent_are_said_beside_those_that_are_there(tmp_path):
+    """Arrays within a struct of Matlab or a record of HDF5 have the name of both, as no viewer shows it."""
+    told = faults(tmp_path, rows(header="log.t;log.S1;log.S2;Kommentar"))[0]
+    assert "no column 't', 'S1', 'S2' in the header of 'log.t', 'log.S1', 'log.S2', 'Kommentar'" in told

@@ -1,6 +1,7 @@
 """Rules for results: instruments against each other, and each against what is known of its light."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from plasmapyro.quality import late
 from plasmapyro.quality.rule import rule
@@ -15,7 +16,9 @@ FITS = "scaled_temperature", "spectrometer_temperature"  # of Planck's law to a 
 NEAR = 0.5  # [s] of a spectrum are samples of the pyrometer that it is compared with
 BRIGHT = 0.2  # of the highest corrected signal
 CLEAR = 10.0  # of its noise: the fitted light of a pixel that tells the shape
+MOST_GAS = 0.5  # of the light of the window over that of the surface
 PIXELS = 25  # means over this many tell the shape of a spectrum from its noise
+GAS_LEFT = 0.1  # [1] standard, of the light of the window that a spectrum still holds: drift and flicker
 
 
 def compared(result):
@@ -193,19 +196,12 @@ def level_against_ratio(case, limit):
     return None
 
 
-def _apparent(result, most):
-    """Times, apparent emittances and their relative errors (n,) of the valid spectra, errors below `most`."""
-    time, values, errors = (
-        result[name].values[result.spectrum_status.values == status.VALID]
-        for name in ("spectrum_time", "apparent_emittance", "apparent_emittance_uncertainty")
-    )
-    known = errors < most * values
-    return time[known], values[known], errors[known] / values[known]
-
-
 @rule()
 def emittance_of_spectra(case, limit):
-    _, values, errors = _apparent(case.result, 0.3)
+    good = case.result.spectrum_status.values == status.VALID
+    values, errors = (case.result[f"apparent_emittance{end}"].values[good] for end in ("", "_uncertainty"))
+    known = errors < 0.3 * values
+    values, errors = values[known], errors[known] / values[known]
     if values.size < 3:
         return None
     attrs = case.test.attrs
@@ -217,20 +213,59 @@ def emittance_of_spectra(case, limit):
     return {"found": found, "count": values.size, "stated": stated, "error": attrs["emittance_uncertainty"]}
 
 
+def level_steps(result):
+    r"""Factor at all wavelengths alike of the light of each valid spectrum over that of the one before.
+
+    .. math:: \ln\frac{L_{j+1}}{L_j} = s + \frac{c_2}{\lambda}\left(\frac{1}{T_j} - \frac{1}{T_{j+1}}\right)
+              + g L^{g} \left(\frac{1}{L_{j+1}} - \frac{1}{L_j}\right)
+
+    by least squares over the pixels (Wien's law). The calibration drops out, and a temperature changes the
+    second term alone; g, of the light of the window, has a standard deviation of `GAS_LEFT`.
+
+    Returns
+    -------
+    place : (n, 2) int ndarray of spectra
+    step, error : (n,) ndarrays [1], s and its standard error, which the misfit widens
+    """
+    good, found = np.flatnonzero(result.spectrum_status.values == status.VALID), []
+    light, noise = result.corrected_radiance.values, result.radiance_noise.values
+    inverse = result.wavelength.values.mean() / result.wavelength.values
+    gas = result.reference_radiance.values
+    # By its neighbours: a pixel that is chosen by its own light is one that noise made bright.
+    around = median_filter(np.nan_to_num(light), (1, PIXELS))
+    clear = (around > CLEAR * noise) & (around > gas / MOST_GAS) & (light > 0)
+    for place in zip(good[:-1], good[1:], strict=True):
+        first, second = (light[at] for at in place)
+        both = clear[place[0]] & clear[place[1]]
+        if both.sum() < PIXELS:
+            continue
+        error = np.hypot(*(noise[at, both] / around[at, both] for at in place))
+        left = GAS_LEFT * gas[both] * (1 / around[place[1], both] - 1 / around[place[0], both])
+        design = np.stack([np.ones(error.size), inverse[both], left], axis=1) / error[:, None]
+        covariance = np.linalg.inv(design.T @ design + np.diag([0.0, 0.0, 1.0]))
+        change = np.log(second[both] / first[both]) / error
+        step = covariance @ design.T @ change
+        scatter = max(1.0, float(np.std(change - design @ step)))
+        found.append((*place, step[0], scatter * np.sqrt(covariance[0, 0])))
+    *place, step, error = np.array(found).reshape(-1, 4).T
+    return np.stack(place, axis=1).astype(int), step, error
+
+
+def level_jumps(result, limit):
+    """Spectra (n, 2) between which the level jumps, and logarithms (n,) of the factors."""
+    place, step, error = level_steps(result)
+    far = np.abs(step) > np.maximum(limit, 5 * error)
+    return place[far], step[far]
+
+
 @rule()
 def emittance_jumps(case, limit):
-    time, values, errors = _apparent(case.result, 0.2)
-    jump = np.abs(np.diff(np.log(values)))
-    far = np.flatnonzero(jump > np.maximum(limit, 5 * np.hypot(errors[1:], errors[:-1])))
-    if not far.size:
+    place, step = level_jumps(case.result, limit)
+    if not step.size:
         return None
-    first = far[0]
-    return {
-        "first": float(time[first]),
-        "second": float(time[first + 1]),
-        "before": float(values[first]),
-        "after": float(values[first + 1]),
-    }
+    worst = int(np.argmax(np.abs(step)))
+    first, second = (float(case.result.spectrum_time.values[at]) for at in place[worst])
+    return {"first": first, "second": second, "factor": float(np.exp(step[worst])), "count": step.size}
 
 
 def _medians(rows):

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from plasmapyro.quality.agreement import FITS, GOOD
+from plasmapyro.quality.agreement import FITS, GOOD, NEAR
 from plasmapyro.record import status
-from plasmapyro.record.level import emittance_of_level, kelvin_of, leeway, unlike, unlike_level
+from plasmapyro.record.level import FAR, emittance_of_level, kelvin_of, leeway, unlike, unlike_level
 
 LARGEST = 0.2  # [1] of a temperature: 318 K, the range of the pyrometer, of 1600 K; more tells none
 BESIDE = {  # what else is told of a temperature
@@ -34,7 +34,8 @@ def blanked(part, name, state, bad):
 def of_surface(result, attributes, calibration=None, response=None):
     """A correction without values where the level is no light of the temperature: `level.unlike`.
 
-    Samples of a pyrometer whose nearest spectrum is so have none either: they may see the same lamp.
+    Samples of a pyrometer whose nearest spectrum is so have none either: they may see the same lamp. Spectra
+    whose temperature the level of the pyrometer confirms keep theirs: a window fogged, an exposure changed.
     Arguments as of `emittance_of_level`; without calibration and response its own level is not asked.
     """
     if "corrected_temperature" in result and calibration is not None and response is not None:
@@ -49,13 +50,41 @@ def of_surface(result, attributes, calibration=None, response=None):
         stated = attributes["emittance"]
         relative = np.hypot(error / scale, attributes["emittance_uncertainty"] / stated)
         bad = unlike(np.log(scale / stated), leeway(relative, attributes, instrument="spectrometer"))
-        result = blanked(result, "scaled_temperature", "spectrum_status", bad)
+        if "corrected_temperature" in result and calibration is not None and response is not None:
+            bad &= ~_confirmed(result, attributes, calibration, response)
+        result = blanked(_both_fits(result), "scaled_temperature", "spectrum_status", bad)
         if "corrected_temperature" in result:
             moments = result.spectrum_time.values
             bad = bad[np.searchsorted((moments[1:] + moments[:-1]) / 2, result.time.values)]
             bad &= np.isfinite(result.corrected_temperature.values)
             result = blanked(result, "corrected_temperature", "corrected_status", bad)
     return result
+
+
+def _both_fits(result):
+    """Fits whose intervals hold their difference where it exceeds both: other light or a bend is in one."""
+    result, (one, other) = result.copy(), (result[name] for name in FITS)
+    error = np.fmax(*(result[f"{name}_uncertainty"] for name in FITS))
+    off = np.abs(one - other).where(np.abs(one - other) > error)
+    for name in FITS if off.notnull().any() else ():
+        widen(result, name, off)
+    return _told(result, "scaled_temperature", "spectrum_status")
+
+
+def _confirmed(result, attributes, calibration, response):
+    """Spectra (S,) at whose temperature the level of both bands is the light of the surface as stated."""
+    kelvin, error = (result[f"scaled_temperature{end}"].values for end in ("", "_uncertainty"))
+    near = np.abs(result.time.values - result.spectrum_time.values[:, None]) <= NEAR
+    known = np.flatnonzero(np.isfinite(kelvin) & np.isfinite(error) & near.any(axis=1))
+    signals = np.array([result.corrected_signal.values[:, near[at]].mean(axis=1) for at in known])
+    found = np.zeros(kelvin.size, dtype=bool)
+    if known.size:
+        rest = attributes, calibration, response
+        asked, relative = emittance_of_level(signals.T, kelvin[known], error[known], *rest)
+        with np.errstate(invalid="ignore"):
+            off = np.abs(np.log(asked / attributes["emittance"])).max(axis=0)
+        found[known] = off < FAR * relative
+    return found
 
 
 def with_estimate(fits, estimate):
@@ -65,9 +94,20 @@ def with_estimate(fits, estimate):
     difference in time counts.
     """
     known = np.isin(estimate.spectral_status.values, GOOD) & (fits.spectrum_status.values == status.VALID)
-    result, time = fits.copy(), fits.spectrum_time.values
-    for name in FITS if known.any() else ():
-        off = np.abs(fits[name] - estimate.spectral_temperature.values)
+    return _holding(fits, FITS, estimate.spectral_temperature.values, known)
+
+
+def with_joint(correction, estimate):
+    """The subtraction of a pyrometer whose intervals hold the joint estimate of the same light, as above."""
+    known = np.isin(estimate.estimate_status.values, GOOD) & np.isin(correction.corrected_status.values, GOOD)
+    return _holding(correction, ["corrected_temperature"], estimate.surface_temperature.values, known)
+
+
+def _holding(part, names, other, known):
+    """A result whose intervals of some temperatures hold another one (t,), told where `known` (t,)."""
+    result = part.copy()
+    for name in names if known.any() else ():
+        time, off = part[part[name].dims[0]].values, np.abs(part[name] - other)
         widen(result, name, off.copy(data=np.interp(time, time[known], off.values[known])))
     return result
 

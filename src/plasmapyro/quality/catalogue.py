@@ -1,5 +1,6 @@
 """The rules, in the order in which they are said."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from plasmapyro.quality import (
 from plasmapyro.quality.rule import DOUBT, Case, look, rules_of
 from plasmapyro.record import status
 
+LOG = logging.getLogger(__name__)
 OF_TEST = rules_of(agreement, window, pyrometer, spectra, clocks)
 OF_CALIBRATION = rules_of(instrument)
 OF_SIGHTLINE = rules_of(sightline)
@@ -31,14 +33,14 @@ def agreed(parts, test, response=None, calibration=None):
     clocks moves a temperature by more than `clocks_apart` does (which clock is right nobody knows), and where
     the level of an instrument is no light of its temperature (`beside.of_surface`). Of spectra alone the
     Planck fits, where `spectra_not_grey` finds the surface not to be grey; elsewhere their intervals hold the
-    difference.
+    difference, as those of a pyrometer's subtraction do where `throughput_in_doubt` is said.
     `parts`: as `results` of `of_test`.
     """
     both = next((one for one in parts if set(late.ALONE) <= set(one)), None)
     known = {} if test is None else test.attrs
     own = [beside.of_surface(one, known, calibration, response) for one in parts]
     if both is None:
-        return _grey(own)
+        return _doubted(_grey(own, parts))
     case = Case(Path(), test, response=response, result=both)
     moments, _, _ = agreement.disagreeing(both, agreement.instruments_disagree.limit)
     limit = agreement.clocks_apart.limit
@@ -46,12 +48,31 @@ def agreed(parts, test, response=None, calibration=None):
     return [_without(part, moments, offset, limit) for part in own]
 
 
-def _grey(parts):
-    """Results of spectra alone, without the Planck fits that temperature and emissivity contradict."""
+def _doubted(parts):
+    """Results of a pyrometer alone: where its level and ratio are in doubt, the subtraction holds both."""
+    estimate = next((one for one in parts if "surface_temperature" in one), None)
+    if estimate is None or not agreement.throughput_in_doubt(Case(Path(), estimate=estimate)):
+        return parts
+    return [
+        beside.with_joint(one, estimate) if late.ALONE[0] in one and estimate.time.equals(one.time) else one
+        for one in parts
+    ]
+
+
+def _grey(parts, before):
+    """Results of spectra alone, without the Planck fits that temperature and emissivity contradict.
+
+    Where the level jumps (of the results `before` any was blanked) the latter, which hold it, have no value.
+    """
     fits = next((one for one in parts if set(agreement.FITS) <= set(one)), None)
     estimate = next((one for one in parts if "spectral_temperature" in one), None)
     if fits is None or estimate is None:
         return parts
+    whole = next(one for one in before if set(agreement.FITS) <= set(one))
+    if agreement.level_jumps(whole, agreement.emittance_jumps.limit)[1].size:
+        told = np.isfinite(estimate.spectral_temperature.values)
+        blank = beside.blanked(estimate, "spectral_temperature", "spectral_status", told)
+        return [blank if one is estimate else one for one in parts]
     far, _, _ = agreement.unlike_grey(fits, estimate, agreement.spectra_not_grey.limit)
     other = fits.spectrum_status.values == status.CONTRADICTED  # not the light of a surface as stated
     new = {id(fits): beside.with_estimate(fits, estimate)}
@@ -94,8 +115,13 @@ def of_test(place, reading, results=(), rules=OF_TEST, **calibrations):
     return look(case.without(others) if others else case, rules)
 
 
-def own_test(reading):
-    """The test of a `readers.stage.Reading` without other tests that stand in the same log."""
+def own_test(reading, place=None):
+    """The test of a `readers.stage.Reading` without other tests that stand in the same log.
+
+    With its `place` they are said, where nobody asks `of_test`.
+    """
+    for finding in of_test(place, reading, rules=(clocks.another_test,)) if place else ():
+        LOG.warning(finding.words)
     case = Case(Path(), reading.test, reading.files.get("spectrometer", {}))
     return case.without(clocks.of_other_tests(case)).test
 

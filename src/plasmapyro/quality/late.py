@@ -7,7 +7,7 @@ import numpy as np
 from plasmapyro.constants import SECOND_RADIATION
 from plasmapyro.instrument.pyrometer import blackbody_signals
 from plasmapyro.record import status
-from plasmapyro.record.clock import CLEARER, offset
+from plasmapyro.record.clock import CLEARER, FEWER, offset
 from plasmapyro.record.level import EFFECTIVE
 
 TEMPERATURES = {  # of results, and their status
@@ -15,6 +15,7 @@ TEMPERATURES = {  # of results, and their status
     "scaled_temperature": "spectrum_status",
     "surface_temperature": "estimate_status",
 }
+FARTHEST, LEAST_STEP = 12.0, 0.25  # [s] up to where an offset is looked for, in exposures or these steps
 ALONE = ("corrected_temperature", "scaled_temperature")  # of one instrument
 
 
@@ -57,13 +58,26 @@ def clocks(case, limit):
     moments, kelvin = moments[good], kelvin[good]
     fitted = emittance[good] * blackbody_signals(kelvin, case.response)[1]
     narrow = result.corrected_signal.values[1]
-    told = offset(result.time.values, narrow, moments, case.exposure, fitted, clear[good])
-    if told is None:
+    step = max(case.exposure, LEAST_STEP)
+    shifts = np.arange(-np.floor(FARTHEST / step), np.floor(FARTHEST / step) + 1) * step
+    tried = [
+        offset(result.time.values, narrow, moments - shift, case.exposure, fitted, clear[good])
+        for shift in shifts
+    ]
+    stated = tried[shifts.size // 2]
+    near = [  # no spectrum may leave the record, nor the step in which growth is one number
+        (one.left, shift + one.late, one)
+        for shift, one in zip(shifts, tried, strict=True)
+        if stated and one and one.count >= stated.count and abs(one.late) <= step
+    ]
+    if not near:
         return None
-    late, growth, clearer = told
-    if clearer < CLEARER:
+    left, late, best = min(near, key=lambda row: row[0])
+    if stated.without < FEWER.get(best.count, CLEARER) * left:
         return None
-    rate = growth * kelvin**2 * EFFECTIVE / SECOND_RADIATION  # Wien's law
+    # Between where a spectrum is stated and where it belongs; Wien's law.
+    growth = np.nanmax(np.abs([stated.growth, best.growth]), axis=0)
+    rate = growth * kelvin**2 * EFFECTIVE / SECOND_RADIATION
     known = np.isfinite(rate)
     found = Clocks(late, moments[known], late * rate[known], switches)
     return found if any(found.beyond(result, name, limit).any() for name in ALONE) else None

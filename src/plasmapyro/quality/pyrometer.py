@@ -82,6 +82,15 @@ def stuck(case, limit):
     return None
 
 
+@rule(limit=flags.REPEATED)
+def asked_too_often(case, limit):
+    again = flags.asked_again(case.pair.T)
+    if not again.any():
+        return None
+    step = np.median(np.diff(case.test.time.values[~again]))
+    return {"share": float(again.mean()), "step": float(step)}
+
+
 @rule(limit=flags.LONGEST)
 def end_of_display(case, limit):
     if "radiometer_reading" not in case.test:

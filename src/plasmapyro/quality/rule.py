@@ -126,6 +126,7 @@ class Rule:
     find: Callable  # (case, limit) -> mapping for `says`, or None
     severity: str
     misdates: bool = False  # spectra are of another moment than their times say
+    silent_beside: tuple = ()  # names of rules that say why
 
     def __call__(self, case):
         """The finding about a case, or None."""
@@ -173,6 +174,7 @@ def rule(limit=None, **more):
             name=row["name"],
             looks_at=row["looks at"],
             needs=tuple(row["needs"].split()),
+            silent_beside=tuple((row["silent beside"] or "").split()),
             limit=float(row["limit"]) if limit is None else limit,
             find=find,
             **{name: row[name] for name in ("unit", "reason", "says", "remedy", "severity")},
@@ -188,9 +190,13 @@ def rules_of(*modules):
 
 
 def look(case, rules):
-    """Every finding of `rules` in a case: contradictions first, then doubts, in the order of the rules."""
+    """Every finding of `rules` in a case: contradictions first, then doubts, in the order of the rules.
+
+    What follows from another finding (`Rule.silent_beside`) is left out.
+    """
     # Signals of zero and missing samples make ratios that the rules leave out.
     with np.errstate(divide="ignore", invalid="ignore"):
         said = [rule(case) for rule in rules]
-    found = [one for one in said if one is not None]
+    named = {one.rule.name for one in said if one is not None}
+    found = [one for one in said if one is not None and named.isdisjoint(one.rule.silent_beside)]
     return sorted(found, key=lambda one: SEVERITIES.index(one.rule.severity))

@@ -11,6 +11,7 @@ IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the b
 THOUSANDS = re.compile(r"[+-]?\d{1,3},\d{3}", re.ASCII)
 PARTED = re.compile(r"[+-]?\d{1,3}(?: \d{3})+(?:[.,]\d{1,40})?", re.ASCII)  # thousands between plain blanks
 COMMENT = ("#", "%", "!", "//")  # a line that begins so is no data, wherever it stands
+LETTERS = re.compile(r"[^\W\d_]{3}")
 SUMMARY = re.compile(
     r"\W*(min(imum)?|max(imum)?|mean|average|mittel(wert)?|moyenne|std|einheit)\b", re.IGNORECASE
 )
@@ -50,6 +51,19 @@ def without_empty_end(cells):
 def is_remark(line):
     """Whether a line is no data, wherever it stands: a comment, or a smallest, largest or mean value."""
     return line.lstrip().startswith(COMMENT) or SUMMARY.match(line) is not None
+
+
+def is_mark(cells, needed, width):
+    """Whether cells of a line name an event ('--- injection ---', also behind its time): words, no sample.
+
+    Of the `needed` columns of a table of so many cells at least one is a word, or absent. As many words as a
+    row has cells are none: they may be the names of another table.
+    """
+    words = [cell for cell in cells if not missing(cell) and not is_value(cell)]
+    lost = len(cells) <= max(needed) or any(cells[place] in words for place in needed)
+    plain = all(LETTERS.search(word) or not any(map(str.isdigit, word)) for word in words)
+    few = sum(map(is_value, cells)) <= 1 and (len(words) == 1 or len(cells) != width)
+    return lost and plain and few and any(map(LETTERS.search, words))
 
 
 def is_value(word):

@@ -1,5 +1,6 @@
 """Text tables with a header: columns found by name, units undone."""
 
+import logging
 import re
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ from plasmapyro.readers.cells import (
     COMMENT,
     DELIMITERS,
     decimal_sign,
+    is_mark,
     is_remark,
     is_value,
     label_of,
@@ -29,9 +31,12 @@ from plasmapyro.readers.text import (
     require_end,
 )
 
+LOG = logging.getLogger(__name__)
+
 LARGEST = 96_000_000  # [byte] of one table
 HEADER_LINES = 200  # a preamble is shorter than this
 MOST_CELLS = 50_000_000
+MARKS, SHOWN = 5, 8  # marks, and columns, that are said by their words
 STACKED = 8  # lines above the data that may hold names and units
 NUMBERED = re.compile(r"column [1-9]\d?")  # of a table without names
 GAIN_OF = "gain of "  # a signal: key of the column that it is divided by
@@ -200,7 +205,7 @@ def _read_table(path, columns, delimiter=None, decimal=None):
             result[name] = to_si(path, columns[name], values, stated[name], start + 1)
         return result
     nameless = all(NUMBERED.fullmatch(column.header) for column in columns.values())
-    numbers, rows, faults = _rows(path, lines, start, mark, nameless)
+    numbers, rows, faults = _rows(path, lines, start, mark, set(places.values()), nameless)
     try:
         require_end(path, lines, ended)
     except Refusal as reason:
@@ -278,11 +283,12 @@ def _plain(lines, start, mark, decimal):
     return found if found.shape == (len(body), width) and np.isfinite(found).all() else None
 
 
-def _rows(path, lines, start, mark, nameless=False):
+def _rows(path, lines, start, mark, needed, nameless=False):
     """Line numbers and cells of the rows below the header; rows of another length are faults.
 
-    A row has as many cells as the header, or, where a program leaves out empty cells at the end, as
-    most rows have. Empty cells beyond the header are those of a final delimiter.
+    A row has as many cells as the header, or, where a program leaves out empty cells at the end, as most rows
+    have. Empty cells beyond the header are those of a final delimiter. Marks of events, without a sample in
+    the `needed` columns, are left out, and it is said.
     """
     names = lines[start] if start >= 0 else ""
     remark = nameless and is_remark(names)
@@ -295,6 +301,13 @@ def _rows(path, lines, start, mark, nameless=False):
         if lines[index].strip() and not again and not is_remark(lines[index]):
             numbers.append(index + 1)
             rows.append(split(lines[index], mark))
+    marks = [at for at, row in enumerate(rows) if is_mark(row, needed, len(header))]
+    if marks:
+        said = ", ".join(
+            f"line {numbers[at]} {quote(lines[numbers[at] - 1].strip())}" for at in marks[:MARKS]
+        )
+        LOG.warning("%s: %d lines hold no sample and are taken as marks: %s", path, len(marks), said)
+        numbers, rows = ([row for at, row in enumerate(one) if at not in marks] for one in (numbers, rows))
     widths = [len(row) if len(row) <= len(header) else len(without_empty_end(row)) for row in rows]
     # A named last column that no row or few rows fill is one for remarks.
     usual = max(set(widths), key=lambda width: (widths.count(width), width)) if widths else 0
@@ -369,10 +382,17 @@ def header_of(path, lines, columns, delimiter):
     absent = [quote(column.header) for name, column in columns.items() if name not in best]
     refuse(
         path,
-        f"no column {', '.join(absent)} in the header",
+        f"no column {', '.join(absent)} in the header{_held(lines[(best_line or 1) - 1])}",
         "write the names in test.yaml as they stand in the file, or name the `delimiter`",
         best_line,
     )
+
+
+def _held(line):
+    """Words that say which columns a header holds; none for a line of one cell."""
+    cells = max((split(line, mark) for mark in DELIMITERS.values()), key=len)
+    more = ", ..." if len(cells) > SHOWN else ""
+    return f" of {', '.join(map(quote, cells[:SHOWN]))}{more}" if len(cells) > 1 else ""
 
 
 def _numbered(lines, columns, marks):

@@ -9,8 +9,15 @@ from plasmapyro.readers import clock, columns, ocean, spectra_table, units
 from plasmapyro.readers.cells import DELIMITERS, split
 from plasmapyro.readers.description import in_yaml
 from plasmapyro.readers.guess_table import MOST_ROWS, Table, file_line, stamp_format
-from plasmapyro.readers.spectrometer import SPECTRUM_SUFFIXES
-from plasmapyro.readers.text import read_lines
+from plasmapyro.readers.spectrometer import SPECTRUM_SUFFIXES, named_times, natural, number_form
+from plasmapyro.readers.text import Refusal, read_lines
+
+IN_NAME = (  # where the name of a file may hold its time; other numbers are counters and settings
+    re.compile(r"(?<!\d)(\d{8}|\d{4}-\d\d-\d\d)[T_ ]?\d\d[-.h]?\d\d[-.m]?\d\ds?(?!\d)"),
+    re.compile(r"(?<![\d-])\d\d[-.h]\d\d[-.m]\d\ds?(?![\d-])"),
+    re.compile(r"(?<![\d.,])(?:(?<=[_= t])-)?\d+(?:[.,]\d+)?(?= ?(?P<unit>ms|s|min|us)(?![A-Za-z\d]))"),
+    re.compile(r"(?<=t=)-?\d+(?:[.,]\d+)?(?=[_.](?!\d))(?P<unit>)"),
+)
 
 
 def spectrometer_section(folder, kinds, read, questions):
@@ -50,6 +57,8 @@ def spectrometer_section(folder, kinds, read, questions):
             questions.append(
                 "spectrometer.time.zero: which clock time is the injection? the first spectrum is taken"
             )
+        elif timing := _in_names(light, questions):
+            found.append(timing)
         else:
             time = read.get("time", np.array([0.0, float(len(light))]))
             period = float(time[-1] - max(time[0], 0.0)) / len(light)
@@ -64,6 +73,45 @@ def spectrometer_section(folder, kinds, read, questions):
         return found + [f"  background: {in_yaml(path.relative_to(folder).as_posix())}" for path in dark[:1]]
     # A table of spectra may have a dark in a file of its own.
     return _matrix_lines(folder, kinds["matrix"], dark, questions) if "matrix" in kinds else []
+
+
+def _in_names(paths, questions):
+    """Line of `time` where the names of files hold it, a date or a number of units; '' where they do not."""
+    paths = sorted(paths, key=lambda path: natural(path.name, number_form([one.name for one in paths])))
+    for pattern in IN_NAME if len(paths) > 1 else ():
+        found = [pattern.search(path.name) for path in paths]
+        if None in found:
+            continue
+        first, name = found[0], paths[0].name
+        around = (
+            re.sub(r"\d+", "#", name[part]) for part in (slice(first.start()), slice(first.end(), None))
+        )
+        settings = {
+            "name": "*".join(around),
+            "format": None,
+            "unit": (first.groupdict().get("unit") or "s"),
+            "zero": 0.0,
+        }
+        words, zero = f"unit: {settings['unit']}", ""
+        if "unit" not in first.groupdict():
+            stamps = [one[0] for one in found]
+            settings["format"], begin, more = stamp_format(Table("", ".", [""], [None], [stamps]), [0])
+            if any("no known format" in one for one in more):
+                continue
+            words, zero = f"format: {in_yaml(settings['format'])}", f", zero: {in_yaml(begin)}"
+        try:
+            moments = list(named_times(paths, settings).values())
+        except Refusal:
+            continue
+        if (np.diff(moments) > 0).all():
+            questions.append(
+                "spectrometer.time: the names hold times: which of them is 0, and do they mark begin, middle"
+                " or end of an exposure? the end is taken"
+            )
+            return (
+                f"  time: {{from: name, name: {in_yaml(settings['name'])}, {words}{zero}, marks: end}}  # ?"
+            )
+    return ""
 
 
 def _series(place, light, dark):

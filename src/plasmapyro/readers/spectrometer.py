@@ -140,7 +140,7 @@ def _of_word(word, form, unit):
     return float(number[0].replace(",", ".")) * units.factor(unit or "s", "spectrum_time") if number else None
 
 
-def _named_times(paths, settings):
+def named_times(paths, settings):
     """Path -> time [s] that its name states."""
     whole = re.escape(settings["name"]).replace(r"\*", "(.+?)").replace(r"\#", r"\d+")
     found = {path: re.fullmatch(whole, path.name) for path in paths}
@@ -175,7 +175,7 @@ def _many_files(place, folder, settings):
             f"1 to {MOST_SPECTRA} can be read; `files: 'run_*.txt'` names those that are meant",
         )
     if settings["time"]["from"] == "name":
-        settings["time"]["moments"] = moments = _named_times(paths, settings["time"])
+        settings["time"]["moments"] = moments = named_times(paths, settings["time"])
         paths.sort(key=moments.get)
     spectra, faults = _read_all(paths, settings)
     dark = None

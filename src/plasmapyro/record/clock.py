@@ -1,11 +1,15 @@
 """Two clocks of one test: by how much spectra must be moved to fit the pyrometer."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 FARTHEST, STEP = 1.5, 0.05  # [s]: up to where, and in which steps, it is looked for
 FRAMES, DIM = 8, 0.02  # fewer spectra, brighter than so much of the brightest, do not tell a lag
 CLEARER = 1.5  # times the residual at another lag; normal noise of 30 spectra makes it 1.3 once in 1000 cases
+# Spectra that fit a surface, and how clear an offset must be: normal noise makes it so once in 1000 cases.
+FEWER = {5: 18.0, 6: 6.5, 7: 4.0, 8: 3.0, 9: 2.4, 10: 2.1, 11: 1.9, 12: 1.8}
 SMALLEST = 0.003  # [1] residual that harms nothing
 
 
@@ -34,6 +38,16 @@ def lag(time, pair, moments, light, length, lags, bends=False):
     return found
 
 
+class Offset(NamedTuple):
+    """What `offset` tells, of so many spectra."""
+
+    late: float  # [s]
+    growth: np.ndarray  # (n,) [1/s], NaN where the signal does not tell it
+    left: float  # [1] residual
+    without: float  # [1] residual without an offset
+    count: int
+
+
 def offset(time, signal, moments, length, fitted, weight):
     r"""How late spectra are stated [s] against a pyrometer, from light of the surface alone.
 
@@ -52,14 +66,10 @@ def offset(time, signal, moments, length, fitted, weight):
 
     Returns
     -------
-    late : float [s]
-    growth : (n,) ndarray [1/s], NaN where the signal does not tell it
-    clearer : float [1], residual without an offset over that with it
-
-    None for fewer than `FRAMES` spectra.
+    `Offset`, or None for fewer than five spectra.
     """
     known = np.isfinite(signal)
-    if moments.size < FRAMES or not known.any():
+    if not known.any():
         return None
     whole = cumulative_trapezoid(signal[known], time[known], initial=0.0)
 
@@ -72,13 +82,13 @@ def offset(time, signal, moments, length, fitted, weight):
         growth = np.log(mean(0.0, length) / mean(-length, 0.0)) / length
         level = np.log(mean(-length / 2, length / 2) / fitted)
     held = np.isfinite(growth) & np.isfinite(level)
-    if held.sum() < FRAMES:
+    if held.sum() < min(FEWER):
         return None
     design = np.stack([np.ones(held.sum()), (moments - moments.mean())[held], growth[held]], axis=1)
     design, level = design * weight[held, None], level[held] * weight[held]
     found, left = _least_squares(design, level)
     _, without = _least_squares(design[:, :-1], level)
-    return float(found[-1]), growth, float(without / left)
+    return Offset(float(found[-1]), growth, left, without, int(held.sum()))
 
 
 def _least_squares(design, values):

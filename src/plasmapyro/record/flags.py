@@ -17,6 +17,7 @@ MEANINGS = {
     UNLIT: "before the plasma burned, or of another test in the same log",
     RELIT: "after the end of the plasma, from where the light grows again: no surface that cools",
 }
+REPEATED, TOGETHER = 0.05, 0.9  # [1] of all samples; of the repeats of a band beyond chance, those of both
 LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault
 BIN, SPAN, FEW = 0.1, 3, 4  # of the logarithm of a channel; bins that a slope takes; samples of one
@@ -91,6 +92,22 @@ def stuck(values, changing=False):
         return np.zeros(len(values), dtype=bool)
     long = (lengths > _longest_by_chance(same, lengths)) & (values > np.nanmin(values, axis=0)).all(axis=1)
     return long & np.append(False, same)
+
+
+def asked_again(values):
+    """Samples (t,) that a logger took again before the instrument gave a new one.
+
+    `values` (t, 2): bands behind a plasma, that repeat at once and often; rounding makes one of them do so
+    without the other. The first of equal ones is a measurement and is not among them; nothing is told at the
+    lowest level of a band.
+    """
+    above = (values > np.nanmin(values, axis=0, initial=np.inf)).all(axis=1)[1:]
+    same = (values[1:] == values[:-1]) & above[:, None]
+    both, count = same.all(axis=1), max(above.sum(), 1)
+    share = same.sum(axis=0) / count
+    chance = share.prod()
+    least = max(LONGEST / count, REPEATED, chance + TOGETHER * (share.max() - chance))
+    return np.append(False, both & (both.sum() / count > least))
 
 
 def clipped(values):

@@ -16,6 +16,7 @@ CONTRADICTIONS = (
     "ratio_outside_calibration",
     "level_against_ratio",
     "emittance_of_spectra",
+    "emittance_jumps",
     "shape_of_spectra",
     "swapped_bands",
     "two_clocks",

@@ -131,6 +131,8 @@ def _instrument(name, test, injection, calibration, saturation_counts):
     flag[flags.stuck(value, inputs.has_plasma(test))] |= flags.STUCK
     exposure = float(test.attrs[f"{name}_integration_time"])
     if inputs.has_plasma(test):
+        if name == "pyrometer":
+            flag[flags.asked_again(value)] |= flags.STUCK
         window = np.subtract(test.attrs["reference_window"], injection)
         sound = np.where(flag, np.nan, value)
         flag[unlit(test[axis].values - injection, sound, window, exposure)] |= flags.UNLIT
