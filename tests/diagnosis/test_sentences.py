@@ -5,11 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from blind.consistent import contradictions
 
 from plasmapyro.diagnosis.report.report import found_apart
 from plasmapyro.diagnosis.report.sentences import candidate_sentence, verdict_sentences
 from plasmapyro.diagnosis.report.simulation import foreign_sentences, simulation
+from plasmapyro.diagnosis.report.temperature import largest_shift
 from plasmapyro.diagnosis.select.pixels import NAMES, PIXELS
 from plasmapyro.diagnosis.simulation.compare import Comparison
 from plasmapyro.diagnosis.simulation.fitter import Fit
@@ -59,6 +61,31 @@ def test_the_chance_of_a_misfit_is_no_reason_for_what_another_test_found():
         " by a test of its own."
     )
     assert verdict_sentences("unknown", {}, *rest)[0].startswith("Something is wrong (p = 1) that no ")
+
+
+def test_what_the_gas_asks_for_stands_in_the_first_sentence():
+    """A page headed "a cause is named" began with "no single cause of the catalogue explains"."""
+    entry = {"name": "copper", "sentence": "Copper: 1."}
+    rest = (["Cu"], 0.2, "a wandering gain", None, [], [])
+    first, *_ = verdict_sentences("named+unknown", {"Cu": entry}, [], *rest)
+    assert first == (
+        "The gas differs from the simulated one as if by: copper; something is wrong (p = 0.2) that no single"
+        " cause of the catalogue explains: a wandering gain."
+    )
+    both = {"Cu": entry, "winE": {"name": "deposit", "sentence": "Deposit: 1."}}
+    first, *others = verdict_sentences("named", both, ["winE"], *rest)
+    assert "deposit" in first and "copper" in first and "Copper: 1." in others
+
+
+def test_a_shift_is_taken_where_both_temperatures_are():
+    """An extension without a value where the base model has one ended in a report that holds no number."""
+    both = {"base_temperature": [1200.0, 1300.0, 1350.0], "extended_temperature": [1210.0, 1280.0, np.nan]}
+    rows = {name: ("time_bin", np.array(values)) for name, values in both.items()}
+    temperature = xr.Dataset(rows, {"time_bin": [10.0, 20.0, 30.0]})
+    findings = SimpleNamespace(span=(5.0, 40.0))
+    assert largest_shift(findings, temperature) == -20.0
+    nowhere = temperature.assign(extended_temperature=("time_bin", np.full(3, np.nan)))
+    assert largest_shift(findings, nowhere) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -27,11 +27,12 @@ def verdict_sentences(
     if status == "not-adequate":
         lines = ["The base model does not fit well enough to judge single causes."]
     elif named:
-        lines = [f"The data reject the base model ({p}); the best explanation: {names}."]
+        beside = f"; the gas differs from the simulated one as if by: {gas}" if gas else ""
+        lines = [f"The data reject the base model ({p}); the best explanation: {names}{beside}."]
     elif unknown_name:
         how, end = ("", ", by a test of its own") if apart else (f" ({p})", "")
-        what = f"{unknown_name}{end}"
-        lines = [f"Something is wrong{how} that no single cause of the catalogue explains: {what}."]
+        what = f"omething is wrong{how} that no single cause of the catalogue explains: {unknown_name}{end}."
+        lines = [f"The gas differs from the simulated one as if by: {gas}; s{what}" if gas else f"S{what}"]
     else:
         lines = [f"{AGREE}: {NOTHING_NEEDED}."]
         if gas:
@@ -40,8 +41,6 @@ def verdict_sentences(
         lines = [f"{AGREE}, which holds {listed(held)} in the view: nothing else is needed."]
     elif held:
         lines[0] = f"{lines[0][:-1]}; the base model holds {listed(held)} in the view."
-    if gas and (named or unknown_name) and status != "not-adequate":
-        lines.append(f"The spectrum of the gas differs from the simulated one as if by: {gas}.")
     if status != "not-adequate":
         lines += [candidates[identity]["sentence"] for identity in (*named, *of_gas)]
     if named and unknown_name:

@@ -351,8 +351,11 @@ def _placed(one, blank, places):
 
 
 def largest_shift(findings, temperature):
-    """Largest change [K] of the temperature by the extension, where it is hot and has settled."""
+    """Largest change [K] of the temperature by the extension, where both are hot and have settled; 0 where
+    they nowhere are."""
     time = temperature["time_bin"].values
     change = (temperature["extended_temperature"] - temperature["base_temperature"]).values
-    hot = (time >= findings.span[0]) & (temperature["base_temperature"].values > COLDEST)
+    hot = (
+        (time >= findings.span[0]) & (temperature["base_temperature"].values > COLDEST) & np.isfinite(change)
+    )
     return float(change[hot][np.argmax(np.abs(change[hot]))]) if hot.any() else 0.0
