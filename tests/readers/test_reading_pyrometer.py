@@ -156,8 +156,10 @@ def test_thousands_are_not_taken_for_decimals(tmp_path):
     np.testing.assert_allclose(read(tmp_path, stated, pyrometer__csv=text).signal_wide[0], 1.2e-9)
 
 
-def test_burst_log_with_clock_times(tmp_path):
-    test = contracts.check(read(tmp_path, samples.MARATHON, pyrometer__log=samples.log()), "test")
+@pytest.mark.parametrize("quoted", ["{0} {1}", '"{0} {1}"', '"{0}" {1}'])
+def test_burst_log_with_clock_times(tmp_path, quoted):
+    log = "".join(quoted.format(*line.split(" ", 1)) + "\n" for line in samples.log().splitlines())
+    test = contracts.check(read(tmp_path, samples.MARATHON, pyrometer__log=log), "test")
     np.testing.assert_allclose(test.time, np.arange(20.0), atol=1e-9)
     np.testing.assert_allclose(test.signal_wide, 800 + np.arange(20.0))
     np.testing.assert_allclose(test.signal_narrow, 300 + np.arange(20.0) / 2)

@@ -123,9 +123,8 @@ def _names(letters):
 
 def _line(line):
     """Time stamp (its kind, seconds or None) and items of one line; ValueError says what is wrong."""
-    clock = CLOCK.match(line.strip().strip("\"'"))
-    words = line.strip()
-    stamp = "none", None
+    words = _unquoted(line)
+    clock, stamp = CLOCK.match(words), ("none", None)
     if clock:
         stamp, words = _clock(clock), words[clock.end() :]
     else:
@@ -148,10 +147,15 @@ def _line(line):
     return stamp, row
 
 
+def _unquoted(line):
+    """A line without the quotes that a program put around it, or around its time."""
+    return line.translate({ord(one): " " for one in "\"'"}).strip()
+
+
 def first_line(line):
     """Time stamp as it is written, or None, and items of one line; ValueError says what is wrong."""
     (_, value), row = _line(line)
-    clock = CLOCK.match(line.strip().strip("\"'"))
+    clock = CLOCK.match(_unquoted(line))
     return clock[0] if clock else value if value is None else f"{value:.13g}", row
 
 
