@@ -5,10 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from two_bands import RESPONSE
 from worlds import case, engine, faults, laboratory, sample
 from worlds.faults import EFFECTS
 from worlds.measure import Measure, within_stated
+
+from plasmapyro.record.emittance import tilt
+
+RESPONSES = "responsivity_wide", "responsivity_narrow"
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +21,7 @@ def stage():
     bench = case.Bench(RESPONSE, {80e3: None}, [80e3], 35.0, [None], [5000.0], [laboratory.draw(5)])
     body = dict(kind="lumped", emittance=0.85, flux=4e5, rise=1.0, recovery=5000.0, depth=3e-3,
                 conductivity=50.0, capacity=2.5e6, contact=40.0, recession=0.0)  # fmt: skip
-    base = case.Base(1, 0, 0, "80kW", 8e4, 5e3, 35.0, body, 0.85, 1.3, 0.01, 0.001, 150.0, 180.0)
+    base = case.Base(1, 0, 0, "80kW", 8e4, 5e3, 35.0, body, 0.85, 1.3, 0.01, 0.001, 150.0, 180.0, 0.0, 0.0)
     made = case.Stage(bench, base)
     lab = laboratory.draw(5).__dict__ | {"has_pyrometer": True, "has_spectrometer": True, "exposure": 0.8}
     lab |= {"pixels": 500, "period": 1.0, "pyrometer_rate": 10.0, "fwhm": 1e-9}
@@ -73,6 +78,39 @@ def test_an_exposure_is_the_mean_of_its_light(stage):
     np.testing.assert_allclose(
         stage.record.mean(time, ramp)[inside, 0], stage.record.middles[inside], atol=1e-9
     )
+
+
+def test_frames_that_are_late_see_what_is_there_then(stage):
+    time, late = stage.scene.time, np.linspace(-0.02, 0.02, stage.record.middles.size)
+    np.testing.assert_allclose(
+        stage.record.mean(time, time[:, None], late)[:, 0], stage.record.middles + late, atol=1e-9
+    )
+
+
+def test_an_emittance_that_falls_over_wavelength_is_larger_in_the_wide_band(stage):
+    """The files of the package have its law too: 1 + b (wavelength - 0.95 um)."""
+    sloped = case.Stage(stage.bench, replace(stage.base, slope=-0.2, slope_error=0.01))
+    sloped.__dict__ |= {name: stage.__dict__[name] for name in ("lab", "components")}
+    surface = sloped.scene.surface["p"][60] / stage.scene.surface["p"][60]
+    near = np.argmin(np.abs(laboratory.SMOOTH - 1.05e-6))
+    assert surface[near] == pytest.approx(0.98, abs=2e-3)  # the windows glow a little
+    law = xr.Dataset(
+        {name: ("wavelength", row) for name, row in zip(RESPONSES, sloped.scene.bands, strict=True)},
+        {"wavelength": laboratory.SMOOTH},
+    )
+    assert tilt(sloped.colour_ratio(), law) == pytest.approx(-0.2e6, rel=1e-3)
+    stated = sloped.test([]).attrs["emittance_slope"]
+    assert stated == pytest.approx(1.01 * sloped.colour_ratio()) and sloped.colour_ratio() > 1.02
+
+
+def test_gains_of_bands_flicker_apart(stage):
+    """Of a sample that stands still the ratio of the bands scatters by what it is told to, over seconds."""
+    lab = replace(stage.lab, noise=0.0, jitter=0.0, wander=(0.0, 0.0, 0.0), bits=40, gain_flicker=2e-3)
+    record = laboratory.Record(lab, stage.scene, 3, 0.0)
+    test = record.dataset(stage.scene, stage.scene, {})
+    ratio = np.log(test.signal_wide.values / test.signal_narrow.values)[(test.time > 130) & (test.time < 149)]
+    means = ratio[: ratio.size // 10 * 10].reshape(-1, 10).mean(axis=1)
+    assert 5e-4 < np.std(np.diff(means)) / np.sqrt(2) < 4e-3
 
 
 def test_a_slit_keeps_the_light_of_a_line():

@@ -12,12 +12,13 @@ from powers import ladder
 
 from worlds import laboratory, sample
 from worlds.engine import CENTRES, World
-from worlds.faults import EFFECTS, Context
+from worlds.faults import EFFECTS, MICRON, Context
 from worlds.laboratory import SMOOTH, Record, Scene, planck
 
 WORLDS = 6  # gases of one set of cases, half of them with the scatter of published accuracies
 MOST = 1.2e6  # spectra times pixels of one test
 POWER_ERROR, EMITTANCE_ERROR = 0.05, 0.03
+SLOPE, SLOPE_ERROR = 0.08, 0.005  # of the emittance: per um, and of its ratio between the bands
 PRESSURE = 5000.0  # [Pa] of the main job
 
 
@@ -39,6 +40,8 @@ class Base:
     swing: float
     off: float
     end: float
+    slope: float  # of the emittance [um-1]
+    slope_error: float  # stated over true ratio of the emittances in the bands, less one
 
 
 @dataclass
@@ -106,6 +109,8 @@ def draw(seed, bench):
         float(random.uniform(0, 0.002)),
         off,
         off + float(random.uniform(20, 60)),
+        float(SLOPE * np.clip(random.normal(), -2.5, 2.5)),
+        float(random.normal(0, SLOPE_ERROR)),
     )
 
 
@@ -202,7 +207,8 @@ class Stage:
         time = laboratory.grid(-before, base.off, base.end)
         kelvin = body.history(time, base.off)
         plasma = (time < base.off).astype(float)
-        surface = base.sample["emittance"] * planck(SMOOTH, kelvin[:, None]) * (time >= 0)[:, None]
+        colour = base.sample["emittance"] * (1 + base.slope * (MICRON - 0.95))
+        surface = colour * planck(SMOOTH, kelvin[:, None]) * (time >= 0)[:, None]
         random = np.random.default_rng([base.seed, 33])
         swing = base.swing * np.sin(2 * np.pi * time / random.uniform(60, 300) + random.uniform(0, 6.3))
         amplitude = plasma * np.where(time < 0, base.before_injection, 1.0) * (1 + swing)
@@ -248,6 +254,12 @@ class Stage:
             seed=self.base.seed,
         )
 
+    def colour_ratio(self):
+        """Emittance in the wide band over that in the narrow one, of a surface of 1600 K."""
+        light = self.scene.bands * planck(SMOOTH, 1600.0)
+        wide, narrow = light @ (1 + self.base.slope * (MICRON - 0.95)) / light.sum(axis=1)
+        return float(wide / narrow)
+
     def hidden(self, effects):
         """The scene with effects (dicts of effect, amplitude, shape)."""
         scene = self.scene
@@ -276,6 +288,8 @@ class Stage:
             attributes |= {
                 "window_transmittance_pyrometer": lab.windows[0],
                 "pyrometer_integration_time": lab.integration,
+                "emittance_slope": self.colour_ratio() * (1 + base.slope_error),
+                "emittance_slope_uncertainty": SLOPE_ERROR,
             }
         if lab.has_spectrometer:
             attributes |= {

@@ -10,6 +10,7 @@ from worlds.gas import BOLTZMANN, LIGHT, PLANCK
 
 SMOOTH = np.arange(650.0, 1231.0, 1.0) * 1e-9  # wavelengths of smooth light [m]
 FULL = 65535.0
+ROOM = 0.1  # [s] before the first frame and behind the last, which may be early or late
 LAMPS, DARKS = 20, 50  # scans of a calibration, and of the dark of a test
 TOGETHER, APART, DRIFT, POINTING = 60.0, 90.0, 80.0, 0.7  # [s]: memory of gains, ratio, spectrometer, aim
 POINTS_K = np.arange(973.0, 1774.0, 50.0)  # set points of the black body
@@ -52,6 +53,8 @@ class Laboratory:
     read_noise: float  # [counts]
     electrons: float  # per count
     lamp: float  # stated temperature of the spectrometer's source [K]
+    gain_flicker: float  # 1/f noise of the gain of each band by itself
+    frame_jitter: float  # of the times of frames, that a computer takes [s]
 
     @property
     def wavelength(self):
@@ -97,6 +100,8 @@ def draw(seed):
         read_noise=log(3, 25),
         electrons=log(2, 20),
         lamp=float(random.choice([1573.0, 1673.0, 1773.0])),
+        gain_flicker=log(5e-5, 5e-4),
+        frame_jitter=log(1e-4, 2e-2),
     )
 
 
@@ -304,8 +309,8 @@ class Record:
         self.lab, self.random_seed, self.flicker_size = lab, seed, flicker
         self.start, self.end = scene.time[0], scene.time[-1]
         self.instants = np.arange(self.start, self.end, 1 / lab.pyrometer_rate)
-        frames = int((self.end - self.start) / lab.period)
-        self.middles = self.start + lab.period * np.arange(frames) + lab.exposure / 2
+        frames = int((self.end - self.start - 2 * ROOM) / lab.period)
+        self.middles = self.start + ROOM + lab.period * np.arange(frames) + lab.exposure / 2
 
     def signals(self, scene, instants=None):
         """Signals (2, t) of the pyrometer without noise."""
@@ -323,8 +328,8 @@ class Record:
             result = reading(instants, result)
         return result
 
-    def rates(self, scene):
-        """Count rates (frames, W) of the spectrometer without noise."""
+    def rates(self, scene, late=0.0):
+        """Count rates (frames, W) of the spectrometer without noise, of frames that are late by times [s]."""
         lab, pixels = self.lab, self.lab.wavelength
         total = np.zeros((scene.time.size, pixels.size))
         fine = through_slit(scene.fine, pixels, lab.fwhm, scene.blur)
@@ -341,20 +346,20 @@ class Record:
         total *= np.array(
             [np.interp(pixels, SMOOTH, row) for row in np.broadcast_to(scene.path["s"], light.shape)]
         )
-        result = self.mean(scene.time, total) * sensitivity(lab) * scale(lab)
+        result = self.mean(scene.time, total, late) * sensitivity(lab) * scale(lab)
         for rate in scene.rates:
             result = rate(self.middles, result)
         return result
 
-    def mean(self, time, rows):
-        """Means over the exposures (frames, ...) of rows (t, ...) linear between the times."""
+    def mean(self, time, rows, late=0.0):
+        """Means over the exposures (frames, ...), late by times [s], of rows (t, ...), linear in time."""
         sums = np.concatenate(
             [
                 np.zeros((1, *rows.shape[1:])),
                 np.cumsum(np.diff(time)[:, None] * (rows[1:] + rows[:-1]) / 2, axis=0),
             ]
         )
-        half = self.lab.exposure / 2
+        half, middles = self.lab.exposure / 2, self.middles + late
 
         def until(at):
             left = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
@@ -362,9 +367,7 @@ class Record:
             slope = (rows[left + 1] - rows[left]) / np.diff(time)[left][:, None]
             return sums[left] + share * rows[left] + share**2 / 2 * slope
 
-        return (
-            until(np.minimum(self.middles + half, time[-1])) - until(self.middles - half)
-        ) / self.lab.exposure
+        return (until(middles + half) - until(middles - half)) / self.lab.exposure
 
     def dataset(self, scene, dark_scene, attributes):
         """A test file: signals and counts with all noises; `dark_scene` is the scene without the gas."""
@@ -379,6 +382,8 @@ class Record:
                 random, self.instants, POINTING, lab.pointing
             )
             apart = np.array([[0.5], [-0.5]]) * _wander(random, self.instants, APART, lab.wander[2])
+            own = [np.interp(instants, common, _pink(random, common.size)) for _ in bare]
+            apart = apart + lab.gain_flicker * np.array(own)
             signals = (bare + gas * np.interp(instants, common, flicker)) * (1 + together + apart)
             signals += signals * random.normal(0, lab.noise, signals.shape)
             least = 2.0 * signals.max(axis=1, keepdims=True) / 2**lab.bits  # one step of the converter
@@ -386,9 +391,10 @@ class Record:
             test = test.assign_coords(time=("time", self.instants))
             test["signal_wide"], test["signal_narrow"] = ("time", signals[0]), ("time", signals[1])
         if lab.has_spectrometer:
-            middles = self.middles + random.normal(0, lab.jitter, self.middles.size)
-            gas = self.rates(scene) - (bare := self.rates(dark_scene))
-            steady = self.mean(common, flicker[:, None])
+            late = random.normal(0, lab.frame_jitter, self.middles.size)
+            middles = self.middles + late
+            gas = self.rates(scene, late) - (bare := self.rates(dark_scene, late))
+            steady = self.mean(common, flicker[:, None], late)
             drift = (
                 1
                 + _wander(random, middles, DRIFT, lab.wander[0])

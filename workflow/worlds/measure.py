@@ -29,6 +29,7 @@ FAINT = 1e-3  # of the light of the gas: strengths of less are not told apart
 # ASSUME: a kelvin between line lamp and test. Its slit: of two stated digits the last is uncertain by 0.29
 # (JCGM 100:2008, F.2.2.1).
 SCALE, DIGIT = 0.02e-9, 0.29
+TILT = 0.03  # [um-1] of the emittance: 0.005 of its ratio between the bands
 
 
 class Measure:
@@ -83,7 +84,9 @@ class Measure:
         flicker = (self.stage.base.flicker * self.gas[0]) ** 2 * min(1.0, 2.0 / span)
         step = 2 * signals.max(initial=0) / 2**lab.bits
         first = np.sqrt(
-            signals**2 * (lab.noise**2 / self.every + steady) + flicker + step**2 / (4 * self.every)
+            signals**2 * (lab.noise**2 / self.every + steady + lab.gain_flicker**2)
+            + flicker
+            + step**2 / (4 * self.every)
         )
         number = self.merge[0] * self.merge[1]
         counts = (
@@ -135,6 +138,8 @@ class Measure:
             if index:
                 whole = self.reference[1][usable] / noise
                 rows = _without(rows, whole, self.lab.pointing, 1)
+                slope = np.gradient(self.reference[1], self.times[1], axis=0)[usable] / noise
+                rows = _without(rows, slope, self.lab.frame_jitter / np.sqrt(self.merge[0]), 1)
                 rows = _without(rows, light, self.stage.base.flicker, 1)
                 free = self._pixels(gas)
                 rows = rows - np.einsum("fpk,pk->fp", free, np.einsum("fpk,fp->pk", free, rows))
@@ -182,7 +187,7 @@ class Measure:
             yield [wander[2] * signals * course * [[0.5], [-0.5]], 0 * rates]
         for course in wander_of(second, DRIFT).T if second.size else ():
             yield [0 * signals, wander[0] * rates * course[:, None]]
-        for name, size in (("edge1", 0.7), ("edge2", 0.7), ("resp_long", 0.015)):
+        for name, size in (("edge1", 0.7), ("edge2", 0.7), ("resp_long", 0.015), ("eps_slope", TILT)):
             yield self._difference(EFFECTS[name].apply(stage.scene, size, {}, stage.context))
         if not gas:
             return
