@@ -57,12 +57,14 @@ def is_mark(cells, needed, width):
     """Whether cells of a line name an event ('--- injection ---', also behind its time): words, no sample.
 
     Of the `needed` columns of a table of so many cells at least one is a word, or absent. As many words as a
-    row has cells are none: they may be the names of another table.
+    row has cells are none: they may be the names of another table; nor is a word in a row that lacks nothing:
+    it may be the reading.
     """
     words = [cell for cell in cells if not missing(cell) and not is_value(cell)]
     lost = len(cells) <= max(needed) or any(cells[place] in words for place in needed)
     plain = all(LETTERS.search(word) or not any(map(str.isdigit, word)) for word in words)
-    few = sum(map(is_value, cells)) <= 1 and (len(words) == 1 or len(cells) != width)
+    lacking = len(words) == 1 and any(map(missing, cells))
+    few = sum(map(is_value, cells)) <= 1 and (lacking or len(cells) != width)
     return lost and plain and few and any(map(LETTERS.search, words))
 
 

@@ -97,9 +97,9 @@ def stuck(values, changing=False):
 def asked_again(values):
     """Samples (t,) that a logger took again before the instrument gave a new one.
 
-    `values` (t, 2): bands behind a plasma, that repeat at once and often; rounding makes one of them do so
-    without the other. The first of equal ones is a measurement and is not among them; nothing is told at the
-    lowest level of a band.
+    `values` (t, 2): bands behind a plasma, that repeat at once and often, and then jump by more than the
+    steps of a converter; rounding makes one of them do so without the other, and changes it by a step. The
+    first of equal ones is a measurement and is not among them; nothing is told at the lowest level of a band.
     """
     above = (values > np.nanmin(values, axis=0, initial=np.inf)).all(axis=1)[1:]
     same = (values[1:] == values[:-1]) & above[:, None]
@@ -107,7 +107,13 @@ def asked_again(values):
     share = same.sum(axis=0) / count
     chance = share.prod()
     least = max(LONGEST / count, REPEATED, chance + TOGETHER * (share.max() - chance))
-    return np.append(False, both & (both.sum() / count > least))
+    often = both.sum() / count > least and np.count_nonzero(both[1:] & ~both[:-1]) > LONGEST
+    if not often:
+        return np.zeros(len(values), dtype=bool)
+    change = np.abs(np.diff(values, axis=0))
+    step = np.min(change, axis=0, where=change > 0, initial=np.inf)
+    after = np.median(change[1:][both[:-1] & ~both[1:]], axis=0)
+    return np.append(False, both & (after > STEPS * step).all())
 
 
 def clipped(values):
