@@ -305,6 +305,20 @@ def test_gains_of_bands_that_flicker_apart_make_means_of_their_ratio_less_certai
     assert true / 2 < found < 2 * true + 1.4e-4
 
 
+@pytest.mark.parametrize("bright", range(6))
+def test_a_few_bright_samples_tell_a_finite_flicker_of_gains(random, bright):
+    """One of them had ended in eigenvalues that did not converge: a slow pyrometer before a bright gas."""
+    level = np.ones((20, 2))
+    gas = np.where(np.arange(20) < bright, 0.0, 0.5)[:, None] * level
+    noisy = 1e-3 * random.standard_normal((20, 2))
+    used, phase = np.ones(20, dtype=bool), np.zeros(20, dtype=int)
+    law = noise._gains(noisy, level, gas, used, phase, 0.7)
+    assert np.isfinite(law.total) and law.total < 1e-5
+    instrument = SimpleNamespace(kind="pyrometer", raw_moment=0.7 * np.arange(20.0)[:, None] * np.ones(2))
+    rest = noise.NoiseModel(0.0, 0.0, 1e-6, 0.0, noise.Coloured(), 1.0, own=law)
+    assert 0 < noise._late(noisy, level, gas, used, phase, instrument, 1e6 * level, rest) < 1e-2
+
+
 @pytest.mark.parametrize("jitter", [0.0, 0.02, 0.05])
 def test_frames_whose_times_jitter_are_as_uncertain_as_their_light_changes(random, jitter):
     """Frames of 0.5 s of a surface that heats by 8 % a second at first, with 0.05 % of noise."""

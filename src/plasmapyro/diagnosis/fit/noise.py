@@ -302,7 +302,7 @@ def _gains(residual, prediction, gas, used, phase, period):
     relative = residual / np.maximum(prediction, 1e-30)
     chosen = used & bright & np.isfinite(relative).all(axis=1)
     chosen &= (gas < CLEAR * np.maximum(prediction, 1e-30)).all(axis=1)
-    if not chosen.any():
+    if np.count_nonzero(chosen) < THIRD.size:
         return Coloured()
     apart = (relative - relative.mean(axis=1, keepdims=True))[chosen] / np.sqrt(1 - 1 / bands)
     rough = np.maximum(clipped_variance(np.diff(apart, axis=0), axis=0) / 2, LEAST_NOISE**2)
