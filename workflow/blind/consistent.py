@@ -1,11 +1,12 @@
 """Whether what a diagnosis says of a test agrees with itself."""
 
 ANSWERS = {"null": "none", "unknown": "unknown"}
-OPENINGS = {  # how the first sentence begins: of names of the thermometer, of the gas alone, of none
+OPENINGS = {  # how the first sentence begins: of names of the thermometer, of the gas alone, of none, of both
     "thermometer": "The data reject the base model",
     "gas": "Surface, path and instruments agree",
     "null": "The data agree with the base model",
     "unknown": "Something is wrong",
+    "gas and unknown": "The gas differs from the simulated one as if by",
     "not-adequate": "The base model does not fit",
 }
 UNKNOWN = ("unknown", "named+unknown")
@@ -47,7 +48,7 @@ def _opening(status, terms):
         return status
     if terms:
         return "thermometer"
-    return "unknown" if status == "named+unknown" else "gas"
+    return "gas and unknown" if status == "named+unknown" else "gas"
 
 
 def _of_extension(report, first, terms):
