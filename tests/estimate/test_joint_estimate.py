@@ -170,6 +170,25 @@ def test_coarse_steps_of_the_pyrometer_s_converter_are_noise(made):
     assert np.median(samples.noise[0][cool]) == pytest.approx(step / np.sqrt(12), rel=0.2)
 
 
+def test_a_slope_of_the_emittance_that_is_uncertain_tilts_spectra(made, response, found):
+    """An emittance that rises by 6 % per um, one standard deviation of a stated 1 % of the bands' ratio."""
+    test, truth, calibration, counts = made
+    rise = 1 + 0.06e6 * (test.wavelength - 0.95e-6)
+    net = (test.counts - test.background_counts) * rise + test.background_counts
+    sloped = test.assign(counts=net.assign_attrs(test.counts.attrs))
+    hot = (found.time > 60) & (found.time < 290)
+    pulls = []
+    for unsure in (0.0, 0.01):
+        stated = sloped.assign_attrs(emittance_slope_uncertainty=unsure)
+        again = estimate(stated, calibration, response, counts, **board.SETTINGS)
+        error = np.abs(again.surface_temperature - truth.surface_temperature)
+        pulls.append(float((error / again.surface_temperature_uncertainty)[hot].mean()))
+        if unsure:
+            wider = again.surface_temperature_uncertainty / found.surface_temperature_uncertainty
+            assert float(wider[hot].median()) > 1.1
+    assert pulls[1] < min(pulls[0], 1.0)
+
+
 def test_a_deposit_before_the_spectrometer_is_its_drift(made, response, found):
     """A window that loses 8 % while the plasma burns stands before one instrument only."""
     test, truth, calibration, counts = made

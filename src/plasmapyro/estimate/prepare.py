@@ -15,7 +15,7 @@ from plasmapyro.instrument.spectrometer import NORMAL_MAD, local_noise
 from plasmapyro.instrument.wander import MEMORY, WANDER, wandering
 from plasmapyro.record import noise
 from plasmapyro.record.binning import finite_mean, groups
-from plasmapyro.record.emittance import relative_emittance
+from plasmapyro.record.emittance import PIVOT, relative_emittance
 from plasmapyro.record.rounding import rounding
 
 MOST_SAMPLES = 12000  # of the chain; a longer record is averaged over groups of samples
@@ -232,12 +232,22 @@ def first_path(samples, data, gas, emittance, initial_temperature):
 
 
 def spectrometer_data(
-    record, frames, time, source_temperature, flicker, noise_block, spans, slope=0.0, shared=True, **course
+    record,
+    frames,
+    time,
+    source_temperature,
+    flicker,
+    noise_block,
+    spans,
+    slope=(0.0, 0.0),
+    shared=True,
+    **course,
 ):
     """What the spectrometer contributes: means of the bins; None if no exposure is of use.
 
-    Exposures during which the probe moves in or the plasma starts or ends are left out. `shared`:
-    its source is that of the pyrometer. `course`: `relative` and `basis` of a `radiometer.Course`.
+    Exposures during which the probe moves in or the plasma starts or ends are left out. `slope`: `tilt` of
+    the emittance and its standard uncertainty [m-1], which joins the course of the scale. `shared`: its
+    source is that of the pyrometer. `course`: `relative` and `basis` of a `radiometer.Course`.
     """
     pixels, radiance, instrument = frames.wavelength, frames.sound, spectrometer(frames.wavelength)
     usable = np.isfinite(radiance)
@@ -251,19 +261,22 @@ def spectrometer_data(
     if not good.any():
         return None
     own = _of_pixels(instrument, pixels, usable.any(axis=0), good)
+    scale = scale_modes(instrument.wavelength[good])
+    if slope[1]:
+        scale = np.column_stack([scale, slope[1] * (instrument.wavelength[good] - PIVOT)])
     return SpectrometerData(
         *placed(frames, time),
         mean[:, good],
         np.where(np.isfinite(mean), spread, 1.0)[:, good],
         frames.time >= 0,
         frames.time <= record.off,
-        GreyTable(lit(own, slope, course.get("relative"))),
+        GreyTable(lit(own, slope[0], course.get("relative"))),
         (SECOND_RADIATION / instrument.wavelength / source_temperature**2)[good],
         flicker,
         source="source_error" if shared else "spectrometer_source_error",
         shape=course["basis"](instrument.wavelength[good]) if course else None,
         drift=ramps(frames.time),
-        scale=scale_modes(instrument.wavelength[good]),
+        scale=scale,
         jitter=jitter(mean[:, good], spread[:, good]),
     )
 

@@ -17,7 +17,7 @@ from plasmapyro.estimate.throughput import CHANCE, NAME, in_doubt
 from plasmapyro.instrument.calibration import EXTRAPOLATED, VALID
 from plasmapyro.record import budget, flags, status
 from plasmapyro.record.attributes import carried
-from plasmapyro.record.emittance import UNTOLD, tilt, with_temperature
+from plasmapyro.record.emittance import UNTOLD, tilt, tilt_uncertainty, with_temperature
 from plasmapyro.record.record import Record, record_of
 
 FIRST_TEMPERATURE = 1.0  # [K] before injection: what is not known of the surface enters with it
@@ -141,7 +141,7 @@ def posterior(
     correlation = samples.flicker_time if told else gas_flicker_time
     gas = prepare.first_gas(record, samples)
     frames, bands = record.instrument("spectrometer"), record.instrument("radiometer")
-    slope, course, keys = 0.0, None, {}
+    slope, course, keys = (0.0, 0.0), None, {}
     if bands is not None:
         seen = [
             radiometer_calibration.wavelength.values,
@@ -153,8 +153,9 @@ def posterior(
         course = radiometer.course_of(record, seen, emissivity_shape, emissivity_length)
         keys = {"relative": course.relative, "basis": course.basis}
     if record.instrument("pyrometer") is not None:
-        slope = tilt(record.emittance_slope, response)
-        leading = prepare.pyrometer_data(samples, response, calibration, gas, slope, course)
+        stated = record.emittance_slope, record.emittance_slope_uncertainty
+        slope = tilt(stated[0], response), 0.0 if frames is None else tilt_uncertainty(*stated, response)
+        leading = prepare.pyrometer_data(samples, response, calibration, gas, slope[0], course)
         fixed = prepare.pyrometer_constants(
             record, leading, calibration, gas, gas_change, band_shift_uncertainty
         )

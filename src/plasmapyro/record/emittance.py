@@ -43,6 +43,11 @@ def tilt(slope, response):
     return float((1 - slope) / (slope * narrow - wide))
 
 
+def tilt_uncertainty(slope, uncertainty, response):
+    """Standard uncertainty [m-1] of the `tilt` of a ratio of bands that is uncertain by so much [1]."""
+    return abs(tilt(slope + uncertainty, response) - tilt(slope, response)) if uncertainty else 0.0
+
+
 def relative_emittance(wavelength, tilt):
     """Emittance (...) at wavelengths (...) [m] over the stated one, see `tilt`."""
     return 1 + tilt * (np.asarray(wavelength) - PIVOT)

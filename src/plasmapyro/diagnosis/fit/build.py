@@ -15,7 +15,7 @@ from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.radiation.bandsignal import BANDS, responsivities
 from plasmapyro.radiation.planck import planck_and_slope
 from plasmapyro.record import binning, flags
-from plasmapyro.record.emittance import PER_MICRON, tilt
+from plasmapyro.record.emittance import PER_MICRON, tilt, tilt_uncertainty
 from plasmapyro.record.inputs import has_plasma
 from plasmapyro.record.rounding import rounding
 
@@ -156,7 +156,7 @@ def base_parameters(record, calibration, response=None):
     if response is None:
         ratio = float(np.hypot(ratio, unsure / slope))
     elif unsure > 0:
-        sigma = abs(tilt(slope + unsure, response) - tilt(slope, response)) / PER_MICRON
+        sigma = tilt_uncertainty(slope, unsure, response) / PER_MICRON
         sloped = (Parameter("emittance_slope", "slope of the emittance", sigma, "um-1"),)
     ratio = max(ratio, EXACT)
     source = 3.0 / UNIFORM
