@@ -217,8 +217,8 @@ def test_a_test_without_its_given_effects_is_the_one_that_never_had_them(record,
     # two instants, which 4e-5 of the light of a heating surface tells apart.
     assert np.abs(ratio - 1).max() < 1e-4
     late = free.spectrum_time.values > 130
-    # Of gains that may wander from 3 s to 3 s and flicker apart the fit tells the deposit to a quarter of
-    # what is stated.
+    # Of a gain that may wander from 3 s to 3 s and frames that may be 5 ms late the fit tells the deposit to
+    # a quarter of what is stated.
     assert all(abs(move["winE.amplitude"] - 0.1) < 2.5e-3 for move in moves)
     assert (more.spectral_radiance / free.spectral_radiance).values[late] == pytest.approx(0.9 / 0.88)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from plasmapyro.diagnosis.effects.instrument import clocks_apart
 from plasmapyro.diagnosis.fit.base import phase_of
+from plasmapyro.diagnosis.fit.noise import slope_of
 from plasmapyro.diagnosis.fit.observation import line_shapes
 from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.select.excursion import EXCURSION
@@ -167,7 +168,8 @@ def structures_of(model, solution, steps=WALK_STEPS):
                 classes.add_products(
                     f"walk_zero_{identity}", f"wandering zero of the {name}", {place: [(zero, walk)]}
                 )
-            tick = products.row(CLOCK * _slope(value - gas, time, model.off))
+            surface = np.where(time[:, None] >= 0, value - gas, 0.0)
+            tick = products.row(CLOCK * slope_of(surface, time, phase_of(time, model.off)))
             classes.add_products(
                 "walk_clock", f"wandering clock of the {instrument.source}", {place: [(tick, walk)]}
             )
@@ -347,15 +349,6 @@ def _waves(time, off):
     periods = span / np.arange(1.0, span / SHORTEST_PERIOD + 0.01, 0.5)
     angle = 2 * np.pi * time[:, None, None] / periods[:, None] + PHASES
     return np.sin(angle).reshape(time.size, -1)
-
-
-def _slope(surface, time, off):
-    """How fast the light (n, C) of a surface changes, each phase for itself [1/s of its unit]."""
-    result, phase = np.zeros(surface.shape), phase_of(time, off)
-    for own in (phase == 1, phase == 2):
-        if own.sum() > 1:
-            result[own] = np.gradient(surface[own], time[own], axis=0)
-    return result
 
 
 def _codes(signal):
